@@ -1,0 +1,2 @@
+//! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring.
+pub mod variator;

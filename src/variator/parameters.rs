@@ -1,0 +1,245 @@
+//! What a user sets before a run. One struct a group, one field a parameter of the interface; SI units, angles in rad.
+
+/// Which ring stands inside the variator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum RingModel {
+    /// Reference motion only (`q_f` = 0): drift, ratio and a ring tension carried along by friction.
+    Ale0 = 1,
+    /// Reference motion with overlaid deflection: bending, stretch, spiral running.
+    Ale = 2,
+}
+
+/// What drives the shaft of a pulley.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Drive {
+    /// The shaft torque is the input; the speed follows from `J ω̇ = T + belt torque`.
+    Torque = 1,
+    /// The speed follows its set point with a lag of [`SPEED_LAG`]; the torque this takes is an output.
+    Speed = 2,
+}
+
+/// What holds the movable sheave of a pulley.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Axial {
+    /// The clamping force is the input.
+    Force = 1,
+    /// The sheave is held where the geometric ratio is the initial ratio.
+    Held = 2,
+}
+
+/// Lag of a pulley's speed behind its set point in [`Drive::Speed`], s.
+pub const SPEED_LAG: f64 = 1e-3;
+
+/// Tilt stiffness from which a sheave counts as rigid, N·m/rad.
+pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
+
+/// All parameters of a variator. [`Default`] is the laboratory variator `bench168`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters {
+    /// Level of detail of the ring.
+    pub ring_model: RingModel,
+    /// Pulley distance, belt length, wedge angle.
+    pub geometry: Geometry,
+    /// The steel elements.
+    pub belt: Belt,
+    /// The two ring sets, as one planar beam.
+    pub ring: Ring,
+    /// Friction coefficients and their regularisation.
+    pub friction: Friction,
+    /// Element flank on sheave.
+    pub contact: Contact,
+    /// Primary pulley (driver, at (d_A, 0)).
+    pub primary: Pulley,
+    /// Secondary pulley (driven, at the origin).
+    pub secondary: Pulley,
+    /// Discretisation along the belt.
+    pub mesh: Mesh,
+    /// Time integration.
+    pub solver: Solver,
+    /// The state the run starts from.
+    pub initial: Initial,
+}
+
+/// Geometry of the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    /// Distance of the pulley axes d_A, m.
+    pub center_distance: f64,
+    /// Length L of the unstretched ring centre line, m.
+    pub belt_length: f64,
+    /// Half wedge angle β of the sheaves, rad.
+    pub wedge_angle: f64,
+}
+
+/// Push elements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belt {
+    /// Distance e of the rocking edge (pitch line) inside the ring centre line, m.
+    pub pitch_offset: f64,
+    /// End play: pitch-line length of the unstretched ring less the stacked thickness of all elements, m.
+    pub play: f64,
+    /// Mass m_e of the elements alone per pitch-line length, kg/m.
+    pub mass_per_length: f64,
+    /// Push stiffness k_e (force per strain of the stack), N.
+    pub push_stiffness: f64,
+    /// Damping time of the stack, acting in contact only, s.
+    pub damping: f64,
+}
+
+/// The ring sets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ring {
+    /// Mass m_r per length, kg/m.
+    pub mass_per_length: f64,
+    /// Axial stiffness EA, N.
+    pub axial_stiffness: f64,
+    /// Bending stiffness EI_n in the plane of the drive, N·m².
+    pub bending_stiffness: f64,
+    /// Kelvin–Voigt damping time η of the axial strain, s.
+    pub damping: f64,
+}
+
+/// Friction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Friction {
+    /// Coefficient μ between element flank and sheave.
+    pub pulley: f64,
+    /// Coefficient μ_r between ring and element saddle.
+    pub ring: f64,
+    /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
+    pub velocity: f64,
+}
+
+/// Flank contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Stiffness k_c per flank and pitch-line length, N/m².
+    pub stiffness: f64,
+    /// Damping time of the penetration, s.
+    pub damping: f64,
+}
+
+/// One pulley.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pulley {
+    /// What drives the shaft.
+    pub drive: Drive,
+    /// What holds the movable sheave.
+    pub axial: Axial,
+    /// Moment of inertia J of the pulley and what is rigidly connected to it, kg·m².
+    pub inertia: f64,
+    /// Mass m_z of the movable sheave, kg.
+    pub sheave_mass: f64,
+    /// Viscous damping d_z of the sheave's axial motion, N·s/m.
+    pub sheave_damping: f64,
+    /// Tilt stiffness k_tilt of one sheave, N·m/rad; from [`RIGID_TILT_STIFFNESS`] on it is rigid.
+    pub tilt_stiffness: f64,
+    /// Relaxation time of the tilt, s.
+    pub tilt_time: f64,
+    /// Pitch radius at the opening stop, m.
+    pub min_radius: f64,
+    /// Pitch radius at the closing stop, m.
+    pub max_radius: f64,
+}
+
+/// Elements along the belt: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary arc).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Ring elements on the primary arc.
+    pub primary_arc: i32,
+    /// Ring elements on the secondary arc; even, since ξ = 0 divides it in two.
+    pub secondary_arc: i32,
+    /// Ring elements on each strand.
+    pub strand: i32,
+    /// Chain cells in each ring element.
+    pub cells_per_element: i32,
+}
+
+/// Time integration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solver {
+    /// Relative tolerance of the error control.
+    pub tolerance: f64,
+    /// Longest internal step, s.
+    pub max_step: f64,
+}
+
+/// Start of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Initial {
+    /// Geometric ratio i_g = r_S/r_P at the start.
+    pub ratio: f64,
+    /// Speed ω_P of the primary pulley at the start, rad/s. 0 is a standstill, negative runs in reverse.
+    pub primary_speed: f64,
+    /// Start from the steady state at this ratio and speed.
+    pub steady: bool,
+    /// With `steady`: solve for the ratio too, from the two clamping forces.
+    pub equilibrium: bool,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let pulley = Pulley {
+            drive: Drive::Torque,
+            axial: Axial::Force,
+            inertia: 0.03,
+            sheave_mass: 2.0,
+            sheave_damping: 3.0e4,
+            tilt_stiffness: 7.0e5,
+            tilt_time: 2.0e-3,
+            min_radius: 0.030,
+            max_radius: 0.082,
+        };
+        Self {
+            ring_model: RingModel::Ale,
+            geometry: Geometry {
+                center_distance: 0.168,
+                belt_length: 0.703,
+                wedge_angle: 11.0_f64.to_radians(),
+            },
+            belt: Belt {
+                pitch_offset: 1.0e-3,
+                play: 4.0e-4,
+                mass_per_length: 1.33,
+                push_stiffness: 1.0e7,
+                damping: 5.0e-6,
+            },
+            ring: Ring {
+                mass_per_length: 0.24,
+                axial_stiffness: 5.57e6,
+                bending_stiffness: 0.0159,
+                damping: 2.0e-5,
+            },
+            friction: Friction {
+                pulley: 0.09,
+                ring: 0.05,
+                velocity: 5.0e-4,
+            },
+            contact: Contact {
+                stiffness: 5.0e9,
+                damping: 1.0e-6,
+            },
+            primary: pulley.clone(),
+            secondary: pulley,
+            mesh: Mesh {
+                primary_arc: 12,
+                secondary_arc: 12,
+                strand: 6,
+                cells_per_element: 2,
+            },
+            solver: Solver {
+                tolerance: 1.0e-4,
+                max_step: 1.0e-2,
+            },
+            initial: Initial {
+                ratio: 1.0,
+                primary_speed: 209.44,
+                steady: true,
+                equilibrium: false,
+            },
+        }
+    }
+}
