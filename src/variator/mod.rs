@@ -1,4 +1,6 @@
 //! The variator: parameters, state, residual, outputs, energy balance.
 
+pub mod instance;
 pub mod parameters;
 pub mod signals;
+pub mod validation;
