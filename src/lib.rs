@@ -1,2 +1,4 @@
 //! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring.
+pub mod reference_curve;
+pub mod scalar;
 pub mod variator;

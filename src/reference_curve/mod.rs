@@ -1,0 +1,106 @@
+//! Reference curves (paper 2, 3.1, 5.1): a closed planar curve r(ξ, Θ) of fixed length L that changes with one ratio
+//! coordinate Θ, cut into segments on which it is smooth.
+//!
+//! A mesh point η is a segment and a fraction f ∈ [0, 1] of it; ξ(η, Θ) moves with Θ while the point stays on its own
+//! arc or strand. Derivatives with respect to Θ are taken at fixed η. The curve runs clockwise: tangent
+//! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), turning angle χ growing, t' = κ n, n' = −κ t.
+
+mod circle;
+mod two_pulley;
+
+pub use circle::Circle;
+pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame};
+
+use crate::scalar::Real;
+use nalgebra::Vector2;
+use num_dual::Dual3_64;
+
+/// A quantity and its first and second derivative with respect to Θ at fixed η.
+#[derive(Clone, Copy, Debug)]
+pub struct Jet<T> {
+    /// Value.
+    pub v: T,
+    /// ∂/∂Θ.
+    pub d: T,
+    /// ∂²/∂Θ².
+    pub dd: T,
+}
+
+impl<T: Real> Jet<T> {
+    /// A constant.
+    pub fn constant(value: f64) -> Self {
+        Self {
+            v: T::from(value),
+            d: T::zero(),
+            dd: T::zero(),
+        }
+    }
+
+    /// Lifts a third-order jet in Θ to the scalar `T` of Θ; `dtheta` = Θ − Re Θ carries the derivatives of Θ.
+    pub fn lift(x: Dual3_64, dtheta: T) -> Self {
+        Self {
+            v: dtheta * x.v1 + x.re,
+            d: dtheta * x.v2 + x.v1,
+            dd: dtheta * x.v3 + x.v2,
+        }
+    }
+
+    /// `self` + `factor`·`other`.
+    #[inline]
+    pub fn plus_scaled(self, other: Self, factor: f64) -> Self {
+        Self {
+            v: self.v + other.v * factor,
+            d: self.d + other.d * factor,
+            dd: self.dd + other.dd * factor,
+        }
+    }
+}
+
+/// The reference curve at a mesh point.
+#[derive(Clone, Copy, Debug)]
+pub struct ReferencePoint<T: Real> {
+    /// Position, m.
+    pub r: Vector2<T>,
+    /// ∂r/∂Θ at fixed η, m.
+    pub r_theta: Vector2<T>,
+    /// ∂²r/∂Θ² at fixed η, m.
+    pub r_theta2: Vector2<T>,
+    /// Unit tangent, = r'.
+    pub t: Vector2<T>,
+    /// Unit inward normal.
+    pub n: Vector2<T>,
+    /// ∂χ/∂Θ at fixed η, rad.
+    pub chi_theta: T,
+    /// Curvature κ, 1/m.
+    pub kappa: T,
+    /// ∂κ/∂Θ at fixed η, 1/m.
+    pub kappa_theta: T,
+    /// Place ξ(η, Θ) on the curve, m.
+    pub xi: Jet<T>,
+}
+
+/// A closed curve with one ratio coordinate. Another belt system is another implementation (paper section 7).
+pub trait ReferenceCurve: Clone + Send + 'static {
+    /// Everything that depends on Θ alone, computed once for all mesh points.
+    type Frame<T: Real>: Clone;
+
+    /// Length L of the curve, the same for every Θ, m.
+    fn length(&self) -> f64;
+
+    /// Number of segments.
+    fn segments(&self) -> usize;
+
+    /// Whether Θ changes the curve at all. If not, it is no degree of freedom.
+    fn has_ratio(&self) -> bool {
+        true
+    }
+
+    /// Geometry at Θ. Outside the admissible range of Θ the frame holds NaN.
+    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
+
+    /// Length of a segment, m.
+    fn segment_length<T: Real>(frame: &Self::Frame<T>, segment: usize) -> Jet<T>;
+
+    /// The curve at fraction `fraction` of `segment`.
+    fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: f64) -> ReferencePoint<T>;
+}

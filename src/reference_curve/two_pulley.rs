@@ -1,0 +1,337 @@
+//! The reference curve of a variator (paper 5.1): two arcs and two strands, eq. (27) and (28).
+//!
+//! With i_g = (1−Θ)/(1+Θ), r_S = i_g r_P, φ = arccos((r_P−r_S)/d_A), b = √(d_A² − (r_P−r_S)²) the closure (27)
+//! L = 2b + 2 r_P(π−φ) + 2 r_S φ gives r_P(Θ). The printed (28) has misprints: ξ_P = ξ − r_Sφ − b and
+//! φ_P = φ + ξ_P/r_P; (29) mirrors at L − ξ. Written with the turning angle χ the whole loop is one formula:
+//! arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on P, 2π−φ to 2π on S.
+
+use super::{Jet, ReferenceCurve, ReferencePoint};
+use crate::scalar::Real;
+use nalgebra::Vector2;
+use num_dual::{Dual3_64, DualNum};
+use std::f64::consts::PI;
+
+/// Segments of the curve in the order of ξ.
+pub const SEGMENTS: usize = 5;
+
+/// The curve around two pulleys: S at the origin, P at (d_A, 0).
+#[derive(Clone, Debug)]
+pub struct TwoPulley {
+    center_distance: f64,
+    length: f64,
+}
+
+/// The belt does not fit the pulleys.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "no belt of length {length} m closes around pulleys {center_distance} m apart at a geometric ratio of {ratio}"
+)]
+pub struct GeometryError {
+    /// Belt length L, m.
+    pub length: f64,
+    /// Distance of the axes d_A, m.
+    pub center_distance: f64,
+    /// Geometric ratio i_g.
+    pub ratio: f64,
+}
+
+/// i_g = (1−Θ)/(1+Θ); the map is its own inverse.
+pub fn ratio_of_theta<T: Real>(theta: T) -> T {
+    (-theta + 1.0) / (theta + 1.0)
+}
+
+impl TwoPulley {
+    /// Curve of length `length` around pulleys `center_distance` apart, both in m.
+    #[must_use]
+    pub fn new(center_distance: f64, length: f64) -> Self {
+        Self {
+            center_distance,
+            length,
+        }
+    }
+
+    /// (φ, b) for radii r_P, r_S.
+    fn tangent<D: DualNum<Primitive = f64>>(&self, r_p: &D, r_s: &D) -> (D, D) {
+        let d = self.center_distance;
+        let difference = r_p.clone() - r_s;
+        let phi = (difference.clone() / d).acos();
+        let b = (-(difference.clone() * difference) + d * d).sqrt();
+        (phi, b)
+    }
+
+    /// Closure (27): length of the curve less L, m.
+    fn closure<D: DualNum<Primitive = f64>>(&self, r_p: &D, r_s: &D) -> D {
+        let (phi, b) = self.tangent(r_p, r_s);
+        b * 2.0 + r_p.clone() * (-phi.clone() + PI) * 2.0 + r_s.clone() * phi * 2.0 - self.length
+    }
+
+    /// r_P at ratio `ratio`, NaN where there is none, m.
+    fn primary_radius(&self, ratio: f64) -> f64 {
+        let mut r_p = (self.length - 2.0 * self.center_distance) / (PI * (1.0 + ratio));
+        // dL/dr_P along r_S = i r_P is α_P + i α_S: positive and bounded away from zero, so Newton converges from
+        // every start inside the range of φ.
+        let limit = self.center_distance / (1.0 - ratio).abs().max(1e-9);
+        r_p = r_p.clamp(0.0, 0.999 * limit);
+        for _ in 0..50 {
+            let (phi, _) = self.tangent(&r_p, &(ratio * r_p));
+            let slope = 2.0 * (PI - phi) + ratio * 2.0 * phi;
+            let step = self.closure(&r_p, &(ratio * r_p)) / slope;
+            r_p = (r_p - step).min(0.9999 * limit);
+            if step.abs() < 1e-16 * self.length {
+                break;
+            }
+        }
+        r_p
+    }
+
+    /// Reference radii (r_P, r_S) at a geometric ratio, m.
+    ///
+    /// # Errors
+    /// The belt is too short or too long for the distance of the axes.
+    pub fn radii(&self, ratio: f64) -> Result<(f64, f64), GeometryError> {
+        let r_p = self.primary_radius(ratio);
+        let r_s = ratio * r_p;
+        let closes = self.closure(&r_p, &r_s).abs() < 1e-12 * self.length;
+        if ratio > 0.0 && closes && r_p > 0.0 && r_s > 0.0 {
+            Ok((r_p, r_s))
+        } else {
+            Err(GeometryError {
+                length: self.length,
+                center_distance: self.center_distance,
+                ratio,
+            })
+        }
+    }
+}
+
+/// A vector and its first two derivatives with respect to Θ.
+#[derive(Clone, Copy, Debug)]
+struct VectorJet<T: Real> {
+    v: Vector2<T>,
+    d: Vector2<T>,
+    dd: Vector2<T>,
+}
+
+impl<T: Real> VectorJet<T> {
+    /// O + ρ(−cos χ, sin χ) with χ(Θ), ρ(Θ).
+    fn polar(rho: Jet<T>, chi: Jet<T>) -> Self {
+        let (sin, cos) = chi.v.sin_cos();
+        let e = Vector2::new(-cos, sin);
+        let t = Vector2::new(sin, cos);
+        Self {
+            v: e * rho.v,
+            d: e * rho.d + t * (rho.v * chi.d),
+            dd: e * (rho.dd - rho.v * chi.d * chi.d) + t * (rho.d * chi.d * 2.0 + rho.v * chi.dd),
+        }
+    }
+
+    fn plus_scaled(self, other: &Self, factor: f64) -> Self {
+        let f = T::from(factor);
+        Self {
+            v: self.v + other.v * f,
+            d: self.d + other.d * f,
+            dd: self.dd + other.dd * f,
+        }
+    }
+}
+
+/// [`TwoPulley`] at one Θ.
+#[derive(Clone, Debug)]
+pub struct TwoPulleyFrame<T: Real> {
+    center: [f64; 2],
+    /// Arc radii, secondary first, m.
+    pub radius: [Jet<T>; 2],
+    /// φ: half the secondary wrap angle, rad.
+    pub phi: Jet<T>,
+    lengths: [Jet<T>; SEGMENTS],
+    starts: [Jet<T>; SEGMENTS],
+    strands: [(VectorJet<T>, VectorJet<T>); 2],
+}
+
+/// (pulley, χ at the start, χ's sweep) of the arc segments as multiples: χ = a + bφ.
+fn arc_angles(segment: usize) -> (usize, [f64; 2], [f64; 2]) {
+    match segment {
+        0 => (0, [0.0, 0.0], [0.0, 1.0]),
+        2 => (1, [0.0, 1.0], [2.0 * PI, -2.0]),
+        _ => (0, [2.0 * PI, -1.0], [0.0, 1.0]),
+    }
+}
+
+impl ReferenceCurve for TwoPulley {
+    type Frame<T: Real> = TwoPulleyFrame<T>;
+
+    fn length(&self) -> f64 {
+        self.length
+    }
+
+    fn segments(&self) -> usize {
+        SEGMENTS
+    }
+
+    fn frame<T: Real>(&self, theta: T) -> TwoPulleyFrame<T> {
+        let value = theta.re();
+        let dtheta = theta - value;
+        let ratio = ratio_of_theta(Dual3_64::from_re(value).derivative());
+        let radius = self.primary_radius(ratio.re);
+        let slope = {
+            let (phi, _) = self.tangent(&radius, &(ratio.re * radius));
+            2.0 * (PI - phi) + ratio.re * 2.0 * phi
+        };
+        // The value is converged; each further Newton step makes one more derivative exact.
+        let mut r_p = Dual3_64::from_re(radius);
+        for _ in 0..3 {
+            r_p -= self.closure(&r_p, &(ratio * r_p)) / slope;
+        }
+        let r_s = ratio * r_p;
+        let (phi, b) = self.tangent(&r_p, &r_s);
+        let lift = |x| Jet::lift(x, dtheta);
+        let half = lift(r_s * phi);
+        let arc = lift(r_p * (-phi + PI) * 2.0);
+        let strand = lift(b);
+        let lengths = [half, strand, arc, strand, half];
+        let mut starts = [Jet::constant(0.0); SEGMENTS];
+        for k in 1..SEGMENTS {
+            starts[k] = starts[k - 1].plus_scaled(lengths[k - 1], 1.0);
+        }
+        let radius = [lift(r_s), lift(r_p)];
+        let phi = lift(phi);
+        let center = [0.0, self.center_distance];
+        let quarter = |chi: Jet<T>| chi.plus_scaled(Jet::constant(PI / 2.0), 1.0);
+        let end = Jet::constant(2.0 * PI).plus_scaled(phi, -1.0);
+        let mut lower = VectorJet::polar(radius[1], end);
+        lower.v.x += self.center_distance;
+        // t(χ) = (sin χ, cos χ) is the radial direction (−cos, sin) a quarter turn on.
+        let strands = [
+            (VectorJet::polar(radius[0], phi), VectorJet::polar(strand, quarter(phi))),
+            (lower, VectorJet::polar(strand, quarter(end))),
+        ];
+        TwoPulleyFrame {
+            center,
+            radius,
+            phi,
+            lengths,
+            starts,
+            strands,
+        }
+    }
+
+    fn segment_length<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize) -> Jet<T> {
+        frame.lengths[segment]
+    }
+
+    fn point<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: f64) -> ReferencePoint<T> {
+        let xi = frame.starts[segment].plus_scaled(frame.lengths[segment], fraction);
+        if segment == 1 || segment == 3 {
+            let (start, along) = &frame.strands[segment / 2];
+            let chi_theta = if segment == 1 { frame.phi.d } else { -frame.phi.d };
+            let position = start.plus_scaled(along, fraction);
+            let t = along.v * frame.lengths[segment].v.recip();
+            return ReferencePoint {
+                r: position.v,
+                r_theta: position.d,
+                r_theta2: position.dd,
+                t,
+                n: crate::scalar::turn_right(t),
+                chi_theta,
+                kappa: T::zero(),
+                kappa_theta: T::zero(),
+                xi,
+            };
+        }
+        let (pulley, start, sweep) = arc_angles(segment);
+        let chi = Jet::constant(start[0] + fraction * sweep[0])
+            .plus_scaled(frame.phi, start[1] + fraction * sweep[1]);
+        let rho = frame.radius[pulley];
+        let position = VectorJet::polar(rho, chi);
+        let kappa = rho.v.recip();
+        let n = position.v * (-kappa);
+        ReferencePoint {
+            r: position.v + Vector2::new(T::from(frame.center[pulley]), T::zero()),
+            r_theta: position.d,
+            r_theta2: position.dd,
+            t: Vector2::new(-n.y, n.x),
+            n,
+            chi_theta: chi.d,
+            kappa,
+            kappa_theta: -(rho.d * kappa * kappa),
+            xi,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve() -> TwoPulley {
+        TwoPulley::new(0.168, 0.703)
+    }
+
+    #[test]
+    fn published_radii() {
+        let (r_p, r_s) = curve().radii(1.0).unwrap();
+        assert!((r_p - 0.05841).abs() < 1e-5 && (r_s - r_p).abs() < 1e-15);
+        let (r_p, r_s) = curve().radii(1.0 / 2.25).unwrap();
+        assert!((r_p - 0.07837).abs() < 1e-5 && (r_s - 0.03483).abs() < 1e-5);
+        assert!(TwoPulley::new(0.4, 0.703).radii(1.0).is_err());
+    }
+
+    #[test]
+    fn paper_radii() {
+        let (r_p, r_s) = TwoPulley::new(0.2, 1.0).radii(ratio_of_theta(0.4)).unwrap();
+        assert!((r_p - 0.127_690).abs() < 5e-7 && (r_s - 0.054_724).abs() < 5e-7);
+    }
+
+    /// Every Θ derivative at fixed η, and the tangent along ξ, against central differences.
+    #[test]
+    fn derivatives_match_differences() {
+        let curve = curve();
+        let at = |theta: f64, segment, f| TwoPulley::point(&curve.frame(theta), segment, f);
+        let h = 1e-5;
+        for theta in [-0.4, 0.0, 0.3] {
+            for segment in 0..SEGMENTS {
+                for f in [0.0, 0.3, 1.0] {
+                    let (p, plus, minus) = (at(theta, segment, f), at(theta + h, segment, f), at(theta - h, segment, f));
+                    let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
+                    close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-9);
+                    close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-8);
+                    close(p.n * p.chi_theta, (plus.t - minus.t) / (2.0 * h), 1e-9);
+                    assert!((p.kappa_theta - (plus.kappa - minus.kappa) / (2.0 * h)).abs() < 1e-6);
+                    assert!((p.xi.d - (plus.xi.v - minus.xi.v) / (2.0 * h)).abs() < 1e-9);
+                    assert!((p.xi.dd - (plus.xi.d - minus.xi.d) / (2.0 * h)).abs() < 1e-8);
+                    if f == 0.3 {
+                        let (a, b) = (at(theta, segment, f - h), at(theta, segment, f + h));
+                        let dxi = b.xi.v - a.xi.v;
+                        close(p.t, (b.r - a.r) / dxi, 1e-9);
+                        close(p.n * p.kappa, (b.t - a.t) / dxi, 1e-7);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_loop_closes_and_its_tangent_is_continuous() {
+        let frame = curve().frame(-0.35);
+        for segment in 0..SEGMENTS {
+            let (end, start) = (
+                TwoPulley::point(&frame, segment, 1.0),
+                TwoPulley::point(&frame, (segment + 1) % SEGMENTS, 0.0),
+            );
+            assert!((end.r - start.r).norm() < 1e-14 && (end.t - start.t).norm() < 1e-14);
+        }
+    }
+
+    /// Duals through the frame carry the derivative of the second derivative.
+    #[test]
+    fn third_derivative_through_the_dual() {
+        use num_dual::Dual64;
+        let curve = curve();
+        let h = 1e-5;
+        let dual = TwoPulley::point(&curve.frame(Dual64::new(0.2, 1.0)), 2, 0.3);
+        let at = |theta: f64| TwoPulley::point(&curve.frame(theta), 2, 0.3).r_theta2;
+        let difference = (at(0.2 + h) - at(0.2 - h)) / (2.0 * h);
+        assert!((dual.r_theta2.x.eps - difference.x).abs() < 1e-6);
+        assert!((dual.r_theta2.y.eps - difference.y).abs() < 1e-6);
+    }
+}
