@@ -1,0 +1,521 @@
+//! Periodic block-tridiagonal matrix with a thin border: n blocks of size b around a loop, g border unknowns coupled to
+//! all of them.
+//!
+//! ```text
+//!  D0 U0          L0 | R0
+//!  L1 D1 U1          | R1
+//!     L2 D2 …        | ⋮
+//!  Un-1    … Ln-1 Dn-1 | Rn-1
+//!  ───────────────────+────
+//!  B0 B1 …       Bn-1 | C
+//! ```
+//! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
+//! in n: O(n (b+g)² b). Dense kernels are faer's, with partial pivoting inside a block.
+
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{
+    solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::{Accum, MatMut, MatRef, Par};
+
+/// Sizes of an [`Arrow`] matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Number of blocks n ≥ 3.
+    pub blocks: usize,
+    /// Block size b.
+    pub block: usize,
+    /// Border size g.
+    pub border: usize,
+}
+
+impl Shape {
+    /// Number of unknowns n·b + g.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.blocks * self.block + self.border
+    }
+
+    /// Whether there is no unknown.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The matrix. Indices are those of the vector: blocks in order, then the border.
+#[derive(Clone, Debug)]
+pub struct Arrow {
+    shape: Shape,
+    diagonal: Vec<f64>,
+    upper: Vec<f64>,
+    lower: Vec<f64>,
+    right: Vec<f64>,
+    bottom: Vec<f64>,
+    corner: Vec<f64>,
+}
+
+impl Arrow {
+    /// Zero matrix.
+    ///
+    /// # Panics
+    /// With fewer than three blocks: neighbours would not be distinct.
+    #[must_use]
+    pub fn new(shape: Shape) -> Self {
+        assert!(shape.blocks >= 3, "an arrow matrix needs three blocks");
+        let (n, b, g) = (shape.blocks, shape.block, shape.border);
+        Self {
+            shape,
+            diagonal: vec![0.0; n * b * b],
+            upper: vec![0.0; n * b * b],
+            lower: vec![0.0; n * b * b],
+            right: vec![0.0; n * b * g],
+            bottom: vec![0.0; n * b * g],
+            corner: vec![0.0; g * g],
+        }
+    }
+
+    /// Sizes.
+    #[must_use]
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    /// Sets every entry to zero.
+    pub fn clear(&mut self) {
+        for part in [
+            &mut self.diagonal,
+            &mut self.upper,
+            &mut self.lower,
+            &mut self.right,
+            &mut self.bottom,
+            &mut self.corner,
+        ] {
+            part.fill(0.0);
+        }
+    }
+
+    #[inline]
+    fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
+        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let (row_block, i) = (row / b, row % b);
+        let (column_block, j) = (column / b, column % b);
+        let split = n * b;
+        if row < split && column < split {
+            let at = row_block * b * b + j * b + i;
+            if row_block == column_block {
+                &mut self.diagonal[at]
+            } else if (row_block + 1) % n == column_block {
+                &mut self.upper[at]
+            } else {
+                debug_assert_eq!((column_block + 1) % n, row_block, "entry outside the band");
+                &mut self.lower[at]
+            }
+        } else if row < split {
+            &mut self.right[row_block * b * g + (column - split) * b + i]
+        } else if column < split {
+            &mut self.bottom[column_block * b * g + j * g + (row - split)]
+        } else {
+            &mut self.corner[(column - split) * g + (row - split)]
+        }
+    }
+
+    /// Adds to an entry. Blocks of the two indices must be equal or neighbours around the loop.
+    #[inline]
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        *self.entry(row, column) += value;
+    }
+
+    /// Replaces a row by a multiple of the unit row: `scale`·x_row.
+    pub fn set_unit_row(&mut self, row: usize, scale: f64) {
+        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let split = n * b;
+        if row < split {
+            let (k, i) = (row / b, row % b);
+            for j in 0..b {
+                let at = k * b * b + j * b + i;
+                self.diagonal[at] = 0.0;
+                self.upper[at] = 0.0;
+                self.lower[at] = 0.0;
+            }
+            for j in 0..g {
+                self.right[k * b * g + j * b + i] = 0.0;
+            }
+        } else {
+            let i = row - split;
+            for k in 0..n {
+                for j in 0..b {
+                    self.bottom[k * b * g + j * g + i] = 0.0;
+                }
+            }
+            for j in 0..g {
+                self.corner[j * g + i] = 0.0;
+            }
+        }
+        self.add(row, row, scale);
+    }
+
+    /// `out` = A·`x`.
+    pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
+        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let split = n * b;
+        out.fill(0.0);
+        for k in 0..n {
+            let row = k * b..(k + 1) * b;
+            let (next, previous) = ((k + 1) % n, (k + n - 1) % n);
+            let blocks = k * b * b..(k + 1) * b * b;
+            let y = &mut out[row.clone()];
+            gemv(1.0, &self.diagonal[blocks.clone()], &x[row.clone()], y);
+            gemv(1.0, &self.upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
+            gemv(1.0, &self.lower[blocks], &x[previous * b..(previous + 1) * b], y);
+            gemv(1.0, &self.right[k * b * g..(k + 1) * b * g], &x[split..], y);
+            gemv(1.0, &self.bottom[k * b * g..(k + 1) * b * g], &x[row], &mut out[split..]);
+        }
+        gemv(1.0, &self.corner, &x[split..], &mut out[split..]);
+    }
+}
+
+/// y += α·A·x, A column-major with y.len() rows.
+#[inline]
+fn gemv(alpha: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
+    if y.is_empty() {
+        return;
+    }
+    for (column, &xj) in a.chunks_exact(y.len()).zip(x) {
+        let s = alpha * xj;
+        for (yi, &aij) in y.iter_mut().zip(column) {
+            *yi += s * aij;
+        }
+    }
+}
+
+/// A pivot block was singular.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the Jacobian is singular (block {block})")]
+pub struct Singular {
+    /// Block where elimination stopped; the number of blocks stands for the border.
+    pub block: usize,
+}
+
+/// LU of a dense block: factors in place, row order beside them.
+#[derive(Clone, Debug)]
+struct DenseLu {
+    size: usize,
+    factors: Vec<f64>,
+    rows: Vec<usize>,
+}
+
+impl DenseLu {
+    fn new(size: usize) -> Self {
+        Self {
+            size,
+            factors: vec![0.0; size * size],
+            rows: vec![0; size],
+        }
+    }
+
+    /// Factors the matrix that stands in `factors`. False if it is singular or not finite.
+    fn factor(&mut self, inverse: &mut [usize], stack: &mut MemStack) -> bool {
+        let n = self.size;
+        lu_in_place(
+            MatMut::from_column_major_slice_mut(&mut self.factors, n, n),
+            &mut self.rows,
+            &mut inverse[..n],
+            Par::Seq,
+            stack,
+            faer::Spec::default(),
+        );
+        (0..n).all(|i| {
+            let pivot = self.factors[i * n + i];
+            pivot.is_finite() && pivot != 0.0
+        })
+    }
+
+    fn view(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.factors, self.size, self.size)
+    }
+
+    /// Solves for many right-hand sides: `out` = A⁻¹·`rhs`, both column-major.
+    fn solve_columns(&self, rhs: &[f64], out: &mut [f64]) {
+        let n = self.size;
+        let columns = out.len() / n;
+        for (column, source) in out.chunks_exact_mut(n).zip(rhs.chunks_exact(n)) {
+            for (value, &row) in column.iter_mut().zip(&self.rows) {
+                *value = source[row];
+            }
+        }
+        let mut out = MatMut::from_column_major_slice_mut(out, n, columns);
+        solve_unit_lower_triangular_in_place(self.view(), out.as_mut(), Par::Seq);
+        solve_upper_triangular_in_place(self.view(), out, Par::Seq);
+    }
+
+    /// Solves for one right-hand side in place; `work` holds `size` numbers.
+    #[inline]
+    fn solve_vector(&self, x: &mut [f64], work: &mut [f64]) {
+        let n = self.size;
+        let work = &mut work[..n];
+        for (value, &row) in work.iter_mut().zip(&self.rows) {
+            *value = x[row];
+        }
+        for j in 0..n {
+            let pivot = work[j];
+            let column = &self.factors[j * n..(j + 1) * n];
+            for i in j + 1..n {
+                work[i] -= column[i] * pivot;
+            }
+        }
+        for j in (0..n).rev() {
+            let column = &self.factors[j * n..(j + 1) * n];
+            let pivot = work[j] / column[j];
+            work[j] = pivot;
+            for i in 0..j {
+                work[i] -= column[i] * pivot;
+            }
+        }
+        x.copy_from_slice(work);
+    }
+}
+
+/// faer's stack memory for one dense factorization.
+struct Scratch {
+    size: usize,
+    buffer: MemBuffer,
+}
+
+impl Scratch {
+    fn new(size: usize) -> Self {
+        let need = lu_in_place_scratch::<usize, f64>(size, size, Par::Seq, faer::Spec::default());
+        Self {
+            size,
+            buffer: MemBuffer::new(need),
+        }
+    }
+}
+
+impl Clone for Scratch {
+    fn clone(&self) -> Self {
+        Self::new(self.size)
+    }
+}
+
+impl std::fmt::Debug for Scratch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Scratch").field("size", &self.size).finish_non_exhaustive()
+    }
+}
+
+/// Factors of an [`Arrow`] with all scratch memory: factoring and solving allocate nothing.
+#[derive(Clone, Debug)]
+pub struct ArrowLu {
+    shape: Shape,
+    pivots: Vec<DenseLu>,
+    /// Copies of the sub-diagonal blocks.
+    lower: Vec<f64>,
+    /// D_k⁻¹ [U_k | border columns], b×(b+w) each.
+    solved: Vec<f64>,
+    /// Border rows w×b of each block after elimination.
+    rows: Vec<f64>,
+    border: DenseLu,
+    /// Right-hand side [U_k | border columns] of the block in work.
+    columns: Vec<f64>,
+    next_border: Vec<f64>,
+    inverse: Vec<usize>,
+    work: Vec<f64>,
+    tail: Vec<f64>,
+    scratch: Scratch,
+}
+
+impl ArrowLu {
+    /// Workspace for matrices of this shape.
+    #[must_use]
+    pub fn new(shape: Shape) -> Self {
+        let (n, b) = (shape.blocks, shape.block);
+        let w = b + shape.border;
+        Self {
+            shape,
+            pivots: vec![DenseLu::new(b); n],
+            lower: vec![0.0; n * b * b],
+            solved: vec![0.0; n * b * (b + w)],
+            rows: vec![0.0; n * b * w],
+            border: DenseLu::new(w),
+            columns: vec![0.0; b * (b + w)],
+            next_border: vec![0.0; b * w],
+            inverse: vec![0; w],
+            work: vec![0.0; w],
+            tail: vec![0.0; w],
+            scratch: Scratch::new(w),
+        }
+    }
+
+    /// Factors `a`.
+    ///
+    /// # Errors
+    /// A block or the border is singular or not finite.
+    pub fn factor(&mut self, a: &Arrow) -> Result<(), Singular> {
+        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let w = b + g;
+        let stack = MemStack::new(&mut self.scratch.buffer);
+        // Border: block 0, then the globals.
+        for j in 0..b {
+            let column = &mut self.border.factors[j * w..(j + 1) * w];
+            column[..b].copy_from_slice(&a.diagonal[j * b..(j + 1) * b]);
+            column[b..].copy_from_slice(&a.bottom[j * g..(j + 1) * g]);
+        }
+        for j in 0..g {
+            let column = &mut self.border.factors[(b + j) * w..(b + j + 1) * w];
+            column[..b].copy_from_slice(&a.right[j * b..(j + 1) * b]);
+            column[b..].copy_from_slice(&a.corner[j * g..(j + 1) * g]);
+        }
+        // Border rows of each block.
+        self.rows.fill(0.0);
+        for k in 1..n {
+            for j in 0..b {
+                let column = &mut self.rows[k * b * w + j * w..k * b * w + (j + 1) * w];
+                if k == 1 {
+                    for (x, y) in column[..b].iter_mut().zip(&a.upper[j * b..(j + 1) * b]) {
+                        *x += y;
+                    }
+                }
+                if k == n - 1 {
+                    for (x, y) in column[..b].iter_mut().zip(&a.lower[j * b..(j + 1) * b]) {
+                        *x += y;
+                    }
+                }
+                column[b..].copy_from_slice(&a.bottom[k * b * g + j * g..k * b * g + (j + 1) * g]);
+            }
+        }
+        self.lower.copy_from_slice(&a.lower);
+        let border_columns = |k: usize, out: &mut [f64]| {
+            out[..b * b].fill(0.0);
+            let block = k * b * b..(k + 1) * b * b;
+            if k == 1 {
+                for (x, y) in out[..b * b].iter_mut().zip(&a.lower[block.clone()]) {
+                    *x += y;
+                }
+            }
+            if k == n - 1 {
+                for (x, y) in out[..b * b].iter_mut().zip(&a.upper[block]) {
+                    *x += y;
+                }
+            }
+            out[b * b..].copy_from_slice(&a.right[k * b * g..(k + 1) * b * g]);
+        };
+        self.pivots[1].factors.copy_from_slice(&a.diagonal[b * b..2 * b * b]);
+        border_columns(1, &mut self.next_border);
+        for k in 1..n {
+            if k < n - 1 {
+                self.columns[..b * b].copy_from_slice(&a.upper[k * b * b..(k + 1) * b * b]);
+            } else {
+                self.columns[..b * b].fill(0.0);
+            }
+            self.columns[b * b..].copy_from_slice(&self.next_border);
+            if !self.pivots[k].factor(&mut self.inverse, stack) {
+                return Err(Singular { block: k });
+            }
+            let solved = &mut self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
+            self.pivots[k].solve_columns(&self.columns, solved);
+            let x_upper = MatRef::from_column_major_slice(&solved[..b * b], b, b);
+            let x_border = MatRef::from_column_major_slice(&solved[b * b..], b, w);
+            let (done, rest) = self.rows.split_at_mut((k + 1) * b * w);
+            let row = MatRef::from_column_major_slice(&done[k * b * w..], w, b);
+            let border = MatMut::from_column_major_slice_mut(&mut self.border.factors, w, w);
+            matmul(border, Accum::Add, row, x_border, -1.0, Par::Seq);
+            if k + 1 < n {
+                let next = MatMut::from_column_major_slice_mut(&mut rest[..b * w], w, b);
+                matmul(next, Accum::Add, row, x_upper, -1.0, Par::Seq);
+                let block = (k + 1) * b * b..(k + 2) * b * b;
+                let lower = MatRef::from_column_major_slice(&self.lower[block.clone()], b, b);
+                let pivot = &mut self.pivots[k + 1].factors;
+                pivot.copy_from_slice(&a.diagonal[block]);
+                matmul(MatMut::from_column_major_slice_mut(pivot, b, b), Accum::Add, lower, x_upper, -1.0, Par::Seq);
+                border_columns(k + 1, &mut self.next_border);
+                let next_border = MatMut::from_column_major_slice_mut(&mut self.next_border, b, w);
+                matmul(next_border, Accum::Add, lower, x_border, -1.0, Par::Seq);
+            }
+        }
+        if self.border.factor(&mut self.inverse, stack) {
+            Ok(())
+        } else {
+            Err(Singular { block: n })
+        }
+    }
+
+    /// Replaces the right-hand side `x` by the solution.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let w = b + g;
+        self.tail[..b].copy_from_slice(&x[..b]);
+        self.tail[b..].copy_from_slice(&x[n * b..]);
+        for k in 1..n {
+            let (head, rest) = x.split_at_mut((k + 1) * b);
+            let y = &mut head[k * b..];
+            self.pivots[k].solve_vector(y, &mut self.work);
+            gemv(-1.0, &self.rows[k * b * w..(k + 1) * b * w], y, &mut self.tail);
+            if k + 1 < n {
+                gemv(-1.0, &self.lower[(k + 1) * b * b..(k + 2) * b * b], y, &mut rest[..b]);
+            }
+        }
+        self.border.solve_vector(&mut self.tail, &mut self.work);
+        for k in (1..n).rev() {
+            let (head, rest) = x.split_at_mut((k + 1) * b);
+            let y = &mut head[k * b..];
+            let solved = &self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
+            gemv(-1.0, &solved[b * b..], &self.tail, y);
+            if k + 1 < n {
+                gemv(-1.0, &solved[..b * b], &rest[..b], y);
+            }
+        }
+        x[..b].copy_from_slice(&self.tail[..b]);
+        x[n * b..].copy_from_slice(&self.tail[b..]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solves_what_it_multiplies() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        for (blocks, block, border) in [(3, 1, 2), (4, 3, 0), (9, 5, 4), (30, 8, 10)] {
+            let shape = Shape { blocks, block, border };
+            let mut a = Arrow::new(shape);
+            let n = shape.len();
+            let block_of = |i: usize| i / block;
+            for i in 0..n {
+                for j in 0..n {
+                    let (p, q) = (block_of(i), block_of(j));
+                    let near = i >= blocks * block
+                        || j >= blocks * block
+                        || p == q
+                        || (p + 1) % blocks == q
+                        || (q + 1) % blocks == p;
+                    if near {
+                        a.add(i, j, random());
+                    }
+                }
+            }
+            let x: Vec<f64> = (0..n).map(|_| random()).collect();
+            let mut y = vec![0.0; n];
+            a.multiply(&x, &mut y);
+            let mut lu = ArrowLu::new(shape);
+            lu.factor(&a).unwrap();
+            lu.solve(&mut y);
+            let error = x.iter().zip(&y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-8, "{shape:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn tells_a_singular_matrix() {
+        let shape = Shape { blocks: 4, block: 2, border: 1 };
+        let a = Arrow::new(shape);
+        assert_eq!(ArrowLu::new(shape).factor(&a), Err(Singular { block: 1 }));
+    }
+}

@@ -1,0 +1,3 @@
+//! Implicit solution of stiff systems around a loop. Knows no belt.
+
+pub mod arrow;
