@@ -59,7 +59,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import asin, atan2, atanh, cos, inf, pi, sin, sqrt, tan, tanh
+from math import asin, atan2, atanh, copysign, cos, inf, pi, sin, sqrt, tan, tanh
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -119,6 +119,28 @@ class Arc:
     def traction(self) -> float:
         """(F'_out - F'_in)/(F'_out + F'_in): positive on a driven pulley."""
         return tanh(self.log_ratio / 2.0)
+
+    @property
+    def mean_sliding(self) -> float:
+        """Tangential sliding of the belt weighted by axial pressure, in units of omega R a Delta; steady state."""
+        return self.creep + self.moment
+
+    @property
+    def dissipation(self) -> float:
+        """Friction power in units of omega R a Delta; steady state.
+
+        The power of friction, integrated by parts with (2), (4) and (7), is F' v_t at the exit less F' v_t at the entry.
+        """
+        v_t = sliding(np.array([0.0, self.wrap]), self.centre, self.creep)[1]
+        return float(self.tension[-1] * v_t[1] - self.tension[0] * v_t[0])
+
+    @property
+    def spread(self) -> float:
+        """Largest less smallest running radius, in units of R a Delta."""
+        ends = (cos(self.centre), cos(self.wrap - self.centre))
+        deepest = 1.0
+        shallowest = -1.0 if max(self.centre, self.wrap - self.centre) > pi else min(ends)
+        return deepest - shallowest
 
 
 @lru_cache(maxsize=None)
@@ -370,14 +392,16 @@ def variator_at_torque(
     sigma V^2 only shifts both strand forces; it drops out of this relation.
     """
     wanted = torque / (secondary_thrust * radius_p)
-    limit = capacity(wrap_p, wrap_s, beta, mu, torque > 0.0) * (1.0 - 1.0e-5)
+    if torque == 0.0:
+        return variator(wrap_p, wrap_s, beta, mu, 0.0)
+    limit = copysign(capacity(wrap_p, wrap_s, beta, mu, torque > 0.0) * (1.0 - 1.0e-5), torque)
 
     def excess(traction: float) -> float:
         return 2.0 * traction / arc_at_traction(wrap_s, beta, mu, traction).thrust - wanted
 
-    if excess(-limit) * excess(limit) > 0.0:
+    if excess(0.0) * excess(limit) > 0.0:
         raise ValueError(f"torque {torque:.3f} N m is beyond the capacity at S_S = {secondary_thrust:.1f} N")
-    return variator(wrap_p, wrap_s, beta, mu, float(brentq(excess, -limit, limit, xtol=1.0e-10)))
+    return variator(wrap_p, wrap_s, beta, mu, float(brentq(excess, 0.0, limit, xtol=1.0e-10)))
 
 
 # ------------------------------------------------------------------------------- the older theory, for orientation

@@ -93,13 +93,17 @@ def test_full_tangential_slip(wrap: float, sign: float) -> None:
     assert arc.centre == pytest.approx(atan2(moment.imag, moment.real) % (2.0 * pi), abs=1e-6)
 
 
-def test_mass_drops_out() -> None:
-    """sigma V^2 shifts both strand forces alike; only F' presses the belt into the groove."""
-    wrap_p, wrap_s, radius_p, _ = cmm.wrap_angles(0.7, *BENCH)
-    result = cmm.variator_at_torque(wrap_p, wrap_s, BETA, MU, radius_p, 60.0, 15_000.0)
-    mean = result.mean_force(15_000.0)
-    assert 2.0 * result.traction * mean * radius_p == pytest.approx(60.0, rel=1e-8)
-    assert result.torque_number * 15_000.0 * radius_p == pytest.approx(60.0, rel=1e-8)
+@pytest.mark.parametrize("ratio", (0.45, 0.7, 2.2))
+@pytest.mark.parametrize("torque", (-60.0, 0.0, 60.0))
+def test_torque_and_clamping_force(ratio: float, torque: float) -> None:
+    """T_P = (F_1 - F_2) R_P; sigma V^2 shifts both strand forces alike and drops out."""
+    wrap_p, wrap_s, radius_p, _ = cmm.wrap_angles(ratio, *BENCH)
+    thrust = 20_000.0
+    result = cmm.variator_at_torque(wrap_p, wrap_s, BETA, MU, radius_p, torque, thrust)
+    assert 2.0 * result.traction * result.mean_force(thrust) * radius_p == pytest.approx(torque, abs=1e-5)
+    assert result.torque_number * thrust * radius_p == pytest.approx(torque, abs=1e-5)
+    with pytest.raises(ValueError, match="capacity"):
+        cmm.variator_at_torque(wrap_p, wrap_s, BETA, MU, radius_p, 600.0, thrust)
 
 
 # ---------------------------------------------------------------------------------------------- balances and signs
@@ -147,6 +151,18 @@ def test_driving_and_driven_pulley(wrap: float) -> None:
         beta_s = np.arctan(tan(BETA) * np.cos(arc.psi))
         power = -MU * (np.cos(beta_s) * np.sin(arc.psi) * v_t + np.cos(beta_s) * np.cos(arc.psi) * v_r / cos(BETA) ** 2)
         assert (power <= 0.0).all()
+
+
+@pytest.mark.parametrize("wrap", WRAPS)
+@pytest.mark.parametrize("traction", (-0.45, -0.1, 0.0, 0.2, 0.45))
+def test_power_balance(wrap: float, traction: float) -> None:
+    """Friction power summed along the arc equals what the belt brings in less what the pulley takes."""
+    arc = cmm.arc_at_traction(wrap, BETA, MU, traction, points=20_001)
+    v_r, v_t = cmm.sliding(arc.theta, arc.centre, arc.creep)
+    speed = np.sqrt(v_t**2 + (v_r / cos(BETA)) ** 2)
+    assert np.trapezoid(2.0 * MU * arc.pressure * speed, arc.theta) == pytest.approx(arc.dissipation, rel=1e-4)
+    mean = np.trapezoid(arc.axial_pressure * v_t, arc.theta) / arc.thrust
+    assert mean == pytest.approx(arc.mean_sliding, abs=1e-4)
 
 
 def test_pressure_is_high_where_the_belt_slides_outward() -> None:

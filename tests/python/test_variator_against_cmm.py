@@ -1,0 +1,59 @@
+"""The variator against the continuum theory, in the theory's limit.
+
+The limit: no ring friction, no play, pitch line on the ring's centre line, stiff contact and chain, softened tilt,
+fine mesh. Between 0.2 and 85 % of the theory's capacity the thrust ratio is within 5 %, and tends to the theory's.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import cmm_limit
+import pytest
+
+pytestmark = pytest.mark.skipif(
+    not cmm_limit.FMU.exists() and "PUSHBELT_FMU" not in os.environ, reason=f"{cmm_limit.FMU} is not built"
+)
+
+TOLERANCE = 0.05
+
+
+@pytest.fixture(scope="module")
+def unit() -> Iterator[cmm_limit.Unit]:
+    with cmm_limit.unit() as opened:
+        yield opened
+
+
+@pytest.mark.parametrize("index", range(4))
+@pytest.mark.parametrize("ratio", cmm_limit.RATIOS)
+def test_thrust_ratio_in_the_limit(unit: cmm_limit.Unit, ratio: float, index: int) -> None:
+    """Driving and braking, at 0.2 and at the largest traction that is compared."""
+    tractions = [r for i, r in cmm_limit.cases(unit) if i == ratio]
+    traction = (tractions[0], -0.2, 0.2, tractions[-1])[index]
+    result = cmm_limit.compare(unit, cmm_limit.limit_case(unit, ratio, traction), traction)
+    print(cmm_limit.row("limit", result))
+    assert result.compression <= 0.05 and result.strain <= 0.02 and result.regularisation <= 0.02
+    assert result.theory.traction == pytest.approx(traction, abs=0.02)
+    assert result.thrust_error == pytest.approx(0.0, abs=TOLERANCE)
+
+
+@pytest.mark.parametrize(("ratio", "traction"), [(0.45, 0.35), (1.0, -0.35), (2.2, 0.35)])
+def test_ladder_of_stiffness_and_mesh(unit: cmm_limit.Unit, ratio: float, traction: float) -> None:
+    """Every step of the ladder comes closer, and the last is closest by far."""
+    errors = []
+    for level in cmm_limit.LADDER:
+        result = cmm_limit.compare(unit, cmm_limit.limit_case(unit, ratio, traction, level), traction)
+        print(cmm_limit.row("ladder", result))
+        errors.append(abs(result.thrust_error))
+    assert errors[-1] < 0.5 * errors[0] or errors[-1] < 0.01
+    assert errors[-1] <= TOLERANCE
+
+
+def test_own_strand_forces_carry_the_torque(unit: cmm_limit.Unit) -> None:
+    """The tractions of the strands' net forces, of torque and clamping force agree: F = T - Q, with sigma V^2."""
+    values = cmm_limit.limit_case(unit, 1.0, 0.35)
+    result = cmm_limit.compare(unit, values, 0.35)
+    mass = unit.start("belt.massPerLength") + unit.start("ring.massPerLength")
+    r = cmm_limit.strand_traction(result.outputs, unit.start("geometry.beltLength"), mass)
+    assert r == pytest.approx(result.theory.traction, rel=0.05)
