@@ -3,3 +3,5 @@ pub mod reference_curve;
 pub mod scalar;
 pub mod solver;
 pub mod variator;
+pub mod fmi2;
+pub mod unit;

@@ -1,0 +1,112 @@
+//! Messages to the importer.
+
+/// Status of a call, numbered as in the standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(i32)]
+pub enum Status {
+    /// All well.
+    Ok = 0,
+    /// Not quite right, the run can go on.
+    Warning = 1,
+    /// The call could not be done; something smaller may work.
+    Discard = 2,
+    /// The call failed; the run can't go on without reset or a stored state.
+    Error = 3,
+    /// All instances are lost. Never returned here.
+    Fatal = 4,
+    /// A call is still running. Never returned here.
+    Pending = 5,
+}
+
+/// Categories of messages, as in the description's `LogCategories`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Category {
+    /// What went wrong.
+    Error,
+    /// What looks wrong.
+    Warning,
+    /// Why a step was discarded.
+    Discard,
+    /// What happened.
+    Events,
+}
+
+impl Category {
+    /// All categories.
+    pub const ALL: [Self; 4] = [Self::Error, Self::Warning, Self::Discard, Self::Events];
+
+    /// Name in the log, by the standard's convention.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Error => "logStatusError",
+            Self::Warning => "logStatusWarning",
+            Self::Discard => "logStatusDiscard",
+            Self::Events => "logEvents",
+        }
+    }
+
+    /// What is logged under it.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Error => "Why a call failed (always logged)",
+            Self::Warning => "What looks wrong but lets the run go on",
+            Self::Discard => "Why a step could not be completed",
+            Self::Events => "What the unit did, e.g. how it found its initial state",
+        }
+    }
+
+    fn bit(self) -> u8 {
+        1 << self as u8
+    }
+}
+
+/// Takes messages to the importer.
+pub trait Sink {
+    /// Passes one message on.
+    fn send(&self, status: Status, category: Category, text: &str);
+}
+
+/// A sink with a choice of categories.
+pub struct Log {
+    sink: Option<Box<dyn Sink>>,
+    enabled: u8,
+}
+
+impl Log {
+    /// Errors, warnings and discarded steps are reported even when debug logging is off: they are no debugging aid, and
+    /// an importer that does not want them passes no logger.
+    const QUIET: [Category; 3] = [Category::Error, Category::Warning, Category::Discard];
+
+    /// A log into `sink`, if there is one.
+    #[must_use]
+    pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
+        let mut log = Self { sink, enabled: 0 };
+        log.choose(debug, &[]);
+        log
+    }
+
+    /// Chooses what is logged: with `debug` the given categories, or all if none is given; errors always.
+    pub fn choose(&mut self, debug: bool, categories: &[Category]) {
+        let categories = match (debug, categories.is_empty()) {
+            (false, _) => &Self::QUIET[..],
+            (true, true) => &Category::ALL[..],
+            (true, false) => categories,
+        };
+        self.enabled = categories
+            .iter()
+            .fold(Category::Error.bit(), |bits, category| {
+                bits | category.bit()
+            });
+    }
+
+    /// Logs a message.
+    pub fn send(&self, status: Status, category: Category, text: &str) {
+        if let Some(sink) = &self.sink
+            && self.enabled & category.bit() != 0
+        {
+            sink.send(status, category, text);
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! An FMI 2.0 co-simulation slave around any model: C ABI, state machine, variable table, snapshots, log, description.
+//!
+//! Nothing here knows what is modelled. A model is a [`Unit`]: settings that the master writes (parameters and
+//! inputs), readings that it reads, a start and a step; and one [`Table`] that binds each variable's name to its
+//! field. From the table come both the answers to `fmi2Get…`/`fmi2Set…` and `modelDescription.xml`.
+//!
+//! Read in this order:
+//! - [`table`]: what a variable is; nothing about a variable is said twice;
+//! - [`unit`]: what a model has to offer;
+//! - [`state`]: which function the standard allows in which state (its table 4.2.4);
+//! - [`slave`]: one instance, in the order of that state machine;
+//! - [`log`]: messages to the importer;
+//! - [`description`]: the XML and the GUID made from it;
+//! - [`resources`]: the resource location, a URI;
+//! - [`c_abi`]: the exported functions, the only place with `unsafe`.
+//!
+//! There are no globals and no threads; every instance owns all it uses.
+
+#[allow(unsafe_code, non_snake_case)]
+pub mod c_abi;
+#[forbid(unsafe_code)]
+pub mod description;
+#[forbid(unsafe_code)]
+pub mod log;
+#[forbid(unsafe_code)]
+pub mod resources;
+#[forbid(unsafe_code)]
+pub mod slave;
+#[forbid(unsafe_code)]
+pub mod state;
+#[forbid(unsafe_code)]
+pub mod table;
+#[forbid(unsafe_code)]
+pub mod unit;
+
+pub use description::{guid, model_description};
+pub use slave::Slave;
+pub use table::Table;
+pub use unit::Unit;

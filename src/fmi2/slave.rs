@@ -1,0 +1,622 @@
+//! One instance, in the order of the standard's state machine.
+//!
+//! Every call ends in one of four ways. *Done*. *Refused* (wrong state, unknown value reference, nothing to offer):
+//! an error for the master, and nothing has changed. *Failed* (a value out of range, no initial state, a panic): an
+//! error, after which only [`Slave::reset`], a stored state or the end of the instance go on. *Discarded*: a step
+//! that came only so far.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+
+use super::log::{Category, Log, Sink, Status};
+use super::state::{Call, State};
+use super::table::{Access, Causality, Kind, Refused, Table, Variable};
+use super::unit::{Experiment, StepFailure, Unit};
+
+/// Why a call did not do what it was asked to.
+#[derive(Debug)]
+enum Trouble {
+    Refused(String),
+    Failed(String),
+    Discarded(String),
+}
+
+impl From<Refused> for Trouble {
+    fn from(refused: Refused) -> Self {
+        Self::Failed(refused.to_string())
+    }
+}
+
+type Outcome = Result<(), Trouble>;
+
+fn refused<T>(text: impl Into<String>) -> Result<T, Trouble> {
+    Err(Trouble::Refused(text.into()))
+}
+
+/// The whole dynamic state of an instance: what [`Slave::save`] keeps and [`Slave::restore`] brings back.
+#[derive(Clone)]
+pub struct Snapshot<U: Unit> {
+    state: State,
+    settings: U::Settings,
+    experiment: Experiment,
+    /// Present from the first calculated reading in initialisation mode on. Settings changed in that mode drop it.
+    unit: Option<U>,
+}
+
+impl<U: Unit> Snapshot<U> {
+    fn new() -> Self {
+        Self {
+            state: State::Instantiated,
+            settings: U::Settings::default(),
+            experiment: Experiment::default(),
+            unit: None,
+        }
+    }
+}
+
+/// What can be asked after a step (`fmi2StatusKind`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StatusKind {
+    /// How the last step ended.
+    DoStep,
+    /// What a pending step is doing; no step is ever pending.
+    Pending,
+    /// Time reached, s.
+    LastSuccessfulTime,
+    /// Whether the slave wants the run to end; it never does.
+    Terminated,
+}
+
+/// An instance of a unit.
+pub struct Slave<U: Unit> {
+    table: Table<U::Settings, U::Readings>,
+    log: Log,
+    debug: bool,
+    resources: Option<PathBuf>,
+    now: Snapshot<U>,
+}
+
+impl<U: Unit> Slave<U> {
+    /// A new instance that logs into `sink`.
+    #[must_use]
+    pub fn new(sink: Option<Box<dyn Sink>>, debug: bool, resources: Option<PathBuf>) -> Self {
+        Self {
+            table: U::table(),
+            log: Log::new(sink, debug),
+            debug,
+            resources,
+            now: Snapshot::new(),
+        }
+    }
+
+    /// State of the state machine.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.now.state
+    }
+
+    /// The unpacked `resources` directory, if the importer named one.
+    #[must_use]
+    pub fn resources(&self) -> Option<&PathBuf> {
+        self.resources.as_ref()
+    }
+
+    /// `fmi2SetDebugLogging`: with no category all of them.
+    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
+        self.call("fmi2SetDebugLogging", |slave| {
+            let mut chosen = Vec::new();
+            for name in categories {
+                if *name == "logAll" {
+                    chosen.extend(Category::ALL);
+                } else if let Some(known) = Category::ALL.into_iter().find(|c| c.name() == *name) {
+                    chosen.push(known);
+                } else {
+                    let all = Category::ALL.map(Category::name).join(", ");
+                    return refused(format!("no log category {name:?}; there are {all}, logAll"));
+                }
+            }
+            slave.log.choose(on, &chosen);
+            Ok(())
+        })
+    }
+
+    /// `fmi2SetupExperiment`.
+    pub fn setup_experiment(&mut self, experiment: Experiment) -> Status {
+        self.call("fmi2SetupExperiment", |slave| {
+            slave.allow(Call::SetupExperiment)?;
+            let Experiment {
+                tolerance,
+                start,
+                stop,
+            } = experiment;
+            if !start.is_finite() {
+                return refused(format!("the start time {start} is not a finite number"));
+            }
+            if let Some(stop) = stop
+                && (!stop.is_finite() || stop < start)
+            {
+                return refused(format!(
+                    "the stop time {stop} s is not at or after the start time {start} s"
+                ));
+            }
+            if let Some(tolerance) = tolerance
+                && !(tolerance.is_finite() && tolerance > 0.0)
+            {
+                return refused(format!("the tolerance {tolerance} is not above 0"));
+            }
+            slave.now.experiment = experiment;
+            Ok(())
+        })
+    }
+
+    /// `fmi2EnterInitializationMode`.
+    pub fn enter_initialization_mode(&mut self) -> Status {
+        self.call("fmi2EnterInitializationMode", |slave| {
+            slave.allow(Call::EnterInitializationMode)?;
+            slave.now.state = State::Initialisation;
+            Ok(())
+        })
+    }
+
+    /// `fmi2ExitInitializationMode`.
+    pub fn exit_initialization_mode(&mut self) -> Status {
+        self.call("fmi2ExitInitializationMode", |slave| {
+            slave.allow(Call::ExitInitializationMode)?;
+            slave.start_unit()?;
+            slave.now.state = State::StepComplete;
+            Ok(())
+        })
+    }
+
+    /// `fmi2DoStep`.
+    pub fn do_step(&mut self, current: f64, step: f64) -> Status {
+        self.call("fmi2DoStep", |slave| slave.step(current, step))
+    }
+
+    /// `fmi2CancelStep`.
+    pub fn cancel_step(&mut self) -> Status {
+        self.call("fmi2CancelStep", |slave| {
+            slave.allow(Call::CancelStep)?;
+            Ok(())
+        })
+    }
+
+    /// `fmi2Terminate`.
+    pub fn terminate(&mut self) -> Status {
+        self.call("fmi2Terminate", |slave| {
+            slave.allow(Call::Terminate)?;
+            slave.now.state = State::Terminated;
+            Ok(())
+        })
+    }
+
+    /// `fmi2Reset`: as freshly instantiated, in every state.
+    pub fn reset(&mut self) -> Status {
+        self.call("fmi2Reset", |slave| {
+            slave.allow(Call::Always)?;
+            slave.now = Snapshot::new();
+            slave.log.choose(slave.debug, &[]);
+            Ok(())
+        })
+    }
+
+    /// `fmi2GetReal`.
+    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Status {
+        self.call("fmi2GetReal", |slave| {
+            slave.get(references, values, real_access, |v| v)
+        })
+    }
+
+    /// `fmi2GetInteger`, for integers and enumerations.
+    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Status {
+        self.call("fmi2GetInteger", |slave| {
+            slave.get(references, values, integer_access, |v| v)
+        })
+    }
+
+    /// `fmi2GetBoolean`, 0 or 1.
+    pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Status {
+        self.call("fmi2GetBoolean", |slave| {
+            slave.get(references, values, boolean_access, i32::from)
+        })
+    }
+
+    /// `fmi2GetString` and `fmi2SetString`: there are no strings.
+    pub fn no_strings(&mut self, function: &'static str, call: Call, references: &[u32]) -> Status {
+        self.call(function, |slave| {
+            slave.allow(call)?;
+            match references.first() {
+                None => Ok(()),
+                Some(reference) => {
+                    refused(format!("no string has the value reference {reference}"))
+                }
+            }
+        })
+    }
+
+    /// `fmi2SetReal`. Either all values are taken or none.
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
+        self.call("fmi2SetReal", |slave| {
+            slave.set(
+                references,
+                values,
+                real_access,
+                |variable, value| variable.check_real(value),
+                |v| v,
+            )
+        })
+    }
+
+    /// `fmi2SetInteger`, for integers and enumerations. Either all values are taken or none.
+    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Status {
+        self.call("fmi2SetInteger", |slave| {
+            slave.set(
+                references,
+                values,
+                integer_access,
+                |variable, value| variable.check_integer(value),
+                |v| v,
+            )
+        })
+    }
+
+    /// `fmi2SetBoolean`; what is not 0 is true. Either all values are taken or none.
+    pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Status {
+        self.call("fmi2SetBoolean", |slave| {
+            slave.set(
+                references,
+                values,
+                boolean_access,
+                |_, _| Ok(()),
+                |v| v != 0,
+            )
+        })
+    }
+
+    /// `fmi2GetFMUstate`: the state, or `None` with the status if the call failed.
+    pub fn save(&mut self) -> (Status, Option<Snapshot<U>>) {
+        let mut saved = None;
+        let status = self.call("fmi2GetFMUstate", |slave| {
+            slave.allow(Call::Always)?;
+            saved = Some(slave.now.clone());
+            Ok(())
+        });
+        (status, saved)
+    }
+
+    /// `fmi2SetFMUstate`. The state may come from another instance.
+    pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Status {
+        self.call("fmi2SetFMUstate", |slave| {
+            slave.allow(Call::Always)?;
+            slave.now = snapshot.clone();
+            Ok(())
+        })
+    }
+
+    /// `fmi2GetRealStatus`: the time reached, s.
+    pub fn real_status(&mut self, kind: StatusKind, value: &mut f64) -> Status {
+        self.status("fmi2GetRealStatus", |slave| match (kind, &slave.now.unit) {
+            (StatusKind::LastSuccessfulTime, Some(unit)) => {
+                *value = unit.time();
+                Ok(())
+            }
+            _ => unknown_status(kind),
+        })
+    }
+
+    /// `fmi2GetBooleanStatus`: whether the slave wants the run to end.
+    pub fn boolean_status(&mut self, kind: StatusKind, value: &mut i32) -> Status {
+        self.status("fmi2GetBooleanStatus", |_| match kind {
+            StatusKind::Terminated => {
+                *value = 0;
+                Ok(())
+            }
+            _ => unknown_status(kind),
+        })
+    }
+
+    /// `fmi2GetStatus`: how the last step ended.
+    pub fn step_status(&mut self, kind: StatusKind, value: &mut i32) -> Status {
+        self.status("fmi2GetStatus", |slave| match kind {
+            StatusKind::DoStep => {
+                let ended = match slave.now.state {
+                    State::StepFailed => Status::Discard,
+                    _ => Status::Ok,
+                };
+                *value = ended as i32;
+                Ok(())
+            }
+            _ => unknown_status(kind),
+        })
+    }
+
+    /// `fmi2GetIntegerStatus` and `fmi2GetStringStatus`: nothing of these types can be asked.
+    pub fn no_status(&mut self, function: &'static str, kind: StatusKind) -> Status {
+        self.status(function, |_| unknown_status(kind))
+    }
+
+    /// A call that this slave does not offer, as its capability flags say.
+    pub fn not_offered(&mut self, function: &'static str, why: &str) -> Status {
+        self.refuse(function, &format!("not offered: {why}"))
+    }
+
+    /// Refuses a call whose arguments can't be used.
+    pub fn refuse(&mut self, function: &'static str, why: &str) -> Status {
+        self.call(function, |_| refused(why))
+    }
+
+    fn step(&mut self, current: f64, step: f64) -> Outcome {
+        self.allow(Call::DoStep)?;
+        let Some(unit) = &mut self.now.unit else {
+            return refused("the unit has not been initialised");
+        };
+        let reached = unit.time();
+        let longest = U::IDENTITY.longest_step;
+        if !(current.is_finite() && step.is_finite() && step > 0.0) {
+            return refused(format!(
+                "a step of {step} s from {current} s is not a step forward in finite time"
+            ));
+        }
+        if step > longest {
+            return refused(format!(
+                "the step of {step} s is longer than the longest, {longest} s"
+            ));
+        }
+        if !same_time(current, reached, step) {
+            return refused(format!(
+                "the step starts at {current} s, but the last one ended at {reached} s"
+            ));
+        }
+        let to = current + step;
+        if to <= reached {
+            return refused(format!(
+                "the step of {step} s is lost in the rounding of the time {reached} s"
+            ));
+        }
+        if let Some(stop) = self.now.experiment.stop
+            && to > stop
+            && !same_time(to, stop, step)
+        {
+            return refused(format!(
+                "the step to {to} s leads beyond the stop time {stop} s"
+            ));
+        }
+        let mut remarks = Vec::new();
+        let result = unit.advance(to, &self.now.settings, &mut remarks);
+        self.pass_on(&remarks);
+        match result {
+            Ok(()) => {
+                self.now.state = State::StepComplete;
+                Ok(())
+            }
+            Err(StepFailure::Setting(text)) => Err(Trouble::Failed(text)),
+            Err(StepFailure::Discarded(text)) => {
+                self.now.state = State::StepFailed;
+                Err(Trouble::Discarded(text))
+            }
+        }
+    }
+
+    fn start_unit(&mut self) -> Outcome {
+        if self.now.unit.is_none() {
+            let mut remarks = Vec::new();
+            let started = U::start(&self.now.settings, &self.now.experiment, &mut remarks);
+            self.pass_on(&remarks);
+            self.now.unit = Some(started.map_err(Trouble::Failed)?);
+        }
+        Ok(())
+    }
+
+    fn pass_on(&self, remarks: &[super::unit::Remark]) {
+        for remark in remarks {
+            let (status, category) = if remark.warning {
+                (Status::Warning, Category::Warning)
+            } else {
+                (Status::Ok, Category::Events)
+            };
+            self.log.send(status, category, &remark.text);
+        }
+    }
+
+    fn get<T, V>(
+        &mut self,
+        references: &[u32],
+        values: &mut [V],
+        access: AccessOf<U, T>,
+        convert: fn(T) -> V,
+    ) -> Outcome {
+        self.allow(Call::Get)?;
+        for &reference in references {
+            find(&self.table, reference, access)?;
+        }
+        let calculated = |reference: &u32| {
+            find(&self.table, *reference, access)
+                .is_ok_and(|(_, access)| !matches!(access, Access::Setting { .. }))
+        };
+        if references.iter().any(calculated) {
+            if self.now.state == State::Initialisation {
+                self.start_unit()?;
+            } else if self.now.unit.is_none() {
+                return refused("there are no calculated values after a failed start");
+            }
+        }
+        let Snapshot { settings, unit, .. } = &mut self.now;
+        let readings = unit.as_mut().map(U::readings);
+        for (&reference, value) in references.iter().zip(values) {
+            let (_, access) = find(&self.table, reference, access)?;
+            *value = convert(match (access, readings) {
+                (Access::Setting { get, .. }, _) => get(settings),
+                (Access::Reading(get), Some(readings)) => get(readings),
+                (Access::Element(get, at), Some(readings)) => get(readings, *at),
+                (_, None) => continue,
+            });
+        }
+        Ok(())
+    }
+
+    fn set<T, V: Copy>(
+        &mut self,
+        references: &[u32],
+        values: &[V],
+        access: AccessOf<U, T>,
+        check: fn(&Variable<U::Settings, U::Readings>, V) -> Result<(), Refused>,
+        convert: fn(V) -> T,
+    ) -> Outcome {
+        self.allow(Call::Set)?;
+        let running = matches!(self.now.state, State::StepComplete | State::StepFailed);
+        let mut tunes = false;
+        for &reference in references {
+            let (variable, _) = find(&self.table, reference, access)?;
+            let name = &variable.name;
+            match variable.causality {
+                Causality::Output | Causality::Local => {
+                    return refused(format!("{name} is calculated and can't be set"));
+                }
+                Causality::Parameter if running => {
+                    return refused(format!("{name} is fixed once the run has started"));
+                }
+                Causality::Tunable => tunes = true,
+                Causality::Parameter | Causality::Input => {}
+            }
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            check(find(&self.table, reference, access)?.0, value)?;
+        }
+        // A tunable parameter must fit the others at once: there is no initialisation ahead that would check it.
+        let before = (running && tunes).then(|| self.now.settings.clone());
+        for (&reference, &value) in references.iter().zip(values) {
+            if let (_, Access::Setting { set, .. }) = find(&self.table, reference, access)? {
+                set(&mut self.now.settings, convert(value));
+            }
+        }
+        if let Some(before) = before
+            && let Err(text) = U::check(&self.now.settings)
+        {
+            self.now.settings = before;
+            return Err(Trouble::Failed(text));
+        }
+        if !running {
+            self.now.unit = None;
+        }
+        Ok(())
+    }
+
+    fn allow(&self, call: Call) -> Outcome {
+        if call.allowed_in(self.now.state) {
+            return Ok(());
+        }
+        let advice = match self.now.state {
+            State::Error => "; reset it or restore a stored state",
+            _ => "",
+        };
+        refused(format!(
+            "not allowed while the instance is {}{advice}",
+            self.now.state.name()
+        ))
+    }
+
+    fn status(
+        &mut self,
+        function: &'static str,
+        body: impl FnOnce(&mut Self) -> Outcome,
+    ) -> Status {
+        self.call(function, |slave| {
+            slave.allow(Call::GetStatus)?;
+            body(slave)
+        })
+    }
+
+    /// Runs a call, logs what went wrong and contains a panic within this instance.
+    fn call(&mut self, function: &'static str, body: impl FnOnce(&mut Self) -> Outcome) -> Status {
+        let outcome = catch_unwind(AssertUnwindSafe(|| body(self))).unwrap_or_else(|panic| {
+            // What the panic left behind is not to be trusted.
+            let broken = self.now.unit.take();
+            drop(catch_unwind(AssertUnwindSafe(|| drop(broken))));
+            Err(Trouble::Failed(format!(
+                "internal error, please report: {}",
+                panic_text(panic.as_ref())
+            )))
+        });
+        let (status, category, text) = match outcome {
+            Ok(()) => return Status::Ok,
+            Err(Trouble::Refused(text)) => (Status::Error, Category::Error, text),
+            Err(Trouble::Failed(text)) => {
+                self.now.state = State::Error;
+                (Status::Error, Category::Error, text)
+            }
+            Err(Trouble::Discarded(text)) => (Status::Discard, Category::Discard, text),
+        };
+        self.log
+            .send(status, category, &format!("{function}: {text}"));
+        status
+    }
+}
+
+/// Same communication point, up to the rounding of a master that sums up its steps: a billionth of the time, but never
+/// a noticeable part of the step.
+fn same_time(a: f64, b: f64, step: f64) -> bool {
+    let size = a.abs().max(b.abs());
+    let rounding = (1e-9 * size.max(step)).min(1e-3 * step);
+    (a - b).abs() <= rounding.max(4.0 * f64::EPSILON * size)
+}
+
+fn unknown_status(kind: StatusKind) -> Outcome {
+    Err(Trouble::Discarded(format!(
+        "{kind:?} is not known by a slave that finishes each step before it returns"
+    )))
+}
+
+type AccessOf<U, T> = fn(
+    &Kind<<U as Unit>::Settings, <U as Unit>::Readings>,
+) -> Option<&Access<<U as Unit>::Settings, <U as Unit>::Readings, T>>;
+
+fn real_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, f64>> {
+    match kind {
+        Kind::Real { access, .. } => Some(access),
+        _ => None,
+    }
+}
+
+fn integer_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, i32>> {
+    match kind {
+        Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => Some(access),
+        _ => None,
+    }
+}
+
+fn boolean_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, bool>> {
+    match kind {
+        Kind::Boolean { access } => Some(access),
+        _ => None,
+    }
+}
+
+#[expect(
+    clippy::type_complexity,
+    reason = "a variable with its access, used only here"
+)]
+fn find<S, R, T>(
+    table: &Table<S, R>,
+    reference: u32,
+    access: fn(&Kind<S, R>) -> Option<&Access<S, R, T>>,
+) -> Result<(&Variable<S, R>, &Access<S, R, T>), Trouble> {
+    let Some(variable) = table.by_reference(reference) else {
+        return refused(format!("no variable has the value reference {reference}"));
+    };
+    match access(&variable.kind) {
+        Some(access) => Ok((variable, access)),
+        None => refused(format!(
+            "{} (value reference {reference}) has another type",
+            variable.name
+        )),
+    }
+}
+
+fn panic_text(panic: &(dyn Any + Send)) -> &str {
+    panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("panic without a message")
+}

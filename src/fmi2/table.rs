@@ -1,0 +1,276 @@
+//! The variable table: everything that is known about a variable, beside the field it is bound to.
+
+/// A physical unit: its name and its exponents over the SI base units and the radian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnitDefinition {
+    /// Name as variables use it, e.g. `N.m`.
+    pub name: &'static str,
+    /// Base units with their exponents in the attribute names of the standard, e.g. `[("kg", 1), ("m", 2), ("s", -2)]`.
+    pub exponents: &'static [(&'static str, i32)],
+    /// Units in which a user interface may show values: name and factor, shown = factor · value.
+    pub display: &'static [(&'static str, f64)],
+}
+
+/// One value of an enumeration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Item {
+    /// Name.
+    pub name: &'static str,
+    /// Number that is exchanged.
+    pub value: i32,
+    /// What it stands for.
+    pub description: &'static str,
+}
+
+/// An enumeration type.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Enumeration {
+    /// Name of the type.
+    pub name: &'static str,
+    /// What the choice is about.
+    pub description: &'static str,
+    /// Values in ascending order.
+    pub items: &'static [Item],
+}
+
+/// Role of a variable. Its variability follows: parameters are fixed or tunable, inputs, outputs and locals are
+/// continuous if real and discrete otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Set before the start.
+    Parameter,
+    /// A parameter that may also be changed between steps.
+    Tunable,
+    /// Set between steps, constant over a step.
+    Input,
+    /// Calculated, to be wired.
+    Output,
+    /// Calculated, to be looked at.
+    Local,
+}
+
+impl Causality {
+    /// Whether the master writes the variable (and the unit only reads it).
+    #[must_use]
+    pub fn is_setting(self) -> bool {
+        matches!(self, Self::Parameter | Self::Tunable | Self::Input)
+    }
+}
+
+/// Where a value lives: in the settings `S`, which the master writes, or in the readings `R`, which the unit writes.
+pub enum Access<S, R, T> {
+    /// A field of the settings.
+    Setting {
+        /// Reads the field.
+        get: fn(&S) -> T,
+        /// Writes the field.
+        set: fn(&mut S, T),
+    },
+    /// A field of the readings.
+    Reading(fn(&R) -> T),
+    /// An element of an array of the readings.
+    Element(fn(&R, usize) -> T, usize),
+}
+
+/// Limits and size of a real variable.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Range {
+    /// Smallest value allowed.
+    pub min: Option<f64>,
+    /// Largest value allowed.
+    pub max: Option<f64>,
+    /// Typical size, for scaling.
+    pub nominal: Option<f64>,
+}
+
+/// Type of a variable with what belongs to it.
+pub enum Kind<S, R> {
+    /// Real.
+    Real {
+        /// Name of a unit of [`Table::units`].
+        unit: &'static str,
+        /// Name of a display unit of that unit.
+        display_unit: Option<&'static str>,
+        /// Limits.
+        range: Range,
+        /// Field.
+        access: Access<S, R, f64>,
+    },
+    /// Integer.
+    Integer {
+        /// Smallest and largest value allowed.
+        range: Option<(i32, i32)>,
+        /// Field.
+        access: Access<S, R, i32>,
+    },
+    /// Boolean.
+    Boolean {
+        /// Field.
+        access: Access<S, R, bool>,
+    },
+    /// Enumeration, exchanged as an integer.
+    Enumeration {
+        /// Type.
+        of: &'static Enumeration,
+        /// Field, as the number of the item.
+        access: Access<S, R, i32>,
+    },
+}
+
+/// A variable.
+pub struct Variable<S, R> {
+    /// Name, structured by dots and brackets.
+    pub name: String,
+    /// Value reference: the handle of the variable, never changed once given.
+    pub reference: u32,
+    /// One phrase.
+    pub description: String,
+    /// Role.
+    pub causality: Causality,
+    /// Type, limits and field.
+    pub kind: Kind<S, R>,
+}
+
+/// Why a value was not accepted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refused {
+    /// NaN or infinite.
+    #[error("{name} = {value} is not a finite number")]
+    NotFinite {
+        /// Variable.
+        name: String,
+        /// Value.
+        value: f64,
+    },
+    /// Out of its range.
+    #[error("{name} = {value} is out of range: {range}")]
+    OutOfRange {
+        /// Variable.
+        name: String,
+        /// Value.
+        value: f64,
+        /// Allowed values in words.
+        range: String,
+    },
+}
+
+impl<S, R> Variable<S, R> {
+    /// Checks a real value against the limits.
+    ///
+    /// # Errors
+    /// The value is not finite or outside `min` and `max`.
+    pub fn check_real(&self, value: f64) -> Result<(), Refused> {
+        let Kind::Real { unit, range, .. } = &self.kind else {
+            return Ok(());
+        };
+        if !value.is_finite() {
+            return Err(Refused::NotFinite {
+                name: self.name.clone(),
+                value,
+            });
+        }
+        if range.min.is_some_and(|min| value < min) || range.max.is_some_and(|max| value > max) {
+            let unit = if *unit == "1" {
+                String::new()
+            } else {
+                format!(" {unit}")
+            };
+            let range = match (range.min, range.max) {
+                (Some(min), Some(max)) => format!("{min} to {max}{unit}"),
+                (Some(min), None) => format!("at least {min}{unit}"),
+                (None, Some(max)) => format!("at most {max}{unit}"),
+                (None, None) => String::new(),
+            };
+            return Err(Refused::OutOfRange {
+                name: self.name.clone(),
+                value,
+                range,
+            });
+        }
+        Ok(())
+    }
+
+    /// Checks an integer or an enumeration value against the limits.
+    ///
+    /// # Errors
+    /// The value is outside the range or not an item of the enumeration.
+    pub fn check_integer(&self, value: i32) -> Result<(), Refused> {
+        let range = match &self.kind {
+            Kind::Integer {
+                range: Some((min, max)),
+                ..
+            } if value < *min || value > *max => format!("{min} to {max}"),
+            Kind::Enumeration { of, .. } if of.items.iter().all(|item| item.value != value) => {
+                let items: Vec<_> = of
+                    .items
+                    .iter()
+                    .map(|item| format!("{} {}", item.value, item.name))
+                    .collect();
+                items.join(", ")
+            }
+            _ => return Ok(()),
+        };
+        Err(Refused::OutOfRange {
+            name: self.name.clone(),
+            value: f64::from(value),
+            range,
+        })
+    }
+}
+
+/// All variables of a unit, with the units and enumerations they use.
+pub struct Table<S, R> {
+    /// Units.
+    pub units: &'static [UnitDefinition],
+    /// Enumeration types.
+    pub enumerations: &'static [&'static Enumeration],
+    variables: Vec<Variable<S, R>>,
+    /// (value reference, place in `variables`), sorted. A hash map would draw its seed from the operating system, by a
+    /// library that some Windows compatibility layers lack.
+    by_reference: Vec<(u32, usize)>,
+}
+
+impl<S, R> Table<S, R> {
+    /// A table of the given variables, in the order in which they appear in the description.
+    #[must_use]
+    pub fn new(
+        units: &'static [UnitDefinition],
+        enumerations: &'static [&'static Enumeration],
+        variables: Vec<Variable<S, R>>,
+    ) -> Self {
+        let mut by_reference: Vec<_> = variables
+            .iter()
+            .enumerate()
+            .map(|(place, variable)| (variable.reference, place))
+            .collect();
+        by_reference.sort_unstable();
+        Self {
+            units,
+            enumerations,
+            variables,
+            by_reference,
+        }
+    }
+
+    /// The variables in order.
+    #[must_use]
+    pub fn variables(&self) -> &[Variable<S, R>] {
+        &self.variables
+    }
+
+    /// The variable with a value reference.
+    #[must_use]
+    pub fn by_reference(&self, reference: u32) -> Option<&Variable<S, R>> {
+        let at = self
+            .by_reference
+            .binary_search_by_key(&reference, |entry| entry.0)
+            .ok()?;
+        self.variables.get(self.by_reference[at].1)
+    }
+
+    /// The variable with a name.
+    #[must_use]
+    pub fn by_name(&self, name: &str) -> Option<&Variable<S, R>> {
+        self.variables.iter().find(|variable| variable.name == name)
+    }
+}

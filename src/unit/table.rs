@@ -1,0 +1,424 @@
+//! The variable table: one row a variable, with its name, value reference, unit, description and field. Limits come
+//! from [`validation`](crate::variator::validation), start values from the defaults of the fields.
+//!
+//! Value references, never changed once given:
+//!
+//! | references | variables |
+//! |---|---|
+//! | 1 to 99 | outputs and locals of the whole variator |
+//! | 101 to 109, 201 to 209 | inputs of the primary, secondary pulley |
+//! | 111 to 129, 211 to 229 | outputs of the primary, secondary pulley |
+//! | 131 to 159, 231 to 259 | parameters of the primary, secondary pulley |
+//! | 1001 to 1999 | parameters of the whole variator |
+//! | 10001 + 100·j to 10072 + 100·j | field j of the profile along the belt |
+
+use super::Settings;
+use super::types::{AXIAL, DRIVE, ENUMERATIONS, RING_MODEL, UNITS};
+use crate::fmi2::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
+use crate::variator::parameters::{Axial, Drive, RingModel};
+use crate::variator::signals::{Outputs, PROFILE_POINTS};
+use crate::variator::validation::range_of;
+
+use Causality::{Input, Local, Output, Parameter, Tunable};
+
+/// Binds to a field of [`Settings`].
+macro_rules! set {
+    ($($field:ident).+) => {
+        Access::Setting {
+            get: |settings| settings.$($field).+,
+            set: |settings, value| settings.$($field).+ = value,
+        }
+    };
+}
+
+/// Binds to an enumeration in [`Settings`]. Numbers are checked against the items before they get here.
+macro_rules! choose {
+    ($($field:ident).+, $($number:literal => $item:expr),+; $other:expr) => {
+        Access::Setting {
+            get: |settings| settings.$($field).+ as i32,
+            set: |settings, number| settings.$($field).+ = match number { $($number => $item,)+ _ => $other },
+        }
+    };
+}
+
+/// Binds to a field of [`Outputs`].
+macro_rules! read {
+    ($($field:ident).+) => {
+        Access::Reading(|outputs| outputs.$($field).+)
+    };
+}
+
+/// Table under construction.
+struct Rows(Vec<Variable<Settings, Outputs>>);
+
+impl Rows {
+    fn add(
+        &mut self,
+        name: &str,
+        reference: u32,
+        causality: Causality,
+        text: &str,
+        kind: Kind<Settings, Outputs>,
+    ) {
+        self.0.push(Variable {
+            name: name.to_string(),
+            reference,
+            description: text.to_string(),
+            causality,
+            kind,
+        });
+    }
+
+    /// A real parameter or input.
+    fn set(
+        &mut self,
+        name: &str,
+        reference: u32,
+        causality: Causality,
+        unit: &'static str,
+        text: &str,
+        access: Access<Settings, Outputs, f64>,
+    ) {
+        let (min, max) = range_of(name).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        let range = Range {
+            min: min.is_finite().then_some(min),
+            max: max.is_finite().then_some(max),
+            nominal: None,
+        };
+        let kind = Kind::Real {
+            unit,
+            display_unit: display_unit(unit),
+            range,
+            access,
+        };
+        self.add(name, reference, causality, text, kind);
+    }
+
+    /// A real output or local, with its limits and typical size.
+    fn read(
+        &mut self,
+        name: &str,
+        reference: u32,
+        (causality, unit, range): (Causality, &'static str, Range),
+        text: &str,
+        access: Access<Settings, Outputs, f64>,
+    ) {
+        let kind = Kind::Real {
+            unit,
+            display_unit: display_unit(unit),
+            range,
+            access,
+        };
+        self.add(name, reference, causality, text, kind);
+    }
+
+    fn count(
+        &mut self,
+        name: &str,
+        reference: u32,
+        text: &str,
+        access: Access<Settings, Outputs, i32>,
+    ) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "the limits of integers are small whole numbers"
+        )]
+        let range = range_of(name).map(|(min, max)| (min as i32, max as i32));
+        self.add(
+            name,
+            reference,
+            Parameter,
+            text,
+            Kind::Integer { range, access },
+        );
+    }
+
+    fn switch(
+        &mut self,
+        name: &str,
+        reference: u32,
+        text: &str,
+        access: Access<Settings, Outputs, bool>,
+    ) {
+        self.add(name, reference, Parameter, text, Kind::Boolean { access });
+    }
+
+    fn choice(
+        &mut self,
+        name: &str,
+        reference: u32,
+        of: &'static Enumeration,
+        text: &str,
+        access: Access<Settings, Outputs, i32>,
+    ) {
+        self.add(
+            name,
+            reference,
+            Parameter,
+            text,
+            Kind::Enumeration { of, access },
+        );
+    }
+
+    fn profile(
+        &mut self,
+        name: &str,
+        first: u32,
+        unit: &'static str,
+        nominal: f64,
+        text: &str,
+        get: fn(&Outputs, usize) -> f64,
+    ) {
+        for (at, reference) in (0..PROFILE_POINTS).zip(first..) {
+            let number = at + 1;
+            self.read(
+                &format!("profile.{name}[{number}]"),
+                reference,
+                (Local, unit, typical(nominal)),
+                &format!("{text} at xi = {at}/{PROFILE_POINTS} of the belt length"),
+                Access::Element(get, at),
+            );
+        }
+    }
+}
+
+fn display_unit(unit: &str) -> Option<&'static str> {
+    match unit {
+        "rad" => Some("deg"),
+        "rad/s" => Some("rpm"),
+        _ => None,
+    }
+}
+
+fn typical(nominal: f64) -> Range {
+    Range {
+        nominal: Some(nominal),
+        ..Range::default()
+    }
+}
+
+fn between(min: f64, max: f64) -> Range {
+    Range {
+        min: Some(min),
+        max: Some(max),
+        nominal: None,
+    }
+}
+
+fn not_negative(nominal: f64) -> Range {
+    Range {
+        min: Some(0.0),
+        max: None,
+        nominal: Some(nominal),
+    }
+}
+
+macro_rules! pulley_inputs {
+    ($rows:ident, $pulley:ident, $name:literal, $base:literal) => {
+        $rows.set(
+            concat!($name, ".torque"),
+            $base + 1,
+            Input,
+            "N.m",
+            concat!(
+                "External torque on the ",
+                $name,
+                " shaft, positive in the direction of positive speed (a load is negative)"
+            ),
+            set!(inputs.$pulley.torque),
+        );
+        $rows.set(
+            concat!($name, ".clampingForce"),
+            $base + 2,
+            Input,
+            "N",
+            concat!("Force that closes the ", $name, " sheaves"),
+            set!(inputs.$pulley.clamping_force),
+        );
+        $rows.set(
+            concat!($name, ".speedSetpoint"),
+            $base + 3,
+            Input,
+            "rad/s",
+            concat!("Speed set point, used with ", $name, ".drive = Speed only"),
+            set!(inputs.$pulley.speed_setpoint),
+        );
+    };
+}
+
+macro_rules! pulley_outputs {
+    ($rows:ident, $pulley:ident, $name:literal, $base:literal) => {
+        $rows.read(
+            concat!($name, ".speed"),
+            $base + 11,
+            (Output, "rad/s", typical(200.0)),
+            concat!("Speed of the ", $name, " pulley"),
+            read!($pulley.speed),
+        );
+        $rows.read(
+            concat!($name, ".radius"),
+            $base + 12,
+            (Output, "m", typical(0.06)),
+            concat!(
+                "Running radius on the ",
+                $name,
+                " pulley: pressure-weighted mean pitch radius of the arc"
+            ),
+            read!($pulley.radius),
+        );
+        $rows.read(
+            concat!($name, ".position"),
+            $base + 13,
+            (Output, "m", typical(0.01)),
+            concat!(
+                "Displacement of the movable ",
+                $name,
+                " sheave, closing positive, 0 at ratio 1"
+            ),
+            read!($pulley.position),
+        );
+        $rows.read(
+            concat!($name, ".axialForce"),
+            $base + 14,
+            (Output, "N", typical(1e4)),
+            concat!("Axial force of the belt on one ", $name, " sheave"),
+            read!($pulley.axial_force),
+        );
+        $rows.read(
+            concat!($name, ".shaftTorque"),
+            $base + 15,
+            (Output, "N.m", typical(100.0)),
+            concat!(
+                "Torque of the belt on the ",
+                $name,
+                " pulley, negative where power goes in"
+            ),
+            read!($pulley.shaft_torque),
+        );
+        $rows.read(
+            concat!($name, ".externalTorque"),
+            $base + 16,
+            (Output, "N.m", typical(100.0)),
+            concat!(
+                "External torque on the ",
+                $name,
+                " shaft as held over the last step: the input, or the reaction in speed drive"
+            ),
+            read!($pulley.external_torque),
+        );
+        $rows.read(
+            concat!($name, ".power"),
+            $base + 17,
+            (Output, "W", typical(1e4)),
+            concat!("Power from the ", $name, " shaft into the variator"),
+            read!($pulley.power),
+        );
+        $rows.read(
+            concat!("spiral.", $name),
+            $base + 18,
+            (Output, "m", not_negative(1e-4)),
+            concat!(
+                "Spiral running: spread of the running radius within the ",
+                $name,
+                " arc"
+            ),
+            read!($pulley.spiral),
+        );
+    };
+}
+
+macro_rules! pulley_parameters {
+    ($rows:ident, $pulley:ident, $name:literal, $base:literal) => {
+        $rows.choice(concat!($name, ".drive"), $base + 31, &DRIVE, concat!("What drives the ", $name, " shaft"), choose!(parameters.$pulley.drive, 2 => Drive::Speed; Drive::Torque));
+        $rows.choice(concat!($name, ".axial"), $base + 32, &AXIAL, concat!("What holds the movable ", $name, " sheave"), choose!(parameters.$pulley.axial, 2 => Axial::Held; Axial::Force));
+        $rows.set(concat!($name, ".inertia"), $base + 33, Parameter, "kg.m2", concat!("Moment of inertia of the ", $name, " pulley and of what is rigidly connected to it"), set!(parameters.$pulley.inertia));
+        $rows.set(concat!($name, ".sheaveMass"), $base + 34, Parameter, "kg", concat!("Mass of the movable ", $name, " sheave"), set!(parameters.$pulley.sheave_mass));
+        $rows.set(concat!($name, ".sheaveDamping"), $base + 35, Parameter, "N.s/m", concat!("Viscous damping of the axial motion of the ", $name, " sheave"), set!(parameters.$pulley.sheave_damping));
+        $rows.set(concat!($name, ".tiltStiffness"), $base + 36, Parameter, "N.m/rad", concat!("Tilt stiffness of one ", $name, " sheave; rigid from 1e12 on"), set!(parameters.$pulley.tilt_stiffness));
+        $rows.set(concat!($name, ".tiltTime"), $base + 37, Parameter, "s", concat!("Relaxation time of the tilt of the ", $name, " sheaves"), set!(parameters.$pulley.tilt_time));
+        $rows.set(concat!($name, ".minRadius"), $base + 38, Parameter, "m", concat!("Pitch radius at the opening stop of the ", $name, " sheaves"), set!(parameters.$pulley.min_radius));
+        $rows.set(concat!($name, ".maxRadius"), $base + 39, Parameter, "m", concat!("Pitch radius at the closing stop of the ", $name, " sheaves"), set!(parameters.$pulley.max_radius));
+    };
+}
+
+/// The variable table of the variator.
+#[rustfmt::skip]
+pub(super) fn table() -> Table<Settings, Outputs> {
+    let mut rows = Rows(Vec::new());
+    let t = &mut rows;
+    pulley_inputs!(t, primary, "primary", 100);
+    pulley_inputs!(t, secondary, "secondary", 200);
+    outputs(t);
+    pulley_outputs!(t, primary, "primary", 100);
+    pulley_outputs!(t, secondary, "secondary", 200);
+    parameters(t);
+    pulley_parameters!(t, primary, "primary", 100);
+    pulley_parameters!(t, secondary, "secondary", 200);
+    locals(t);
+    Table::new(UNITS, ENUMERATIONS, rows.0)
+}
+
+#[rustfmt::skip]
+fn outputs(t: &mut Rows) {
+    t.read("thrustRatio", 1, (Output, "1", between(-100.0, 100.0)), "Axial belt force on the primary sheave / on the secondary sheave; 0 where the latter is below 1 N", read!(thrust_ratio));
+    t.read("belt.speed", 2, (Output, "m/s", typical(10.0)), "Mean pitch-line speed of the elements", read!(belt_speed));
+    t.read("ring.speed", 3, (Output, "m/s", typical(10.0)), "Drift rate of the ring", read!(ring_speed));
+    t.read("ratio.speed", 4, (Output, "1", typical(1.0)), "Primary speed / secondary speed; 0 at standstill", read!(ratio_speed));
+    t.read("ratio.geometric", 5, (Output, "1", typical(1.0)), "secondary.radius / primary.radius", read!(ratio_geometric));
+    t.read("reference.theta", 6, (Output, "1", between(-1.0, 1.0)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i) of its radii, positive in overdrive", read!(reference_theta));
+    t.read("slip", 7, (Output, "1", between(-2.0, 2.0)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 near standstill", read!(slip));
+    t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven power / driving power; 0 where no power flows", read!(efficiency));
+    t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0)), "Belt torque on the primary pulley / torque at which the belt slips", read!(torque_utilisation));
+    t.add("macroSlip", 10, Output, "Whether all loaded elements of a pulley slide tangentially one way", Kind::Boolean { access: read!(macro_slip) });
+    t.read("loss.total", 11, (Output, "W", typical(100.0)), "All losses", Access::Reading(|outputs| outputs.losses.total()));
+    t.read("loss.sheaves", 12, (Output, "W", typical(100.0)), "Loss by friction between elements and sheaves", read!(losses.sheaves));
+    t.read("loss.ring", 13, (Output, "W", typical(100.0)), "Loss by friction between ring and elements", read!(losses.ring));
+    t.read("loss.other", 14, (Output, "W", typical(10.0)), "Loss in sheave dampers, tilt relaxation, chain, structural and contact damping and end stops", read!(losses.other));
+    t.read("pushForce.max", 15, (Output, "N", typical(1000.0)), "Largest push force between elements", read!(push_force_max));
+    t.read("ring.tensionMax", 16, (Output, "N", typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
+    t.read("ring.tensionMin", 17, (Output, "N", typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
+}
+
+#[rustfmt::skip]
+fn parameters(t: &mut Rows) {
+    t.choice("ring.model", 1001, &RING_MODEL, "Level of detail of the ring", choose!(parameters.ring_model, 1 => RingModel::Ale0; RingModel::Ale));
+    t.set("initial.ratio", 1011, Parameter, "1", "Geometric ratio secondary radius / primary radius at the start", set!(parameters.initial.ratio));
+    t.set("initial.primarySpeed", 1012, Parameter, "rad/s", "Speed of the primary pulley at the start; 0 is a standstill", set!(parameters.initial.primary_speed));
+    t.switch("initial.steady", 1013, "Start from the steady state at this ratio and speed; if false, from the unloaded kinematic state", set!(parameters.initial.steady));
+    t.switch("initial.equilibrium", 1014, "With initial.steady: the ratio too is solved for, from the two clamping forces", set!(parameters.initial.equilibrium));
+    t.set("geometry.centerDistance", 1021, Parameter, "m", "Distance of the pulley axes", set!(parameters.geometry.center_distance));
+    t.set("geometry.beltLength", 1022, Parameter, "m", "Length of the unstretched ring centre line", set!(parameters.geometry.belt_length));
+    t.set("geometry.wedgeAngle", 1023, Parameter, "rad", "Half wedge angle of the sheaves", set!(parameters.geometry.wedge_angle));
+    t.set("belt.pitchOffset", 1031, Parameter, "m", "Distance of the pitch line (rocking edge) inside the ring centre line", set!(parameters.belt.pitch_offset));
+    t.set("belt.play", 1032, Parameter, "m", "End play: pitch-line length less the stacked thickness of all elements", set!(parameters.belt.play));
+    t.set("belt.massPerLength", 1033, Parameter, "kg/m", "Mass of the elements alone per pitch-line length", set!(parameters.belt.mass_per_length));
+    t.set("belt.pushStiffness", 1034, Parameter, "N", "Push force per strain of the element stack", set!(parameters.belt.push_stiffness));
+    t.set("belt.damping", 1035, Parameter, "s", "Damping time of the element stack, in contact only", set!(parameters.belt.damping));
+    t.set("ring.massPerLength", 1041, Parameter, "kg/m", "Mass of the ring sets per length", set!(parameters.ring.mass_per_length));
+    t.set("ring.axialStiffness", 1042, Parameter, "N", "Axial stiffness EA of the ring sets", set!(parameters.ring.axial_stiffness));
+    t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));
+    t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
+    t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave", set!(parameters.friction.pulley));
+    t.set("friction.ring", 1052, Tunable, "1", "Friction coefficient between ring and element", set!(parameters.friction.ring));
+    t.set("friction.velocity", 1053, Parameter, "m/s", "Regularisation speed of the friction between element and sheave, at most 1e-3 for accurate micro-slip", set!(parameters.friction.velocity));
+    t.set("contact.stiffness", 1061, Parameter, "N/m2", "Contact stiffness per flank and pitch-line length", set!(parameters.contact.stiffness));
+    t.set("contact.damping", 1062, Parameter, "s", "Damping time of the contact", set!(parameters.contact.damping));
+    t.count("mesh.primaryArc", 1071, "Ring elements on the primary arc", set!(parameters.mesh.primary_arc));
+    t.count("mesh.secondaryArc", 1072, "Ring elements on the secondary arc, an even number", set!(parameters.mesh.secondary_arc));
+    t.count("mesh.strand", 1073, "Ring elements on each strand", set!(parameters.mesh.strand));
+    t.count("mesh.cellsPerElement", 1074, "Cells of the element chain in each ring element", set!(parameters.mesh.cells_per_element));
+    t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; a tolerance of the experiment comes before it", set!(parameters.solver.tolerance));
+    t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step", set!(parameters.solver.max_step));
+}
+
+#[rustfmt::skip]
+fn locals(t: &mut Rows) {
+    t.read("stored.energy", 18, (Local, "J", typical(1000.0)), "Stored energy", read!(stored_energy));
+    t.read("energy.residual", 19, (Local, "J", typical(1.0)), "Energy balance since the start: supplied - lost - stored", read!(energy_residual));
+    t.profile("position", 10_001, "m", 1.0, "Place xi along the belt", |outputs, at| outputs.profile.position[at]);
+    t.profile("pushForce", 10_101, "N", 1000.0, "Push force", |outputs, at| outputs.profile.push_force[at]);
+    t.profile("ringTension", 10_201, "N", 1000.0, "Ring tension", |outputs, at| outputs.profile.ring_tension[at]);
+    t.profile("normalForce", 10_301, "N/m", 1e5, "Normal force per flank and length", |outputs, at| outputs.profile.normal_force[at]);
+    t.profile("radialDeviation", 10_401, "m", 1e-4, "Radius less the mean radius of the arc (on strands: outward distance from the tangent line)", |outputs, at| outputs.profile.radial_deviation[at]);
+    t.profile("slidingSpeed", 10_501, "m/s", 0.01, "Tangential sliding speed of the flanks", |outputs, at| outputs.profile.sliding_speed[at]);
+}

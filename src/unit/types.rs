@@ -1,0 +1,107 @@
+//! Units and enumerations of the interface.
+
+use crate::fmi2::table::{Enumeration, Item, UnitDefinition};
+use crate::variator::parameters::{Axial, Drive, RingModel};
+
+const fn unit(name: &'static str, exponents: &'static [(&'static str, i32)]) -> UnitDefinition {
+    UnitDefinition {
+        name,
+        exponents,
+        display: &[],
+    }
+}
+
+/// Every unit that a variable uses.
+pub(super) const UNITS: &[UnitDefinition] = &[
+    unit("1", &[]),
+    UnitDefinition {
+        name: "rad",
+        exponents: &[("rad", 1)],
+        display: &[("deg", 180.0 / std::f64::consts::PI)],
+    },
+    UnitDefinition {
+        name: "rad/s",
+        exponents: &[("s", -1), ("rad", 1)],
+        display: &[("rpm", 30.0 / std::f64::consts::PI)],
+    },
+    unit("s", &[("s", 1)]),
+    unit("m", &[("m", 1)]),
+    unit("m/s", &[("m", 1), ("s", -1)]),
+    unit("kg", &[("kg", 1)]),
+    unit("kg/m", &[("kg", 1), ("m", -1)]),
+    unit("kg.m2", &[("kg", 1), ("m", 2)]),
+    unit("N", &[("kg", 1), ("m", 1), ("s", -2)]),
+    unit("N/m", &[("kg", 1), ("s", -2)]),
+    unit("N/m2", &[("kg", 1), ("m", -1), ("s", -2)]),
+    unit("N.m", &[("kg", 1), ("m", 2), ("s", -2)]),
+    unit("N.m2", &[("kg", 1), ("m", 3), ("s", -2)]),
+    unit("N.m/rad", &[("kg", 1), ("m", 2), ("s", -2), ("rad", -1)]),
+    unit("N.s/m", &[("kg", 1), ("s", -1)]),
+    unit("J", &[("kg", 1), ("m", 2), ("s", -2)]),
+    unit("W", &[("kg", 1), ("m", 2), ("s", -3)]),
+];
+
+const fn item(name: &'static str, value: i32, description: &'static str) -> Item {
+    Item {
+        name,
+        value,
+        description,
+    }
+}
+
+/// `ring.model`. Numbers 3 and 4 are kept for the ring models RCM and ANCF.
+pub(super) static RING_MODEL: Enumeration = Enumeration {
+    name: "RingModel",
+    description: "Level of detail of the ring",
+    items: &[
+        item(
+            "ALE0",
+            RingModel::Ale0 as i32,
+            "Reference motion only: drift, ratio and a ring tension carried along by friction",
+        ),
+        item(
+            "ALE",
+            RingModel::Ale as i32,
+            "Reference motion with overlaid deflection: bending, stretch, spiral running",
+        ),
+    ],
+};
+
+/// `primary.drive`, `secondary.drive`.
+pub(super) static DRIVE: Enumeration = Enumeration {
+    name: "Drive",
+    description: "What drives the shaft of a pulley",
+    items: &[
+        item(
+            "Torque",
+            Drive::Torque as i32,
+            "The shaft torque is the input",
+        ),
+        item(
+            "Speed",
+            Drive::Speed as i32,
+            "The speed follows its set point with a lag of 1 ms; the torque this takes is an output",
+        ),
+    ],
+};
+
+/// `primary.axial`, `secondary.axial`.
+pub(super) static AXIAL: Enumeration = Enumeration {
+    name: "Axial",
+    description: "What holds the movable sheave of a pulley",
+    items: &[
+        item(
+            "Force",
+            Axial::Force as i32,
+            "The clamping force is the input",
+        ),
+        item(
+            "Held",
+            Axial::Held as i32,
+            "The sheave is held where the geometric ratio is initial.ratio; the clamping force input is ignored",
+        ),
+    ],
+};
+
+/// Every enumeration that a variable uses.
+pub(super) static ENUMERATIONS: &[&Enumeration] = &[&RING_MODEL, &DRIVE, &AXIAL];

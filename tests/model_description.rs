@@ -1,0 +1,269 @@
+//! The checked-in model description, and the rules for it that no checking tool knows.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use pushbelt::fmi2::Unit;
+use pushbelt::fmi2::table::{Access, Causality, Kind};
+use pushbelt::unit::{Settings, VariatorUnit, model_description};
+use pushbelt::variator::validation::range_of;
+
+/// Set this variable to write the file instead of comparing it.
+const REWRITE: &str = "PUSHBELT_REWRITE_MODEL_DESCRIPTION";
+
+#[test]
+fn the_checked_in_file_is_what_the_table_says() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription.xml");
+    let generated = model_description();
+    if std::env::var_os(REWRITE).is_some() {
+        std::fs::write(&path, &generated).expect("the file can be written");
+    }
+    let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
+    let differing = generated
+        .lines()
+        .zip(checked_in.lines())
+        .position(|(a, b)| a != b);
+    assert!(
+        generated == checked_in,
+        "modelDescription.xml is not what the variable table says, first in line {}; \
+         rewrite it by `{REWRITE}=1 cargo test --test model_description`",
+        differing.map_or(
+            generated.lines().count().min(checked_in.lines().count()),
+            |line| line + 1
+        )
+    );
+}
+
+#[test]
+fn names_and_value_references_are_unique() {
+    let table = VariatorUnit::table();
+    let names: BTreeSet<_> = table.variables().iter().map(|v| &v.name).collect();
+    let references: BTreeSet<_> = table.variables().iter().map(|v| v.reference).collect();
+    assert_eq!(names.len(), table.variables().len());
+    assert_eq!(references.len(), table.variables().len());
+    for variable in table.variables() {
+        let found = table.by_reference(variable.reference).expect("listed");
+        assert_eq!(found.name, variable.name);
+    }
+}
+
+/// Master tools are wired by these numbers: they may be added to, never changed.
+#[test]
+fn value_references_stay_as_given() {
+    let table = VariatorUnit::table();
+    for (name, reference) in [
+        ("primary.torque", 101),
+        ("secondary.torque", 201),
+        ("primary.clampingForce", 102),
+        ("secondary.clampingForce", 202),
+        ("secondary.speedSetpoint", 203),
+        ("thrustRatio", 1),
+        ("belt.speed", 2),
+        ("macroSlip", 10),
+        ("ring.tensionMin", 17),
+        ("energy.residual", 19),
+        ("secondary.speed", 211),
+        ("spiral.primary", 118),
+        ("primary.drive", 131),
+        ("secondary.maxRadius", 239),
+        ("ring.model", 1001),
+        ("initial.equilibrium", 1014),
+        ("friction.pulley", 1051),
+        ("solver.maxStep", 1082),
+        ("profile.position[1]", 10_001),
+        ("profile.slidingSpeed[72]", 10_572),
+    ] {
+        let variable = table
+            .by_name(name)
+            .unwrap_or_else(|| panic!("{name} is missing"));
+        assert_eq!(variable.reference, reference, "{name}");
+    }
+}
+
+#[test]
+fn settings_are_bound_to_settings_and_readings_to_readings() {
+    fn is_setting<S, R, T>(access: &Access<S, R, T>) -> bool {
+        matches!(access, Access::Setting { .. })
+    }
+    for variable in VariatorUnit::table().variables() {
+        let bound = match &variable.kind {
+            Kind::Real { access, .. } => is_setting(access),
+            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => is_setting(access),
+            Kind::Boolean { access } => is_setting(access),
+        };
+        assert_eq!(bound, variable.causality.is_setting(), "{}", variable.name);
+    }
+}
+
+/// A start value outside min and max is found by no tool, but refused by the unit.
+#[test]
+fn start_values_are_legal() {
+    let settings = Settings::default();
+    for variable in VariatorUnit::table().variables() {
+        let checked = match &variable.kind {
+            Kind::Real {
+                access: Access::Setting { get, .. },
+                ..
+            } => variable.check_real(get(&settings)),
+            Kind::Integer {
+                access: Access::Setting { get, .. },
+                ..
+            }
+            | Kind::Enumeration {
+                access: Access::Setting { get, .. },
+                ..
+            } => variable.check_integer(get(&settings)),
+            _ => Ok(()),
+        };
+        checked.unwrap_or_else(|error| panic!("{error}"));
+    }
+    assert_eq!(VariatorUnit::check(&settings), Ok(()));
+}
+
+#[test]
+fn every_number_that_is_set_has_a_range() {
+    for variable in VariatorUnit::table().variables() {
+        let number = matches!(variable.kind, Kind::Real { .. } | Kind::Integer { .. });
+        if variable.causality.is_setting() && number {
+            assert!(range_of(&variable.name).is_some(), "{}", variable.name);
+        }
+    }
+}
+
+/// Two rows bound to the same field, or a row bound to the wrong one, show here: what is set reads back there and
+/// nowhere else.
+#[test]
+fn each_setting_has_a_field_of_its_own() {
+    let table = VariatorUnit::table();
+    let read = |settings: &Settings| -> Vec<f64> {
+        let value = |kind: &Kind<_, _>| match kind {
+            Kind::Real {
+                access: Access::Setting { get, .. },
+                ..
+            } => get(settings),
+            Kind::Integer {
+                access: Access::Setting { get, .. },
+                ..
+            }
+            | Kind::Enumeration {
+                access: Access::Setting { get, .. },
+                ..
+            } => f64::from(get(settings)),
+            Kind::Boolean {
+                access: Access::Setting { get, .. },
+            } => f64::from(u8::from(get(settings))),
+            _ => 0.0,
+        };
+        table.variables().iter().map(|v| value(&v.kind)).collect()
+    };
+    let before = read(&Settings::default());
+    for (at, variable) in table.variables().iter().enumerate() {
+        let mut settings = Settings::default();
+        match &variable.kind {
+            Kind::Real {
+                access: Access::Setting { get, set },
+                ..
+            } => set(&mut settings, get(&Settings::default()) + 0.125),
+            Kind::Integer {
+                access: Access::Setting { get, set },
+                ..
+            } => set(&mut settings, get(&Settings::default()) + 1),
+            Kind::Enumeration {
+                of,
+                access: Access::Setting { get, set },
+            } => {
+                let present = get(&Settings::default());
+                let other = of.items.iter().find(|item| item.value != present);
+                set(&mut settings, other.expect("there is a choice").value);
+            }
+            Kind::Boolean {
+                access: Access::Setting { get, set },
+            } => set(&mut settings, !get(&Settings::default())),
+            _ => continue,
+        }
+        let after = read(&settings);
+        let moved: Vec<_> = (0..before.len())
+            .filter(|i| before[*i] != after[*i])
+            .collect();
+        assert_eq!(moved, [at], "{}", variable.name);
+    }
+}
+
+#[test]
+fn every_enumeration_item_can_be_set() {
+    for variable in VariatorUnit::table().variables() {
+        if let Kind::Enumeration {
+            of,
+            access: Access::Setting { get, set },
+        } = &variable.kind
+        {
+            for item in of.items {
+                let mut settings = Settings::default();
+                set(&mut settings, item.value);
+                assert_eq!(
+                    get(&settings),
+                    item.value,
+                    "{} {}",
+                    variable.name,
+                    item.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn units_and_types_in_use_are_declared() {
+    let table = VariatorUnit::table();
+    for variable in table.variables() {
+        match &variable.kind {
+            Kind::Real {
+                unit, display_unit, ..
+            } => {
+                let declared = table.units.iter().find(|declared| declared.name == *unit);
+                let declared = declared.unwrap_or_else(|| panic!("{}: {unit}", variable.name));
+                if let Some(shown) = display_unit {
+                    assert!(declared.display.iter().any(|(name, _)| name == shown));
+                }
+            }
+            Kind::Enumeration { of, .. } => {
+                assert!(
+                    table
+                        .enumerations
+                        .iter()
+                        .any(|declared| declared.name == of.name)
+                );
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The outputs' structure: every output is listed, and none depends directly on an input.
+#[test]
+fn model_structure_lists_every_output_without_dependencies() {
+    let xml = model_description();
+    let (_, structure) = xml.split_once("<ModelStructure>").expect("present");
+    let (outputs, initial) = structure.split_once("</Outputs>").expect("present");
+    let indices: Vec<String> = VariatorUnit::table()
+        .variables()
+        .iter()
+        .zip(1..)
+        .filter(|(variable, _)| variable.causality == Causality::Output)
+        .map(|(_, index)| format!("index=\"{index}\""))
+        .collect();
+    assert_eq!(outputs.matches("<Unknown ").count(), indices.len());
+    assert_eq!(initial.matches("<Unknown ").count(), indices.len());
+    for index in indices {
+        assert!(outputs.contains(&format!("{index} dependencies=\"\" dependenciesKind=\"\"")));
+        assert!(initial.contains(&index));
+    }
+}
+
+/// `canSerializeFMUstate` without `canGetAndSetFMUstate` would be wrong, and no tool would say so.
+#[test]
+fn capabilities_are_consistent() {
+    let xml = model_description();
+    let declared = |flag: &str| xml.contains(&format!("{flag}=\"true\""));
+    assert!(declared("canGetAndSetFMUstate") || !declared("canSerializeFMUstate"));
+}
