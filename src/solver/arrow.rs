@@ -157,6 +157,18 @@ impl Arrow {
         self.add(row, row, scale);
     }
 
+    /// Adds `factor` times border row `from` to border row `into`. Indices are those of the vector.
+    ///
+    /// # Panics
+    /// If an index is not in the border.
+    pub fn add_row(&mut self, into: usize, from: usize, factor: f64) {
+        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let (into, from) = (into - n * b, from - n * b);
+        for column in self.bottom.chunks_exact_mut(g).chain(self.corner.chunks_exact_mut(g)) {
+            column[into] += factor * column[from];
+        }
+    }
+
     /// `out` = A·`x`.
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
         let Shape { blocks: n, block: b, border: g } = self.shape;

@@ -1,0 +1,126 @@
+//! Push elements as an Eulerian chain on finite volumes that move with the mesh.
+//!
+//! The elements stand on the ring: a point of the chain is the ring's r, the rocking edge (pitch line) lies e inside
+//! it. Pitch-line length per dξ: λ = |r'| − e κ_ref, so a closed loop without stretch measures L − 2πe for every Θ.
+//!
+//! Generalised velocity: V, the absolute speed of the elements along the tangent t̂ at the pitch line, linear between
+//! faces. With dots at fixed mesh point η:
+//!
+//! - flow through the mesh, pitch-line length per time: J = V − t̂·ṙ + e χ̇; in ξ: c = J/λ,
+//! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = ṙ + c r'.
+//!
+//! J is the same on both sides of a moving arc border although κ_ref jumps there, because χ̇ (the turning of the
+//! elements with the mesh point) is continuous.
+//!
+//! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, Φ = J ν_upwind, smooth in the sign of J; ν = N/ℓ, ℓ = ∫λ dξ.
+//!
+//! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) with H the slope of ⟨·⟩₊: damping acts in contact only. The material
+//! shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
+//! outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
+//!
+//! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙ + Ω(V − t̂·ṙ), where
+//! Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's path.
+
+use crate::ring::kinematics::RingPoint;
+use crate::scalar::{Real, smooth_plus};
+use crate::variator::parameters::Belt;
+use nalgebra::Vector2;
+
+/// Smoothing width of the chain strain: small against a working strain of 1e-4 to 3e-4.
+pub const STRAIN_SMOOTHING: f64 = 3.0e-5;
+
+/// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
+pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
+
+/// The chain at a mesh point.
+#[derive(Clone, Copy, Debug)]
+pub struct ChainPoint<T: Real> {
+    /// λ, pitch-line length per dξ.
+    pub lambda: T,
+    /// V, m/s.
+    pub speed: T,
+    /// J, flow through the mesh, m/s.
+    pub flow: T,
+    /// c = J/λ, m/s.
+    pub c: T,
+    /// n̂·ṙ, m/s.
+    pub normal_speed: T,
+    /// True curvature κ̂ = n̂·r''/|r'| of the ring per dξ, 1/m.
+    pub curvature: T,
+}
+
+impl<T: Real> ChainPoint<T> {
+    /// Kinematics on a ring point at element speed `speed`.
+    #[inline]
+    pub fn new(pitch_offset: f64, point: &RingPoint<T>, theta_dot: T, speed: T) -> Self {
+        let reference = &point.reference;
+        let lambda = point.stretch - reference.kappa * pitch_offset;
+        let flow = speed - point.t.dot(&point.r_dot) + reference.chi_theta * theta_dot * pitch_offset;
+        Self {
+            lambda,
+            speed,
+            flow,
+            c: flow / lambda,
+            normal_speed: point.n.dot(&point.r_dot),
+            curvature: point.n.dot(&point.bend) / point.stretch,
+        }
+    }
+
+    /// v_p, velocity at the pitch line, m/s.
+    #[inline]
+    pub fn pitch_velocity(&self, point: &RingPoint<T>) -> Vector2<T> {
+        point.t * self.speed + point.n * self.normal_speed
+    }
+
+    /// v_e, velocity at the ring centre line, m/s.
+    #[inline]
+    pub fn ring_line_velocity(&self, point: &RingPoint<T>) -> Vector2<T> {
+        point.r_dot + point.slope * self.c
+    }
+
+    /// (a·t̂, a·n̂) of an element; `speed_dot` = V̇, `speed_gradient` = ∂V/∂ξ. m/s².
+    #[inline]
+    pub fn acceleration(&self, point: &RingPoint<T>, speed_dot: T, speed_gradient: T) -> (T, T) {
+        let c = self.c;
+        let turning = point.n.dot(&point.slope_dot);
+        let omega = turning / point.stretch + c * self.curvature;
+        let along = speed_dot + c * speed_gradient - omega * self.normal_speed;
+        let across =
+            point.n.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
+        (along, across)
+    }
+}
+
+/// Push force of a cell, N, and the power its damping takes per rate of shortening.
+#[derive(Clone, Copy, Debug)]
+pub struct Push<T> {
+    /// Q, N.
+    pub force: T,
+    /// The damping part of Q, N.
+    pub viscous: T,
+}
+
+/// Push force from element density `nu` and its material rate `nu_rate`, 1/s.
+#[inline]
+pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
+    let (strain, contact) = smooth_plus(nu - 1.0, STRAIN_SMOOTHING);
+    let viscous = contact * nu_rate * (belt.push_stiffness * belt.damping);
+    Push {
+        force: strain * belt.push_stiffness + viscous,
+        viscous,
+    }
+}
+
+/// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' = k_e⟨ν−1⟩₊/ν².
+#[must_use]
+pub fn energy_density(belt: &Belt, nu: f64) -> f64 {
+    // 1/ν² is expanded about contact: ν − 1 is below 1e-2 wherever force acts.
+    belt.push_stiffness * crate::scalar::smooth_plus_energy(nu - 1.0, STRAIN_SMOOTHING, 0.1)
+}
+
+/// Amount per time through a face: J ν_upwind.
+#[inline]
+pub fn flux<T: Real>(flow: T, nu_before: T, nu_after: T) -> T {
+    let (forward, _) = smooth_plus(flow, UPWIND_SMOOTHING);
+    forward * nu_before + (flow - forward) * nu_after
+}

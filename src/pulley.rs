@@ -1,0 +1,67 @@
+//! Pulleys: axial motion of the sheave, tilt, rotation.
+//!
+//! - axial: m_z z̈ = F − ∫p_ax − d_z ż − stop force; z closes the pulley, 0 at ratio 1,
+//! - tilt of one sheave: k (ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ). Its shape is Sattler's trigonometric law with the amplitude
+//!   from moment balance: |ψ| = aΔ tan β, a = (1 + cos²β)/sin 2β, gives the same spread of radius,
+//! - rotation: J ω̇ = T + belt torque, or τ_ω ω̇ = ω_set − ω in speed drive.
+
+use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
+use crate::variator::parameters::Pulley;
+
+/// Stiffness of the end stops, N/m: 20 kN compress a stop by 20 µm.
+pub const STOP_STIFFNESS: f64 = 1.0e9;
+
+/// Damping time of the end stops, s.
+pub const STOP_DAMPING: f64 = 1.0e-4;
+
+/// Smoothing width of the end stops, m.
+pub const STOP_SMOOTHING: f64 = 1.0e-6;
+
+/// Axial travel between the end stops, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Travel {
+    /// Opening stop 2(r_min − r₀) tan β.
+    pub open: f64,
+    /// Closing stop 2(r_max − r₀) tan β.
+    pub closed: f64,
+}
+
+/// Force of the end stops on the sheave, closing positive, N.
+#[derive(Clone, Copy, Debug)]
+pub struct StopForce<T> {
+    /// Elastic and damping force.
+    pub force: T,
+    /// Damping part.
+    pub viscous: T,
+}
+
+impl Travel {
+    /// Travel of `pulley` with pitch radius `r0` at ratio 1 and wedge angle β.
+    #[must_use]
+    pub fn new(pulley: &Pulley, r0: f64, tan_beta: f64) -> Self {
+        Self {
+            open: 2.0 * (pulley.min_radius - r0) * tan_beta,
+            closed: 2.0 * (pulley.max_radius - r0) * tan_beta,
+        }
+    }
+
+    /// Force of the stops at position `z` and speed `z_dot`.
+    #[inline]
+    pub fn stop_force<T: Real>(&self, z: T, z_dot: T) -> StopForce<T> {
+        let (over, in_closed) = smooth_plus(z - self.closed, STOP_SMOOTHING);
+        let (under, in_open) = smooth_plus(-z + self.open, STOP_SMOOTHING);
+        let viscous = (in_closed + in_open) * z_dot * (-STOP_STIFFNESS * STOP_DAMPING);
+        StopForce {
+            force: (under - over) * STOP_STIFFNESS + viscous,
+            viscous,
+        }
+    }
+
+    /// Energy stored in the stops, J.
+    #[must_use]
+    pub fn energy(&self, z: f64) -> f64 {
+        STOP_STIFFNESS
+            * (smooth_plus_energy(z - self.closed, STOP_SMOOTHING, 1.0)
+                + smooth_plus_energy(self.open - z, STOP_SMOOTHING, 1.0))
+    }
+}

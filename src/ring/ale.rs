@@ -1,0 +1,59 @@
+//! The ALE ring as a planar Kirchhoff beam: inertia and elastic energy (paper 4).
+//!
+//! Energy V = ½∫EA γ² dξ + ½∫EI κ_n² dξ (17), γ = |r'| − 1 (20), stress-free when straight. The paper's
+//! κ_n = n_refᵀ r'' mixes stretch into bending; here
+//!
+//! κ_n = n_refᵀ r'' − κ_ref (t_refᵀ r' − 1).
+//!
+//! V is differentiated at fixed η, dξ = ξ_η dη included. That contains the border terms ½EI[κ²] dξ_k/dΘ that the
+//! paper's (18), (23b) lose where κ_ref jumps at a moving arc border.
+//!
+//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric.
+//!
+//! Kelvin–Voigt damping acts on the material strain rate: T = EA (γ + η Dγ/Dt), with the virtual power of Dγ/Dt, so it
+//! takes exactly ∫EA η (Dγ/Dt)² dξ.
+
+use super::kinematics::{Load, RingPoint};
+use crate::scalar::Real;
+use crate::variator::parameters::Ring;
+
+/// Adds inertia and returns nothing else: m_r Dv/Dt against δv.
+#[inline]
+pub fn add_inertia<T: Real>(ring: &Ring, point: &RingPoint<T>, load: &mut Load<T>) {
+    let force = point.acceleration() * T::from(ring.mass_per_length);
+    load.position += force;
+    load.drift += force.dot(&point.slope);
+}
+
+/// Bending measure κ_n, 1/m.
+#[inline]
+pub fn curvature<T: Real>(point: &RingPoint<T>) -> T {
+    let reference = &point.reference;
+    reference.n.dot(&point.bend) - reference.kappa * (reference.t.dot(&point.slope) - 1.0)
+}
+
+/// Elastic energy per length, J/m.
+#[inline]
+pub fn energy_density<T: Real>(ring: &Ring, point: &RingPoint<T>) -> T {
+    let (gamma, kappa) = (point.strain(), curvature(point));
+    (gamma * gamma * ring.axial_stiffness + kappa * kappa * ring.bending_stiffness) * 0.5
+}
+
+/// Adds ∂V/∂q and the damping force; `growth` = (∂l/∂Θ)/l of the element. Returns the ring tension T, N.
+#[inline]
+pub fn add_elasticity<T: Real>(ring: &Ring, point: &RingPoint<T>, growth: T, load: &mut Load<T>) -> T {
+    let reference = &point.reference;
+    let kappa = curvature(point);
+    let moment = kappa * ring.bending_stiffness;
+    let viscous = point.strain_rate() * (ring.axial_stiffness * ring.damping);
+    let tension = point.strain() * ring.axial_stiffness + viscous;
+    load.slope += point.t * tension - reference.t * (moment * reference.kappa);
+    load.bend += reference.n * moment;
+    load.drift += viscous * point.strain_gradient();
+    let chi_theta = reference.chi_theta;
+    let kappa_theta = -(chi_theta * reference.t.dot(&point.bend))
+        - reference.kappa_theta * (reference.t.dot(&point.slope) - 1.0)
+        - reference.kappa * chi_theta * reference.n.dot(&point.slope);
+    load.theta += moment * kappa_theta + energy_density(ring, point) * growth;
+    tension
+}

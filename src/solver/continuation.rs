@@ -1,0 +1,87 @@
+//! Steady states by pseudo-transient continuation: implicit Euler whose step grows without bound.
+
+use super::System;
+use super::newton::{Newton, Stage};
+
+/// Settings of [`settle`].
+#[derive(Clone, Copy, Debug)]
+pub struct Settling {
+    /// First pseudo-time step, s.
+    pub first_step: f64,
+    /// Step at which the state counts as steady, s: far above every time constant.
+    pub last_step: f64,
+    /// Most Newton solves.
+    pub max_solves: usize,
+}
+
+/// How it went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settled {
+    /// Newton solves.
+    pub solves: usize,
+    /// Newton iterations over all solves.
+    pub iterations: usize,
+    /// Last pseudo-time step, s.
+    pub step: f64,
+}
+
+/// Drives (y, ẏ, q) to the steady state. `after` is called after each solve and may correct the system.
+///
+/// # Errors
+/// [`Settled`] so far, if the step stalled or the solves ran out. The state is then the last one solved.
+pub fn settle<S: System>(
+    system: &mut S,
+    newton: &mut Newton,
+    y: &mut [f64],
+    y_dot: &mut [f64],
+    q: &mut [f64],
+    settings: &Settling,
+    mut after: impl FnMut(&mut S, &[f64], &[f64], &[f64]),
+) -> Result<Settled, Settled> {
+    let n = y.len();
+    let (mut trial, mut rate, mut place) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut report = Settled {
+        step: settings.first_step,
+        ..Settled::default()
+    };
+    loop {
+        if report.solves >= settings.max_solves || report.step < 1e-12 {
+            return Err(report);
+        }
+        report.solves += 1;
+        let before = newton.counts.residuals;
+        let last = report.step >= settings.last_step;
+        trial.copy_from_slice(y);
+        place.copy_from_slice(q);
+        let mut stage = Stage {
+            alpha: 1.0 / report.step,
+            base: y,
+            position: q,
+            y: &mut trial,
+            y_dot: &mut rate,
+            q: &mut place,
+        };
+        let tolerance = if last { 1.0 } else { 100.0 };
+        let outcome = newton.solve(system, &mut stage, tolerance, false);
+        report.iterations += (newton.counts.residuals - before) as usize;
+        match outcome {
+            Ok(iterations) => {
+                y.copy_from_slice(&trial);
+                y_dot.copy_from_slice(&rate);
+                q.copy_from_slice(&place);
+                after(system, y, y_dot, q);
+                if last {
+                    return Ok(report);
+                }
+                report.step *= match iterations {
+                    0..=3 => 4.0,
+                    4 | 5 => 2.5,
+                    6 | 7 => 1.7,
+                    _ => 1.2,
+                };
+                report.step = report.step.min(settings.last_step);
+            }
+            Err(_) => report.step *= 0.3,
+        }
+    }
+}

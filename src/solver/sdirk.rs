@@ -1,0 +1,204 @@
+//! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander 1977, γ = 1 − 1/√2).
+//!
+//! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot is y, ẏ, q and the
+//! step size. The error is measured against a third-order formula with weights on c = 0, γ, 1, where the slope at
+//! c = 0 is the last one of the step before.
+
+use super::newton::{Newton, Stage};
+use super::{System, View};
+
+/// γ = 1 − 1/√2.
+pub const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// Third-order weights less those of the method, on the slopes at c = 0, γ, 1.
+fn error_weights() -> [f64; 3] {
+    let b1 = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA));
+    let b2 = 0.5 - GAMMA * b1;
+    [1.0 - b1 - b2, b1 - (1.0 - GAMMA), b2 - GAMMA]
+}
+
+/// What a system adds for time integration.
+pub trait Evolution: System {
+    /// Error of a step relative to what is tolerated: accepted up to 1.
+    fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64;
+
+    /// Called for each stage of an accepted step with its share of the step, s.
+    fn accumulate(&mut self, view: View<'_>, share: f64);
+}
+
+/// The step size fell below the smallest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stalled {
+    /// Time reached, s.
+    pub time: f64,
+    /// Step size at which it gave up, s.
+    pub step: f64,
+    /// Whether Newton's method failed (else the error control).
+    pub newton: bool,
+}
+
+/// Integrator with its history.
+#[derive(Clone, Debug)]
+pub struct Sdirk {
+    /// Newton iteration, with work counts.
+    pub newton: Newton,
+    /// Preferred next step, s.
+    pub step: f64,
+    /// Longest step, s.
+    pub max_step: f64,
+    /// Newton tolerance as a fraction of the system's Newton scale.
+    pub newton_tolerance: f64,
+    stages: [Buffers; 2],
+    base: Vec<f64>,
+    position: Vec<f64>,
+    y_error: Vec<f64>,
+    q_error: Vec<f64>,
+}
+
+#[derive(Clone, Debug)]
+struct Buffers {
+    y: Vec<f64>,
+    y_dot: Vec<f64>,
+    q: Vec<f64>,
+}
+
+/// Smallest step, s.
+const MIN_STEP: f64 = 1.0e-10;
+
+impl Sdirk {
+    /// Integrator for `system`.
+    #[must_use]
+    pub fn new(system: &impl System, first_step: f64, max_step: f64) -> Self {
+        let n = system.shape().len();
+        let buffers = || Buffers {
+            y: vec![0.0; n],
+            y_dot: vec![0.0; n],
+            q: vec![0.0; n],
+        };
+        Self {
+            newton: Newton::new(system),
+            step: first_step,
+            max_step,
+            newton_tolerance: 1.0,
+            stages: [buffers(), buffers()],
+            base: vec![0.0; n],
+            position: vec![0.0; n],
+            y_error: vec![0.0; n],
+            q_error: vec![0.0; n],
+        }
+    }
+
+    /// Tries one step of size `h` from (y, ẏ, q); the result stands in the second stage.
+    fn attempt<S: Evolution>(&mut self, system: &mut S, y: &[f64], y_dot: &[f64], q: &[f64], h: f64) -> Option<f64> {
+        let alpha = 1.0 / (h * GAMMA);
+        let n = y.len();
+        let [first, second] = &mut self.stages;
+        for i in 0..n {
+            first.y[i] = y[i] + GAMMA * h * y_dot[i];
+        }
+        first.q.copy_from_slice(q);
+        let mut stage = Stage {
+            alpha,
+            base: y,
+            position: q,
+            y: &mut first.y,
+            y_dot: &mut first.y_dot,
+            q: &mut first.q,
+        };
+        self.newton.solve(system, &mut stage, self.newton_tolerance, true).ok()?;
+        for i in 0..n {
+            self.base[i] = y[i] + h * (1.0 - GAMMA) * first.y_dot[i];
+            self.position[i] = q[i] + h * (1.0 - GAMMA) * first.y[i];
+            second.y[i] = self.base[i] + h * GAMMA * first.y_dot[i];
+        }
+        second.q.copy_from_slice(q);
+        let mut stage = Stage {
+            alpha,
+            base: &self.base,
+            position: &self.position,
+            y: &mut second.y,
+            y_dot: &mut second.y_dot,
+            q: &mut second.q,
+        };
+        self.newton.solve(system, &mut stage, self.newton_tolerance, true).ok()?;
+        let [w0, w1, w2] = error_weights().map(|w| h * w);
+        for i in 0..n {
+            self.y_error[i] = w0 * y_dot[i] + w1 * first.y_dot[i] + w2 * second.y_dot[i];
+            self.q_error[i] = w0 * y[i] + w1 * first.y[i] + w2 * second.y[i];
+        }
+        let view = View {
+            y: &second.y,
+            y_dot: &second.y_dot,
+            q: &second.q,
+        };
+        Some(system.error_norm(view, &self.y_error, &self.q_error))
+    }
+
+    /// Advances (y, ẏ, q) from `time` to exactly `to`.
+    ///
+    /// # Errors
+    /// The step size fell below 0.1 ns; the state is that of the last accepted step, whose time the error tells.
+    pub fn advance<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        y: &mut [f64],
+        y_dot: &mut [f64],
+        q: &mut [f64],
+        time: f64,
+        to: f64,
+    ) -> Result<(), Stalled> {
+        let span = to - time;
+        let mut done = 0.0;
+        while done < span {
+            let rest = span - done;
+            let preferred = self.step.min(self.max_step);
+            // Whole steps to the end: never a sliver.
+            let h = rest / (rest / preferred * (1.0 - 1e-9)).ceil().max(1.0);
+            let last = h >= rest;
+            let outcome = self.attempt(system, y, y_dot, q, h);
+            match outcome {
+                Some(error) if error <= 1.0 => {
+                    for (stage, share) in self.stages.iter().zip([1.0 - GAMMA, GAMMA]) {
+                        let view = View {
+                            y: &stage.y,
+                            y_dot: &stage.y_dot,
+                            q: &stage.q,
+                        };
+                        system.accumulate(view, h * share);
+                    }
+                    let end = &self.stages[1];
+                    y.copy_from_slice(&end.y);
+                    y_dot.copy_from_slice(&end.y_dot);
+                    q.copy_from_slice(&end.q);
+                    self.newton.counts.steps += 1;
+                    done = if last { span } else { done + h };
+                    let factor = (0.85 * error.max(1e-9).powf(-1.0 / 3.0)).clamp(0.3, 3.0);
+                    // A step shortened to meet `to` says nothing against the longer one.
+                    let next = h * factor;
+                    if next > self.step || h >= 0.99 * preferred || factor < 1.0 {
+                        self.step = next.min(self.max_step);
+                    }
+                }
+                other => {
+                    let factor = if let Some(error) = other {
+                        self.newton.counts.rejected += 1;
+                        (0.8 * error.powf(-1.0 / 3.0)).clamp(0.1, 0.7)
+                    } else {
+                        self.newton.counts.failed += 1;
+                        0.25
+                    };
+                    let factor = if factor.is_finite() { factor } else { 0.1 };
+                    self.step = h * factor;
+                    if self.step < MIN_STEP {
+                        return Err(Stalled {
+                            time: time + done,
+                            step: self.step,
+                            newton: other.is_none(),
+                        });
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,382 @@
+//! One cell of the belt: ring, chain and contact meet in one virtual-power statement.
+//!
+//! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact force)·δ(its own point)
+//!    − ∫ f_r δ(sliding of ring on elements) = 0.
+//!
+//! Each force enters with the velocity Jacobian of its own point: tangential flank forces at the pitch line (v_p),
+//! radial ones at the ring centre line (v_e, with its flow c), ring friction on the difference of the two flows, the
+//! push force on the shortening of the stack. So no power is lost between ring, chain and pulleys.
+
+use super::mesh::{Cell, Station};
+use super::parameters::Parameters;
+use crate::chain::{ChainPoint, push_force};
+use crate::contact::{FlankMotion, flank_force};
+use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
+use crate::ring::ale;
+use crate::ring::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
+use crate::scalar::{Real, smooth_plus};
+use nalgebra::Vector2;
+
+/// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
+const RING_LOAD_SMOOTHING: f64 = 1.0;
+
+/// Constants of the cell law.
+#[derive(Clone, Debug)]
+pub struct CellLaw {
+    /// Parameters.
+    pub parameters: Parameters,
+    /// sin β, cos β, tan β.
+    pub wedge: [f64; 3],
+    /// Pitch radius of unloaded contact at ratio 1, m.
+    pub r0: f64,
+    /// Pulley axes, x coordinate, [`S`](super::mesh::S) and [`P`](super::mesh::P), m.
+    pub axes: [f64; 2],
+}
+
+/// Motion of a pulley.
+#[derive(Clone, Copy, Debug)]
+pub struct PulleyMotion<T> {
+    /// z, m.
+    pub z: T,
+    /// ż, m/s.
+    pub z_dot: T,
+    /// ψ_x, ψ_y, rad.
+    pub psi: [T; 2],
+    /// Their rates, rad/s.
+    pub psi_dot: [T; 2],
+    /// ω, rad/s.
+    pub omega: T,
+}
+
+/// State of a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct CellMotion<T: Real> {
+    /// Motion of the left and right node; none in `ALE0`.
+    pub nodes: Option<[Motion<Node<T>>; 2]>,
+    /// V at the faces, m/s.
+    pub speed: [T; 2],
+    /// V̇ at the faces, m/s².
+    pub speed_dot: [T; 2],
+    /// N, m.
+    pub amount: T,
+    /// Ring tension at the faces (`ALE0`), N.
+    pub tension: [T; 2],
+    /// Reference motion.
+    pub reference: ReferenceMotion<T>,
+    /// The pulley this cell can touch.
+    pub pulley: PulleyMotion<T>,
+}
+
+/// Generalised residual forces of a cell (inertia − forces), and its flow.
+#[derive(Clone, Copy, Debug)]
+pub struct CellBalance<T: Real> {
+    /// Conjugates of the node motions.
+    pub nodes: [Node<T>; 2],
+    /// Conjugates of V at the faces, N.
+    pub speed: [T; 2],
+    /// Tension balance along the cell (`ALE0`), N.
+    pub tension: T,
+    /// Conjugate of s; in `ALE0` the normal balance over the arcs, N.
+    pub drift: T,
+    /// Conjugate of Θ, N·m.
+    pub theta: T,
+    /// Axial belt force on one sheave, N.
+    pub axial: T,
+    /// Moment of the axial force on one sheave, N·m.
+    pub tilting: [T; 2],
+    /// Torque of the belt on the pulley, N·m.
+    pub torque: T,
+    /// J at the left face, m/s.
+    pub flow: T,
+    /// ν.
+    pub density: T,
+}
+
+/// What a station tells: values for outputs, losses and energies.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sample {
+    /// ξ, m.
+    pub xi: f64,
+    /// Ring length dξ that the station stands for, m.
+    pub weight: f64,
+    /// Position of the ring centre line, m.
+    pub r: [f64; 2],
+    /// Pitch radius ϱ about the pulley axis, m.
+    pub pitch_radius: f64,
+    /// λ.
+    pub lambda: f64,
+    /// ν of the cell.
+    pub density: f64,
+    /// Push force Q, N.
+    pub push: f64,
+    /// Ring tension T, N.
+    pub tension: f64,
+    /// Normal force per flank and ring length, N/m.
+    pub normal: f64,
+    /// Axial force on one sheave per ring length, N/m.
+    pub axial: f64,
+    /// Tangential sliding speed, m/s.
+    pub sliding: f64,
+    /// Penetration, m.
+    pub penetration: f64,
+    /// J, m/s.
+    pub flow: f64,
+    /// V, m/s.
+    pub speed: f64,
+    /// Loss to sheave friction, W/m.
+    pub sheave_loss: f64,
+    /// Loss to ring friction, W/m.
+    pub ring_loss: f64,
+    /// Loss to structural, chain and contact damping, W/m.
+    pub damping_loss: f64,
+    /// Kinetic energy, J/m.
+    pub kinetic: f64,
+    /// Elastic energy of ring, stack and flanks, J/m.
+    pub elastic: f64,
+    /// Net inward normal force T − Q − inertia over the belt, N (positive: the strand is pulled).
+    pub net_force: f64,
+}
+
+/// Kinematics of ring and reference at a station.
+#[inline]
+fn ring_point<C: ReferenceCurve, T: Real>(
+    frame: &C::Frame<T>,
+    segment: usize,
+    station: &Station,
+    element: &ElementMotion<T>,
+    reference: &ReferenceMotion<T>,
+) -> RingPoint<T> {
+    let point: ReferencePoint<T> = C::point(frame, segment, station.fraction);
+    RingPoint::new(point, &station.shape, element, reference)
+}
+
+/// Where a cell lies: the reference curve at the present Θ, and the element.
+#[derive(Debug)]
+pub struct Place<'a, C: ReferenceCurve, T: Real> {
+    /// Reference curve at Θ.
+    pub frame: &'a C::Frame<T>,
+    /// The cell.
+    pub cell: &'a Cell,
+    /// Segment of the reference curve.
+    pub segment: usize,
+    /// Length of the element.
+    pub length: Jet<T>,
+}
+
+/// Sees every station of a cell as it is evaluated.
+pub trait Probe {
+    /// Whether samples are wanted.
+    const ACTIVE: bool;
+    /// Takes a sample.
+    fn take(&mut self, sample: &Sample);
+}
+
+/// Wants no samples.
+#[derive(Debug)]
+pub struct NoProbe;
+
+impl Probe for NoProbe {
+    const ACTIVE: bool = false;
+    fn take(&mut self, _sample: &Sample) {}
+}
+
+impl<F: FnMut(&Sample)> Probe for F {
+    const ACTIVE: bool = true;
+    fn take(&mut self, sample: &Sample) {
+        self(sample);
+    }
+}
+
+/// The balance of a cell. `probe` sees every station.
+#[inline]
+pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
+    law: &CellLaw,
+    place: &Place<'_, C, T>,
+    motion: &CellMotion<T>,
+    probe: &mut S,
+) -> CellBalance<T> {
+    let Place { frame, cell, segment, length } = *place;
+    let p = &law.parameters;
+    let e = p.belt.pitch_offset;
+    let [sin_beta, cos_beta, tan_beta] = law.wedge;
+    let theta_dot = motion.reference.theta.rate;
+    let element = match &motion.nodes {
+        Some(nodes) => ElementMotion::flexible(length, &motion.reference.theta, nodes),
+        None => ElementMotion::rigid(length),
+    };
+    let flexible = motion.nodes.is_some();
+    let growth = length.d / length.v;
+
+    // Cell: length of the pitch line, density, shortening.
+    let mut points = [None; 3];
+    let mut pitch_length = T::zero();
+    let mut carried = T::zero();
+    for (slot, station) in points.iter_mut().zip(&cell.stations) {
+        let point = ring_point::<C, T>(frame, segment, station, &element, &motion.reference);
+        let speed = motion.speed[0] * (1.0 - station.right) + motion.speed[1] * station.right;
+        let chain = ChainPoint::new(e, &point, theta_dot, speed);
+        let weight = length.v * station.weight;
+        pitch_length += weight * chain.lambda;
+        carried += weight * chain.curvature * chain.normal_speed;
+        *slot = Some((point, chain, weight));
+    }
+    let density = motion.amount / pitch_length;
+    let lengthening = motion.speed[1] - motion.speed[0] - carried;
+    let push = push_force(&p.belt, density, -(density * lengthening) / pitch_length);
+
+    let mut load = ElementLoad::zero();
+    let mut out = CellBalance {
+        nodes: [Node { a: Vector2::zeros(), b: Vector2::zeros() }; 2],
+        speed: [push.force, -push.force],
+        tension: motion.tension[0] - motion.tension[1],
+        drift: T::zero(),
+        theta: T::zero(),
+        axial: T::zero(),
+        tilting: [T::zero(); 2],
+        torque: T::zero(),
+        flow: {
+            let point = ring_point::<C, T>(frame, segment, &cell.face, &element, &motion.reference);
+            ChainPoint::new(e, &point, theta_dot, motion.speed[0]).flow
+        },
+        density,
+    };
+    let cell_length: T = cell.stations.iter().fold(T::zero(), |sum, s| sum + length.v * s.weight);
+    let speed_gradient = (motion.speed[1] - motion.speed[0]) / cell_length;
+    let pulley = &motion.pulley;
+
+    for (slot, station) in points.iter().zip(&cell.stations) {
+        let Some((point, chain, weight)) = slot else { continue };
+        let (weight, right) = (*weight, station.right);
+        let mut point_load = Load::zero();
+        // Conjugates of δV at the pitch line and of δc, per dξ.
+        let mut along = T::zero();
+        let mut flow = T::zero();
+
+        // Ring.
+        ale::add_inertia(&p.ring, point, &mut point_load);
+        let tension = if flexible {
+            ale::add_elasticity(&p.ring, point, growth, &mut point_load)
+        } else {
+            point_load.theta += ale::energy_density(&p.ring, point) * growth
+                + point.reference.kappa * point.reference.kappa_theta * p.ring.bending_stiffness;
+            motion.tension[0] * (1.0 - right) + motion.tension[1] * right
+        };
+        let ring_along = point_load.position.dot(&point.t);
+
+        // Elements: inertia and push force.
+        let speed_dot = motion.speed_dot[0] * (1.0 - right) + motion.speed_dot[1] * right;
+        let mass = density * chain.lambda * p.belt.mass_per_length;
+        let (a_t, a_n) = chain.acceleration(point, speed_dot, speed_gradient);
+        along += mass * a_t;
+        let inward = mass * a_n + push.force * chain.curvature;
+
+        // Contact.
+        let arm = point.r - Vector2::new(T::from(law.axes[cell.pulley]), T::zero());
+        let distance = arm.dot(&arm).sqrt();
+        let e_r = arm * distance.recip();
+        let e_t = Vector2::new(e_r.y, -e_r.x);
+        let rho = distance - e;
+        let opening = pulley.psi[0] * e_r.x - pulley.psi[1] * e_r.y;
+        let opening_rate = (pulley.psi_dot[0] * e_r.x - pulley.psi_dot[1] * e_r.y) * rho;
+        let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
+        let v_e = chain.ring_line_velocity(point);
+        let v_p = chain.pitch_velocity(point);
+        let (v_r, v_around) = (v_e.dot(&e_r), v_p.dot(&e_t));
+        let surface = pulley.z_dot * 0.5 - opening_rate;
+        let closing_surface = surface - pulley.omega * rho * opening_slope;
+        let flank = FlankMotion {
+            penetration: pulley.z * 0.5 - (rho - law.r0) * tan_beta - opening * rho,
+            closing: surface - (opening + tan_beta) * v_r - opening_slope * v_around,
+            tangential: v_around - pulley.omega * rho,
+            along_flank: v_r * cos_beta + closing_surface * sin_beta,
+        };
+        let force = flank_force(&p.contact, &p.friction, cos_beta, &flank);
+        let lambda = chain.lambda;
+        let axial_normal = force.normal * cos_beta * lambda;
+        let radial = (axial_normal * (opening + tan_beta) + force.along_flank * lambda * cos_beta) * 2.0;
+        let around = (axial_normal * opening_slope + force.tangential * lambda) * 2.0;
+        let axial_friction = force.along_flank * lambda * sin_beta;
+        let axial = axial_normal - axial_friction;
+        let push_out = e_r * radial;
+        let drag = e_t * around;
+        point_load.position -= push_out;
+        flow -= push_out.dot(&point.slope);
+        along -= drag.dot(&point.t);
+        let inward = inward - drag.dot(&point.n);
+        point_load.position += point.n * inward;
+        out.axial += axial * weight;
+        out.tilting[0] += axial * rho * e_r.x * weight;
+        out.tilting[1] -= axial * rho * e_r.y * weight;
+        let torque = -(force.tangential * lambda + axial_friction * opening_slope) * rho * 2.0;
+        out.torque += torque * weight;
+
+        // Ring on elements.
+        let (ring_load, _) = smooth_plus(
+            tension - motion.reference.s_dot * motion.reference.s_dot * p.ring.mass_per_length,
+            RING_LOAD_SMOOTHING,
+        );
+        let sliding = (point.w - chain.c) * point.stretch;
+        let v0 = p.friction.velocity;
+        let ring_friction = ring_load * point.reference.kappa * p.friction.ring * sliding
+            / (sliding * sliding + v0 * v0).sqrt();
+        point_load.drift += ring_friction * point.stretch;
+        flow -= ring_friction * point.stretch;
+
+        // δc = (δV − t̂·δr + e χ_Θ δΘ)/λ.
+        let carried = flow / lambda;
+        along += carried;
+        if !flexible && cell.arc {
+            out.drift += (point_load.position.dot(&point.n) - tension * point.reference.kappa) * weight;
+        }
+        point_load.position -= point.t * carried;
+        point_load.theta += carried * point.reference.chi_theta * e;
+        load.add(&point_load, point, &station.shape, &element, weight);
+        out.speed[0] += along * weight * (1.0 - right);
+        out.speed[1] += along * weight * right;
+        out.tension += (ring_along + ring_friction * point.stretch) * weight;
+
+        if S::ACTIVE {
+            let value = |x: T| x.re();
+            let viscous = p.ring.axial_stiffness * p.ring.damping * value(point.strain_rate()).powi(2);
+            let stack = -value(push.viscous) * value(lengthening) / value(cell_length);
+            let flanks = 2.0 * value(force.viscous * cos_beta * lambda) * value(flank.closing);
+            let velocity = point.velocity();
+            let kinetic_ring = 0.5 * p.ring.mass_per_length * value(velocity.dot(&velocity));
+            let kinetic_chain = 0.5 * value(mass) * value(v_p.dot(&v_p));
+            let nu = value(density);
+            probe.take(&Sample {
+                xi: value(point.reference.xi.v),
+                weight: value(weight),
+                r: [value(point.r.x), value(point.r.y)],
+                pitch_radius: value(rho),
+                lambda: value(lambda),
+                density: nu,
+                push: value(push.force),
+                tension: value(tension),
+                normal: value(force.normal * lambda),
+                axial: value(axial),
+                sliding: value(flank.tangential),
+                penetration: value(flank.penetration),
+                flow: value(chain.flow),
+                speed: value(chain.speed),
+                sheave_loss: -2.0
+                    * value(lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank)),
+                ring_loss: value(ring_friction * sliding),
+                damping_loss: if flexible { viscous } else { 0.0 } + stack + flanks,
+                kinetic: kinetic_ring + kinetic_chain,
+                elastic: value(ale::energy_density(&p.ring, point))
+                    + value(lambda)
+                        * (crate::chain::energy_density(&p.belt, nu)
+                            + crate::contact::energy_density(&p.contact, cos_beta, value(flank.penetration))),
+                net_force: value(tension - push.force),
+            });
+        }
+    }
+    let (nodes, theta) = load.nodes(&element);
+    out.nodes = nodes;
+    out.theta += theta;
+    if flexible {
+        out.drift += load.s;
+    }
+    out
+}

@@ -1,0 +1,714 @@
+//! The variator as an implicit system: cells, pulleys and boundary conditions assembled, with the exact Jacobian.
+
+use super::cell::{CellBalance, CellLaw, CellMotion, NoProbe, Place, Probe, PulleyMotion, Sample, balance};
+use super::layout::{Global, Layout};
+use super::mesh::{BeltMesh, P, S};
+use super::parameters::{Parameters, Pulley, RIGID_TILT_STIFFNESS, RingModel, SPEED_LAG};
+use crate::chain;
+use crate::pulley::Travel;
+use crate::reference_curve::{ReferenceCurve, TwoPulley};
+use crate::ring::kinematics::{Motion, Node, ReferenceMotion};
+use crate::scalar::Real;
+use crate::solver::arrow::{Arrow, Shape};
+use crate::solver::{System, View};
+use nalgebra::Vector2;
+use num_dual::{Derivative, DualSVec64};
+
+/// Derivative directions of a cell with a deflecting ring: 8 node motions, V, V, N, and six globals.
+const FLEXIBLE: usize = 17;
+/// Derivative directions of a cell of `ALE0`: V, V, N, T, T, and six globals.
+const RIGID: usize = 11;
+/// Directions before the globals.
+const FLEXIBLE_LOCAL: usize = 11;
+const RIGID_LOCAL: usize = 5;
+
+/// A scalar that can be seeded with a derivative direction.
+trait Seed: Real {
+    fn seed(value: f64, direction: usize, slope: f64) -> Self;
+}
+
+impl Seed for f64 {
+    #[inline]
+    fn seed(value: f64, _direction: usize, _slope: f64) -> Self {
+        value
+    }
+}
+
+impl<const D: usize> Seed for DualSVec64<D> {
+    #[inline]
+    fn seed(value: f64, direction: usize, slope: f64) -> Self {
+        let mut eps = nalgebra::SVector::<f64, D>::zeros();
+        eps[direction] = slope;
+        Self::new(value, Derivative::some(eps))
+    }
+}
+
+/// How a sheave's axial position is determined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SheaveMode {
+    /// By the clamping force, N.
+    Force(f64),
+    /// It stands still.
+    Held,
+    /// It goes wherever Θ takes the given value; the clamping force is the reaction.
+    Ratio(f64),
+}
+
+/// How a pulley's speed is determined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpeedMode {
+    /// By the external torque, N·m.
+    Torque(f64),
+    /// It follows the set point with a lag, rad/s.
+    Setpoint(f64),
+    /// It stays what it is.
+    Fixed,
+    /// Secondary only: both speeds change in proportion, ω̇_S/ω_S = ω̇_P/ω_P, under the two external torques, N·m.
+    Balanced(f64, f64),
+    /// Secondary only: it goes where the belt takes the given torque from the primary shaft, N·m.
+    Transmit(f64),
+}
+
+/// Boundary conditions, over pulleys [`S`], [`P`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boundary {
+    /// Sheaves.
+    pub sheave: [SheaveMode; 2],
+    /// Shafts.
+    pub speed: [SpeedMode; 2],
+}
+
+/// The whole dynamic state: unknowns, their rates, positions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Unknowns y in the order of [`Layout`].
+    pub y: Vec<f64>,
+    /// Rates ẏ.
+    pub y_dot: Vec<f64>,
+    /// Positions q with q̇ = y.
+    pub q: Vec<f64>,
+}
+
+impl State {
+    /// View for a residual.
+    #[must_use]
+    pub fn view(&self) -> View<'_> {
+        View {
+            y: &self.y,
+            y_dot: &self.y_dot,
+            q: &self.q,
+        }
+    }
+}
+
+/// Sums over the cells of a pulley.
+#[derive(Clone, Copy, Debug, Default)]
+struct PulleySum {
+    axial: f64,
+    tilting: [f64; 2],
+    torque: f64,
+}
+
+/// The assembled variator.
+#[derive(Clone, Debug)]
+pub struct VariatorSystem {
+    /// Constants of the cells.
+    pub law: CellLaw,
+    /// Mesh.
+    pub mesh: BeltMesh,
+    /// Order of the unknowns.
+    pub layout: Layout,
+    /// Reference curve.
+    pub curve: TwoPulley,
+    /// Axial travel of the pulleys.
+    pub travel: [Travel; 2],
+    /// Boundary conditions in force.
+    pub boundary: Boundary,
+    has_position: Vec<bool>,
+    flows: Vec<(f64, f64)>,
+    sums: [PulleySum; 2],
+    flow_slopes: Vec<[[f64; FLEXIBLE]; 2]>,
+}
+
+/// Parameters of pulley `j`.
+fn pulley(parameters: &Parameters, j: usize) -> &Pulley {
+    if j == P { &parameters.primary } else { &parameters.secondary }
+}
+
+impl VariatorSystem {
+    /// Assembles a variator.
+    ///
+    /// # Panics
+    /// With parameters that [`Parameters::validate`] rejects.
+    #[must_use]
+    pub fn new(parameters: &Parameters) -> Self {
+        let geometry = &parameters.geometry;
+        let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
+        let (radius, _) = curve.radii(1.0).expect("validated geometry closes at ratio 1");
+        let r0 = radius - parameters.belt.pitch_offset;
+        let (sin, cos) = geometry.wedge_angle.sin_cos();
+        let mesh = BeltMesh::new(&parameters.mesh);
+        let layout = Layout::new(&mesh, parameters.ring_model == RingModel::Ale);
+        let mut has_position = vec![false; layout.len()];
+        if layout.flexible {
+            for node in 0..layout.elements {
+                for k in 0..4 {
+                    has_position[layout.node(node, k)] = true;
+                }
+            }
+        }
+        has_position[layout.global(Global::Drift, 0)] = true;
+        has_position[layout.global(Global::Theta, 0)] = true;
+        for j in [S, P] {
+            has_position[layout.global(Global::Sheave, j)] = true;
+        }
+        let cells = mesh.cells.len();
+        let travel = [S, P].map(|j| Travel::new(pulley(parameters, j), r0, sin / cos));
+        Self {
+            law: CellLaw {
+                parameters: parameters.clone(),
+                wedge: [sin, cos, sin / cos],
+                r0,
+                axes: [0.0, geometry.center_distance],
+            },
+            mesh,
+            layout,
+            curve,
+            travel,
+            boundary: Boundary {
+                sheave: [SheaveMode::Held; 2],
+                speed: [SpeedMode::Fixed; 2],
+            },
+            has_position,
+            flows: vec![(0.0, 0.0); cells],
+            sums: [PulleySum::default(); 2],
+            flow_slopes: vec![[[0.0; FLEXIBLE]; 2]; cells],
+        }
+    }
+
+    /// Parameters of a pulley.
+    #[must_use]
+    pub fn pulley(&self, j: usize) -> &Pulley {
+        pulley(&self.law.parameters, j)
+    }
+
+    /// Whether a sheave counts as rigid.
+    #[must_use]
+    pub fn rigid(&self, j: usize) -> bool {
+        self.pulley(j).tilt_stiffness >= RIGID_TILT_STIFFNESS
+    }
+
+    /// Global indices of a cell's directions: its own unknowns, then s, Θ, z, ψ_x, ψ_y, ω.
+    fn directions(&self, cell: usize, out: &mut [usize; FLEXIBLE]) -> usize {
+        let layout = &self.layout;
+        let place = &self.mesh.cells[cell];
+        let local = if layout.flexible {
+            for i in 0..2 {
+                for k in 0..4 {
+                    out[4 * i + k] = layout.node(place.element + i, k);
+                }
+            }
+            out[8] = layout.speed(cell);
+            out[9] = layout.speed(cell + 1);
+            out[10] = layout.amount(cell);
+            FLEXIBLE_LOCAL
+        } else {
+            out[0] = layout.speed(cell);
+            out[1] = layout.speed(cell + 1);
+            out[2] = layout.amount(cell);
+            out[3] = layout.tension(cell);
+            out[4] = layout.tension(cell + 1);
+            RIGID_LOCAL
+        };
+        let j = place.pulley;
+        out[local] = layout.global(Global::Drift, 0);
+        out[local + 1] = layout.global(Global::Theta, 0);
+        out[local + 2] = layout.global(Global::Sheave, j);
+        out[local + 3] = layout.global(Global::Tilt, 2 * j);
+        out[local + 4] = layout.global(Global::Tilt, 2 * j + 1);
+        out[local + 5] = layout.global(Global::Speed, j);
+        local + 6
+    }
+
+    fn theta<T: Seed>(&self, view: View<'_>, beta: f64) -> T {
+        let direction = if self.layout.flexible { FLEXIBLE_LOCAL + 1 } else { RIGID_LOCAL + 1 };
+        T::seed(view.q[self.layout.global(Global::Theta, 0)], direction, beta)
+    }
+
+    fn motion<T: Seed>(&self, view: View<'_>, at: &[usize; FLEXIBLE], alpha: f64, beta: f64) -> CellMotion<T> {
+        let value = |k: usize| T::seed(view.y[at[k]], k, 1.0);
+        let rate = |k: usize| T::seed(view.y_dot[at[k]], k, alpha);
+        let position = |k: usize| T::seed(view.q[at[k]], k, beta);
+        let (nodes, own, g, tension) = if self.layout.flexible {
+            let node = |i: usize| {
+                let assemble = |f: &dyn Fn(usize) -> T| Node {
+                    a: Vector2::new(f(4 * i), f(4 * i + 2)),
+                    b: Vector2::new(f(4 * i + 1), f(4 * i + 3)),
+                };
+                Motion {
+                    value: assemble(&position),
+                    rate: assemble(&value),
+                    acceleration: assemble(&rate),
+                }
+            };
+            (Some([node(0), node(1)]), 8, FLEXIBLE_LOCAL, [T::zero(); 2])
+        } else {
+            (None, 0, RIGID_LOCAL, [value(3), value(4)])
+        };
+        CellMotion {
+            nodes,
+            speed: [value(own), value(own + 1)],
+            speed_dot: [rate(own), rate(own + 1)],
+            amount: value(own + 2),
+            tension,
+            reference: ReferenceMotion {
+                theta: Motion {
+                    value: position(g + 1),
+                    rate: value(g + 1),
+                    acceleration: rate(g + 1),
+                },
+                s_dot: value(g),
+                s_ddot: rate(g),
+            },
+            pulley: PulleyMotion {
+                z: position(g + 2),
+                z_dot: value(g + 2),
+                psi: [value(g + 3), value(g + 4)],
+                psi_dot: [rate(g + 3), rate(g + 4)],
+                omega: value(g + 5),
+            },
+        }
+    }
+
+    fn cell<T: Seed, B: Probe>(
+        &self,
+        cell: usize,
+        frame: &<TwoPulley as ReferenceCurve>::Frame<T>,
+        motion: &CellMotion<T>,
+        probe: &mut B,
+    ) -> CellBalance<T> {
+        let place = &self.mesh.cells[cell];
+        let element = &self.mesh.elements[place.element];
+        let length = TwoPulley::segment_length(frame, element.segment);
+        let length = crate::reference_curve::Jet::constant(0.0).plus_scaled(length, element.share);
+        let place = Place::<TwoPulley, T> {
+            frame,
+            cell: place,
+            segment: element.segment,
+            length,
+        };
+        balance(&self.law, &place, motion, probe)
+    }
+
+    /// Rows of the balance in the order of the directions; the amount has its own balance, the flux.
+    fn rows<T: Real>(&self, b: &CellBalance<T>) -> [T; FLEXIBLE] {
+        let mut rows = [T::zero(); FLEXIBLE];
+        let g = if self.layout.flexible {
+            for (i, node) in b.nodes.iter().enumerate() {
+                rows[4 * i] = node.a.x;
+                rows[4 * i + 1] = node.b.x;
+                rows[4 * i + 2] = node.a.y;
+                rows[4 * i + 3] = node.b.y;
+            }
+            rows[8] = b.speed[0];
+            rows[9] = b.speed[1];
+            FLEXIBLE_LOCAL
+        } else {
+            rows[0] = b.speed[0];
+            rows[1] = b.speed[1];
+            rows[3] = b.tension;
+            RIGID_LOCAL
+        };
+        rows[g] = b.drift;
+        rows[g + 1] = b.theta;
+        rows[g + 2] = b.axial;
+        rows[g + 3] = -b.tilting[0];
+        rows[g + 4] = -b.tilting[1];
+        rows[g + 5] = -b.torque;
+        rows
+    }
+
+    fn has_lock(&self) -> bool {
+        self.layout.flexible
+    }
+
+    /// The two locked positions of node 0.
+    fn locked(&self) -> [usize; 2] {
+        [self.layout.node(0, 0), self.layout.node(0, 2)]
+    }
+
+    /// Evaluates every station.
+    pub fn probe(&self, view: View<'_>, mut probe: impl FnMut(usize, &Sample)) {
+        let frame = self.curve.frame(self.theta::<f64>(view, 0.0));
+        let mut at = [0; FLEXIBLE];
+        for cell in 0..self.mesh.cells.len() {
+            self.directions(cell, &mut at);
+            let motion = self.motion::<f64>(view, &at, 0.0, 0.0);
+            self.cell(cell, &frame, &motion, &mut |s: &Sample| probe(cell, s));
+        }
+    }
+
+    /// Axial force on one sheave and torque of the belt, over pulleys.
+    pub fn belt_loads(&mut self, view: View<'_>) -> [(f64, f64); 2] {
+        let mut scratch = vec![0.0; self.layout.len()];
+        self.residual(view, &mut scratch);
+        [S, P].map(|j| (self.sums[j].axial, self.sums[j].torque))
+    }
+
+    fn balanced_factor(&self, view: View<'_>) -> f64 {
+        let omega = |j| view.y[self.layout.global(Global::Speed, j)];
+        let primary = self.pulley(P).inertia * omega(P);
+        if primary == 0.0 { 0.0 } else { self.pulley(S).inertia * omega(S) / primary }
+    }
+
+    fn assemble_jacobian<const D: usize>(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow)
+    where
+        DualSVec64<D>: Seed,
+    {
+        let frame = self.curve.frame(self.theta::<DualSVec64<D>>(view, beta));
+        let mut at = [0; FLEXIBLE];
+        let amount = if self.layout.flexible { 10 } else { 2 };
+        let slopes = |x: &DualSVec64<D>| -> [f64; FLEXIBLE] {
+            let mut all = [0.0; FLEXIBLE];
+            if let Some(eps) = &x.eps.0 {
+                all[..D].copy_from_slice(eps.as_slice());
+            }
+            all
+        };
+        for cell in 0..self.mesh.cells.len() {
+            let count = self.directions(cell, &mut at);
+            let motion = self.motion::<DualSVec64<D>>(view, &at, alpha, beta);
+            let b = self.cell(cell, &frame, &motion, &mut NoProbe);
+            for (k, row) in self.rows(&b)[..count].iter().enumerate() {
+                if k == amount {
+                    continue;
+                }
+                if let Some(eps) = &row.eps.0 {
+                    for (l, &slope) in eps.iter().enumerate() {
+                        if slope != 0.0 {
+                            out.add(at[k], at[l], slope);
+                        }
+                    }
+                }
+            }
+            out.add(at[amount], at[amount], alpha);
+            self.flows[cell] = (b.flow.re, b.density.re);
+            self.flow_slopes[cell] = [slopes(&b.flow), slopes(&b.density)];
+        }
+        // Fluxes through the left faces.
+        let cells = self.mesh.cells.len();
+        let mut before_at = [0; FLEXIBLE];
+        for cell in 0..cells {
+            let before = (cell + cells - 1) % cells;
+            let count = self.directions(cell, &mut at);
+            self.directions(before, &mut before_at);
+            let seed = |value, k| DualSVec64::<3>::seed(value, k, 1.0);
+            let ((flow, after), (_, density_before)) = (self.flows[cell], self.flows[before]);
+            let flux = chain::flux(seed(flow, 0), seed(density_before, 1), seed(after, 2));
+            let by = flux.eps.0.unwrap_or_default();
+            let rows = [(self.layout.amount(before), 1.0), (self.layout.amount(cell), -1.0)];
+            let near = |row: usize, column: usize| {
+                let Shape { blocks, block, .. } = out_shape(&self.layout);
+                let (i, j) = (row / block, column / block);
+                column >= blocks * block || i == j || (i + 1) % blocks == j || (j + 1) % blocks == i
+            };
+            for k in 0..count {
+                let slope = by[0] * self.flow_slopes[cell][0][k] + by[2] * self.flow_slopes[cell][1][k];
+                let slope_before = by[1] * self.flow_slopes[before][1][k];
+                for (row, sign) in rows {
+                    // The density's dependence on the far node (ring stretch, 1e-4 of the rest, reverse flow only)
+                    // would leave the band.
+                    if slope != 0.0 && near(row, at[k]) {
+                        out.add(row, at[k], sign * slope);
+                    }
+                    if slope_before != 0.0 && near(row, before_at[k]) {
+                        out.add(row, before_at[k], sign * slope_before);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the pulleys' own terms to the residual; `sums` hold the belt's.
+    fn global_residual(&self, view: View<'_>, out: &mut [f64]) {
+        for j in [S, P] {
+            let pulley = self.pulley(j);
+            let sum = &self.sums[j];
+            let z = self.layout.global(Global::Sheave, j);
+            out[z] = match self.boundary.sheave[j] {
+                SheaveMode::Force(force) => {
+                    pulley.sheave_mass * view.y_dot[z] + pulley.sheave_damping * view.y[z] - force + sum.axial
+                        - self.travel[j].stop_force(view.q[z], view.y[z]).force
+                }
+                SheaveMode::Held => HOLD * view.y[z],
+                SheaveMode::Ratio(theta) => HOLD * (view.q[self.layout.global(Global::Theta, 0)] - theta),
+            };
+            for k in 0..2 {
+                let i = self.layout.global(Global::Tilt, 2 * j + k);
+                out[i] = if self.rigid(j) {
+                    HOLD * view.y[i]
+                } else {
+                    pulley.tilt_stiffness * (view.y[i] + pulley.tilt_time * view.y_dot[i]) - sum.tilting[k]
+                };
+            }
+            let i = self.layout.global(Global::Speed, j);
+            let inertia = pulley.inertia * view.y_dot[i];
+            out[i] = match self.boundary.speed[j] {
+                SpeedMode::Torque(torque) => inertia - torque - sum.torque,
+                SpeedMode::Setpoint(set) => inertia - pulley.inertia * (set - view.y[i]) / SPEED_LAG,
+                SpeedMode::Fixed => inertia,
+                SpeedMode::Balanced(own, primary) => {
+                    inertia - own - sum.torque + self.balanced_factor(view) * (primary + self.sums[P].torque)
+                }
+                SpeedMode::Transmit(primary) => inertia + primary + self.sums[P].torque,
+            };
+        }
+    }
+
+    fn global_jacobian(&self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        use num_dual::Dual64;
+        for j in [S, P] {
+            let pulley = self.pulley(j);
+            let z = self.layout.global(Global::Sheave, j);
+            match self.boundary.sheave[j] {
+                SheaveMode::Force(_) => {
+                    let stop = self.travel[j]
+                        .stop_force(Dual64::new(view.q[z], beta), Dual64::new(view.y[z], 1.0))
+                        .force
+                        .eps;
+                    out.add(z, z, pulley.sheave_mass * alpha + pulley.sheave_damping - stop);
+                }
+                SheaveMode::Held => out.set_unit_row(z, HOLD),
+                SheaveMode::Ratio(_) => {
+                    out.set_unit_row(z, 0.0);
+                    out.add(z, self.layout.global(Global::Theta, 0), HOLD * beta);
+                }
+            }
+            for k in 0..2 {
+                let i = self.layout.global(Global::Tilt, 2 * j + k);
+                if self.rigid(j) {
+                    out.set_unit_row(i, HOLD);
+                } else {
+                    out.add(i, i, pulley.tilt_stiffness * (1.0 + pulley.tilt_time * alpha));
+                }
+            }
+        }
+        // Secondary first: its row may need the primary's before that is overwritten.
+        let (s, p) = (self.layout.global(Global::Speed, S), self.layout.global(Global::Speed, P));
+        match self.boundary.speed[S] {
+            SpeedMode::Balanced(_, primary) => {
+                let factor = self.balanced_factor(view);
+                out.add_row(s, p, -factor);
+                let unbalanced = primary + self.sums[P].torque;
+                let omega = view.y[p];
+                if omega != 0.0 {
+                    out.add(s, s, unbalanced * self.pulley(S).inertia / (self.pulley(P).inertia * omega));
+                }
+            }
+            SpeedMode::Transmit(_) => {
+                out.set_unit_row(s, 0.0);
+                out.add_row(s, p, -1.0);
+            }
+            _ => {}
+        }
+        for j in [S, P] {
+            let i = self.layout.global(Global::Speed, j);
+            let inertia = self.pulley(j).inertia;
+            match self.boundary.speed[j] {
+                SpeedMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
+                SpeedMode::Fixed => out.set_unit_row(i, inertia * alpha.max(1.0)),
+                _ => out.add(i, i, inertia * alpha),
+            }
+        }
+    }
+}
+
+/// Scale of rows that hold a quantity: of the order of the other entries of its row.
+const HOLD: f64 = 1.0e6;
+
+fn out_shape(layout: &Layout) -> Shape {
+    layout.shape()
+}
+
+impl System for VariatorSystem {
+    fn shape(&self) -> Shape {
+        self.layout.shape()
+    }
+
+    fn has_position(&self) -> &[bool] {
+        &self.has_position
+    }
+
+    fn residual(&mut self, view: View<'_>, out: &mut [f64]) {
+        out.fill(0.0);
+        self.sums = [PulleySum::default(); 2];
+        let frame = self.curve.frame(self.theta::<f64>(view, 0.0));
+        let mut at = [0; FLEXIBLE];
+        let amount = if self.layout.flexible { 10 } else { 2 };
+        let first_global = if self.layout.flexible { FLEXIBLE_LOCAL } else { RIGID_LOCAL } + 2;
+        for cell in 0..self.mesh.cells.len() {
+            self.directions(cell, &mut at);
+            let motion = self.motion::<f64>(view, &at, 0.0, 0.0);
+            let b = self.cell(cell, &frame, &motion, &mut NoProbe);
+            // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
+            for (k, row) in self.rows(&b)[..first_global].iter().enumerate() {
+                if k != amount {
+                    out[at[k]] += row;
+                }
+            }
+            let sum = &mut self.sums[self.mesh.cells[cell].pulley];
+            sum.axial += b.axial;
+            sum.torque += b.torque;
+            sum.tilting[0] += b.tilting[0];
+            sum.tilting[1] += b.tilting[1];
+            self.flows[cell] = (b.flow, b.density);
+        }
+        let cells = self.mesh.cells.len();
+        for cell in 0..cells {
+            let before = (cell + cells - 1) % cells;
+            let flux = chain::flux(self.flows[cell].0, self.flows[before].1, self.flows[cell].1);
+            let (into, from) = (self.layout.amount(cell), self.layout.amount(before));
+            out[into] += view.y_dot[into] - flux;
+            out[from] += flux;
+        }
+        self.global_residual(view, out);
+        if self.has_lock() {
+            for i in self.locked() {
+                out[i] = HOLD * view.y[i];
+            }
+        }
+    }
+
+    fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        out.clear();
+        if self.layout.flexible {
+            self.assemble_jacobian::<FLEXIBLE>(view, alpha, beta, out);
+        } else {
+            self.assemble_jacobian::<RIGID>(view, alpha, beta, out);
+        }
+        self.global_jacobian(view, alpha, beta, out);
+        if self.has_lock() {
+            for i in self.locked() {
+                out.set_unit_row(i, HOLD);
+            }
+        }
+    }
+
+    fn newton_scale(&self, beta: f64, out: &mut [f64]) {
+        let layout = &self.layout;
+        // What does not matter: 1 nm of ring position (1 N of tension, 5 N/m of contact), 1e-7 of chain strain (1 N),
+        // 1e-3 of the friction velocity.
+        let velocity = (1.0e-9 / beta).min(1.0e-3);
+        let slip = 2.0e-3 * self.law.parameters.friction.velocity;
+        if layout.flexible {
+            for node in 0..layout.elements {
+                for k in 0..4 {
+                    out[layout.node(node, k)] = if k % 2 == 0 { velocity } else { velocity * 1.0e3 };
+                }
+            }
+        }
+        for cell in 0..layout.cells() {
+            out[layout.speed(cell)] = slip;
+            out[layout.amount(cell)] = 1.0e-9;
+            if !layout.flexible {
+                out[layout.tension(cell)] = 0.1;
+            }
+        }
+        out[layout.global(Global::Drift, 0)] = slip;
+        out[layout.global(Global::Theta, 0)] = velocity * 10.0;
+        for j in [S, P] {
+            out[layout.global(Global::Sheave, j)] = velocity;
+            out[layout.global(Global::Tilt, 2 * j)] = 1.0e-8;
+            out[layout.global(Global::Tilt, 2 * j + 1)] = 1.0e-8;
+            out[layout.global(Global::Speed, j)] = slip / 0.06;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::start::{Start, kinematic_state};
+    use super::*;
+
+    /// The Jacobian against central differences, at a state that slides, sticks, pushes and gaps.
+    fn check_jacobian(model: RingModel, speed: f64) {
+        let mut parameters = Parameters::default();
+        parameters.ring_model = model;
+        parameters.mesh = crate::variator::parameters::Mesh {
+            primary_arc: 4,
+            secondary_arc: 4,
+            strand: 3,
+            cells_per_element: 2,
+        };
+        let mut system = VariatorSystem::new(&parameters);
+        system.boundary = Boundary {
+            sheave: [SheaveMode::Force(1.0e4), SheaveMode::Force(1.3e4)],
+            speed: [SpeedMode::Torque(-40.0), SpeedMode::Torque(50.0)],
+        };
+        let start = Start {
+            ratio: 1.2,
+            primary_speed: speed,
+            clamping: [1.0e4, 1.3e4],
+        };
+        let mut state = kinematic_state(&system, &start).unwrap();
+        let mut seed = 7_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let n = state.y.len();
+        let mut size = vec![0.0; n];
+        system.newton_scale(1.0e-4, &mut size);
+        let (alpha, beta) = (1.0e4, 1.0e-4);
+        for i in 0..n {
+            state.y[i] += 200.0 * size[i] * random();
+            state.y_dot[i] = 2000.0 * size[i] * random();
+            if system.has_position[i] {
+                state.q[i] += 2000.0 * size[i] * beta * random();
+            }
+        }
+        let mut matrix = Arrow::new(system.shape());
+        let mut residual = vec![0.0; n];
+        system.residual(state.view(), &mut residual);
+        system.jacobian(state.view(), alpha, beta, &mut matrix);
+        let mut unit = vec![0.0; n];
+        let mut column = vec![0.0; n];
+        for j in 0..n {
+            unit[j] = 1.0;
+            matrix.multiply(&unit, &mut column);
+            unit[j] = 0.0;
+            let h = size[j] * 0.4;
+            let mut shifted = |h: f64| {
+                let mut s = state.clone();
+                s.y[j] += h;
+                s.y_dot[j] += alpha * h;
+                s.q[j] += beta * h;
+                let mut r = vec![0.0; n];
+                system.residual(s.view(), &mut r);
+                r
+            };
+            let (plus, minus, plus2, minus2) = (shifted(h), shifted(-h), shifted(2.0 * h), shifted(-2.0 * h));
+            let scale = column.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            for i in 0..n {
+                let difference = (8.0 * (plus[i] - minus[i]) - plus2[i] + minus2[i]) / (12.0 * h);
+                let noise = 1e-15 * (plus[i].abs() + 1e3) / h;
+                assert!(
+                    (difference - column[i]).abs() < 2e-4 * column[i].abs() + 2e-7 * scale + 20.0 * noise,
+                    "row {i} column {j}: {} against {difference} (scale {scale}, speed {speed})",
+                    column[i]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn jacobian_of_ale_matches_differences() {
+        check_jacobian(RingModel::Ale, 200.0);
+    }
+
+    #[test]
+    fn jacobian_of_ale0_matches_differences() {
+        check_jacobian(RingModel::Ale0, 200.0);
+        check_jacobian(RingModel::Ale0, 0.0);
+    }
+}
