@@ -4,11 +4,13 @@ use super::arrow::{Arrow, ArrowLu};
 use super::{System, View};
 
 /// Most iterations with a Jacobian of this stage.
-const FRESH_ITERATIONS: usize = 12;
+const FRESH_ITERATIONS: usize = 20;
 /// Most iterations with a Jacobian from before.
 const REUSED_ITERATIONS: usize = 6;
 /// Contraction per iteration above which a reused Jacobian is given up.
 const SLOW: f64 = 0.5;
+/// Damping factor at which a stage is given up.
+const MIN_DAMPING: f64 = 0.02;
 
 /// What was done, for tests and reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,7 +38,9 @@ pub struct Newton {
     factors: ArrowLu,
     /// α of the factored matrix; NaN before the first.
     alpha: f64,
-    residual: Vec<f64>,
+    correction: Vec<f64>,
+    step: Vec<f64>,
+    guess: Vec<f64>,
     scale: Vec<f64>,
     /// Work counts.
     pub counts: Counts,
@@ -88,7 +92,9 @@ impl Newton {
             matrix: Arrow::new(shape),
             factors: ArrowLu::new(shape),
             alpha: f64::NAN,
-            residual: vec![0.0; shape.len()],
+            correction: vec![0.0; shape.len()],
+            step: vec![0.0; shape.len()],
+            guess: vec![0.0; shape.len()],
             scale: vec![0.0; shape.len()],
             counts: Counts::default(),
         }
@@ -120,63 +126,95 @@ impl Newton {
         tolerance: f64,
         reuse: bool,
     ) -> Result<usize, NotConverged> {
+        system.newton_scale(1.0 / stage.alpha, &mut self.scale);
         let ratio = stage.alpha / self.alpha;
         if reuse && (0.7..1.4).contains(&ratio) {
-            let guess_is_kept = self.iterate(system, stage, tolerance, true);
-            if let Ok(iterations) = guess_is_kept {
+            self.guess.copy_from_slice(stage.y);
+            if let Ok(iterations) = self.simplified(system, stage, tolerance) {
                 return Ok(iterations);
             }
+            stage.y.copy_from_slice(&self.guess);
         }
-        self.iterate(system, stage, tolerance, false)
+        self.damped(system, stage, tolerance)
     }
 
-    fn iterate<S: System>(
-        &mut self,
-        system: &mut S,
-        stage: &mut Stage<'_>,
-        tolerance: f64,
-        reused: bool,
-    ) -> Result<usize, NotConverged> {
-        system.newton_scale(1.0 / stage.alpha, &mut self.scale);
-        let limit = if reused { REUSED_ITERATIONS } else { FRESH_ITERATIONS };
+    /// Newton correction at `stage.y` with the factors at hand, into `self.correction`; its largest scaled entry and
+    /// scaled 2-norm.
+    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, renew: bool) -> Result<(f64, f64), NotConverged> {
+        stage.complete(system.has_position());
+        system.residual(stage.view(), &mut self.correction);
+        self.counts.residuals += 1;
+        if renew {
+            self.refresh(system, stage)?;
+        }
+        self.factors.solve(&mut self.correction);
+        let (mut largest, mut sum) = (0.0_f64, 0.0);
+        for (d, s) in self.correction.iter().zip(&self.scale) {
+            let x = d / s;
+            largest = largest.max(x.abs());
+            sum += x * x;
+        }
+        if sum.is_finite() { Ok((largest, sum.sqrt())) } else { Err(NotConverged) }
+    }
+
+    /// Simplified Newton with the factors at hand: given up as soon as it contracts slowly.
+    fn simplified<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<usize, NotConverged> {
         let mut before = f64::INFINITY;
-        let mut fresh = false;
-        for iteration in 1..=limit {
-            stage.complete(system.has_position());
-            system.residual(stage.view(), &mut self.residual);
-            self.counts.residuals += 1;
-            // A first guess far off makes the first Jacobian useless for the last iterations, so it is renewed until
-            // the contraction is good.
-            if !reused && !fresh {
-                self.refresh(system, stage)?;
-            }
-            self.factors.solve(&mut self.residual);
-            let mut change = 0.0_f64;
-            let mut finite = true;
-            for ((y, d), s) in stage.y.iter_mut().zip(&self.residual).zip(&self.scale) {
+        for iteration in 1..=REUSED_ITERATIONS {
+            let (change, _) = self.correct(system, stage, false)?;
+            for (y, d) in stage.y.iter_mut().zip(&self.correction) {
                 *y -= d;
-                finite &= d.is_finite();
-                change = change.max((d / s).abs());
-            }
-            if !finite {
-                return Err(NotConverged);
             }
             let rate = change / before;
-            if change < tolerance && iteration > 1 && rate < 0.9 || change < 1e-3 * tolerance {
+            let remaining = if iteration > 1 { change * rate / (1.0 - rate).max(0.1) } else { change };
+            if iteration > 1 && rate > SLOW && change > tolerance {
+                return Err(NotConverged);
+            }
+            if remaining < if iteration > 1 { 0.3 * tolerance } else { 0.01 * tolerance } {
                 stage.complete(system.has_position());
                 return Ok(iteration);
-            }
-            if rate.is_finite() && rate < 1.0 && change * rate / (1.0 - rate) < 0.3 * tolerance {
-                stage.complete(system.has_position());
-                return Ok(iteration);
-            }
-            if iteration > 1 {
-                if reused && rate > SLOW || rate > 2.0 && iteration > 3 {
-                    return Err(NotConverged);
-                }
-                fresh = rate < 0.2;
             }
             before = change;
+        }
+        Err(NotConverged)
+    }
+
+    /// Newton with the exact Jacobian, damped by the natural monotonicity test (Deuflhard 2011, section 3.3): a step
+    /// is accepted when the simplified correction after it is smaller than the correction before. Needed because
+    /// friction saturates: from far off, full steps overshoot from one sliding direction to the other for ever.
+    fn damped<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<usize, NotConverged> {
+        let mut damping = 1.0_f64;
+        for iteration in 1..=FRESH_ITERATIONS {
+            let (largest, norm) = self.correct(system, stage, true)?;
+            if iteration == 1 && largest < 1e-3 * tolerance {
+                return Ok(iteration);
+            }
+            self.guess.copy_from_slice(stage.y);
+            self.step.copy_from_slice(&self.correction);
+            damping = (2.0 * damping).min(1.0);
+            loop {
+                for ((y, g), d) in stage.y.iter_mut().zip(&self.guess).zip(&self.step) {
+                    *y = g - damping * d;
+                }
+                let after = self.correct(system, stage, false);
+                match after {
+                    Ok((change, after_norm)) if after_norm <= (1.0 - 0.25 * damping) * norm || change < 0.1 * tolerance => {
+                        if damping == 1.0 && change < 0.3 * tolerance {
+                            // The simplified correction is at hand: take it too.
+                            for (y, d) in stage.y.iter_mut().zip(&self.correction) {
+                                *y -= d;
+                            }
+                            stage.complete(system.has_position());
+                            return Ok(iteration);
+                        }
+                        break;
+                    }
+                    _ => damping *= 0.5,
+                }
+                if damping < MIN_DAMPING {
+                    return Err(NotConverged);
+                }
+            }
         }
         Err(NotConverged)
     }

@@ -50,9 +50,18 @@ pub enum SheaveMode {
     Force(f64),
     /// It stands still.
     Held,
-    /// It goes wherever Θ takes the given value; the clamping force is the reaction.
-    Ratio(f64),
+    /// It goes where Θ takes the value `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ), and
+    /// whoever solves for a steady state moves `force` to the reaction.
+    Ratio {
+        /// Θ to go to.
+        theta: f64,
+        /// Force at `theta`, N.
+        force: f64,
+    },
 }
+
+/// Stiffness with which a steady solution is drawn to its ratio, N per unit of Θ.
+pub const RATIO_STIFFNESS: f64 = 2.0e7;
 
 /// How a pulley's speed is determined.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -441,7 +450,14 @@ impl VariatorSystem {
                         - self.travel[j].stop_force(view.q[z], view.y[z]).force
                 }
                 SheaveMode::Held => HOLD * view.y[z],
-                SheaveMode::Ratio(theta) => HOLD * (view.q[self.layout.global(Global::Theta, 0)] - theta),
+                SheaveMode::Ratio { theta, force } => {
+                    let off = theta - view.q[self.layout.global(Global::Theta, 0)];
+                    let sign = if j == P { 1.0 } else { -1.0 };
+                    pulley.sheave_mass * view.y_dot[z] + pulley.sheave_damping * view.y[z] + sum.axial
+                        - force
+                        - sign * RATIO_STIFFNESS * off
+                        - self.travel[j].stop_force(view.q[z], view.y[z]).force
+                }
             };
             for k in 0..2 {
                 let i = self.layout.global(Global::Tilt, 2 * j + k);
@@ -471,18 +487,18 @@ impl VariatorSystem {
             let pulley = self.pulley(j);
             let z = self.layout.global(Global::Sheave, j);
             match self.boundary.sheave[j] {
-                SheaveMode::Force(_) => {
+                SheaveMode::Force(_) | SheaveMode::Ratio { .. } => {
                     let stop = self.travel[j]
                         .stop_force(Dual64::new(view.q[z], beta), Dual64::new(view.y[z], 1.0))
                         .force
                         .eps;
                     out.add(z, z, pulley.sheave_mass * alpha + pulley.sheave_damping - stop);
+                    if let SheaveMode::Ratio { .. } = self.boundary.sheave[j] {
+                        let sign = if j == P { 1.0 } else { -1.0 };
+                        out.add(z, self.layout.global(Global::Theta, 0), sign * RATIO_STIFFNESS * beta);
+                    }
                 }
                 SheaveMode::Held => out.set_unit_row(z, HOLD),
-                SheaveMode::Ratio(_) => {
-                    out.set_unit_row(z, 0.0);
-                    out.add(z, self.layout.global(Global::Theta, 0), HOLD * beta);
-                }
             }
             for k in 0..2 {
                 let i = self.layout.global(Global::Tilt, 2 * j + k);
