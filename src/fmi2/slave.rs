@@ -460,7 +460,7 @@ impl<U: Unit> Slave<U> {
         references: &[u32],
         values: &[V],
         access: AccessOf<U, T>,
-        check: fn(&Variable<U::Settings, U::Readings>, V) -> Result<(), Refused>,
+        check: CheckOf<U, V>,
         convert: fn(V) -> T,
     ) -> Outcome {
         self.allow(Call::Set)?;
@@ -570,6 +570,9 @@ fn unknown_status(kind: StatusKind) -> Outcome {
 type AccessOf<U, T> = fn(
     &Kind<<U as Unit>::Settings, <U as Unit>::Readings>,
 ) -> Option<&Access<<U as Unit>::Settings, <U as Unit>::Readings, T>>;
+
+type CheckOf<U, V> =
+    fn(&Variable<<U as Unit>::Settings, <U as Unit>::Readings>, V) -> Result<(), Refused>;
 
 fn real_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, f64>> {
     match kind {

@@ -1,6 +1,8 @@
 //! The variable table: one row a variable, with its name, value reference, unit, description and field. Limits come
 //! from [`validation`](crate::variator::validation), start values from the defaults of the fields.
 //!
+//! Rows of a pulley are written once: `{}` stands for its name, and 100 or 200 is added to the reference.
+//!
 //! Value references, never changed once given:
 //!
 //! | references | variables |
@@ -48,10 +50,27 @@ macro_rules! read {
     };
 }
 
+/// Whose variables are listed: the name that stands for `{}` in the rows, and what is added to their references.
+type Owner = (&'static str, u32);
+const WHOLE: Owner = ("", 0);
+const PRIMARY: Owner = ("primary", 100);
+const SECONDARY: Owner = ("secondary", 200);
+
 /// Table under construction.
-struct Rows(Vec<Variable<Settings, Outputs>>);
+struct Rows {
+    variables: Vec<Variable<Settings, Outputs>>,
+    owner: Owner,
+}
 
 impl Rows {
+    fn of(&mut self, owner: Owner) {
+        self.owner = owner;
+    }
+
+    fn range(&self, name: &str) -> Option<(f64, f64)> {
+        range_of(&name.replace("{}", self.owner.0))
+    }
+
     fn add(
         &mut self,
         name: &str,
@@ -60,10 +79,11 @@ impl Rows {
         text: &str,
         kind: Kind<Settings, Outputs>,
     ) {
-        self.0.push(Variable {
-            name: name.to_string(),
-            reference,
-            description: text.to_string(),
+        let (owner, base) = self.owner;
+        self.variables.push(Variable {
+            name: name.replace("{}", owner),
+            reference: base + reference,
+            description: text.replace("{}", owner),
             causality,
             kind,
         });
@@ -79,7 +99,9 @@ impl Rows {
         text: &str,
         access: Access<Settings, Outputs, f64>,
     ) {
-        let (min, max) = range_of(name).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        let (min, max) = self
+            .range(name)
+            .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
         let range = Range {
             min: min.is_finite().then_some(min),
             max: max.is_finite().then_some(max),
@@ -123,7 +145,7 @@ impl Rows {
             clippy::cast_possible_truncation,
             reason = "the limits of integers are small whole numbers"
         )]
-        let range = range_of(name).map(|(min, max)| (min as i32, max as i32));
+        let range = self.range(name).map(|(min, max)| (min as i32, max as i32));
         self.add(
             name,
             reference,
@@ -213,149 +235,71 @@ fn not_negative(nominal: f64) -> Range {
     }
 }
 
+#[rustfmt::skip]
 macro_rules! pulley_inputs {
-    ($rows:ident, $pulley:ident, $name:literal, $base:literal) => {
-        $rows.set(
-            concat!($name, ".torque"),
-            $base + 1,
-            Input,
-            "N.m",
-            concat!(
-                "External torque on the ",
-                $name,
-                " shaft, positive in the direction of positive speed (a load is negative)"
-            ),
-            set!(inputs.$pulley.torque),
-        );
-        $rows.set(
-            concat!($name, ".clampingForce"),
-            $base + 2,
-            Input,
-            "N",
-            concat!("Force that closes the ", $name, " sheaves"),
-            set!(inputs.$pulley.clamping_force),
-        );
-        $rows.set(
-            concat!($name, ".speedSetpoint"),
-            $base + 3,
-            Input,
-            "rad/s",
-            concat!("Speed set point, used with ", $name, ".drive = Speed only"),
-            set!(inputs.$pulley.speed_setpoint),
-        );
+    ($t:ident, $pulley:ident) => {
+        $t.set("{}.torque", 1, Input, "N.m", "External torque on the {} shaft, positive in the direction of positive speed (a load is negative)", set!(inputs.$pulley.torque));
+        $t.set("{}.clampingForce", 2, Input, "N", "Force that closes the {} sheaves", set!(inputs.$pulley.clamping_force));
+        $t.set("{}.speedSetpoint", 3, Input, "rad/s", "Speed set point, used with {}.drive = Speed only", set!(inputs.$pulley.speed_setpoint));
     };
 }
 
+#[rustfmt::skip]
 macro_rules! pulley_outputs {
-    ($rows:ident, $pulley:ident, $name:literal, $base:literal) => {
-        $rows.read(
-            concat!($name, ".speed"),
-            $base + 11,
-            (Output, "rad/s", typical(200.0)),
-            concat!("Speed of the ", $name, " pulley"),
-            read!($pulley.speed),
-        );
-        $rows.read(
-            concat!($name, ".radius"),
-            $base + 12,
-            (Output, "m", typical(0.06)),
-            concat!(
-                "Running radius on the ",
-                $name,
-                " pulley: pressure-weighted mean pitch radius of the arc"
-            ),
-            read!($pulley.radius),
-        );
-        $rows.read(
-            concat!($name, ".position"),
-            $base + 13,
-            (Output, "m", typical(0.01)),
-            concat!(
-                "Displacement of the movable ",
-                $name,
-                " sheave, closing positive, 0 at ratio 1"
-            ),
-            read!($pulley.position),
-        );
-        $rows.read(
-            concat!($name, ".axialForce"),
-            $base + 14,
-            (Output, "N", typical(1e4)),
-            concat!("Axial force of the belt on one ", $name, " sheave"),
-            read!($pulley.axial_force),
-        );
-        $rows.read(
-            concat!($name, ".shaftTorque"),
-            $base + 15,
-            (Output, "N.m", typical(100.0)),
-            concat!(
-                "Torque of the belt on the ",
-                $name,
-                " pulley, negative where power goes in"
-            ),
-            read!($pulley.shaft_torque),
-        );
-        $rows.read(
-            concat!($name, ".externalTorque"),
-            $base + 16,
-            (Output, "N.m", typical(100.0)),
-            concat!(
-                "External torque on the ",
-                $name,
-                " shaft as held over the last step: the input, or the reaction in speed drive"
-            ),
-            read!($pulley.external_torque),
-        );
-        $rows.read(
-            concat!($name, ".power"),
-            $base + 17,
-            (Output, "W", typical(1e4)),
-            concat!("Power from the ", $name, " shaft into the variator"),
-            read!($pulley.power),
-        );
-        $rows.read(
-            concat!("spiral.", $name),
-            $base + 18,
-            (Output, "m", not_negative(1e-4)),
-            concat!(
-                "Spiral running: spread of the running radius within the ",
-                $name,
-                " arc"
-            ),
-            read!($pulley.spiral),
-        );
+    ($t:ident, $pulley:ident) => {
+        $t.read("{}.speed", 11, (Output, "rad/s", typical(200.0)), "Speed of the {} pulley", read!($pulley.speed));
+        $t.read("{}.radius", 12, (Output, "m", typical(0.06)), "Running radius on the {} pulley: pressure-weighted mean pitch radius of the arc", read!($pulley.radius));
+        $t.read("{}.position", 13, (Output, "m", typical(0.01)), "Displacement of the movable {} sheave, closing positive, 0 at ratio 1", read!($pulley.position));
+        $t.read("{}.axialForce", 14, (Output, "N", typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
+        $t.read("{}.shaftTorque", 15, (Output, "N.m", typical(100.0)), "Torque of the belt on the {} pulley, negative where power goes in", read!($pulley.shaft_torque));
+        $t.read("{}.externalTorque", 16, (Output, "N.m", typical(100.0)), "External torque on the {} shaft as held over the last step: the input, or the reaction in speed drive", read!($pulley.external_torque));
+        $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the variator", read!($pulley.power));
+        $t.read("spiral.{}", 18, (Output, "m", not_negative(1e-4)), "Spiral running: spread of the running radius within the {} arc", read!($pulley.spiral));
     };
 }
 
+#[rustfmt::skip]
 macro_rules! pulley_parameters {
-    ($rows:ident, $pulley:ident, $name:literal, $base:literal) => {
-        $rows.choice(concat!($name, ".drive"), $base + 31, &DRIVE, concat!("What drives the ", $name, " shaft"), choose!(parameters.$pulley.drive, 2 => Drive::Speed; Drive::Torque));
-        $rows.choice(concat!($name, ".axial"), $base + 32, &AXIAL, concat!("What holds the movable ", $name, " sheave"), choose!(parameters.$pulley.axial, 2 => Axial::Held; Axial::Force));
-        $rows.set(concat!($name, ".inertia"), $base + 33, Parameter, "kg.m2", concat!("Moment of inertia of the ", $name, " pulley and of what is rigidly connected to it"), set!(parameters.$pulley.inertia));
-        $rows.set(concat!($name, ".sheaveMass"), $base + 34, Parameter, "kg", concat!("Mass of the movable ", $name, " sheave"), set!(parameters.$pulley.sheave_mass));
-        $rows.set(concat!($name, ".sheaveDamping"), $base + 35, Parameter, "N.s/m", concat!("Viscous damping of the axial motion of the ", $name, " sheave"), set!(parameters.$pulley.sheave_damping));
-        $rows.set(concat!($name, ".tiltStiffness"), $base + 36, Parameter, "N.m/rad", concat!("Tilt stiffness of one ", $name, " sheave; rigid from 1e12 on"), set!(parameters.$pulley.tilt_stiffness));
-        $rows.set(concat!($name, ".tiltTime"), $base + 37, Parameter, "s", concat!("Relaxation time of the tilt of the ", $name, " sheaves"), set!(parameters.$pulley.tilt_time));
-        $rows.set(concat!($name, ".minRadius"), $base + 38, Parameter, "m", concat!("Pitch radius at the opening stop of the ", $name, " sheaves"), set!(parameters.$pulley.min_radius));
-        $rows.set(concat!($name, ".maxRadius"), $base + 39, Parameter, "m", concat!("Pitch radius at the closing stop of the ", $name, " sheaves"), set!(parameters.$pulley.max_radius));
+    ($t:ident, $pulley:ident) => {
+        $t.choice("{}.drive", 31, &DRIVE, "What drives the {} shaft", choose!(parameters.$pulley.drive, 2 => Drive::Speed; Drive::Torque));
+        $t.choice("{}.axial", 32, &AXIAL, "What holds the movable {} sheave", choose!(parameters.$pulley.axial, 2 => Axial::Held; Axial::Force));
+        $t.set("{}.inertia", 33, Parameter, "kg.m2", "Moment of inertia of the {} pulley and of what is rigidly connected to it", set!(parameters.$pulley.inertia));
+        $t.set("{}.sheaveMass", 34, Parameter, "kg", "Mass of the movable {} sheave", set!(parameters.$pulley.sheave_mass));
+        $t.set("{}.sheaveDamping", 35, Parameter, "N.s/m", "Viscous damping of the axial motion of the {} sheave", set!(parameters.$pulley.sheave_damping));
+        $t.set("{}.tiltStiffness", 36, Parameter, "N.m/rad", "Tilt stiffness of one {} sheave; rigid from 1e12 on", set!(parameters.$pulley.tilt_stiffness));
+        $t.set("{}.tiltTime", 37, Parameter, "s", "Relaxation time of the tilt of the {} sheaves", set!(parameters.$pulley.tilt_time));
+        $t.set("{}.minRadius", 38, Parameter, "m", "Pitch radius at the opening stop of the {} sheaves", set!(parameters.$pulley.min_radius));
+        $t.set("{}.maxRadius", 39, Parameter, "m", "Pitch radius at the closing stop of the {} sheaves", set!(parameters.$pulley.max_radius));
     };
 }
 
 /// The variable table of the variator.
 #[rustfmt::skip]
 pub(super) fn table() -> Table<Settings, Outputs> {
-    let mut rows = Rows(Vec::new());
+    let mut rows = Rows {
+        variables: Vec::new(),
+        owner: WHOLE,
+    };
     let t = &mut rows;
-    pulley_inputs!(t, primary, "primary", 100);
-    pulley_inputs!(t, secondary, "secondary", 200);
+    t.of(PRIMARY);
+    pulley_inputs!(t, primary);
+    t.of(SECONDARY);
+    pulley_inputs!(t, secondary);
+    t.of(WHOLE);
     outputs(t);
-    pulley_outputs!(t, primary, "primary", 100);
-    pulley_outputs!(t, secondary, "secondary", 200);
+    t.of(PRIMARY);
+    pulley_outputs!(t, primary);
+    t.of(SECONDARY);
+    pulley_outputs!(t, secondary);
+    t.of(WHOLE);
     parameters(t);
-    pulley_parameters!(t, primary, "primary", 100);
-    pulley_parameters!(t, secondary, "secondary", 200);
+    t.of(PRIMARY);
+    pulley_parameters!(t, primary);
+    t.of(SECONDARY);
+    pulley_parameters!(t, secondary);
+    t.of(WHOLE);
     locals(t);
-    Table::new(UNITS, ENUMERATIONS, rows.0)
+    Table::new(UNITS, ENUMERATIONS, rows.variables)
 }
 
 #[rustfmt::skip]

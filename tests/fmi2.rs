@@ -1,0 +1,606 @@
+//! The exported C functions, called as an importer calls them.
+
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::ptr::{null, null_mut};
+
+use pushbelt::fmi2::Unit;
+use pushbelt::fmi2::c_abi::*;
+use pushbelt::fmi2::log::Status::{self, Error, Ok};
+use pushbelt::fmi2::table::Kind;
+use pushbelt::unit::{VariatorUnit, model_description};
+
+/// What a logger was told: instance, status, category, message.
+#[derive(Debug, Default)]
+struct Heard(RefCell<Vec<(String, c_int, String, String)>>);
+
+/// The standard's logger is variadic. This one takes the one argument that belongs to "%s"; on the platforms of the
+/// tests both are called the same way.
+unsafe extern "C" fn hear(
+    environment: *mut c_void,
+    instance: *const c_char,
+    status: c_int,
+    category: *const c_char,
+    format: *const c_char,
+    argument: *const c_char,
+) {
+    // SAFETY: `environment` is the `Heard` of the importer below, the strings are what this test is about.
+    unsafe {
+        let own = |text| CStr::from_ptr(text).to_str().expect("UTF-8").to_string();
+        assert_eq!(own(format), "%s");
+        let heard = &*environment.cast::<Heard>();
+        heard
+            .0
+            .borrow_mut()
+            .push((own(instance), status, own(category), own(argument)));
+    }
+}
+
+fn guid() -> CString {
+    CString::new(pushbelt::fmi2::guid::<VariatorUnit>()).expect("no zero inside")
+}
+
+/// An instance with all that an importer keeps for it.
+struct Importer {
+    c: Component,
+    heard: Box<Heard>,
+}
+
+impl Importer {
+    fn new(name: &CStr) -> Self {
+        let heard = Box::new(Heard::default());
+        // SAFETY: see `hear`.
+        let logger = unsafe { std::mem::transmute::<*const (), Logger>(hear as *const ()) };
+        let functions = CallbackFunctions {
+            logger: Some(logger),
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            component_environment: std::ptr::from_ref(&*heard).cast_mut().cast(),
+        };
+        let location = c"file:///tmp/a%20b/resources";
+        // SAFETY: all pointers are valid.
+        let c = unsafe {
+            fmi2Instantiate(
+                name.as_ptr(),
+                1,
+                guid().as_ptr(),
+                location.as_ptr(),
+                &functions,
+                0,
+                0,
+            )
+        };
+        assert!(!c.is_null(), "{heard:?}");
+        Self { c, heard }
+    }
+
+    /// An instance in step mode, of the cheapest variator.
+    fn running(name: &CStr) -> Self {
+        let importer = Self::new(name);
+        importer.make_cheap();
+        importer.start();
+        importer
+    }
+
+    /// A coarse reference ring that starts unloaded: these tests are about the interface.
+    fn make_cheap(&self) {
+        assert_eq!(self.set_integer("ring.model", 1), Ok);
+        for name in ["mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"] {
+            assert_eq!(self.set_integer(name, 4), Ok);
+        }
+        assert_eq!(self.set_boolean("initial.steady", 0), Ok);
+    }
+
+    fn start(&self) {
+        // SAFETY: `c` is an instance, here and below.
+        unsafe {
+            assert_eq!(
+                fmi2SetupExperiment(self.c, 1, 1e-4, 0.0, 0, 0.0),
+                Ok,
+                "{:?}",
+                self.heard
+            );
+            assert_eq!(fmi2EnterInitializationMode(self.c), Ok, "{:?}", self.heard);
+            assert_eq!(fmi2ExitInitializationMode(self.c), Ok, "{:?}", self.heard);
+        }
+    }
+
+    fn step(&self, from: f64, step: f64) -> Status {
+        unsafe { fmi2DoStep(self.c, from, step, 1) }
+    }
+
+    fn set_real(&self, name: &str, value: f64) -> Status {
+        unsafe { fmi2SetReal(self.c, &reference(name), 1, &value) }
+    }
+
+    fn set_integer(&self, name: &str, value: c_int) -> Status {
+        unsafe { fmi2SetInteger(self.c, &reference(name), 1, &value) }
+    }
+
+    fn set_boolean(&self, name: &str, value: c_int) -> Status {
+        unsafe { fmi2SetBoolean(self.c, &reference(name), 1, &value) }
+    }
+
+    fn real(&self, name: &str) -> f64 {
+        let mut value = f64::NAN;
+        let status = unsafe { fmi2GetReal(self.c, &reference(name), 1, &mut value) };
+        assert_eq!(status, Ok, "{name} {:?}", self.heard);
+        value
+    }
+
+    fn integer(&self, name: &str) -> c_int {
+        let mut value = -1;
+        let status = unsafe { fmi2GetInteger(self.c, &reference(name), 1, &mut value) };
+        assert_eq!(status, Ok, "{name} {:?}", self.heard);
+        value
+    }
+
+    fn boolean(&self, name: &str) -> c_int {
+        let mut value = -1;
+        let status = unsafe { fmi2GetBoolean(self.c, &reference(name), 1, &mut value) };
+        assert_eq!(status, Ok, "{name} {:?}", self.heard);
+        value
+    }
+
+    /// The bits of all real outputs and locals.
+    fn readings(&self) -> Vec<u64> {
+        let table = VariatorUnit::table();
+        let calculated = table
+            .variables()
+            .iter()
+            .filter(|v| !v.causality.is_setting());
+        let references: Vec<u32> = calculated
+            .filter(|v| matches!(v.kind, Kind::Real { .. }))
+            .map(|v| v.reference)
+            .collect();
+        let mut values = vec![f64::NAN; references.len()];
+        // SAFETY: an instance, and as many values as references.
+        let status = unsafe {
+            fmi2GetReal(
+                self.c,
+                references.as_ptr(),
+                references.len(),
+                values.as_mut_ptr(),
+            )
+        };
+        assert_eq!(status, Ok, "{:?}", self.heard);
+        values.into_iter().map(f64::to_bits).collect()
+    }
+
+    /// Ten steps of 1 ms with a step of torque; readings after each.
+    fn run(&self) -> Vec<Vec<u64>> {
+        let step = |k: u32| {
+            assert_eq!(self.set_real("secondary.torque", -f64::from(k)), Ok);
+            assert_eq!(self.step(f64::from(k) * 1e-3, 1e-3), Ok, "{:?}", self.heard);
+            self.readings()
+        };
+        (0..10).map(step).collect()
+    }
+
+    fn last(&self) -> String {
+        self.heard.0.borrow().last().expect("a message").3.clone()
+    }
+}
+
+impl Drop for Importer {
+    fn drop(&mut self) {
+        // SAFETY: the instance is not used any more.
+        unsafe { fmi2FreeInstance(self.c) };
+    }
+}
+
+fn reference(name: &str) -> u32 {
+    let table = VariatorUnit::table();
+    table
+        .by_name(name)
+        .unwrap_or_else(|| panic!("{name} is missing"))
+        .reference
+}
+
+#[test]
+fn platform_and_version_are_the_standards() {
+    // SAFETY: both are constant strings.
+    unsafe {
+        assert_eq!(CStr::from_ptr(fmi2GetTypesPlatform()), c"default");
+        assert_eq!(CStr::from_ptr(fmi2GetVersion()), c"2.0");
+    }
+}
+
+#[test]
+fn an_instance_needs_a_name_the_right_guid_and_co_simulation() {
+    let guid = guid();
+    let make = |name: *const c_char, kind, guid: *const c_char, location: *const c_char| {
+        // SAFETY: null or valid strings; what comes back is freed at once.
+        unsafe {
+            let c = fmi2Instantiate(name, kind, guid, location, null(), 0, 1);
+            fmi2FreeInstance(c);
+            !c.is_null()
+        }
+    };
+    let name = c"a".as_ptr();
+    assert!(
+        make(name, 1, guid.as_ptr(), null()),
+        "no logger, no location"
+    );
+    for location in [c"file:/tmp", c"file:///tmp", c"https://x/y", c"", c"%"] {
+        assert!(
+            make(name, 1, guid.as_ptr(), location.as_ptr()),
+            "{location:?}"
+        );
+    }
+    assert!(!make(null(), 1, guid.as_ptr(), null()));
+    assert!(!make(c"".as_ptr(), 1, guid.as_ptr(), null()));
+    assert!(!make(name, 0, guid.as_ptr(), null()), "model exchange");
+    assert!(!make(name, 1, null(), null()));
+    assert!(!make(
+        name,
+        1,
+        c"{8c4e810f-3df3-4a00-8276-176fa3c9f003}".as_ptr(),
+        null()
+    ));
+    assert!(model_description().contains(guid.to_str().expect("ASCII")));
+}
+
+#[test]
+fn a_run_without_wiring_goes_through_all_its_states() {
+    let importer = Importer::running(c"run");
+    assert_eq!(importer.real("primary.clampingForce"), 13_000.0);
+    for k in 0..10 {
+        assert_eq!(
+            importer.step(f64::from(k) * 0.001, 0.001),
+            Ok,
+            "{:?}",
+            importer.heard
+        );
+        assert!(importer.real("thrustRatio").is_finite());
+        assert!(importer.real("profile.ringTension[72]").is_finite());
+        assert!((0..=1).contains(&importer.boolean("macroSlip")));
+    }
+    // SAFETY: an instance.
+    unsafe {
+        let mut time = 0.0;
+        assert_eq!(fmi2GetRealStatus(importer.c, 2, &mut time), Ok);
+        assert!((time - 0.01).abs() < 1e-12);
+        assert_eq!(fmi2Terminate(importer.c), Ok);
+        assert!(importer.real("belt.speed").is_finite());
+        assert_eq!(fmi2DoStep(importer.c, 0.01, 0.001, 0), Error);
+    }
+}
+
+#[test]
+fn settings_read_back_what_was_set() {
+    let importer = Importer::new(c"settings");
+    importer.make_cheap();
+    assert_eq!(importer.set_real("friction.pulley", 0.08), Ok);
+    assert_eq!(importer.set_integer("secondary.drive", 2), Ok);
+    importer.start();
+    assert_eq!(importer.real("friction.pulley"), 0.08);
+    assert_eq!(importer.integer("secondary.drive"), 2);
+    assert_eq!(importer.integer("mesh.strand"), 4);
+    assert_eq!(importer.boolean("initial.steady"), 0);
+    assert_eq!(importer.set_real("friction.pulley", 0.07), Ok, "tunable");
+    assert_eq!(importer.step(0.0, 0.001), Ok);
+    assert_eq!(importer.real("friction.pulley"), 0.07);
+}
+
+/// Bad values, with what the message must name: variable, value, allowed range.
+#[test]
+fn bad_values_are_named_when_they_are_set() {
+    let forever = f64::INFINITY;
+    for (name, value, words) in [
+        (
+            "primary.clampingForce",
+            -1.0,
+            "primary.clampingForce = -1 is out of range: 0 to",
+        ),
+        (
+            "secondary.torque",
+            f64::NAN,
+            "secondary.torque = NaN is not a finite number",
+        ),
+        (
+            "secondary.speedSetpoint",
+            forever,
+            "secondary.speedSetpoint = inf is not a finite",
+        ),
+        (
+            "friction.pulley",
+            -0.1,
+            "friction.pulley = -0.1 is out of range: 0 to 1",
+        ),
+    ] {
+        let importer = Importer::running(c"bad");
+        assert_eq!(importer.set_real(name, value), Error);
+        assert!(importer.last().contains(words), "{}", importer.last());
+        // SAFETY: an instance.
+        assert_eq!(unsafe { fmi2Reset(importer.c) }, Ok);
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(importer.step(0.0, 0.001), Ok);
+    }
+    for (name, value, words) in [
+        (
+            "ring.model",
+            3,
+            "ring.model = 3 is out of range: 1 ALE0, 2 ALE",
+        ),
+        (
+            "primary.axial",
+            0,
+            "primary.axial = 0 is out of range: 1 Force, 2 Held",
+        ),
+        ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
+    ] {
+        let importer = Importer::new(c"bad");
+        assert_eq!(importer.set_integer(name, value), Error);
+        assert!(importer.last().contains(words), "{}", importer.last());
+    }
+}
+
+#[test]
+fn values_that_do_not_fit_each_other_are_named_when_initialising() {
+    for (name, value, words) in [
+        (
+            "geometry.beltLength",
+            0.3,
+            "geometry.beltLength = 0.3 is out of range: between",
+        ),
+        (
+            "initial.ratio",
+            5.0,
+            "initial.ratio = 5 is out of range: 0.3",
+        ),
+        ("friction.pulley", 0.3, "geometry.wedgeAngle = 0.19"),
+    ] {
+        let importer = Importer::new(c"misfit");
+        importer.make_cheap();
+        assert_eq!(importer.set_real(name, value), Ok, "{}", importer.last());
+        // SAFETY: an instance.
+        unsafe {
+            assert_eq!(fmi2EnterInitializationMode(importer.c), Ok);
+            assert_eq!(fmi2ExitInitializationMode(importer.c), Error);
+            assert!(importer.last().contains(words), "{}", importer.last());
+            assert_eq!(fmi2Reset(importer.c), Ok);
+        }
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(importer.step(0.0, 0.001), Ok);
+    }
+}
+
+#[test]
+fn messages_carry_instance_status_and_category() {
+    let importer = Importer::new(c"the 100 %s variator");
+    assert_eq!(importer.step(0.0, 1.0), Error);
+    let heard = importer.heard.0.borrow();
+    let (instance, status, category, _) = heard.last().expect("a message");
+    assert_eq!(instance, "the 100 %s variator");
+    assert_eq!((*status, category.as_str()), (3, "logStatusError"));
+}
+
+#[test]
+fn reset_and_rerun_give_the_same_bits_as_a_fresh_instance() {
+    let importer = Importer::running(c"twice");
+    let first = importer.run();
+    assert_eq!(importer.set_real("friction.ring", 0.01), Ok);
+    // SAFETY: an instance.
+    assert_eq!(unsafe { fmi2Reset(importer.c) }, Ok);
+    importer.make_cheap();
+    importer.start();
+    assert_eq!(importer.real("friction.ring"), 0.05, "back to the default");
+    assert_eq!(
+        importer.real("secondary.torque"),
+        -49.0,
+        "back to the default"
+    );
+    assert_eq!(importer.run(), first);
+}
+
+#[test]
+fn instances_do_not_see_each_other() {
+    let alone = Importer::running(c"alone").run();
+    let (one, other) = (Importer::running(c"one"), Importer::running(c"other"));
+    assert_eq!(other.set_real("friction.pulley", 0.05), Ok);
+    assert_eq!(other.step(0.0, 0.004), Ok);
+    assert_eq!(one.run(), alone);
+    assert_eq!(other.set_real("primary.torque", f64::NAN), Error);
+    assert_eq!(one.step(0.01, 0.001), Ok);
+    assert!(
+        one.heard
+            .0
+            .borrow()
+            .iter()
+            .all(|message| message.0 == "one")
+    );
+}
+
+#[test]
+fn a_stored_state_is_continued_bit_for_bit() {
+    let importer = Importer::running(c"stored");
+    assert_eq!(importer.step(0.0, 0.003), Ok);
+    let mut state = null_mut();
+    let go_on = || {
+        assert_eq!(importer.step(0.003, 0.002), Ok, "{:?}", importer.heard);
+        importer.readings()
+    };
+    // SAFETY: an instance and a state of it.
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(importer.c, &mut state), Ok);
+        assert!(!state.is_null());
+        let at_first = go_on();
+        assert_eq!(fmi2SetFMUstate(importer.c, state), Ok);
+        assert_eq!(go_on(), at_first);
+        let handle = state;
+        assert_eq!(fmi2GetFMUstate(importer.c, &mut state), Ok);
+        assert_eq!(state, handle, "a state that is not null is used again");
+        assert_eq!(fmi2SetFMUstate(importer.c, null_mut()), Error);
+        assert_eq!(fmi2GetFMUstate(importer.c, null_mut()), Error);
+        assert_eq!(fmi2FreeFMUstate(importer.c, &mut state), Ok);
+        assert!(state.is_null());
+        assert_eq!(
+            fmi2FreeFMUstate(importer.c, &mut state),
+            Ok,
+            "null is legal"
+        );
+        assert_eq!(
+            fmi2FreeFMUstate(importer.c, null_mut()),
+            Ok,
+            "null is legal"
+        );
+    }
+}
+
+#[test]
+fn what_is_not_offered_says_so() {
+    let importer = Importer::running(c"not offered");
+    let c = importer.c;
+    let says = |status, flag: &str| {
+        assert_eq!(status, Error);
+        assert!(importer.last().contains(flag), "{}", importer.last());
+        assert!(!model_description().contains(&format!("{flag}=\"true\"")));
+    };
+    let (mut size, mut state) = (0, null_mut());
+    let (vr, order, mut value) = (101, 1, 0.0);
+    // SAFETY: an instance and valid pointers.
+    unsafe {
+        says(
+            fmi2SerializedFMUstateSize(c, null_mut(), &mut size),
+            "canSerializeFMUstate",
+        );
+        says(
+            fmi2SerializeFMUstate(c, null_mut(), null_mut(), 0),
+            "canSerializeFMUstate",
+        );
+        says(
+            fmi2DeSerializeFMUstate(c, null(), 0, &mut state),
+            "canSerializeFMUstate",
+        );
+        says(
+            fmi2GetDirectionalDerivative(c, &1, 1, &vr, 1, &1.0, &mut value),
+            "providesDirectionalDerivative",
+        );
+        says(
+            fmi2SetRealInputDerivatives(c, &vr, 1, &order, &1.0),
+            "canInterpolateInputs",
+        );
+        says(
+            fmi2GetRealOutputDerivatives(c, &1, 1, &order, &mut value),
+            "maxOutputDerivativeOrder",
+        );
+        assert_eq!(fmi2CancelStep(c), Error);
+    }
+    assert_eq!(importer.step(0.0, 0.001), Ok, "and harms nothing");
+}
+
+#[test]
+fn status_calls_answer_what_is_known() {
+    let importer = Importer::running(c"status");
+    let c = importer.c;
+    let (mut real, mut integer, mut text) = (f64::NAN, -1, null());
+    // SAFETY: an instance and valid or null pointers.
+    unsafe {
+        assert_eq!(fmi2GetRealStatus(c, 2, &mut real), Ok);
+        assert_eq!(real, 0.0);
+        assert_eq!(fmi2GetStatus(c, 0, &mut integer), Ok);
+        assert_eq!(integer, 0);
+        assert_eq!(fmi2GetBooleanStatus(c, 3, &mut integer), Ok);
+        assert_eq!(integer, 0);
+        assert_eq!(fmi2GetRealStatus(c, 0, &mut real), Status::Discard);
+        assert_eq!(fmi2GetStatus(c, 2, &mut integer), Status::Discard);
+        assert_eq!(fmi2GetBooleanStatus(c, 0, &mut integer), Status::Discard);
+        assert_eq!(fmi2GetIntegerStatus(c, 0, &mut integer), Status::Discard);
+        assert_eq!(fmi2GetStringStatus(c, 1, &mut text), Status::Discard);
+        assert_eq!(fmi2GetRealStatus(c, 9, &mut real), Error);
+        assert_eq!(fmi2GetRealStatus(c, 2, null_mut()), Error);
+    }
+}
+
+#[test]
+fn null_pointers_are_answered_with_an_error() {
+    let importer = Importer::running(c"null");
+    let c = importer.c;
+    let vr = 1;
+    // SAFETY: null is what the functions are to stand.
+    unsafe {
+        fmi2FreeInstance(null_mut());
+        assert_eq!(fmi2Reset(null_mut()), Error);
+        assert_eq!(fmi2DoStep(null_mut(), 0.0, 1.0, 1), Error);
+        assert_eq!(fmi2GetReal(null_mut(), &vr, 1, &mut 0.0), Error);
+        assert_eq!(fmi2GetReal(c, null(), 1, &mut 0.0), Error);
+        assert_eq!(fmi2GetReal(c, &vr, 1, null_mut()), Error);
+        assert_eq!(fmi2GetInteger(c, null(), 1, null_mut()), Error);
+        assert_eq!(fmi2GetBoolean(c, null(), 1, null_mut()), Error);
+        assert_eq!(fmi2GetString(c, null(), 1, null_mut()), Error);
+        assert_eq!(fmi2SetReal(c, null(), 1, null()), Error);
+        assert_eq!(fmi2SetInteger(c, null(), 1, null()), Error);
+        assert_eq!(fmi2SetBoolean(c, null(), 1, null()), Error);
+        assert_eq!(fmi2SetString(c, null(), 1, null()), Error);
+        assert_eq!(fmi2SetDebugLogging(c, 1, 1, null()), Error);
+        assert_eq!(fmi2SetDebugLogging(c, 1, 1, &null()), Error);
+        assert_eq!(fmi2GetReal(c, null(), usize::MAX, null_mut()), Error);
+        // No element, no array needed.
+        assert_eq!(fmi2GetReal(c, null(), 0, null_mut()), Ok);
+        assert_eq!(fmi2SetReal(c, null(), 0, null()), Ok);
+        assert_eq!(fmi2GetString(c, null(), 0, null_mut()), Ok);
+        assert_eq!(fmi2SetString(c, null(), 0, null()), Ok);
+        assert_eq!(fmi2SetDebugLogging(c, 1, 0, null()), Ok);
+        // There is no string at all.
+        assert_eq!(fmi2GetString(c, &vr, 1, &mut null()), Error);
+    }
+    assert_eq!(importer.step(0.0, 0.001), Ok, "and nothing has changed");
+}
+
+#[test]
+fn an_instance_without_a_logger_fails_silently() {
+    let functions = CallbackFunctions {
+        logger: None,
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: null_mut(),
+    };
+    // SAFETY: all pointers are valid.
+    unsafe {
+        let c = fmi2Instantiate(
+            c"mute".as_ptr(),
+            1,
+            guid().as_ptr(),
+            null(),
+            &functions,
+            0,
+            1,
+        );
+        assert!(!c.is_null());
+        assert_eq!(fmi2DoStep(c, 0.0, 1.0, 1), Error);
+        assert_eq!(
+            fmi2SetReal(c, &reference("primary.torque"), 1, &f64::NAN),
+            Error
+        );
+        fmi2FreeInstance(c);
+    }
+}
+
+#[test]
+fn reset_is_allowed_in_every_state() {
+    // SAFETY: an instance.
+    unsafe {
+        let importer = Importer::new(c"reset");
+        let c = importer.c;
+        assert_eq!(fmi2Reset(c), Ok, "instantiated");
+        assert_eq!(fmi2EnterInitializationMode(c), Ok);
+        assert_eq!(fmi2Reset(c), Ok, "initialization mode");
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(fmi2Reset(c), Ok, "step mode");
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(fmi2Terminate(c), Ok);
+        assert_eq!(fmi2Reset(c), Ok, "terminated");
+        assert_eq!(importer.set_real("primary.torque", f64::NAN), Error);
+        assert_eq!(fmi2Reset(c), Ok, "error");
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(importer.step(0.0, 0.001), Ok, "time is back at the start");
+    }
+}

@@ -1,0 +1,278 @@
+//! Bad parameters and inputs: each is refused by a message that names variable, value and allowed range.
+
+use pushbelt::variator::instance::Variator;
+use pushbelt::variator::parameters::Parameters;
+use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::validation::{ParameterError, range_of};
+
+fn refused(change: impl FnOnce(&mut Parameters)) -> ParameterError {
+    let mut parameters = Parameters::default();
+    change(&mut parameters);
+    let error = parameters.validate().expect_err("refused");
+    let built = Variator::new(parameters).map(drop);
+    assert!(
+        built.is_err(),
+        "no variator is built from what validation refuses"
+    );
+    error
+}
+
+fn accepted(change: impl FnOnce(&mut Parameters)) {
+    let mut parameters = Parameters::default();
+    change(&mut parameters);
+    assert_eq!(parameters.validate(), Ok(()));
+}
+
+#[test]
+fn the_defaults_are_legal() {
+    assert_eq!(Parameters::default().validate(), Ok(()));
+    assert_eq!(Inputs::default().validate(), Ok(()));
+}
+
+#[test]
+fn every_real_parameter_refuses_what_is_not_finite() {
+    type Field = fn(&mut Parameters) -> &mut f64;
+    let fields: [(&str, Field); 27] = [
+        ("geometry.centerDistance", |p| {
+            &mut p.geometry.center_distance
+        }),
+        ("geometry.beltLength", |p| &mut p.geometry.belt_length),
+        ("geometry.wedgeAngle", |p| &mut p.geometry.wedge_angle),
+        ("belt.pitchOffset", |p| &mut p.belt.pitch_offset),
+        ("belt.play", |p| &mut p.belt.play),
+        ("belt.massPerLength", |p| &mut p.belt.mass_per_length),
+        ("belt.pushStiffness", |p| &mut p.belt.push_stiffness),
+        ("belt.damping", |p| &mut p.belt.damping),
+        ("ring.massPerLength", |p| &mut p.ring.mass_per_length),
+        ("ring.axialStiffness", |p| &mut p.ring.axial_stiffness),
+        ("ring.bendingStiffness", |p| &mut p.ring.bending_stiffness),
+        ("ring.damping", |p| &mut p.ring.damping),
+        ("friction.pulley", |p| &mut p.friction.pulley),
+        ("friction.ring", |p| &mut p.friction.ring),
+        ("friction.velocity", |p| &mut p.friction.velocity),
+        ("contact.stiffness", |p| &mut p.contact.stiffness),
+        ("contact.damping", |p| &mut p.contact.damping),
+        ("primary.inertia", |p| &mut p.primary.inertia),
+        ("secondary.inertia", |p| &mut p.secondary.inertia),
+        ("primary.sheaveMass", |p| &mut p.primary.sheave_mass),
+        ("secondary.sheaveDamping", |p| {
+            &mut p.secondary.sheave_damping
+        }),
+        ("primary.tiltStiffness", |p| &mut p.primary.tilt_stiffness),
+        ("secondary.tiltTime", |p| &mut p.secondary.tilt_time),
+        ("primary.minRadius", |p| &mut p.primary.min_radius),
+        ("secondary.maxRadius", |p| &mut p.secondary.max_radius),
+        ("solver.tolerance", |p| &mut p.solver.tolerance),
+        ("initial.primarySpeed", |p| &mut p.initial.primary_speed),
+    ];
+    for (name, field) in fields {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let error = refused(|p| *field(p) = bad);
+            assert_eq!(error.variable, name);
+            assert!(!error.range.is_empty());
+        }
+        let (min, _) = range_of(name).expect("has a range");
+        let below = min - 0.1 * min.abs().max(1e-3);
+        let error = refused(|p| *field(p) = below);
+        assert_eq!((error.variable, error.value), (name, below));
+    }
+}
+
+#[test]
+fn stiffness_mass_and_mesh_must_be_above_zero() {
+    for bad in [0.0, -1.0] {
+        let named = [
+            refused(|p| p.belt.push_stiffness = bad),
+            refused(|p| p.ring.axial_stiffness = bad),
+            refused(|p| p.ring.bending_stiffness = bad),
+            refused(|p| p.contact.stiffness = bad),
+            refused(|p| p.secondary.tilt_stiffness = bad),
+            refused(|p| p.belt.mass_per_length = bad),
+            refused(|p| p.primary.inertia = bad),
+            refused(|p| p.friction.velocity = bad),
+            refused(|p| p.solver.max_step = bad),
+        ];
+        assert_eq!(
+            named.map(|error| error.variable),
+            [
+                "belt.pushStiffness",
+                "ring.axialStiffness",
+                "ring.bendingStiffness",
+                "contact.stiffness",
+                "secondary.tiltStiffness",
+                "belt.massPerLength",
+                "primary.inertia",
+                "friction.velocity",
+                "solver.maxStep"
+            ]
+        );
+    }
+    for bad in [0, -4, 100_000] {
+        assert_eq!(
+            refused(|p| p.mesh.primary_arc = bad).variable,
+            "mesh.primaryArc"
+        );
+        assert_eq!(
+            refused(|p| p.mesh.secondary_arc = bad).variable,
+            "mesh.secondaryArc"
+        );
+        assert_eq!(refused(|p| p.mesh.strand = bad).variable, "mesh.strand");
+        assert_eq!(
+            refused(|p| p.mesh.cells_per_element = bad).variable,
+            "mesh.cellsPerElement"
+        );
+    }
+    let error = refused(|p| p.mesh.secondary_arc = 7);
+    assert_eq!(
+        error.to_string().split(',').next(),
+        Some("mesh.secondaryArc = 7 is out of range: an even number")
+    );
+}
+
+#[test]
+fn the_wedge_must_open_wider_than_the_friction_angle() {
+    let error = refused(|p| p.friction.pulley = 0.2);
+    assert_eq!(error.variable, "geometry.wedgeAngle");
+    assert!(error.range.contains("friction.pulley = 0.2"), "{error}");
+    assert_eq!(
+        refused(|p| p.geometry.wedge_angle = 0.089).variable,
+        "geometry.wedgeAngle"
+    );
+    accepted(|p| p.geometry.wedge_angle = 0.12);
+    accepted(|p| p.friction.pulley = 0.0);
+}
+
+#[test]
+fn the_belt_must_reach_around_pulleys_that_do_not_touch() {
+    for short in [
+        0.1,
+        2.0 * 0.168,
+        2.0 * 0.168 + 2.0 * std::f64::consts::PI * 1e-3,
+    ] {
+        let error = refused(|p| p.geometry.belt_length = short);
+        assert_eq!(
+            (error.variable, error.value),
+            ("geometry.beltLength", short)
+        );
+        assert!(error.range.starts_with("between 0.342"), "{error}");
+    }
+    assert_eq!(
+        refused(|p| p.geometry.belt_length = 0.9).variable,
+        "geometry.beltLength"
+    );
+    assert_eq!(
+        refused(|p| p.geometry.center_distance = 0.4).variable,
+        "geometry.beltLength"
+    );
+}
+
+#[test]
+fn play_is_at_most_a_tenth_of_the_belt() {
+    accepted(|p| p.belt.play = 0.0);
+    accepted(|p| p.belt.play = 0.069);
+    let error = refused(|p| p.belt.play = 0.0701);
+    assert_eq!(error.variable, "belt.play");
+    assert!(error.range.contains("a tenth of the belt"), "{error}");
+}
+
+#[test]
+fn stops_must_leave_a_range_and_the_initial_ratio_must_lie_in_it() {
+    let error = refused(|p| p.primary.min_radius = p.primary.max_radius);
+    assert_eq!(error.variable, "primary.minRadius");
+    assert!(
+        error.range.contains("below primary.maxRadius = 0.082"),
+        "{error}"
+    );
+    accepted(|p| p.initial.ratio = 2.2);
+    accepted(|p| p.initial.ratio = 1.0 / 2.25);
+    for beyond in [3.0, 1.0 / 3.0, 90.0, 0.011] {
+        let error = refused(|p| p.initial.ratio = beyond);
+        assert_eq!((error.variable, error.value), ("initial.ratio", beyond));
+    }
+    // No pair of radii within these stops closes the belt.
+    let error = refused(|p| {
+        p.primary.max_radius = 0.040;
+        p.secondary.max_radius = 0.040;
+    });
+    assert!(error.range.starts_with("none"), "{error}");
+}
+
+/// The range that the message offers is the range that is accepted.
+#[test]
+fn the_offered_ratios_are_accepted() {
+    let error = refused(|p| p.initial.ratio = 10.0);
+    let ends: Vec<f64> = error
+        .range
+        .split([' ', ','])
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    let [low, high] = ends[..] else {
+        panic!("{error}")
+    };
+    // Mirrored stops: mirrored ends.
+    assert!((low * high - 1.0).abs() < 1e-5, "{error}");
+    for (inside, outside) in [
+        (low * 1.00001, low * 0.99999),
+        (high * 0.99999, high * 1.00001),
+    ] {
+        accepted(|p| p.initial.ratio = inside);
+        refused(|p| p.initial.ratio = outside);
+    }
+}
+
+#[test]
+fn limit_cases_of_theory_are_legal() {
+    accepted(|p| {
+        p.friction.pulley = 0.0;
+        p.friction.ring = 0.0;
+        p.belt.play = 0.0;
+        p.belt.pitch_offset = 0.0;
+        p.primary.tilt_stiffness = 1e30;
+        p.initial.primary_speed = 0.0;
+    });
+    accepted(|p| p.initial.primary_speed = -100.0);
+}
+
+#[test]
+fn the_published_reference_belt_is_legal() {
+    accepted(|p| {
+        p.geometry.center_distance = 0.155;
+        p.geometry.belt_length = 0.661_195;
+        p.friction.pulley = 0.11;
+        p.initial.ratio = 2.5;
+        p.primary.min_radius = 0.028;
+    });
+}
+
+#[test]
+fn inputs_must_be_finite_and_close_the_pulleys() {
+    let refused = |change: fn(&mut Inputs)| {
+        let mut inputs = Inputs::default();
+        change(&mut inputs);
+        inputs.validate().expect_err("refused")
+    };
+    let error = refused(|i| i.primary.clamping_force = -1.0);
+    assert_eq!(
+        error.to_string(),
+        "primary.clampingForce = -1 is out of range: 0 to 10000000"
+    );
+    assert_eq!(
+        refused(|i| i.secondary.clamping_force = f64::NAN).variable,
+        "secondary.clampingForce"
+    );
+    assert_eq!(
+        refused(|i| i.primary.torque = f64::INFINITY).variable,
+        "primary.torque"
+    );
+    assert_eq!(
+        refused(|i| i.secondary.torque = f64::NAN).variable,
+        "secondary.torque"
+    );
+    assert_eq!(
+        refused(|i| i.secondary.speed_setpoint = f64::NEG_INFINITY).variable,
+        "secondary.speedSetpoint"
+    );
+    let mut open = Inputs::default();
+    open.primary.clamping_force = 0.0;
+    assert_eq!(open.validate(), Ok(()), "an open pulley is legal");
+}
