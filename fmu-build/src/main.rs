@@ -1,1 +1,57 @@
-fn main() {}
+//! `cargo fmu …`: one tool to build, test, demonstrate and measure the pushbelt FMU.
+//!
+//! | module | idea |
+//! |---|---|
+//! | [`commands`] | one file a command: what the user asks for |
+//! | [`workspace`], [`platform`] | where things lie, and what the host's binaries are called |
+//! | [`cargo`], [`python`] | the two outside programs that do the work |
+//! | [`archive`], [`licenses`], [`description`] | what goes into the FMU beside the binary |
+//! | [`progress`] | what the user sees meanwhile |
+
+mod archive;
+mod cargo;
+mod commands;
+mod description;
+mod licenses;
+mod platform;
+mod progress;
+mod python;
+mod workspace;
+
+use clap::{Parser, Subcommand};
+
+use crate::workspace::Workspace;
+
+/// Builds, tests, demonstrates and measures PushbeltVariator.fmu.
+#[derive(Parser)]
+#[command(name = "cargo fmu", bin_name = "cargo fmu", version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compile the binary and pack target/PushbeltVariator.fmu
+    Build,
+    /// Build the FMU, then run the Rust tests and the Python tests that drive it
+    Test(commands::test::Arguments),
+    /// Build the FMU, simulate it on published data and write target/demo/report.html
+    Demo(commands::demo::Arguments),
+    /// Measure the speed of the model
+    Bench(commands::bench::Arguments),
+    /// Write modelDescription.xml and docs/variables.md from the variable table
+    Describe,
+}
+
+fn main() -> anyhow::Result<()> {
+    let arguments = Arguments::parse();
+    let workspace = Workspace::find()?;
+    match arguments.command {
+        Command::Build => commands::build::run(&workspace).map(drop),
+        Command::Test(arguments) => commands::test::run(&workspace, &arguments),
+        Command::Demo(arguments) => commands::demo::run(&workspace, &arguments),
+        Command::Bench(arguments) => commands::bench::run(&workspace, &arguments),
+        Command::Describe => commands::describe::run(&workspace),
+    }
+}

@@ -1,0 +1,7 @@
+//! One file a command.
+
+pub mod bench;
+pub mod build;
+pub mod demo;
+pub mod describe;
+pub mod test;

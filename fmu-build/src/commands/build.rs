@@ -1,0 +1,92 @@
+//! `cargo fmu build`: compiles the binary and packs the FMU.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
+use crate::archive::Archive;
+use crate::description::Description;
+use crate::platform::Platform;
+use crate::workspace::{MODEL_IDENTIFIER, Workspace};
+use crate::{cargo, licenses, progress};
+
+/// The documentation in the FMU; its marks are filled in from the model description.
+const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
+
+/// Builds the FMU and returns its path.
+///
+/// # Errors
+/// The library doesn't compile, or a file can't be read or written.
+pub fn run(workspace: &Workspace) -> anyhow::Result<PathBuf> {
+    progress::headline("Compiling the FMU's binary");
+    let library = cargo::build_library(workspace)?;
+    let archive = collect(workspace, &library)?;
+
+    let path = workspace.fmu();
+    // Written beside its place and moved there, so that a half-written FMU is never found.
+    let draft = path.with_extension("fmu.part");
+    let bar = progress::bar(archive.len(), "packing");
+    let output =
+        File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
+    let mut output = archive.write(BufWriter::new(output), |_| bar.inc(1))?;
+    output.flush()?;
+    drop(output);
+    bar.finish_and_clear();
+    fs::rename(&draft, &path).with_context(|| format!("can't write {}", path.display()))?;
+
+    let size = fs::metadata(&path)?.len().div_ceil(1024);
+    println!("{} ({size} kB)", path.display());
+    Ok(path)
+}
+
+fn collect(workspace: &Workspace, library: &Path) -> anyhow::Result<Archive> {
+    let mut archive = Archive::default();
+    let binary = Platform::host()?.binary(MODEL_IDENTIFIER);
+    archive.add(binary, read(library)?)?;
+
+    let xml = read(&workspace.model_description())?;
+    let description = Description::parse(std::str::from_utf8(&xml)?)?;
+    archive.add("modelDescription.xml", xml)?;
+    archive.add("documentation/index.html", documentation(&description))?;
+
+    let parameters = workspace.root().join("resources").join("parameters");
+    for (name, content) in files(&parameters, "json")? {
+        archive.add(format!("resources/{name}"), content)?;
+    }
+
+    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        let content = read(&workspace.root().join(license))?;
+        archive.add(format!("licenses/{license}.txt"), content)?;
+    }
+    let third_party = licenses::third_party(&workspace.packages()?)?;
+    archive.add("licenses/third-party.txt", third_party.into_bytes())?;
+    Ok(archive)
+}
+
+fn documentation(description: &Description) -> Vec<u8> {
+    DOCUMENTATION
+        .replace("{{version}}", &description.version)
+        .replace("{{about}}", &description.about)
+        .replace("{{variables}}", &description.to_html())
+        .into_bytes()
+}
+
+/// Files of a folder that have an extension, with their names.
+fn files(folder: &Path, extension: &str) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("can't read {}", folder.display()))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|found| found == extension)
+            && let Some(name) = path.file_name()
+        {
+            found.push((name.to_string_lossy().into_owned(), read(&path)?));
+        }
+    }
+    Ok(found)
+}
+
+fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
+    fs::read(path).with_context(|| format!("can't read {}", path.display()))
+}

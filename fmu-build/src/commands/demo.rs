@@ -1,0 +1,34 @@
+//! `cargo fmu demo`: simulates the FMU on published data and writes a report.
+
+use clap::Args;
+
+use crate::cargo;
+use crate::commands::build;
+use crate::progress;
+use crate::python::Environment;
+use crate::workspace::Workspace;
+
+/// How to run the demo.
+#[derive(Args)]
+pub struct Arguments {
+    /// Passed on to the demo program; `--help` there lists what it takes
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    passed_on: Vec<String>,
+}
+
+/// Runs the demo, which prints where the report is.
+///
+/// # Errors
+/// The FMU doesn't build, or the demo fails.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    let fmu = build::run(workspace)?;
+    let environment = Environment::prepare(workspace)?;
+    progress::headline("Simulating");
+    let mut demo = environment.command();
+    demo.args(["-m", "pushbelt_demo", "--fmu"])
+        .arg(fmu)
+        .arg("--output")
+        .arg(workspace.target().join("demo"))
+        .args(&arguments.passed_on);
+    cargo::run(&mut demo)
+}

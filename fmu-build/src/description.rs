@@ -1,0 +1,275 @@
+//! The variables of a model description, and the tables that are made from them.
+
+use std::fmt::Write as _;
+
+use anyhow::Context;
+use roxmltree::{Document, Node};
+
+/// A variable as the documentation shows it. Every field is text as the model description has it; what a variable
+/// doesn't have is empty.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Variable {
+    name: String,
+    causality: String,
+    variability: String,
+    kind: String,
+    unit: String,
+    start: String,
+    min: String,
+    max: String,
+    description: String,
+}
+
+/// What the documentation needs of a model description.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Description {
+    /// One sentence about the model.
+    pub about: String,
+    /// Version of the model.
+    pub version: String,
+    /// All variables, in the order of the table.
+    pub variables: Vec<Variable>,
+}
+
+/// Groups of variables in the order in which a user meets them.
+const GROUPS: [(&str, &str); 4] = [
+    ("input", "Inputs"),
+    ("output", "Outputs"),
+    ("parameter", "Parameters"),
+    ("local", "Local variables"),
+];
+
+const HEADINGS: [&str; 7] = ["Variable", "Type", "Unit", "Start", "Min", "Max", "Meaning"];
+
+impl Description {
+    /// Reads the text of a `modelDescription.xml`.
+    ///
+    /// # Errors
+    /// The text is not XML or has no variables.
+    pub fn parse(xml: &str) -> anyhow::Result<Self> {
+        let document = Document::parse(xml).context("the model description is not XML")?;
+        let types = document
+            .descendants()
+            .filter(|node| node.has_tag_name("SimpleType"));
+        let enumerations: Vec<(&str, String)> = types
+            .filter_map(|node| Some((node.attribute("name")?, items(node))))
+            .collect();
+        let variables = document
+            .descendants()
+            .find(|node| node.has_tag_name("ModelVariables"))
+            .context("the model description has no variables")?
+            .children()
+            .filter(Node::is_element)
+            .map(|node| variable(node, &enumerations))
+            .collect::<anyhow::Result<Vec<_>>>()?;
+        let root = document.root_element();
+        Ok(Self {
+            about: attribute(root, "description"),
+            version: attribute(root, "version"),
+            variables: collapse(variables),
+        })
+    }
+
+    /// All variables as a page in Markdown.
+    pub fn to_markdown(&self) -> String {
+        let mut page = format!(
+            "<!-- Written by `cargo fmu describe` from the variable table: don't edit. -->\n\n# Variables\n\n\
+             {}. SI units; torques are positive in the direction of positive speed.\n",
+            self.about.trim_end_matches('.')
+        );
+        for (causality, title) in GROUPS {
+            let _ = write!(
+                page,
+                "\n## {title}\n\n| {} |\n|{}\n",
+                HEADINGS.join(" | "),
+                "---|".repeat(HEADINGS.len())
+            );
+            for variable in self.of(causality) {
+                let cells = variable.cells().map(|cell| cell.replace('|', "\\|"));
+                let _ = writeln!(page, "| `{}` | {} |", variable.name, cells[1..].join(" | "));
+            }
+        }
+        page
+    }
+
+    /// All variables as tables in HTML.
+    pub fn to_html(&self) -> String {
+        let mut html = String::new();
+        for (causality, title) in GROUPS {
+            let _ = write!(html, "<h3>{title}</h3>\n<table>\n<tr>");
+            for heading in HEADINGS {
+                let _ = write!(html, "<th>{heading}</th>");
+            }
+            html.push_str("</tr>\n");
+            for variable in self.of(causality) {
+                html.push_str("<tr>");
+                for cell in variable.cells() {
+                    let _ = write!(html, "<td>{}</td>", escape(&cell));
+                }
+                html.push_str("</tr>\n");
+            }
+            html.push_str("</table>\n");
+        }
+        html
+    }
+
+    fn of<'a>(&'a self, causality: &'a str) -> impl Iterator<Item = &'a Variable> {
+        self.variables
+            .iter()
+            .filter(move |variable| variable.causality == causality)
+    }
+}
+
+impl Variable {
+    fn cells(&self) -> [String; HEADINGS.len()] {
+        let kind = match self.variability.as_str() {
+            "tunable" => format!("{}, tunable", self.kind),
+            _ => self.kind.clone(),
+        };
+        [
+            self.name.clone(),
+            kind,
+            self.unit.clone(),
+            self.start.clone(),
+            self.min.clone(),
+            self.max.clone(),
+            self.description.clone(),
+        ]
+    }
+}
+
+fn variable(node: Node, enumerations: &[(&str, String)]) -> anyhow::Result<Variable> {
+    let name = attribute(node, "name");
+    let typed = node
+        .children()
+        .find(Node::is_element)
+        .with_context(|| format!("{name} has no type"))?;
+    let choices = typed
+        .attribute("declaredType")
+        .and_then(|declared| enumerations.iter().find(|(name, _)| *name == declared))
+        .map(|(_, items)| items.as_str());
+    let description = attribute(node, "description");
+    Ok(Variable {
+        causality: attribute(node, "causality"),
+        variability: attribute(node, "variability"),
+        kind: typed.tag_name().name().to_owned(),
+        unit: attribute(typed, "unit"),
+        start: attribute(typed, "start"),
+        min: attribute(typed, "min"),
+        max: attribute(typed, "max"),
+        description: match choices {
+            Some(choices) => format!("{description} ({choices})"),
+            None => description,
+        },
+        name,
+    })
+}
+
+/// The values of an enumeration in words.
+fn items(node: Node) -> String {
+    node.descendants()
+        .filter(|item| item.has_tag_name("Item"))
+        .map(|item| format!("{} {}", attribute(item, "value"), attribute(item, "name")))
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// Elements of an array that differ in their index only become one line `name[1…n]`.
+fn collapse(variables: Vec<Variable>) -> Vec<Variable> {
+    let mut collapsed: Vec<Variable> = Vec::new();
+    let mut open: Option<(String, u32)> = None;
+    for mut variable in variables {
+        let element = variable
+            .name
+            .strip_suffix(']')
+            .and_then(|name| name.rsplit_once('['))
+            .and_then(|(array, index)| Some((array.to_owned(), index.parse().ok()?)));
+        match (element, &mut open, collapsed.last_mut()) {
+            (Some((array, index)), Some((current, last)), Some(line))
+                if array == *current && index == *last + 1 =>
+            {
+                *last = index;
+                line.name = format!("{array}[1…{index}]");
+            }
+            (element, ..) => {
+                if let Some((_, index)) = &element {
+                    generalise(&mut variable.description, *index);
+                }
+                open = element;
+                collapsed.push(variable);
+            }
+        }
+    }
+    collapsed
+}
+
+/// Takes the place of the first element, `0/n`, out of its description, so that it holds for all.
+fn generalise(description: &mut String, index: u32) {
+    if let Some(before) = index.checked_sub(1) {
+        *description = description.replace(&format!(" {before}/"), " (k−1)/");
+    }
+}
+
+fn attribute(node: Node, name: &str) -> String {
+    node.attribute(name).unwrap_or_default().to_owned()
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const XML: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription description="A model" version="1.2.3">
+  <TypeDefinitions>
+    <SimpleType name="Drive"><Enumeration>
+      <Item name="Torque" value="1"/><Item name="Speed" value="2"/>
+    </Enumeration></SimpleType>
+  </TypeDefinitions>
+  <ModelVariables>
+    <ScalarVariable name="torque" causality="input" variability="continuous" description="a|b">
+      <Real unit="N.m" start="50"/>
+    </ScalarVariable>
+    <ScalarVariable name="drive" causality="parameter" variability="fixed" description="Drive">
+      <Enumeration declaredType="Drive" start="1"/>
+    </ScalarVariable>
+    <ScalarVariable name="x[1]" causality="local" description="Field at 0/2"><Real unit="m"/></ScalarVariable>
+    <ScalarVariable name="x[2]" causality="local" description="Field"><Real unit="m"/></ScalarVariable>
+    <ScalarVariable name="y[1]" causality="local" description="Other"><Real unit="m"/></ScalarVariable>
+  </ModelVariables>
+</fmiModelDescription>"#;
+
+    #[test]
+    fn variables_are_read_with_unit_start_and_choices() {
+        let description = Description::parse(XML).unwrap();
+        assert_eq!(description.about, "A model");
+        assert_eq!(description.variables[0].unit, "N.m");
+        assert_eq!(
+            description.variables[1].description,
+            "Drive (1 Torque, 2 Speed)"
+        );
+    }
+
+    #[test]
+    fn arrays_take_one_line() {
+        let description = Description::parse(XML).unwrap();
+        let names: Vec<_> = description.of("local").map(|v| v.name.as_str()).collect();
+        assert_eq!(names, ["x[1…2]", "y[1]"]);
+        let field = description.of("local").next().unwrap();
+        assert_eq!(field.description, "Field at (k−1)/2");
+    }
+
+    #[test]
+    fn tables_hold_every_variable_and_escape_what_would_break_them() {
+        let description = Description::parse(XML).unwrap();
+        let markdown = description.to_markdown();
+        assert!(markdown.contains("| `torque` | Real | N.m | 50 |  |  | a\\|b |"));
+        assert!(markdown.contains("`x[1…2]`"));
+        assert!(description.to_html().contains("<td>drive</td>"));
+    }
+}

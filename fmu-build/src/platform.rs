@@ -1,0 +1,54 @@
+//! What FMI and the operating system call the same binary.
+
+use anyhow::bail;
+
+/// A platform that FMI 2.0 has a folder for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Platform {
+    /// Folder below `binaries/`.
+    pub folder: &'static str,
+    /// Extension of a shared library.
+    pub extension: &'static str,
+}
+
+impl Platform {
+    /// The platform that this tool runs on.
+    ///
+    /// # Errors
+    /// FMI 2.0 names no folder for it.
+    pub fn host() -> anyhow::Result<Self> {
+        Self::of(std::env::consts::OS, usize::BITS)
+    }
+
+    fn of(system: &str, bits: u32) -> anyhow::Result<Self> {
+        let (folder, extension) = match (system, bits) {
+            ("linux", 64) => ("linux64", "so"),
+            ("macos", 64) => ("darwin64", "dylib"),
+            ("windows", 64) => ("win64", "dll"),
+            _ => bail!("FMI 2.0 has no folder for {bits}-bit binaries of {system}"),
+        };
+        Ok(Self { folder, extension })
+    }
+
+    /// Path of the binary inside the archive.
+    pub fn binary(&self, model_identifier: &str) -> String {
+        format!(
+            "binaries/{}/{model_identifier}.{}",
+            self.folder, self.extension
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_are_those_of_the_standard() {
+        let linux = Platform::of("linux", 64).unwrap();
+        assert_eq!(linux.binary("Model"), "binaries/linux64/Model.so");
+        assert_eq!(Platform::of("macos", 64).unwrap().folder, "darwin64");
+        assert_eq!(Platform::of("windows", 64).unwrap().extension, "dll");
+        assert!(Platform::of("freebsd", 64).is_err());
+    }
+}

@@ -1,0 +1,166 @@
+//! Python: finding an interpreter, and a virtual environment that holds exactly what the lock file says.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, bail};
+
+use crate::progress;
+use crate::workspace::Workspace;
+
+/// Oldest Python that the tests and the demo run on.
+const OLDEST: (u32, u32) = (3, 10);
+
+/// Where the lock file lies in the source tree.
+const LOCK: &str = "python/requirements.txt";
+
+/// A copy of the lock file in the environment says what is installed there. It is written last, so a set-up that was
+/// interrupted is not mistaken for a whole one.
+const STAMP: &str = "installed-requirements.txt";
+
+/// A virtual environment below the target directory.
+pub struct Environment {
+    interpreter: PathBuf,
+    root: PathBuf,
+    fmu: PathBuf,
+}
+
+impl Environment {
+    /// Makes the environment, or takes the one that is there if it matches the lock file.
+    ///
+    /// # Errors
+    /// No suitable Python, or pip can't install what is locked.
+    pub fn prepare(workspace: &Workspace) -> anyhow::Result<Self> {
+        let folder = workspace.target().join("venv");
+        let environment = Self {
+            interpreter: interpreter_in(&folder),
+            root: workspace.root().to_owned(),
+            fmu: workspace.fmu(),
+        };
+        let lock_file = workspace.root().join(LOCK);
+        let lock = fs::read_to_string(&lock_file)
+            .with_context(|| format!("can't read {}", lock_file.display()))?;
+        let stamp = folder.join(STAMP);
+        let matches = fs::read_to_string(&stamp).is_ok_and(|installed| installed == lock);
+        if matches && version(environment.interpreter.as_os_str()).is_some() {
+            return Ok(environment);
+        }
+        progress::headline("Setting up Python packages in target/venv");
+        create(&find_interpreter()?, &folder)?;
+        install(&environment.interpreter, &lock_file)?;
+        fs::write(&stamp, lock).with_context(|| format!("can't write {}", stamp.display()))?;
+        Ok(environment)
+    }
+
+    /// A Python command in this environment, at the top level of the workspace. The packages below `python/` can be
+    /// imported, and `PUSHBELT_FMU` says where the FMU is.
+    pub fn command(&self) -> Command {
+        let mut command = Command::new(&self.interpreter);
+        command
+            .current_dir(&self.root)
+            .env("PYTHONPATH", self.root.join("python"))
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .env("PUSHBELT_FMU", &self.fmu);
+        command
+    }
+}
+
+fn interpreter_in(folder: &Path) -> PathBuf {
+    if cfg!(windows) {
+        folder.join("Scripts").join("python.exe")
+    } else {
+        folder.join("bin").join("python")
+    }
+}
+
+fn create(python: &OsString, folder: &Path) -> anyhow::Result<()> {
+    if folder.exists() {
+        fs::remove_dir_all(folder).with_context(|| format!("can't remove {}", folder.display()))?;
+    }
+    let spinner = progress::spinner("creating the environment");
+    let output = Command::new(python)
+        .args(["-m", "venv"])
+        .arg(folder)
+        .output()
+        .context("can't start Python")?;
+    spinner.finish_and_clear();
+    if !output.status.success() {
+        bail!(
+            "{} can't create a virtual environment (on Debian and Ubuntu: apt install python3-venv):\n{}{}",
+            python.to_string_lossy(),
+            String::from_utf8_lossy(&output.stdout),
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    Ok(())
+}
+
+fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
+    let spinner = progress::spinner("installing the locked packages");
+    let output = Command::new(interpreter)
+        .args(["-m", "pip", "install", "--disable-pip-version-check"])
+        .args(["--no-input", "--retries", "5", "--requirement"])
+        .arg(lock_file)
+        .output()
+        .context("can't start pip")?;
+    spinner.finish_and_clear();
+    if !output.status.success() {
+        bail!(
+            "pip can't install {LOCK}:\n{}{}",
+            String::from_utf8_lossy(&output.stdout),
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    Ok(())
+}
+
+/// The first interpreter that is new enough; the one in the environment variable `PYTHON` comes first.
+fn find_interpreter() -> anyhow::Result<OsString> {
+    let mut seen = Vec::new();
+    let names = [
+        "python3",
+        "python",
+        "python3.13",
+        "python3.12",
+        "python3.11",
+        "python3.10",
+    ];
+    let candidates = std::env::var_os("PYTHON")
+        .into_iter()
+        .chain(names.map(OsString::from));
+    for candidate in candidates {
+        if let Some((major, minor)) = version(&candidate) {
+            if (major, minor) >= OLDEST {
+                return Ok(candidate);
+            }
+            seen.push(format!(
+                "{} is {major}.{minor}",
+                candidate.to_string_lossy()
+            ));
+        }
+    }
+    let seen = if seen.is_empty() {
+        "there is none on the path".to_owned()
+    } else {
+        seen.join(", ")
+    };
+    bail!(
+        "Python {}.{} or newer is needed to drive the FMU, but {seen}. Install it, or name one in the environment \
+         variable PYTHON",
+        OLDEST.0,
+        OLDEST.1
+    )
+}
+
+/// Major and minor version of an interpreter; none if it doesn't run.
+fn version(python: &std::ffi::OsStr) -> Option<(u32, u32)> {
+    let output = Command::new(python)
+        .args(["-c", "import sys; print(*sys.version_info[:2])"])
+        .output()
+        .ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    let (major, minor) = text.trim().split_once(' ')?;
+    Some((major.parse().ok()?, minor.parse().ok()?))
+}
