@@ -1,0 +1,289 @@
+"""The FMU as importers meet it: loaded, checked and run by fmpy."""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from conftest import CHEAP, ROOT
+
+fmpy = pytest.importorskip("fmpy")
+from fmpy.fmi1 import FMICallException  # noqa: E402
+from fmpy.validation import validate_fmu  # noqa: E402
+
+# ------------------------------------------------------------------------------------------------------ first use
+
+
+def test_a_first_user_wires_four_inputs_and_reads_two_outputs(fmu: Path) -> None:
+    """As in the README."""
+    wires = np.array(
+        [(0.0, 50.0, -49.0, 13e3, 10e3), (0.1, 50.0, -49.0, 13e3, 10e3)],
+        dtype=[
+            ("time", float),
+            ("primary.torque", float),
+            ("secondary.torque", float),
+            ("primary.clampingForce", float),
+            ("secondary.clampingForce", float),
+        ],
+    )
+    result = fmpy.simulate_fmu(
+        fmu,
+        stop_time=0.1,
+        output_interval=1e-3,
+        input=wires,
+        output=["thrustRatio", "belt.speed"],
+    )
+    assert len(result) == 101
+    assert 0.5 < result["thrustRatio"][-1] < 3.0
+    assert 8.0 < result["belt.speed"][-1] < 16.0
+
+
+def test_fmpy_finds_nothing_to_complain_about(fmu: Path) -> None:
+    assert validate_fmu(fmu) == []
+
+
+def test_the_default_experiment_runs_without_any_wiring(fmu: Path, description) -> None:
+    names = [v.name for v in description.modelVariables if v.causality == "output"]
+    result = fmpy.simulate_fmu(fmu, output=names)
+    assert len(result) == 1001
+    assert result["time"][-1] == pytest.approx(1.0)
+    limits = {v.name: (v.min, v.max) for v in description.modelVariables}
+    for name in names:
+        assert np.all(np.isfinite(result[name].astype(float))), name
+        low, high = limits[name]
+        assert low is None or np.all(result[name] >= float(low)), name
+        assert high is None or np.all(result[name] <= float(high)), name
+
+
+def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
+    """The same run by `examples/default_run.rs`; its numbers are printed in full."""
+    steps = 100
+    example = os.environ.get("PUSHBELT_EXAMPLE")
+    command = [example] if example else ["cargo", "run", "--quiet", "--release", "--example", "default_run", "--"]
+    printed = subprocess.run([*command, str(steps)], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    head, *rows = printed.splitlines()
+    names = head.split(",")[1:]
+    rust = np.array([[float(cell) for cell in row.split(",")] for row in rows])
+    result = fmpy.simulate_fmu(fmu, stop_time=steps * 1e-3, output_interval=1e-3, output=names)
+    assert np.array_equal(result["time"], rust[:, 0])
+    for column, name in enumerate(names, start=1):
+        assert np.array_equal(result[name], rust[:, column]), name
+
+
+# ------------------------------------------------------------------------------------------------------- instances
+
+
+def test_two_instances_at_once_do_not_see_each_other(slave) -> None:
+    alone = slave("alone")
+    alone.start(CHEAP)
+    expected = alone.run()
+    one, other = slave("one"), slave("other")
+    one.start(CHEAP)
+    other.start(CHEAP | {"friction.pulley": 0.05})
+    other.fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=0.005)
+    assert one.run() == expected
+
+
+def test_reset_and_rerun_give_the_same_bits(slave) -> None:
+    unit = slave()
+    unit.start(CHEAP)
+    first = unit.run()
+    unit.fmu.reset()
+    unit.start(CHEAP)
+    assert unit.run() == first
+    unit.fmu.reset()
+    unit.fmu.enterInitializationMode()
+    assert unit.get("secondary.torque") == [-49.0], "the start value is back"
+
+
+def test_a_stored_state_is_continued_bit_for_bit(slave) -> None:
+    unit = slave()
+    unit.start(CHEAP)
+    unit.fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=0.005)
+    state = unit.fmu.getFMUState()
+
+    def go_on(instance) -> list[float]:
+        instance.fmu.doStep(currentCommunicationPoint=0.005, communicationStepSize=0.005)
+        return instance.readings()
+
+    expected = go_on(unit)
+    unit.fmu.setFMUState(state)
+    assert go_on(unit) == expected
+    other = slave("other")
+    other.fmu.setFMUState(state)
+    assert go_on(other) == expected
+    unit.fmu.freeFMUState(state)
+
+
+def test_no_output_moves_at_once_when_an_input_does(slave) -> None:
+    """What the empty dependencies of the model structure promise."""
+    unit = slave()
+    unit.start(CHEAP)
+    unit.run(steps=3)
+    before = unit.readings()
+    for name, variable in unit.variables.items():
+        if variable.causality == "input":
+            (value,) = unit.get(name)
+            unit.set_all({name: value * 1.1 + 1.0})
+            assert unit.readings() == before, name
+
+
+# ------------------------------------------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("primary.clampingForce", -1.0, "primary.clampingForce = -1 is out of range: 0 to"),
+        ("secondary.torque", math.nan, "secondary.torque = NaN is not a finite number"),
+        ("primary.speedSetpoint", math.inf, "primary.speedSetpoint = inf is not a finite number"),
+        ("friction.pulley", -0.01, "friction.pulley = -0.01 is out of range: 0 to 1"),
+        ("friction.velocity", 0.0, "friction.velocity = 0 is out of range"),
+        ("contact.stiffness", -5e9, "contact.stiffness = -5000000000 is out of range"),
+        ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
+        ("ring.model", 4, "ring.model = 4 is out of range: 1 ALE0, 2 ALE"),
+        ("belt.play", 0.08, "belt.play = 0.08 is out of range: 0 to 0.069"),
+        ("geometry.beltLength", 0.3, "geometry.beltLength = 0.3 is out of range: between 0.34"),
+        ("geometry.wedgeAngle", 0.05, "geometry.wedgeAngle = 0.05 is out of range: above 0.089"),
+        ("initial.ratio", 4.0, "initial.ratio = 4 is out of range: 0.3"),
+        ("primary.minRadius", 0.09, "primary.minRadius = 0.09 is out of range: below primary.maxRadius"),
+        ("mesh.secondaryArc", 7, "mesh.secondaryArc = 7 is out of range: an even number"),
+    ],
+)
+def test_a_bad_value_is_named_and_forgotten_after_reset(slave, name: str, value: float, said: str) -> None:
+    unit = slave()
+    with pytest.raises(FMICallException):
+        unit.start(CHEAP | {name: value})
+    status, category, text = unit.log[-1]
+    assert (status, category) == (3, "logStatusError")
+    assert said in text
+    unit.fmu.reset()
+    unit.start(CHEAP)
+    unit.run(steps=2)
+
+
+def test_a_tunable_parameter_can_be_changed_but_not_made_absurd(slave) -> None:
+    unit = slave()
+    unit.start(CHEAP)
+    unit.run(steps=2)
+    unit.set_all({"friction.pulley": 0.08})
+    unit.fmu.doStep(currentCommunicationPoint=0.002, communicationStepSize=0.001)
+    for value, said in [(-0.1, "friction.pulley = -0.1"), (0.5, "friction.pulley = 0.5")]:
+        with pytest.raises(FMICallException):
+            unit.set_all({"friction.pulley": value})
+        assert said in unit.log[-1][2]
+        unit.fmu.reset()
+        unit.start(CHEAP)
+
+
+# ----------------------------------------------------------------------------------------------------- description
+
+
+@pytest.fixture(scope="module")
+def xml(fmu: Path) -> ElementTree.Element:
+    with zipfile.ZipFile(fmu) as archive:
+        return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+
+def test_the_description_inside_is_the_one_checked_in(fmu: Path) -> None:
+    with zipfile.ZipFile(fmu) as archive:
+        assert archive.read("modelDescription.xml") == (ROOT / "modelDescription.xml").read_bytes()
+
+
+def test_units_are_declared_with_their_dimensions(xml: ElementTree.Element) -> None:
+    declared = {
+        unit.get("name"): {base: int(power) for base, power in unit.find("BaseUnit").attrib.items()}
+        for unit in xml.iter("Unit")
+    }
+    used = {real.get("unit") for real in xml.iter("Real")}
+    assert None not in used, "every real has a unit"
+    assert used == set(declared)
+    base = {"1": {}, "rad": {"rad": 1}, "s": {"s": 1}, "m": {"m": 1}, "kg": {"kg": 1}}
+    base |= {
+        "N": {"kg": 1, "m": 1, "s": -2},
+        "J": {"kg": 1, "m": 2, "s": -2},
+        "W": {"kg": 1, "m": 2, "s": -3},
+    }
+
+    def dimensions(name: str) -> dict[str, int]:
+        """From the name, by the rules of the standard: `.` multiplies, `/` divides, a digit is a power."""
+        total: dict[str, int] = {}
+        for place, factor in enumerate(name.split("/")):
+            for part in factor.split("."):
+                symbol, power = (part[:-1], int(part[-1])) if part[-1] == "2" else (part, 1)
+                for unit, exponent in base[symbol].items():
+                    total[unit] = total.get(unit, 0) + exponent * power * (-1 if place else 1)
+        return {unit: exponent for unit, exponent in total.items() if exponent}
+
+    for name, found in declared.items():
+        assert found == (base["1"] if name == "1" else dimensions(name)), name
+    (rpm,) = (unit for unit in xml.iter("DisplayUnit") if unit.get("name") == "rpm")
+    assert float(rpm.get("factor")) * 209.43951023931953 == pytest.approx(2000.0)
+    for real in xml.iter("Real"):
+        assert (real.get("displayUnit") == "rpm") == (real.get("unit") == "rad/s")
+
+
+def test_start_values_lie_within_their_limits(xml: ElementTree.Element) -> None:
+    checked = 0
+    for typed in [*xml.iter("Real"), *xml.iter("Integer")]:
+        start = typed.get("start")
+        if start is not None:
+            low, high = typed.get("min", "-inf"), typed.get("max", "inf")
+            assert float(low) <= float(start) <= float(high), typed.attrib
+            checked += 1
+    assert checked > 40
+
+
+def test_no_two_variables_share_a_value_reference(xml: ElementTree.Element) -> None:
+    references = [variable.get("valueReference") for variable in xml.iter("ScalarVariable")]
+    assert len(references) == len(set(references))
+
+
+def test_states_can_be_serialised_only_if_they_can_be_stored(xml: ElementTree.Element) -> None:
+    flags = xml.find("CoSimulation").attrib
+    assert flags.get("canGetAndSetFMUstate") == "true" or flags.get("canSerializeFMUstate") != "true"
+
+
+def test_the_structure_lists_all_outputs(xml: ElementTree.Element) -> None:
+    variables = list(xml.iter("ScalarVariable"))
+    outputs = {index for index, v in enumerate(variables, start=1) if v.get("causality") == "output"}
+    for kind in ("Outputs", "InitialUnknowns"):
+        unknowns = list(xml.find("ModelStructure").find(kind))
+        assert {int(unknown.get("index")) for unknown in unknowns} == outputs
+        for unknown in unknowns:
+            dependencies, kinds = unknown.get("dependencies"), unknown.get("dependenciesKind")
+            assert (dependencies is None) == (kinds is None)
+            assert len((dependencies or "").split()) == len((kinds or "").split())
+    assert all(unknown.get("dependencies") == "" for unknown in xml.find("ModelStructure").find("Outputs"))
+
+
+def test_names_units_and_causalities_are_the_interface(xml: ElementTree.Element) -> None:
+    """A sample of what controllers and drivetrain models are wired to."""
+    found = {}
+    for variable in xml.iter("ScalarVariable"):
+        (typed,) = variable
+        found[variable.get("name")] = (variable.get("causality"), variable.get("variability"), typed.get("unit"))
+    for side in ("primary", "secondary"):
+        assert found[f"{side}.torque"] == ("input", "continuous", "N.m")
+        assert found[f"{side}.clampingForce"] == ("input", "continuous", "N")
+        assert found[f"{side}.speedSetpoint"] == ("input", "continuous", "rad/s")
+        assert found[f"{side}.position"] == ("output", "continuous", "m")
+        assert found[f"{side}.tiltStiffness"] == ("parameter", "fixed", "N.m/rad")
+        assert found[f"spiral.{side}"] == ("output", "continuous", "m")
+    assert found["macroSlip"] == ("output", "discrete", None)
+    assert found["friction.pulley"] == ("parameter", "tunable", "1")
+    assert found["friction.ring"] == ("parameter", "tunable", "1")
+    assert found["energy.residual"] == ("local", "continuous", "J")
+    assert found["profile.normalForce[72]"] == ("local", "continuous", "N/m")
+    assert found["ring.bendingStiffness"] == ("parameter", "fixed", "N.m2")
+
+
+def test_the_ring_model_is_a_choice_of_what_is_built(xml: ElementTree.Element) -> None:
+    (ring,) = (kind for kind in xml.iter("SimpleType") if kind.get("name") == "RingModel")
+    assert [(item.get("name"), item.get("value")) for item in ring.iter("Item")] == [("ALE0", "1"), ("ALE", "2")]
