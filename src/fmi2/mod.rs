@@ -6,7 +6,7 @@
 //!
 //! Read in this order:
 //! - [`table`]: what a variable is; nothing about a variable is said twice;
-//! - [`unit`]: what a model has to offer;
+//! - [`mod@unit`]: what a model has to offer;
 //! - [`state`]: which function the standard allows in which state (its table 4.2.4);
 //! - [`slave`]: one instance, in the order of that state machine;
 //! - [`log`]: messages to the importer;

@@ -83,17 +83,8 @@ impl Unit for VariatorUnit {
     ) -> Result<Self, String> {
         let mut parameters = settings.parameters.clone();
         if let Some(tolerance) = experiment.tolerance {
-            let (min, max) = validation::range_of("solver.tolerance").unwrap_or((0.0, 1.0));
-            parameters.solver.tolerance = tolerance.clamp(min, max);
-            if tolerance < min || tolerance > max {
-                remarks.push(Remark {
-                    warning: true,
-                    text: format!(
-                        "the experiment's tolerance {tolerance} is out of range: {min} to {max}; {} is used",
-                        parameters.solver.tolerance
-                    ),
-                });
-            }
+            parameters.solver.tolerance =
+                choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
         let variator = Variator::new(parameters).map_err(|error| error.to_string())?;
         let mut unit = Self { variator };
@@ -129,5 +120,56 @@ impl Unit for VariatorUnit {
 
     fn readings(&mut self) -> &Outputs {
         self.variator.outputs()
+    }
+}
+
+/// Tolerance to work with, from the parameter and from the experiment. Masters pass the default experiment's tolerance
+/// without being asked to, so a parameter that was changed is the user's word.
+fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) -> f64 {
+    let mut remark = |warning, text| remarks.push(Remark { warning, text });
+    if parameter != Parameters::default().solver.tolerance {
+        if parameter != experiment {
+            let text = format!(
+                "solver.tolerance = {parameter} was set and comes before the experiment's tolerance {experiment}"
+            );
+            remark(false, text);
+        }
+        return parameter;
+    }
+    let (min, max) = validation::range_of("solver.tolerance").unwrap_or((0.0, 1.0));
+    let tolerance = experiment.clamp(min, max);
+    if tolerance != experiment {
+        let text = format!(
+            "the experiment's tolerance {experiment} is out of range: {min} to {max}; {tolerance} is used"
+        );
+        remark(true, text);
+    }
+    tolerance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::choose_tolerance;
+
+    #[test]
+    fn a_tolerance_of_the_experiment_replaces_the_default() {
+        let mut remarks = Vec::new();
+        assert_eq!(choose_tolerance(1e-4, 1e-6, &mut remarks), 1e-6);
+        assert!(remarks.is_empty());
+    }
+
+    #[test]
+    fn a_parameter_that_was_set_comes_first() {
+        let mut remarks = Vec::new();
+        assert_eq!(choose_tolerance(1e-5, 1e-4, &mut remarks), 1e-5);
+        assert!(!remarks[0].warning);
+        assert!(remarks[0].text.contains("solver.tolerance = 0.00001"));
+    }
+
+    #[test]
+    fn a_tolerance_that_no_one_can_keep_is_moved_into_range() {
+        let mut remarks = Vec::new();
+        assert_eq!(choose_tolerance(1e-4, 1e-300, &mut remarks), 1e-10);
+        assert!(remarks[0].warning);
     }
 }

@@ -351,7 +351,7 @@ fn parameters(t: &mut Rows) {
     t.count("mesh.secondaryArc", 1072, "Ring elements on the secondary arc, an even number", set!(parameters.mesh.secondary_arc));
     t.count("mesh.strand", 1073, "Ring elements on each strand", set!(parameters.mesh.strand));
     t.count("mesh.cellsPerElement", 1074, "Cells of the element chain in each ring element", set!(parameters.mesh.cells_per_element));
-    t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; a tolerance of the experiment comes before it", set!(parameters.solver.tolerance));
+    t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; left at its default, a tolerance of the experiment takes its place", set!(parameters.solver.tolerance));
     t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step", set!(parameters.solver.max_step));
 }
 
