@@ -9,7 +9,7 @@ mod circle;
 mod two_pulley;
 
 pub use circle::Circle;
-pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame};
+pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame, ratio_of_theta};
 
 use crate::scalar::Real;
 use nalgebra::Vector2;

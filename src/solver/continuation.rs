@@ -1,6 +1,6 @@
 //! Steady states by pseudo-transient continuation: implicit Euler whose step grows without bound.
 
-use super::System;
+use super::{System, View};
 use super::newton::{Newton, Stage};
 
 /// Settings of [`settle`].
@@ -25,7 +25,19 @@ pub struct Settled {
     pub step: f64,
 }
 
-/// Drives (y, ẏ, q) to the steady state. `after` is called after each solve and may correct the system.
+/// A trial state of [`settle`]: before and after a pseudo-time step.
+#[derive(Debug)]
+pub struct Trial<'a> {
+    /// State before.
+    pub before: View<'a>,
+    /// State after.
+    pub after: View<'a>,
+    /// Pseudo-time step, s.
+    pub step: f64,
+}
+
+/// Drives (y, ẏ, q) to the steady state. `judge` sees each solved step, may correct the system (a control of the
+/// steady state), and may refuse the step as too large.
 ///
 /// # Errors
 /// [`Settled`] so far, if the step stalled or the solves ran out. The state is then the last one solved.
@@ -36,7 +48,7 @@ pub fn settle<S: System>(
     y_dot: &mut [f64],
     q: &mut [f64],
     settings: &Settling,
-    mut after: impl FnMut(&mut S, &[f64], &[f64], &[f64]),
+    mut judge: impl FnMut(&mut S, &Trial<'_>) -> bool,
 ) -> Result<Settled, Settled> {
     let n = y.len();
     let (mut trial, mut rate, mut place) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -66,10 +78,22 @@ pub fn settle<S: System>(
         report.iterations += (newton.counts.residuals - before) as usize;
         match outcome {
             Ok(iterations) => {
+                let seen = Trial {
+                    before: View { y, y_dot, q },
+                    after: View {
+                        y: &trial,
+                        y_dot: &rate,
+                        q: &place,
+                    },
+                    step: report.step,
+                };
+                if !judge(system, &seen) {
+                    report.step *= 0.4;
+                    continue;
+                }
                 y.copy_from_slice(&trial);
                 y_dot.copy_from_slice(&rate);
                 q.copy_from_slice(&place);
-                after(system, y, y_dot, q);
                 if last {
                     return Ok(report);
                 }

@@ -115,6 +115,8 @@ pub struct Sample {
     pub normal: f64,
     /// Axial force on one sheave per ring length, N/m.
     pub axial: f64,
+    /// Torque of the belt on the pulley per ring length, N.
+    pub torque: f64,
     /// Tangential sliding speed, m/s.
     pub sliding: f64,
     /// Penetration, m.
@@ -133,8 +135,8 @@ pub struct Sample {
     pub kinetic: f64,
     /// Elastic energy of ring, stack and flanks, J/m.
     pub elastic: f64,
-    /// Net inward normal force T − Q − inertia over the belt, N (positive: the strand is pulled).
-    pub net_force: f64,
+    /// Outward deflection from the reference curve, m.
+    pub outward: f64,
 }
 
 /// Kinematics of ring and reference at a station.
@@ -167,6 +169,8 @@ pub struct Place<'a, C: ReferenceCurve, T: Real> {
 pub trait Probe {
     /// Whether samples are wanted.
     const ACTIVE: bool;
+    /// Whether samples need energies (logarithms, so not free).
+    const ENERGY: bool;
     /// Takes a sample.
     fn take(&mut self, sample: &Sample);
 }
@@ -177,13 +181,19 @@ pub struct NoProbe;
 
 impl Probe for NoProbe {
     const ACTIVE: bool = false;
+    const ENERGY: bool = false;
     fn take(&mut self, _sample: &Sample) {}
 }
 
-impl<F: FnMut(&Sample)> Probe for F {
+/// Hands samples to a closure, energies included if `ENERGY`.
+#[derive(Debug)]
+pub struct Sampler<F, const ENERGY: bool>(pub F);
+
+impl<F: FnMut(&Sample), const ENERGY: bool> Probe for Sampler<F, ENERGY> {
     const ACTIVE: bool = true;
+    const ENERGY: bool = ENERGY;
     fn take(&mut self, sample: &Sample) {
-        self(sample);
+        (self.0)(sample);
     }
 }
 
@@ -355,6 +365,7 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
                 tension: value(tension),
                 normal: value(force.normal * lambda),
                 axial: value(axial),
+                torque: value(torque),
                 sliding: value(flank.tangential),
                 penetration: value(flank.penetration),
                 flow: value(chain.flow),
@@ -364,11 +375,15 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
                 ring_loss: value(ring_friction * sliding),
                 damping_loss: if flexible { viscous } else { 0.0 } + stack + flanks,
                 kinetic: kinetic_ring + kinetic_chain,
-                elastic: value(ale::energy_density(&p.ring, point))
-                    + value(lambda)
-                        * (crate::chain::energy_density(&p.belt, nu)
-                            + crate::contact::energy_density(&p.contact, cos_beta, value(flank.penetration))),
-                net_force: value(tension - push.force),
+                elastic: if S::ENERGY {
+                    value(ale::energy_density(&p.ring, point))
+                        + value(lambda)
+                            * (crate::chain::energy_density(&p.belt, nu)
+                                + crate::contact::energy_density(&p.contact, cos_beta, value(flank.penetration)))
+                } else {
+                    0.0
+                },
+                outward: -value((point.r - point.reference.r).dot(&point.reference.n)),
             });
         }
     }

@@ -1,8 +1,34 @@
 //! The variator as a user holds it: build from parameters, initialise, advance, read.
 
-use super::parameters::Parameters;
-use super::signals::{Inputs, Outputs};
+use super::layout::Global;
+use super::mesh::{P, S};
+use super::observe::{Context, Observer, macro_slip};
+use super::parameters::{Axial, Drive, Parameters};
+use super::signals::{Inputs, Outputs, PulleyInputs};
+use super::start::{Start, kinematic_state};
+use super::steady::{self, RatioTask, SteadyTask};
+use super::system::{Boundary, SheaveMode, SpeedMode, State, VariatorSystem};
 use super::validation::ParameterError;
+use crate::solver::newton::{Counts, Newton};
+use crate::solver::sdirk::Sdirk;
+
+/// Time over which the loads ramp in when a run starts from the kinematic state, s.
+pub const LOAD_RAMP: f64 = 1.0e-2;
+
+/// Inputs are held constant over this part of the ramp, s.
+const RAMP_PIECE: f64 = 2.5e-4;
+
+/// First step from a kinematic state, s.
+const COLD_STEP: f64 = 1.0e-6;
+
+/// First step from a steady state, s.
+const WARM_STEP: f64 = 1.0e-4;
+
+/// Most Newton solves for a steady state.
+const STEADY_SOLVES: usize = 400;
+
+/// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
+const STANDSTILL: f64 = 1.0e-3;
 
 /// A remark for the user's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,12 +68,34 @@ pub enum StepError {
     },
 }
 
-/// A variator: parameters, mesh and the whole dynamic state in one place.
+/// A variator: parameters, mesh and the whole dynamic state in one place. A clone is a snapshot that continues
+/// bit for bit as the original does.
+///
+/// ```
+/// use pushbelt::variator::{instance::Variator, parameters::Parameters, signals::Inputs};
+/// let mut variator = Variator::new(Parameters::default())?;
+/// let inputs = Inputs::default();
+/// variator.initialise(0.0, &inputs)?;
+/// variator.advance(1e-3, &inputs)?;
+/// assert!((1.0..1.6).contains(&variator.outputs().thrust_ratio));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Variator {
     parameters: Parameters,
+    system: VariatorSystem,
+    integrator: Sdirk,
+    state: State,
     time: f64,
-    outputs: Outputs,
+    /// Time at which the load ramp ends.
+    ramp_end: f64,
+    macro_slip: bool,
+    buckling: bool,
+    initial_energy: f64,
+    external_torque: [f64; 2],
+    observer: Observer,
+    outputs: Box<Outputs>,
+    stale: bool,
     messages: Vec<Message>,
 }
 
@@ -58,22 +106,233 @@ impl Variator {
     /// The first parameter that is out of its range.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         parameters.validate()?;
+        let system = VariatorSystem::new(&parameters);
+        let n = system.layout.len();
+        let integrator = Sdirk::new(&system, COLD_STEP, parameters.solver.max_step);
         Ok(Self {
             parameters,
+            integrator,
+            state: State {
+                y: vec![0.0; n],
+                y_dot: vec![0.0; n],
+                q: vec![0.0; n],
+            },
+            system,
             time: 0.0,
-            outputs: Outputs::default(),
+            ramp_end: f64::NEG_INFINITY,
+            macro_slip: false,
+            buckling: false,
+            initial_energy: 0.0,
+            external_torque: [0.0; 2],
+            observer: Observer::default(),
+            outputs: Box::default(),
+            stale: true,
             messages: Vec::new(),
         })
     }
 
+    fn say(&mut self, warning: bool, text: String) {
+        self.messages.push(Message { warning, text });
+    }
+
     /// Finds the state to start from at `time`.
+    ///
+    /// What can't be solved starts from the nearest state, with a warning that says what and why.
     ///
     /// # Errors
     /// Inputs out of range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
+        let parameters = self.parameters.clone();
+        if parameters.primary.axial == Axial::Held && parameters.secondary.axial == Axial::Held {
+            self.say(
+                true,
+                "both sheaves are held: the belt's tension follows from the start alone, clamping forces are ignored".into(),
+            );
+        }
+        let primary_speed = match parameters.primary.drive {
+            Drive::Speed => inputs.primary.speed_setpoint,
+            Drive::Torque => parameters.initial.primary_speed,
+        };
+        let start = Start {
+            ratio: parameters.initial.ratio,
+            primary_speed,
+            clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
+        };
+        let cold = |system: &VariatorSystem, start: &Start| {
+            kinematic_state(system, start).map_err(|e| InitialisationError::NoState(e.to_string()))
+        };
         self.time = time;
+        self.macro_slip = false;
+        self.buckling = false;
+        self.ramp_end = f64::NEG_INFINITY;
+        self.integrator = Sdirk::new(&self.system, COLD_STEP, parameters.solver.max_step);
+        let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
+        if steady {
+            self.state = cold(&self.system, &start)?;
+            self.solve_steady(inputs, &start)?;
+        } else {
+            let unloaded = Start {
+                clamping: [0.0; 2],
+                ..start
+            };
+            self.state = cold(&self.system, &unloaded)?;
+            self.ramp_end = time + LOAD_RAMP;
+        }
+        if parameters.secondary.drive == Drive::Speed {
+            let i = self.system.layout.global(Global::Speed, S);
+            self.state.y[i] = inputs.secondary.speed_setpoint;
+        }
+        self.state.y_dot.fill(0.0);
+        self.system.ledger = super::evolution::Ledger::default();
+        self.apply(inputs);
+        self.hold_external(inputs);
+        let sums = self.system.belt_sums::<true>(self.state.view());
+        self.initial_energy = sums.energy + self.system.pulley_energy(self.state.view());
+        self.stale = true;
         Ok(())
+    }
+
+    fn steady_task(&self, inputs: &Inputs, torque_share: f64) -> SteadyTask {
+        let p = &self.parameters;
+        let torques = [inputs.secondary.torque * torque_share, inputs.primary.torque * torque_share];
+        let speed = match (p.secondary.drive, p.primary.drive) {
+            (Drive::Speed, Drive::Speed) => [SpeedMode::Fixed; 2],
+            (Drive::Speed, Drive::Torque) => [SpeedMode::Fixed, SpeedMode::Torque(torques[P])],
+            (Drive::Torque, Drive::Speed) => [SpeedMode::Torque(torques[S]), SpeedMode::Fixed],
+            (Drive::Torque, Drive::Torque) => [SpeedMode::Balanced(torques[S], torques[P]), SpeedMode::Fixed],
+        };
+        let reaction = if p.secondary.axial == Axial::Held && p.primary.axial == Axial::Force { S } else { P };
+        let free = p.primary.axial == Axial::Force && p.secondary.axial == Axial::Force;
+        SteadyTask {
+            ratio: if p.initial.equilibrium && free && torque_share == 1.0 {
+                RatioTask::Equilibrium
+            } else {
+                RatioTask::Given {
+                    ratio: p.initial.ratio,
+                    reaction,
+                }
+            },
+            clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
+            speed,
+        }
+    }
+
+    fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
+        let mut newton = Newton::new(&self.system);
+        let mut task = self.steady_task(inputs, 1.0);
+        let equilibrium = task.ratio == RatioTask::Equilibrium;
+        if equilibrium {
+            // First at the given ratio, then set free.
+            task.ratio = RatioTask::Given {
+                ratio: self.parameters.initial.ratio,
+                reaction: P,
+            };
+        }
+        let cold = self.state.clone();
+        let mut outcome = steady::solve(&mut self.system, &mut newton, &mut self.state, &task, STEADY_SOLVES);
+        if outcome.is_err() {
+            // Torque beyond capacity has no steady state: the largest share of it that has one is the nearest.
+            let mut share = 1.0;
+            while outcome.is_err() && share > 0.05 {
+                share *= 0.7;
+                self.state = cold.clone();
+                let mut reduced = self.steady_task(inputs, share);
+                reduced.clamping = task.clamping;
+                outcome = steady::solve(&mut self.system, &mut newton, &mut self.state, &reduced, STEADY_SOLVES);
+            }
+            match outcome {
+                Ok(_) => self.say(
+                    true,
+                    format!(
+                        "no steady state at the given torques (beyond the capacity of the clamping forces): the run starts \
+                         from the steady state at {:.0} % of them",
+                        100.0 * share
+                    ),
+                ),
+                Err(report) => {
+                    self.state = cold;
+                    self.ramp_end = self.time + LOAD_RAMP;
+                    self.state = kinematic_state(&self.system, &Start { clamping: [0.0; 2], ..*start })
+                        .map_err(|e| InitialisationError::NoState(e.to_string()))?;
+                    self.say(
+                        true,
+                        format!(
+                            "no steady state was found (pseudo-time step {:.1e} s after {} solves): the run starts unloaded and \
+                             the loads ramp in over {LOAD_RAMP} s",
+                            report.step, report.solves
+                        ),
+                    );
+                    return Ok(());
+                }
+            }
+        }
+        self.integrator.step = WARM_STEP;
+        let reaction = self.system.belt_load(P).0;
+        if equilibrium {
+            let at_ratio = self.state.clone();
+            task.ratio = RatioTask::Equilibrium;
+            let result = steady::solve(&mut self.system, &mut newton, &mut self.state, &task, 2 * STEADY_SOLVES);
+            if result.is_err() {
+                self.state = at_ratio;
+                self.say(
+                    true,
+                    format!(
+                        "no equilibrium of the two clamping forces was found: the run starts from the steady state at the initial \
+                         ratio, where the primary force would have to be {reaction:.1} N"
+                    ),
+                );
+            }
+        }
+        if self.parameters.primary.axial == Axial::Force && self.parameters.secondary.axial == Axial::Force {
+            self.say(
+                false,
+                format!(
+                    "steady start: primary clamping force less axial belt force is {:.1} N",
+                    inputs.primary.clamping_force - self.system.belt_load(P).0
+                ),
+            );
+        }
+        Ok(())
+    }
+
+    /// Share of the loads at time `t`.
+    fn ramp(&self, t: f64) -> f64 {
+        if t >= self.ramp_end {
+            1.0
+        } else {
+            (1.0 - (self.ramp_end - t) / LOAD_RAMP).clamp(0.0, 1.0)
+        }
+    }
+
+    /// Boundary conditions from inputs; loads are those in the middle of the ramp's piece.
+    fn apply(&mut self, inputs: &Inputs) {
+        let share = self.ramp(self.time + 0.5 * RAMP_PIECE);
+        let p = &self.parameters;
+        let speed = |drive: Drive, input: &PulleyInputs| match drive {
+            Drive::Torque => SpeedMode::Torque(share * input.torque),
+            Drive::Speed => SpeedMode::Setpoint(input.speed_setpoint),
+        };
+        let sheave = |axial: Axial, input: &PulleyInputs| match axial {
+            Axial::Force => SheaveMode::Force(share * input.clamping_force),
+            Axial::Held => SheaveMode::Held,
+        };
+        self.system.boundary = Boundary {
+            sheave: [
+                sheave(p.secondary.axial, &inputs.secondary),
+                sheave(p.primary.axial, &inputs.primary),
+            ],
+            speed: [
+                speed(p.secondary.drive, &inputs.secondary),
+                speed(p.primary.drive, &inputs.primary),
+            ],
+        };
+    }
+
+    fn hold_external(&mut self, _inputs: &Inputs) {
+        let sums = self.system.belt_sums::<false>(self.state.view());
+        self.external_torque =
+            [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
     }
 
     /// Advances to time `to` with constant inputs.
@@ -82,7 +341,39 @@ impl Variator {
     /// Inputs out of range, or a step that can't be done.
     pub fn advance(&mut self, to: f64, inputs: &Inputs) -> Result<(), StepError> {
         inputs.validate()?;
+        let from = self.time;
+        self.stale = true;
+        while self.time < to {
+            let end = if self.time < self.ramp_end { to.min(self.time + RAMP_PIECE) } else { to };
+            self.apply(inputs);
+            let State { y, y_dot, q } = &mut self.state;
+            let outcome = self.integrator.advance(&mut self.system, y, y_dot, q, self.time, end);
+            if let Err(stalled) = outcome {
+                self.time = stalled.time;
+                let cause = if stalled.newton { "Newton's method found no solution" } else { "the error stayed too large" };
+                return Err(StepError::Stalled {
+                    from,
+                    reached: stalled.time,
+                    reason: format!("{cause} at a step of {:.1e} s", stalled.step),
+                });
+            }
+            self.time = end;
+        }
         self.time = to;
+        let sums = self.system.ledger.last;
+        self.macro_slip = macro_slip(&self.system, self.state.view(), &sums, self.macro_slip);
+        let buckling = sums.strand_force < 0.0;
+        if buckling && !self.buckling {
+            let force = sums.strand_force;
+            self.say(
+                true,
+                format!("at {to} s the net force in a strand is {force:.0} N: a real push strand would buckle"),
+            );
+        }
+        // Cleared with a margin, so that a strand at the limit does not fill the log.
+        self.buckling = buckling || self.buckling && sums.strand_force < 50.0;
+        self.external_torque =
+            [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
         Ok(())
     }
 
@@ -98,6 +389,24 @@ impl Variator {
         &self.parameters
     }
 
+    /// The assembled system, for reports and tests.
+    #[must_use]
+    pub fn system(&self) -> &VariatorSystem {
+        &self.system
+    }
+
+    /// The dynamic state, for reports and tests.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Work done since the start.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.integrator.newton.counts
+    }
+
     /// Changes the two tunable friction coefficients.
     ///
     /// # Errors
@@ -107,12 +416,25 @@ impl Variator {
         changed.friction.pulley = pulley;
         changed.friction.ring = ring;
         changed.validate()?;
+        self.system.law.parameters.friction = changed.friction.clone();
         self.parameters = changed;
+        self.integrator.newton.forget();
+        self.stale = true;
         Ok(())
     }
 
     /// Outputs at the present time.
     pub fn outputs(&mut self) -> &Outputs {
+        if self.stale {
+            let context = Context {
+                external_torque: self.external_torque,
+                macro_slip: self.macro_slip,
+                initial_energy: self.initial_energy,
+            };
+            self.observer
+                .observe(&self.system, self.state.view(), &context, &mut self.outputs);
+            self.stale = false;
+        }
         &self.outputs
     }
 

@@ -5,8 +5,9 @@
 //! about 5 mm) and the ring has its bending boundary layer (√(EI/T) ≈ 2 mm).
 
 use super::parameters::Mesh;
-use crate::ring::kinematics::Hermite;
-use std::f64::consts::TAU;
+use crate::ring::mesh::{Spacing, divide, parts};
+
+pub use crate::ring::mesh::{Element, Station};
 
 /// Secondary pulley in arrays over pulleys: it comes first along ξ.
 pub const S: usize = 0;
@@ -17,30 +18,6 @@ pub const P: usize = 1;
 const ARC_GRADING: f64 = 0.6;
 /// Grading of the strands.
 const STRAND_GRADING: f64 = 0.88;
-
-/// A quadrature point of a cell.
-#[derive(Clone, Copy, Debug)]
-pub struct Station {
-    /// Fraction of the segment.
-    pub fraction: f64,
-    /// Hermite functions there.
-    pub shape: Hermite,
-    /// dξ as a fraction of the element length.
-    pub weight: f64,
-    /// Fraction of the cell: weight of its right face.
-    pub right: f64,
-}
-
-/// A ring element.
-#[derive(Clone, Copy, Debug)]
-pub struct Element {
-    /// Segment of the reference curve.
-    pub segment: usize,
-    /// Start as a fraction of the segment.
-    pub start: f64,
-    /// Length as a fraction of the segment.
-    pub share: f64,
-}
 
 /// A chain cell.
 #[derive(Clone, Debug)]
@@ -68,59 +45,6 @@ pub struct BeltMesh {
     pub cells_per_element: usize,
 }
 
-fn graded(s: f64, grading: f64) -> f64 {
-    s - grading / TAU * (TAU * s).sin()
-}
-
-/// Nodes and weights of Gauss's rule on [−1, 1].
-fn gauss(points: usize) -> &'static [(f64, f64)] {
-    const TWO: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
-    const THREE: [(f64, f64); 3] = [
-        (-0.774_596_669_241_483_4, 5.0 / 9.0),
-        (0.0, 8.0 / 9.0),
-        (0.774_596_669_241_483_4, 5.0 / 9.0),
-    ];
-    const FIVE: [(f64, f64); 5] = [
-        (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
-        (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-        (0.0, 0.568_888_888_888_888_9),
-        (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-        (0.906_179_845_938_664, 0.236_926_885_056_189_08),
-    ];
-    match points {
-        2 => &TWO,
-        3 => &THREE,
-        _ => &FIVE,
-    }
-}
-
-fn station(element: &Element, x: f64, weight: f64, right: f64) -> Station {
-    Station {
-        fraction: element.start + element.share * 0.5 * (1.0 + x),
-        shape: Hermite::at(x),
-        weight,
-        right,
-    }
-}
-
-/// Divides elements into cells with Gauss points.
-pub(crate) fn cells_of(element: &Element, cells: usize, points: usize) -> Vec<(Station, Vec<Station>)> {
-    let width = 1.0 / cells as f64;
-    (0..cells)
-        .map(|c| {
-            let left = -1.0 + 2.0 * c as f64 * width;
-            let stations = gauss(points)
-                .iter()
-                .map(|&(eta, w)| {
-                    let right = 0.5 * (1.0 + eta);
-                    station(element, left + 2.0 * width * right, 0.5 * w * width, right)
-                })
-                .collect();
-            (station(element, left, 0.0, 0.0), stations)
-        })
-        .collect()
-}
-
 impl BeltMesh {
     /// Mesh of a belt on two pulleys.
     #[must_use]
@@ -134,22 +58,14 @@ impl BeltMesh {
         let mut elements = Vec::new();
         let mut cells = Vec::new();
         for (segment, &count) in counts.iter().enumerate() {
-            let border = |k: usize| {
-                let s = k as f64 / count as f64;
-                match segment {
-                    0 => 2.0 * graded(0.5 + 0.5 * s, ARC_GRADING) - 1.0,
-                    2 => graded(s, ARC_GRADING),
-                    4 => 2.0 * graded(0.5 * s, ARC_GRADING),
-                    _ => graded(s, STRAND_GRADING),
-                }
+            let spacing = match segment {
+                0 => Spacing::End(ARC_GRADING),
+                2 => Spacing::Both(ARC_GRADING),
+                4 => Spacing::Start(ARC_GRADING),
+                _ => Spacing::Both(STRAND_GRADING),
             };
-            for k in 0..count {
-                let element = Element {
-                    segment,
-                    start: border(k),
-                    share: border(k + 1) - border(k),
-                };
-                for (face, stations) in cells_of(&element, cells_per_element, points) {
+            for element in divide(segment, count, spacing) {
+                for (face, stations) in parts(&element, cells_per_element, points) {
                     let middle = 0.5 * (stations[0].fraction + stations[stations.len() - 1].fraction);
                     let pulley = match segment {
                         2 => P,

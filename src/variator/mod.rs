@@ -1,11 +1,15 @@
 //! The variator: parameters, state, residual, outputs, energy balance.
 
+pub mod balance;
 pub mod cell;
+pub mod evolution;
 pub mod instance;
 pub mod layout;
 pub mod mesh;
+pub mod observe;
 pub mod parameters;
 pub mod signals;
 pub mod start;
+pub mod steady;
 pub mod system;
 pub mod validation;

@@ -1,0 +1,71 @@
+//! What time integration needs beyond the residual: which errors matter, and the books of energy.
+
+use super::balance::BeltSums;
+use super::layout::Global;
+use super::mesh::{P, S};
+use super::system::VariatorSystem;
+use crate::solver::View;
+use crate::solver::sdirk::Evolution;
+
+/// Energies since the start, J, and what the last accepted stage showed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ledger {
+    /// Supplied from outside.
+    pub supplied: f64,
+    /// Lost.
+    pub lost: f64,
+    /// ∫ of the sum of absolute powers over shafts and sheaves: the scale of the balance.
+    pub moved: f64,
+    /// Sums at the last stage.
+    pub last: BeltSums,
+}
+
+impl Evolution for VariatorSystem {
+    /// Errors that users see: ratio, sheave positions and speeds; belt speed and sliding; element amounts (push force);
+    /// ring positions (tension, radial deviation). Each relative to its own working range.
+    fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
+        let layout = &self.layout;
+        let tolerance = self.law.parameters.solver.tolerance;
+        let theta = layout.global(Global::Theta, 0);
+        let mut norm = (q_error[theta] / (0.01 * tolerance)).abs();
+        for j in [S, P] {
+            let (z, omega) = (layout.global(Global::Sheave, j), layout.global(Global::Speed, j));
+            norm = norm
+                .max((q_error[z] / (1.0e-3 * tolerance)).abs())
+                .max((y_error[omega] / (tolerance * (1.0 + 0.1 * view.y[omega].abs()))).abs());
+        }
+        let speed_scale = tolerance * (0.05 + 0.005 * view.y[layout.speed(0)].abs());
+        let mean = layout.len() as f64;
+        let mut local = 0.0;
+        for cell in 0..layout.cells() {
+            let speed = y_error[layout.speed(cell)] / speed_scale;
+            let amount = y_error[layout.amount(cell)] / (1.0e-3 * tolerance);
+            local += speed * speed + amount * amount;
+        }
+        if layout.flexible {
+            for node in 0..layout.elements {
+                for k in [0, 2] {
+                    let x = q_error[layout.node(node, k)] / (1.0e-3 * tolerance);
+                    local += x * x;
+                }
+            }
+        }
+        let norm = norm.max((local / mean).sqrt());
+        if norm.is_finite() { norm } else { f64::MAX }
+    }
+
+    fn accumulate(&mut self, view: View<'_>, share: f64) {
+        let sums = self.belt_sums::<false>(view);
+        let lost = sums.losses.total() + self.pulley_losses(view);
+        let mut moved = 0.0;
+        for j in [S, P] {
+            let omega = view.y[self.layout.global(Global::Speed, j)];
+            let rate = view.y[self.layout.global(Global::Sheave, j)];
+            moved += (sums.torque[j] * omega).abs() + (self.external_force(j) * rate).abs();
+        }
+        self.ledger.supplied += self.supplied_power(view, sums.torque) * share;
+        self.ledger.lost += lost * share;
+        self.ledger.moved += moved * share;
+        self.ledger.last = sums;
+    }
+}
