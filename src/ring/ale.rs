@@ -13,9 +13,9 @@
 //! Kelvin–Voigt damping acts on the material strain rate: T = EA (γ + η Dγ/Dt), with the virtual power of Dγ/Dt, so it
 //! takes exactly ∫EA η (Dγ/Dt)² dξ.
 
+use super::Ring;
 use super::kinematics::{Load, RingPoint};
 use crate::scalar::Real;
-use crate::variator::parameters::Ring;
 
 /// Adds inertia and returns nothing else: m_r Dv/Dt against δv.
 #[inline]

@@ -1,5 +1,7 @@
 //! What a user sets before a run. One struct a group, one field a parameter of the interface; SI units, angles in rad.
 
+pub use crate::ring::Ring;
+
 /// Which ring stands inside the variator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
@@ -86,19 +88,6 @@ pub struct Belt {
     /// Push stiffness k_e (force per strain of the stack), N.
     pub push_stiffness: f64,
     /// Damping time of the stack, acting in contact only, s.
-    pub damping: f64,
-}
-
-/// The ring sets.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ring {
-    /// Mass m_r per length, kg/m.
-    pub mass_per_length: f64,
-    /// Axial stiffness EA, N.
-    pub axial_stiffness: f64,
-    /// Bending stiffness EI_n in the plane of the drive, N·m².
-    pub bending_stiffness: f64,
-    /// Kelvin–Voigt damping time η of the axial strain, s.
     pub damping: f64,
 }
 

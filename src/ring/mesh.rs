@@ -1,0 +1,197 @@
+//! Division of the reference curve into ring elements, and of the elements into quadrature points.
+//!
+//! Element borders lie on the segment borders for every Θ, so every quadrature point stays on its own arc or strand and
+//! all integrals are smooth in Θ.
+
+use super::kinematics::Hermite;
+use std::f64::consts::TAU;
+
+/// A quadrature point of an element, or of a part of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Station {
+    /// Fraction of the segment.
+    pub fraction: f64,
+    /// Hermite functions there.
+    pub shape: Hermite,
+    /// dξ as a fraction of the element length.
+    pub weight: f64,
+    /// Fraction of the part: weight of its right face.
+    pub right: f64,
+}
+
+/// A ring element.
+#[derive(Clone, Copy, Debug)]
+pub struct Element {
+    /// Segment of the reference curve.
+    pub segment: usize,
+    /// Start as a fraction of the segment.
+    pub start: f64,
+    /// Length as a fraction of the segment.
+    pub share: f64,
+}
+
+impl Element {
+    /// The station at the local coordinate x ∈ [−1, 1].
+    #[must_use]
+    pub fn station(&self, x: f64, weight: f64, right: f64) -> Station {
+        Station {
+            fraction: self.start + self.share * 0.5 * (1.0 + x),
+            shape: Hermite::at(x),
+            weight,
+            right,
+        }
+    }
+}
+
+/// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the mean size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spacing {
+    /// Elements of one length.
+    Even,
+    /// Finer towards the start.
+    Start(f64),
+    /// Finer towards the end.
+    End(f64),
+    /// Finer towards both ends.
+    Both(f64),
+}
+
+impl Spacing {
+    /// Fraction of the segment before the border at the fraction `s` of the element count.
+    #[must_use]
+    pub fn border(self, s: f64) -> f64 {
+        let graded = |s: f64, g: f64| s - g / TAU * (TAU * s).sin();
+        match self {
+            Self::Even => s,
+            Self::Start(g) => 2.0 * graded(0.5 * s, g),
+            Self::End(g) => 2.0 * graded(0.5 + 0.5 * s, g) - 1.0,
+            Self::Both(g) => graded(s, g),
+        }
+    }
+}
+
+/// Divides a segment into `count` elements.
+pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<Item = Element> {
+    let border = move |k: usize| spacing.border(k as f64 / count as f64);
+    (0..count).map(move |k| Element {
+        segment,
+        start: border(k),
+        share: border(k + 1) - border(k),
+    })
+}
+
+/// Nodes and weights of Gauss's rule on [−1, 1] with 2 to 5 points.
+#[must_use]
+pub fn gauss(points: usize) -> &'static [(f64, f64)] {
+    const TWO: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
+    const THREE: [(f64, f64); 3] = [
+        (-0.774_596_669_241_483_4, 5.0 / 9.0),
+        (0.0, 8.0 / 9.0),
+        (0.774_596_669_241_483_4, 5.0 / 9.0),
+    ];
+    const FOUR: [(f64, f64); 4] = [
+        (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+        (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+        (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+        (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+    ];
+    const FIVE: [(f64, f64); 5] = [
+        (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
+        (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+        (0.0, 0.568_888_888_888_888_9),
+        (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+        (0.906_179_845_938_664, 0.236_926_885_056_189_08),
+    ];
+    match points {
+        0..=2 => &TWO,
+        3 => &THREE,
+        4 => &FOUR,
+        _ => &FIVE,
+    }
+}
+
+/// Divides an element into parts with Gauss points: the left face and the stations of each part.
+#[must_use]
+pub fn parts(element: &Element, count: usize, points: usize) -> Vec<(Station, Vec<Station>)> {
+    let width = 1.0 / count as f64;
+    (0..count)
+        .map(|c| {
+            let left = -1.0 + 2.0 * c as f64 * width;
+            let stations = gauss(points)
+                .iter()
+                .map(|&(eta, w)| {
+                    let right = 0.5 * (1.0 + eta);
+                    element.station(left + 2.0 * width * right, 0.5 * w * width, right)
+                })
+                .collect();
+            (element.station(left, 0.0, 0.0), stations)
+        })
+        .collect()
+}
+
+/// Mesh of a ring that stands alone: elements around the loop with their quadrature points. Node k is the left end of
+/// element k; node 0 is at ξ = 0.
+#[derive(Clone, Debug)]
+pub struct RingMesh {
+    /// Elements.
+    pub elements: Vec<Element>,
+    /// Quadrature points of each element.
+    pub stations: Vec<Vec<Station>>,
+}
+
+impl RingMesh {
+    /// Divides each segment into a number of elements, with `points` Gauss points each (2 to 5). Fewer than three
+    /// integrate the membrane energy too poorly: hourglass modes.
+    #[must_use]
+    pub fn new(segments: &[(usize, Spacing)], points: usize) -> Self {
+        let elements: Vec<Element> = segments
+            .iter()
+            .enumerate()
+            .flat_map(|(segment, &(count, spacing))| divide(segment, count, spacing))
+            .collect();
+        let stations = elements
+            .iter()
+            .flat_map(|element| parts(element, 1, points))
+            .map(|(_, stations)| stations)
+            .collect();
+        Self { elements, stations }
+    }
+
+    /// Divides each segment evenly.
+    #[must_use]
+    pub fn even(counts: &[usize], points: usize) -> Self {
+        let segments: Vec<_> = counts.iter().map(|&count| (count, Spacing::Even)).collect();
+        Self::new(&segments, points)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gauss_integrates_polynomials_of_its_degree() {
+        for points in 2..=5 {
+            for degree in 0..2 * points {
+                let sum: f64 = gauss(points).iter().map(|&(x, w)| w * x.powi(degree as i32)).sum();
+                let exact = if degree % 2 == 0 { 2.0 / (degree as f64 + 1.0) } else { 0.0 };
+                assert!((sum - exact).abs() < 1e-15, "{points} points, degree {degree}");
+            }
+        }
+    }
+
+    #[test]
+    fn spacings_fill_a_segment_and_are_fine_where_they_say() {
+        for spacing in [Spacing::Even, Spacing::Start(0.6), Spacing::End(0.6), Spacing::Both(0.6)] {
+            let shares: Vec<f64> = divide(0, 50, spacing).map(|e| e.share).collect();
+            assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            let (first, last) = (shares[0] * 50.0, shares[49] * 50.0);
+            match spacing {
+                Spacing::Even => assert!((first - 1.0).abs() < 1e-12),
+                Spacing::Start(_) => assert!(first < 0.41 && last > 1.5),
+                Spacing::End(_) => assert!(last < 0.41 && first > 1.5),
+                Spacing::Both(_) => assert!(first < 0.41 && last < 0.41),
+            }
+        }
+    }
+}
