@@ -37,7 +37,7 @@ pub struct Trial<'a> {
 }
 
 /// Drives (y, ẏ, q) to the steady state. `judge` sees each solved step, may correct the system (a control of the
-/// steady state), and may refuse the step as too large.
+/// steady state), and answers with the longest step to try next, or with none to refuse the step as too large.
 ///
 /// # Errors
 /// [`Settled`] so far, if the step stalled or the solves ran out. The state is then the last one solved.
@@ -48,7 +48,7 @@ pub fn settle<S: System>(
     y_dot: &mut [f64],
     q: &mut [f64],
     settings: &Settling,
-    mut judge: impl FnMut(&mut S, &Trial<'_>) -> bool,
+    mut judge: impl FnMut(&mut S, &Trial<'_>) -> Option<f64>,
 ) -> Result<Settled, Settled> {
     let n = y.len();
     let (mut trial, mut rate, mut place) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -87,10 +87,10 @@ pub fn settle<S: System>(
                     },
                     step: report.step,
                 };
-                if !judge(system, &seen) {
+                let Some(longest) = judge(system, &seen) else {
                     report.step *= 0.4;
                     continue;
-                }
+                };
                 y.copy_from_slice(&trial);
                 y_dot.copy_from_slice(&rate);
                 q.copy_from_slice(&place);
@@ -103,7 +103,7 @@ pub fn settle<S: System>(
                     6 | 7 => 1.7,
                     _ => 1.2,
                 };
-                report.step = report.step.min(settings.last_step);
+                report.step = report.step.min(longest).min(settings.last_step);
             }
             Err(_) => report.step *= 0.3,
         }

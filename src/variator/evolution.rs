@@ -34,7 +34,7 @@ impl Evolution for VariatorSystem {
                 .max((q_error[z] / (1.0e-3 * tolerance)).abs())
                 .max((y_error[omega] / (tolerance * (1.0 + 0.1 * view.y[omega].abs()))).abs());
         }
-        let speed_scale = tolerance * (0.05 + 0.005 * view.y[layout.speed(0)].abs());
+        let speed_scale = tolerance * (1.0 + 0.1 * view.y[layout.speed(0)].abs());
         let mean = layout.len() as f64;
         let mut local = 0.0;
         for cell in 0..layout.cells() {

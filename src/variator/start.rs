@@ -1,11 +1,12 @@
-//! The kinematic state that runs and steady solutions start from: belt on the reference curve, penetrations that
-//! balance the clamping forces.
+//! The kinematic state that runs and steady solutions start from: belt on the reference curve, no stretch, no push
+//! force, penetrations that balance the clamping forces. A start with the closed form of a belt whose arcs transmit
+//! evenly (strand forces, uniform stretch, push force) was tried: it needs as many Newton iterations.
 
 use super::layout::Global;
 use super::mesh::{P, S};
 use super::system::{State, VariatorSystem};
-use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley};
-use std::f64::consts::{PI, TAU};
+use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, ratio_of_theta};
+use std::f64::consts::TAU;
 
 /// What the start state is built for.
 #[derive(Clone, Copy, Debug)]
@@ -32,17 +33,10 @@ pub fn kinematic_state(system: &VariatorSystem, start: &Start) -> Result<State, 
     };
     let parameters = &system.law.parameters;
     let e = parameters.belt.pitch_offset;
-    // The ratio is that of the pitch radii: (r_S − e)/(r_P − e) = i, found by a few secant-free corrections.
-    let mut reference_ratio = start.ratio;
-    let mut radii = system.curve.radii(reference_ratio)?;
-    for _ in 0..30 {
-        let pitch = (radii.1 - e) / (radii.0 - e);
-        reference_ratio *= start.ratio / pitch;
-        radii = system.curve.radii(reference_ratio)?;
-    }
-    let theta = (1.0 - reference_ratio) / (1.0 + reference_ratio);
+    let (reference_ratio, radii) = radii_at_pitch_ratio(&system.curve, e, start.ratio)?;
+    let theta = ratio_of_theta(reference_ratio);
     let frame = system.curve.frame::<f64>(theta);
-    let [sin_beta, cos_beta, tan_beta] = system.law.wedge;
+    let [_, cos_beta, tan_beta] = system.law.wedge;
     let pitch = [radii.1 - e, radii.0 - e];
     let wrap = [2.0 * frame.phi.v, TAU - 2.0 * frame.phi.v];
     let speed = start.primary_speed * pitch[P];
@@ -63,11 +57,17 @@ pub fn kinematic_state(system: &VariatorSystem, start: &Start) -> Result<State, 
         let kappa = if cell.arc { 1.0 / frame.radius[cell.pulley].v } else { 0.0 };
         state.y[layout.amount(i)] = density * ring * (1.0 - e * kappa);
         state.y[layout.speed(i)] = speed;
-        if !layout.flexible {
-            // Belt force S 2 tan β/α, less exact on the pulley that slips less: a first guess.
-            state.y[layout.tension(i)] = 2.0 * start.clamping[S] * sin_beta / cos_beta / wrap[S].max(PI / 2.0)
-                + parameters.belt.mass_per_length * speed * speed;
-        }
     }
     Ok(state)
+}
+
+/// Reference ratio and radii (r_P, r_S) at which the pitch radii have the quotient `ratio`.
+fn radii_at_pitch_ratio(curve: &TwoPulley, e: f64, ratio: f64) -> Result<(f64, (f64, f64)), GeometryError> {
+    let mut reference = ratio;
+    let mut radii = curve.radii(reference)?;
+    for _ in 0..30 {
+        reference *= ratio * (radii.0 - e) / (radii.1 - e);
+        radii = curve.radii(reference)?;
+    }
+    Ok((reference, radii))
 }

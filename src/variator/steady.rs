@@ -34,6 +34,8 @@ pub struct SteadyTask {
     pub clamping: [f64; 2],
     /// Shafts.
     pub speed: [SpeedMode; 2],
+    /// First guess of the slip.
+    pub slip: f64,
 }
 
 /// Largest relative change of a speed, and change of Θ, in one pseudo-time step: beyond lies another branch (a pulley
@@ -44,6 +46,18 @@ const LARGEST_THETA_CHANGE: f64 = 0.02;
 /// Time from which the state counts as steady, s: a belt revolution takes 0.05 s, ratio changes some seconds.
 const LAST_STEP: f64 = 200.0;
 
+/// Friction velocity that the solution starts with, m/s: stick and slip are then one smooth law, and the start-up does
+/// not chatter between them. It is sharpened to the true one on the way.
+const SOFT_VELOCITY: f64 = 0.05;
+/// Factor of each sharpening.
+const SHARPENING: f64 = 0.4;
+/// Pseudo-time step at which sharpening begins, and which it keeps, s.
+const SOFT_STEP: f64 = 5.0e-3;
+
+/// Times in which the reaction force and the set point of Θ are corrected, s.
+const FORCE_TIME: f64 = 0.02;
+const RATIO_TIME: f64 = 0.2;
+
 /// Finds the steady state from `state`, in place.
 ///
 /// # Errors
@@ -53,7 +67,15 @@ pub fn solve(system: &mut VariatorSystem, newton: &mut Newton, state: &mut State
     let theta_index = layout.global(Global::Theta, 0);
     let mut clamping = task.clamping;
     let mut theta = state.q[theta_index];
-    let boundary = |clamping: [f64; 2], theta: f64| {
+    // Until the belt grips, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to the
+    // branch where a pulley slips for ever.
+    let free = [S, P].into_iter().find(|&j| task.speed[j] != SpeedMode::Fixed);
+    let mut gripping = free.is_none();
+    if let Some(j) = free {
+        let i = layout.global(Global::Speed, j);
+        state.y[i] *= 1.0 - task.slip * if j == S { 1.0 } else { -1.0 };
+    }
+    let boundary = |clamping: [f64; 2], theta: f64, gripping: bool| {
         let mut sheave = clamping.map(SheaveMode::Force);
         if let RatioTask::Given { reaction, .. } = task.ratio {
             sheave[reaction] = SheaveMode::Ratio {
@@ -63,38 +85,53 @@ pub fn solve(system: &mut VariatorSystem, newton: &mut Newton, state: &mut State
         }
         Boundary {
             sheave,
-            speed: task.speed,
+            speed: if gripping { task.speed } else { [SpeedMode::Fixed; 2] },
         }
     };
-    system.boundary = boundary(clamping, theta);
+    system.boundary = boundary(clamping, theta, gripping);
     let settings = Settling {
         first_step: 1.0e-6,
         last_step: LAST_STEP,
         max_solves,
     };
+    let sharp = system.law.parameters.friction.velocity;
+    system.law.parameters.friction.velocity = sharp.max(SOFT_VELOCITY);
     let State { y, y_dot, q } = state;
     let judge = |system: &mut VariatorSystem, trial: &Trial<'_>| {
         for j in [S, P] {
             let i = layout.global(Global::Speed, j);
             let (before, after) = (trial.before.y[i], trial.after.y[i]);
             if (after - before).abs() > LARGEST_SPEED_CHANGE * before.abs() + 0.1 {
-                return false;
+                return None;
             }
         }
         if (trial.after.q[theta_index] - trial.before.q[theta_index]).abs() > LARGEST_THETA_CHANGE {
-            return false;
+            return None;
         }
         if let RatioTask::Given { ratio, reaction } = task.ratio {
-            clamping[reaction] = system.belt_load(reaction).0.max(0.0);
-            if trial.step > 1.0e-3 {
-                let present = geometric_ratio(system, trial.after);
-                theta += ratio_of_theta(ratio) - ratio_of_theta(present);
-            }
-            system.boundary = boundary(clamping, theta);
+            // Slower than the belt settles, or the two integrators would swing up against it.
+            let gain = |time: f64| (trial.step / time).min(1.0);
+            let axial = system.belt_load(reaction).0;
+            clamping[reaction] += (axial - clamping[reaction]) * gain(FORCE_TIME);
+            let present = geometric_ratio(system, trial.after);
+            theta += (ratio_of_theta(ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         }
-        true
+        let soft = trial.step >= SOFT_STEP;
+        let was_gripping = gripping;
+        gripping |= soft;
+        system.boundary = boundary(clamping, theta, gripping);
+        let velocity = &mut system.law.parameters.friction.velocity;
+        if *velocity <= sharp {
+            return Some(LAST_STEP);
+        }
+        if soft && was_gripping {
+            *velocity = (*velocity * SHARPENING).max(sharp);
+        }
+        Some(SOFT_STEP)
     };
-    settle(system, newton, y, y_dot, q, &settings, judge)
+    let outcome = settle(system, newton, y, y_dot, q, &settings, judge);
+    system.law.parameters.friction.velocity = sharp;
+    outcome
 }
 
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.
