@@ -8,7 +8,9 @@ const FRESH_ITERATIONS: usize = 20;
 /// Most iterations with a Jacobian from before.
 const REUSED_ITERATIONS: usize = 6;
 /// Contraction per iteration above which a reused Jacobian is given up.
-const SLOW: f64 = 0.5;
+const SLOW: f64 = 0.7;
+/// Contraction up to which a Jacobian is kept for the next iteration of the same stage.
+const CHORD: f64 = 0.5;
 /// Damping factor at which a stage is given up.
 const MIN_DAMPING: f64 = 0.02;
 
@@ -184,31 +186,43 @@ impl Newton {
     /// friction saturates: from far off, full steps overshoot from one sliding direction to the other for ever.
     fn damped<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<usize, NotConverged> {
         let mut damping = 1.0_f64;
-        for iteration in 1..=FRESH_ITERATIONS {
-            let (largest, norm) = self.correct(system, stage, true)?;
+        let mut iteration = 0;
+        while iteration < FRESH_ITERATIONS {
+            iteration += 1;
+            let (largest, mut norm) = self.correct(system, stage, true)?;
             if iteration == 1 && largest < 1e-3 * tolerance {
                 return Ok(iteration);
             }
+            damping = (2.0 * damping).min(1.0);
             self.guess.copy_from_slice(stage.y);
             self.step.copy_from_slice(&self.correction);
-            damping = (2.0 * damping).min(1.0);
             loop {
                 for ((y, g), d) in stage.y.iter_mut().zip(&self.guess).zip(&self.step) {
                     *y = g - damping * d;
                 }
-                let after = self.correct(system, stage, false);
-                match after {
-                    Ok((change, after_norm)) if after_norm <= (1.0 - 0.25 * damping) * norm || change < 0.1 * tolerance => {
-                        if damping == 1.0 && change < 0.3 * tolerance {
-                            // The simplified correction is at hand: take it too.
-                            for (y, d) in stage.y.iter_mut().zip(&self.correction) {
-                                *y -= d;
-                            }
+                match self.correct(system, stage, false) {
+                    Ok((change, after)) if after <= (1.0 - 0.25 * damping) * norm || change < 0.1 * tolerance => {
+                        if damping < 1.0 {
+                            break;
+                        }
+                        // The simplified correction is at hand: as long as it contracts well, it is as good as a new one.
+                        let rate = after / norm;
+                        for (y, d) in stage.y.iter_mut().zip(&self.correction) {
+                            *y -= d;
+                        }
+                        if change < 0.3 * tolerance || change * rate < 0.1 * tolerance && rate < 0.5 {
                             stage.complete(system.has_position());
                             return Ok(iteration);
                         }
-                        break;
+                        iteration += 1;
+                        if rate > CHORD || iteration >= FRESH_ITERATIONS {
+                            break;
+                        }
+                        norm = after;
+                        self.guess.copy_from_slice(stage.y);
+                        self.step.fill(0.0);
                     }
+                    _ if self.step.iter().all(|&d| d == 0.0) => break,
                     _ => damping *= 0.5,
                 }
                 if damping < MIN_DAMPING {

@@ -32,20 +32,20 @@ impl Evolution for VariatorSystem {
             let (z, omega) = (layout.global(Global::Sheave, j), layout.global(Global::Speed, j));
             norm = norm
                 .max((q_error[z] / (1.0e-3 * tolerance)).abs())
-                .max((y_error[omega] / (tolerance * (1.0 + 0.1 * view.y[omega].abs()))).abs());
+                .max((y_error[omega] / (tolerance * (10.0 + 0.1 * view.y[omega].abs()))).abs());
         }
-        let speed_scale = tolerance * (1.0 + 0.1 * view.y[layout.speed(0)].abs());
+        let speed_scale = tolerance * (10.0 + view.y[layout.speed(0)].abs());
         let mean = layout.len() as f64;
         let mut local = 0.0;
         for cell in 0..layout.cells() {
             let speed = y_error[layout.speed(cell)] / speed_scale;
-            let amount = y_error[layout.amount(cell)] / (1.0e-3 * tolerance);
+            let amount = y_error[layout.amount(cell)] / (5.0e-3 * tolerance);
             local += speed * speed + amount * amount;
         }
         if layout.flexible {
             for node in 0..layout.elements {
                 for k in [0, 2] {
-                    let x = q_error[layout.node(node, k)] / (1.0e-3 * tolerance);
+                    let x = q_error[layout.node(node, k)] / (1.0e-2 * tolerance);
                     local += x * x;
                 }
             }
