@@ -219,7 +219,7 @@ impl Variator {
         }
     }
 
-    /// One percent at capacity, in the direction of the power.
+    /// One and a half percent at capacity, in the direction of the power.
     fn slip_guess(&self, inputs: &Inputs, torque_share: f64) -> f64 {
         let p = &self.parameters;
         let torque = match p.primary.drive {
@@ -229,7 +229,7 @@ impl Variator {
         let radius = 0.3 * p.geometry.center_distance;
         let capacity = 2.0 * p.friction.pulley.max(1.0e-3) * inputs.secondary.clamping_force.max(1.0) * radius;
         let direction = if p.initial.primary_speed < 0.0 { -1.0 } else { 1.0 };
-        0.01 * direction * (torque_share * torque / capacity).clamp(-1.0, 1.0)
+        0.015 * direction * (torque_share * torque / capacity).clamp(-1.0, 1.0)
     }
 
     fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {

@@ -51,6 +51,8 @@ const LAST_STEP: f64 = 200.0;
 const SOFT_VELOCITY: f64 = 0.05;
 /// Factor of each sharpening.
 const SHARPENING: f64 = 0.4;
+/// Factor on the inertia of a pulley whose speed is solved for.
+const PSEUDO_INERTIA: f64 = 40.0;
 /// Pseudo-time step at which sharpening begins, and which it keeps, s.
 const SOFT_STEP: f64 = 5.0e-3;
 
@@ -96,6 +98,7 @@ pub fn solve(system: &mut VariatorSystem, newton: &mut Newton, state: &mut State
     };
     let sharp = system.law.parameters.friction.velocity;
     system.law.parameters.friction.velocity = sharp.max(SOFT_VELOCITY);
+    system.inertia_factor = PSEUDO_INERTIA;
     let State { y, y_dot, q } = state;
     let judge = |system: &mut VariatorSystem, trial: &Trial<'_>| {
         for j in [S, P] {
@@ -131,6 +134,7 @@ pub fn solve(system: &mut VariatorSystem, newton: &mut Newton, state: &mut State
     };
     let outcome = settle(system, newton, y, y_dot, q, &settings, judge);
     system.law.parameters.friction.velocity = sharp;
+    system.inertia_factor = 1.0;
     outcome
 }
 

@@ -140,6 +140,9 @@ pub struct VariatorSystem {
     pub travel: [Travel; 2],
     /// Boundary conditions in force.
     pub boundary: Boundary,
+    /// Factor on the pulleys' inertia, 1 in a run. A steady solution takes more, so that speeds follow the belt instead of
+    /// running ahead of it.
+    pub inertia_factor: f64,
     /// Energies since the start.
     pub ledger: Ledger,
     has_position: Vec<bool>,
@@ -197,6 +200,7 @@ impl VariatorSystem {
                 sheave: [SheaveMode::Held; 2],
                 speed: [SpeedMode::Fixed; 2],
             },
+            inertia_factor: 1.0,
             ledger: Ledger::default(),
             has_position,
             flows: vec![(0.0, 0.0); cells],
@@ -478,10 +482,12 @@ impl VariatorSystem {
                 };
             }
             let i = self.layout.global(Global::Speed, j);
-            let inertia = pulley.inertia * view.y_dot[i];
+            let inertia = self.inertia_factor * pulley.inertia * view.y_dot[i];
             out[i] = match self.boundary.speed[j] {
                 SpeedMode::Torque(torque) => inertia - torque - sum.torque,
-                SpeedMode::Setpoint(set) => inertia - pulley.inertia * (set - view.y[i]) / SPEED_LAG,
+                SpeedMode::Setpoint(set) => {
+                    inertia - self.inertia_factor * pulley.inertia * (set - view.y[i]) / SPEED_LAG
+                }
                 SpeedMode::Fixed => inertia,
                 SpeedMode::Balanced(own, primary) => {
                     inertia - own - sum.torque + self.balanced_factor(view) * (primary + self.sums[P].torque)
@@ -539,7 +545,7 @@ impl VariatorSystem {
         }
         for j in [S, P] {
             let i = self.layout.global(Global::Speed, j);
-            let inertia = self.pulley(j).inertia;
+            let inertia = self.inertia_factor * self.pulley(j).inertia;
             match self.boundary.speed[j] {
                 SpeedMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
                 SpeedMode::Fixed => out.set_unit_row(i, inertia * alpha.max(1.0)),
