@@ -1,7 +1,40 @@
-//! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring.
+//! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring, as a library and as an FMI 2.0 co-simulation
+//! unit.
+//!
+//! Pulley torques and clamping forces go in; thrust ratio, belt speed and everything a drivetrain model needs come out.
+//! The mesh stands still along the belt while the material flows through it, so a run has true steady states.
+//!
+//! | room | what it holds |
+//! |---|---|
+//! | [`reference_curve`] | the belt's closed curve r(ξ, Θ) and its derivatives |
+//! | [`ring`] | beam kinematics, elastic energy, inertia; the ring alone as a system |
+//! | [`chain`], [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
+//! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::instance::Variator`] |
+//! | [`solver`] | Newton, time integration, continuation, the arrow matrix: knows no belt |
+//! | [`unit`] | the variable table that binds the variator to its FMU |
+//! | [`fmi2`] | FMI 2.0 state machine and C functions: knows no physics |
+//!
+//! ```
+//! use pushbelt::variator::{instance::Variator, parameters::Parameters, signals::Inputs};
+//!
+//! let mut variator = Variator::new(Parameters::default())?;
+//! let inputs = Inputs::default();
+//! variator.initialise(0.0, &inputs)?; // the steady state at ratio 1, 2000 rpm
+//! variator.advance(0.01, &inputs)?;
+//! let out = variator.outputs();
+//! println!("thrust ratio {:.3}, belt at {:.2} m/s", out.thrust_ratio, out.belt_speed);
+//! assert!(out.belt_speed > 10.0 && out.efficiency > 0.95);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![warn(missing_docs)]
+
+pub mod chain;
+pub mod contact;
+pub mod fmi2;
+pub mod pulley;
 pub mod reference_curve;
+pub mod ring;
 pub mod scalar;
 pub mod solver;
-pub mod variator;
-pub mod fmi2;
 pub mod unit;
+pub mod variator;
