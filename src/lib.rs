@@ -11,7 +11,7 @@
 //! | [`chain`], [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::instance::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix: knows no belt |
-//! | [`unit`] | the variable table that binds the variator to its FMU |
+//! | [`mod@unit`] | the variable table that binds the variator to its FMU |
 //! | [`fmi2`] | FMI 2.0 state machine and C functions: knows no physics |
 //!
 //! ```

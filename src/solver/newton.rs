@@ -68,9 +68,11 @@ pub struct Stage<'a> {
 impl Stage<'_> {
     fn complete(&mut self, has_position: &[bool]) {
         let beta = 1.0 / self.alpha;
-        for i in 0..self.y.len() {
-            self.y_dot[i] = self.alpha * (self.y[i] - self.base[i]);
-            if has_position[i] {
+        for ((rate, y), base) in self.y_dot.iter_mut().zip(&*self.y).zip(self.base) {
+            *rate = self.alpha * (y - base);
+        }
+        for (i, has) in has_position.iter().enumerate() {
+            if *has {
                 self.q[i] = self.position[i] + beta * self.y[i];
             }
         }
