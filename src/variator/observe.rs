@@ -21,13 +21,25 @@ pub(crate) struct Place {
     xi: f64,
     pulley: usize,
     arc: bool,
+    element: usize,
     sample: Sample,
+}
+
+/// Mean ring tension of an element.
+#[derive(Clone, Copy, Debug, Default)]
+struct ElementTension {
+    /// Middle of the element, m.
+    xi: f64,
+    /// Mean tension, N.
+    tension: f64,
+    length: f64,
 }
 
 /// Memory that observing reuses.
 #[derive(Clone, Debug, Default)]
 pub struct Observer {
     places: Vec<Place>,
+    tensions: Vec<ElementTension>,
 }
 
 /// What the state alone does not tell.
@@ -57,6 +69,7 @@ impl Observer {
                 xi: sample.xi,
                 pulley: cell.pulley,
                 arc: cell.arc,
+                element: cell.element,
                 sample: *sample,
             });
         });
@@ -104,14 +117,32 @@ impl Observer {
             if capacity > 0.0 { (sums.torque[P].abs() / capacity).min(10.0) } else { 10.0 }
         };
         out.macro_slip = context.macro_slip;
-        let samples = || self.places.iter().map(|p| &p.sample);
-        out.push_force_max = samples().map(|s| s.push).fold(0.0, f64::max);
-        out.ring_tension_max = samples().map(|s| s.tension).fold(f64::NEG_INFINITY, f64::max);
-        out.ring_tension_min = samples().map(|s| s.tension).fold(f64::INFINITY, f64::min);
+        out.push_force_max = self.places.iter().map(|p| p.sample.push).fold(0.0, f64::max);
+        self.mean_tensions(system.mesh.elements.len());
+        let tensions = || self.tensions.iter().map(|e| e.tension);
+        out.ring_tension_max = tensions().fold(f64::NEG_INFINITY, f64::max);
+        out.ring_tension_min = tensions().fold(f64::INFINITY, f64::min);
         out.stored_energy = sums.energy + system.pulley_energy(view);
         let ledger = &system.ledger;
         out.energy_residual = ledger.supplied - ledger.lost - (out.stored_energy - context.initial_energy);
         self.profile(system, radii, out);
+    }
+
+    /// The tension of a cubic element swings about its mean wherever the curvature changes fast; the mean is what the
+    /// balance along the ring determines.
+    fn mean_tensions(&mut self, elements: usize) {
+        self.tensions.clear();
+        self.tensions.resize(elements, ElementTension::default());
+        for place in &self.places {
+            let (sample, mean) = (&place.sample, &mut self.tensions[place.element]);
+            mean.xi += place.xi * sample.weight;
+            mean.tension += sample.tension * sample.weight;
+            mean.length += sample.weight;
+        }
+        for mean in &mut self.tensions {
+            mean.xi /= mean.length;
+            mean.tension /= mean.length;
+        }
     }
 
     fn pulley(&self, system: &VariatorSystem, view: View<'_>, j: usize, sums: &BeltSums, radius: f64, context: &Context) -> PulleyOutputs {
@@ -137,22 +168,16 @@ impl Observer {
     /// Linear between stations, around the loop.
     fn profile(&self, system: &VariatorSystem, radii: [f64; 2], out: &mut Outputs) {
         let length = system.law.parameters.geometry.belt_length;
-        let n = self.places.len();
-        let mut right = 0;
         let profile = &mut out.profile;
+        let (mut place, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
-            while right < n && self.places[right].xi < xi {
-                right += 1;
-            }
-            let (a, b) = (&self.places[(right + n - 1) % n], &self.places[right % n]);
-            let from = if right == 0 { a.xi - length } else { a.xi };
-            let to = if right == n { b.xi + length } else { b.xi };
-            let share = ((xi - from) / (to - from)).clamp(0.0, 1.0);
+            let (a, b, share) = bracket(&self.places, |p| p.xi, xi, length, &mut place);
             let between = |f: &dyn Fn(&Place) -> f64| f(a) * (1.0 - share) + f(b) * share;
+            let (before, after, part) = bracket(&self.tensions, |e| e.xi, xi, length, &mut element);
             profile.position[k] = xi;
             profile.push_force[k] = between(&|p| p.sample.push);
-            profile.ring_tension[k] = between(&|p| p.sample.tension);
+            profile.ring_tension[k] = before.tension * (1.0 - part) + after.tension * part;
             profile.normal_force[k] = between(&|p| p.sample.normal);
             profile.sliding_speed[k] = between(&|p| if p.sample.normal > 100.0 { p.sample.sliding } else { 0.0 });
             profile.radial_deviation[k] = between(&|p| {
@@ -160,6 +185,19 @@ impl Observer {
             });
         }
     }
+}
+
+/// Neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second. `right` is the
+/// place of the last answer: ask in ascending order.
+fn bracket<'a, T>(list: &'a [T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (&'a T, &'a T, f64) {
+    let n = list.len();
+    while *right < n && at(&list[*right]) < xi {
+        *right += 1;
+    }
+    let (a, b) = (&list[(*right + n - 1) % n], &list[*right % n]);
+    let from = if *right == 0 { at(a) - length } else { at(a) };
+    let to = if *right == n { at(b) + length } else { at(b) };
+    (a, b, ((xi - from) / (to - from)).clamp(0.0, 1.0))
 }
 
 /// Macro-slip: all loaded stations of a pulley slide tangentially one way, faster than 10 v₀ + 0.02 |ω| r on average.
