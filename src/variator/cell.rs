@@ -103,6 +103,8 @@ pub struct Sample {
     pub r: [f64; 2],
     /// Pitch radius ϱ about the pulley axis, m.
     pub pitch_radius: f64,
+    /// Pitch radius at the left face of the cell, m.
+    pub face_radius: f64,
     /// λ.
     pub lambda: f64,
     /// ν of the cell.
@@ -234,6 +236,7 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
     let lengthening = motion.speed[1] - motion.speed[0] - carried;
     let push = push_force(&p.belt, density, -(density * lengthening) / pitch_length);
 
+    let face = ring_point::<C, T>(frame, segment, &cell.face, &element, &motion.reference);
     let mut load = ElementLoad::zero();
     let mut out = CellBalance {
         nodes: [Node { a: Vector2::zeros(), b: Vector2::zeros() }; 2],
@@ -244,10 +247,7 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
         axial: T::zero(),
         tilting: [T::zero(); 2],
         torque: T::zero(),
-        flow: {
-            let point = ring_point::<C, T>(frame, segment, &cell.face, &element, &motion.reference);
-            ChainPoint::new(e, &point, theta_dot, motion.speed[0]).flow
-        },
+        flow: ChainPoint::new(e, &face, theta_dot, motion.speed[0]).flow,
         density,
     };
     let cell_length: T = cell.stations.iter().fold(T::zero(), |sum, s| sum + length.v * s.weight);
@@ -359,6 +359,7 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
                 weight: value(weight),
                 r: [value(point.r.x), value(point.r.y)],
                 pitch_radius: value(rho),
+                face_radius: f64::hypot(value(face.r.x) - law.axes[cell.pulley], value(face.r.y)) - e,
                 lambda: value(lambda),
                 density: nu,
                 push: value(push.force),

@@ -149,9 +149,18 @@ impl Observer {
         let layout = &system.layout;
         let speed = view.y[layout.global(Global::Speed, j)];
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for place in self.places.iter().filter(|p| p.arc && p.pulley == j) {
-            range.0 = range.0.min(place.sample.pitch_radius);
-            range.1 = range.1.max(place.sample.pitch_radius);
+        // Faces too: the radius changes fastest at the arc borders, where the last station is not.
+        let mut left_arc = self.places.last().is_some_and(|p| p.arc && p.pulley == j);
+        for place in &self.places {
+            let on_arc = place.arc && place.pulley == j;
+            if on_arc {
+                range.0 = range.0.min(place.sample.pitch_radius.min(place.sample.face_radius));
+                range.1 = range.1.max(place.sample.pitch_radius.max(place.sample.face_radius));
+            } else if left_arc && place.pulley == j {
+                range.0 = range.0.min(place.sample.face_radius);
+                range.1 = range.1.max(place.sample.face_radius);
+            }
+            left_arc = on_arc;
         }
         PulleyOutputs {
             speed,

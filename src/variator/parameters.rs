@@ -214,9 +214,9 @@ impl Default for Parameters {
             primary: pulley.clone(),
             secondary: pulley,
             mesh: Mesh {
-                primary_arc: 12,
-                secondary_arc: 12,
-                strand: 6,
+                primary_arc: 16,
+                secondary_arc: 16,
+                strand: 8,
                 cells_per_element: 2,
             },
             solver: Solver {
