@@ -5,10 +5,12 @@
 //!
 //! κ_n = n_refᵀ r'' − κ_ref (t_refᵀ r' − 1).
 //!
-//! V is differentiated at fixed η, dξ = ξ_η dη included. That contains the border terms ½EI[κ²] dξ_k/dΘ that the
+//! V is differentiated at fixed η, dξ = ξ_η dη included. That contains the border terms ½EI\[κ²\] dξ_k/dΘ that the
 //! paper's (18), (23b) lose where κ_ref jumps at a moving arc border.
 //!
-//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric.
+//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric. Two forms of it stand here,
+//! equal up to ∮∂(m_r w v·δr)/∂ξ dξ = 0, which a quadrature integrates inexactly: [`add_inertia`] knows the force at
+//! each point, [`add_conservative_inertia`] keeps energy and drift momentum of the discrete ring exactly.
 //!
 //! Kelvin–Voigt damping acts on the material strain rate: T = EA (γ + η Dγ/Dt), with the virtual power of Dγ/Dt, so it
 //! takes exactly ∫EA η (Dγ/Dt)² dξ.
@@ -17,12 +19,35 @@ use super::Ring;
 use super::kinematics::{Load, RingPoint};
 use crate::scalar::Real;
 
-/// Adds inertia and returns nothing else: m_r Dv/Dt against δv.
+/// Adds inertia as the force m_r Dv/Dt against δv.
 #[inline]
 pub fn add_inertia<T: Real>(ring: &Ring, point: &RingPoint<T>, load: &mut Load<T>) {
     let force = point.acceleration() * T::from(ring.mass_per_length);
     load.position += force;
     load.drift += force.dot(&point.slope);
+}
+
+/// Adds inertia as d/dt ∂T/∂q̇ − ∂T/∂q with the transport w v integrated by parts onto δr':
+///
+/// m_r [(∂v/∂t|_η + λ v)·δv + v·(r')˙ δw − w v·δr' − ½ λ_Θ v² δΘ],
+///
+/// λ = λ_Θ Θ̇ the rate at which dξ grows; `growth` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate` = Θ̇.
+#[inline]
+pub fn add_conservative_inertia<T: Real>(
+    ring: &Ring,
+    point: &RingPoint<T>,
+    growth: T,
+    theta_rate: T,
+    load: &mut Load<T>,
+) {
+    let mass = ring.mass_per_length;
+    let velocity = point.velocity();
+    let local = point.r_ddot + point.slope * point.w_dot + point.slope_dot * point.w;
+    let force = (local + velocity * (growth * theta_rate)) * T::from(mass);
+    load.position += force;
+    load.drift += force.dot(&point.slope) + velocity.dot(&point.slope_dot) * mass;
+    load.slope -= velocity * (point.w * mass);
+    load.theta -= velocity.dot(&velocity) * growth * (0.5 * mass);
 }
 
 /// Bending measure κ_n, 1/m.
@@ -41,7 +66,12 @@ pub fn energy_density<T: Real>(ring: &Ring, point: &RingPoint<T>) -> T {
 
 /// Adds ∂V/∂q and the damping force; `growth` = (∂l/∂Θ)/l of the element. Returns the ring tension T, N.
 #[inline]
-pub fn add_elasticity<T: Real>(ring: &Ring, point: &RingPoint<T>, growth: T, load: &mut Load<T>) -> T {
+pub fn add_elasticity<T: Real>(
+    ring: &Ring,
+    point: &RingPoint<T>,
+    growth: T,
+    load: &mut Load<T>,
+) -> T {
     let reference = &point.reference;
     let kappa = curvature(point);
     let moment = kappa * ring.bending_stiffness;

@@ -83,7 +83,10 @@ pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<I
 /// Nodes and weights of Gauss's rule on [−1, 1] with 2 to 5 points.
 #[must_use]
 pub fn gauss(points: usize) -> &'static [(f64, f64)] {
-    const TWO: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
+    const TWO: [(f64, f64); 2] = [
+        (-0.577_350_269_189_625_8, 1.0),
+        (0.577_350_269_189_625_8, 1.0),
+    ];
     const THREE: [(f64, f64); 3] = [
         (-0.774_596_669_241_483_4, 5.0 / 9.0),
         (0.0, 8.0 / 9.0),
@@ -173,16 +176,31 @@ mod tests {
     fn gauss_integrates_polynomials_of_its_degree() {
         for points in 2..=5 {
             for degree in 0..2 * points {
-                let sum: f64 = gauss(points).iter().map(|&(x, w)| w * x.powi(degree as i32)).sum();
-                let exact = if degree % 2 == 0 { 2.0 / (degree as f64 + 1.0) } else { 0.0 };
-                assert!((sum - exact).abs() < 1e-15, "{points} points, degree {degree}");
+                let sum: f64 = gauss(points)
+                    .iter()
+                    .map(|&(x, w)| w * x.powi(degree as i32))
+                    .sum();
+                let exact = if degree % 2 == 0 {
+                    2.0 / (degree as f64 + 1.0)
+                } else {
+                    0.0
+                };
+                assert!(
+                    (sum - exact).abs() < 1e-15,
+                    "{points} points, degree {degree}"
+                );
             }
         }
     }
 
     #[test]
     fn spacings_fill_a_segment_and_are_fine_where_they_say() {
-        for spacing in [Spacing::Even, Spacing::Start(0.6), Spacing::End(0.6), Spacing::Both(0.6)] {
+        for spacing in [
+            Spacing::Even,
+            Spacing::Start(0.6),
+            Spacing::End(0.6),
+            Spacing::Both(0.6),
+        ] {
             let shares: Vec<f64> = divide(0, 50, spacing).map(|e| e.share).collect();
             assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-14);
             let (first, last) = (shares[0] * 50.0, shares[49] * 50.0);

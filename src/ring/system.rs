@@ -7,7 +7,9 @@
 //! across it because of Θ. A curve without a ratio needs the first lock only; a second would hold the free ring.
 //! `ALE0` locks every node: the ring then has s and Θ alone.
 
-use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
+use super::kinematics::{
+    ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint,
+};
 use super::mesh::{RingMesh, Station};
 use super::{Ring, ale};
 use crate::reference_curve::{Jet, ReferenceCurve};
@@ -17,6 +19,7 @@ use crate::solver::sdirk::Evolution;
 use crate::solver::{System, View};
 use nalgebra::{DMatrix, SVector, Vector2};
 use num_dual::{Derivative, DualSVec64};
+use std::f64::consts::TAU;
 
 /// Derivative directions of an element: four of each node, then s and Θ.
 const DIRECTIONS: usize = 10;
@@ -49,6 +52,15 @@ impl State {
     }
 }
 
+/// Form of the inertia.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inertia {
+    /// [`ale::add_conservative_inertia`].
+    Conservative,
+    /// [`ale::add_inertia`].
+    Pointwise,
+}
+
 /// Energies of a ring, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
@@ -77,6 +89,8 @@ pub struct RingSystem<C> {
     pub curve: C,
     /// Elements.
     pub mesh: RingMesh,
+    /// Form of the inertia; conservative unless changed.
+    pub inertia: Inertia,
     /// Position error of a step that is tolerated, in units of L (deflection, drift) and 1 (slope, Θ). Infinite:
     /// every step is accepted, so the longest step of the integrator is the step.
     pub tolerance: f64,
@@ -113,6 +127,7 @@ impl<C: ReferenceCurve> RingSystem<C> {
             ring,
             curve,
             mesh,
+            inertia: Inertia::Conservative,
             tolerance: 1.0e-5,
             locked: Vec::new(),
             dissipated: 0.0,
@@ -166,6 +181,11 @@ impl<C: ReferenceCurve> RingSystem<C> {
         }
     }
 
+    /// Whether an unknown is the rate of a length.
+    fn is_length(&self, i: usize) -> bool {
+        i == self.drift() || (i < self.drift() && i.is_multiple_of(2))
+    }
+
     fn directions(&self, element: usize) -> [usize; DIRECTIONS] {
         std::array::from_fn(|k| match k {
             0..8 => self.node(element + k / BLOCK, k % BLOCK),
@@ -197,7 +217,8 @@ impl<C: ReferenceCurve> RingSystem<C> {
             s_ddot: acceleration(8),
         };
         let place = &self.mesh.elements[element];
-        let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
+        let length =
+            Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
         if !self.flexible {
             return (ElementMotion::rigid(length), motion);
         }
@@ -210,14 +231,23 @@ impl<C: ReferenceCurve> RingSystem<C> {
             rate: node(i, &rate),
             acceleration: node(i, &acceleration),
         });
-        (ElementMotion::flexible(length, &motion.theta, &nodes), motion)
+        (
+            ElementMotion::flexible(length, &motion.theta, &nodes),
+            motion,
+        )
     }
 
     fn frame(&self, view: View<'_>) -> C::Frame<f64> {
         self.curve.frame(view.q[self.theta()])
     }
 
-    fn station_point(&self, view: View<'_>, frame: &C::Frame<f64>, element: usize, station: &Station) -> (RingPoint<f64>, f64) {
+    fn station_point(
+        &self,
+        view: View<'_>,
+        frame: &C::Frame<f64>,
+        element: usize,
+        station: &Station,
+    ) -> (RingPoint<f64>, f64) {
         let (overlay, motion) = self.motion(view, element, frame, [0.0; 2], |value, _, _| value);
         let reference = C::point(frame, self.mesh.elements[element].segment, station.fraction);
         let point = RingPoint::new(reference, &station.shape, &overlay, &motion);
@@ -228,7 +258,8 @@ impl<C: ReferenceCurve> RingSystem<C> {
     #[must_use]
     pub fn point(&self, view: View<'_>, element: usize, x: f64) -> RingPoint<f64> {
         let station = self.mesh.elements[element].station(x, 0.0, 0.0);
-        self.station_point(view, &self.frame(view), element, &station).0
+        self.station_point(view, &self.frame(view), element, &station)
+            .0
     }
 
     /// ∫ `f` dξ over the ring.
@@ -302,13 +333,31 @@ impl<C: ReferenceCurve> RingSystem<C> {
             let reference = C::point(frame, self.mesh.elements[element].segment, station.fraction);
             let point = RingPoint::new(reference, &station.shape, overlay, motion);
             let mut load = Load::zero();
-            ale::add_inertia(&self.ring, &point, &mut load);
+            match self.inertia {
+                Inertia::Pointwise => ale::add_inertia(&self.ring, &point, &mut load),
+                Inertia::Conservative => {
+                    ale::add_conservative_inertia(
+                        &self.ring,
+                        &point,
+                        growth,
+                        motion.theta.rate,
+                        &mut load,
+                    );
+                }
+            }
             ale::add_elasticity(&self.ring, &point, growth, &mut load);
-            sum.add(&load, &point, &station.shape, overlay, length.v * station.weight);
+            sum.add(
+                &load,
+                &point,
+                &station.shape,
+                overlay,
+                length.v * station.weight,
+            );
         }
         let ([left, right], theta) = sum.nodes(overlay);
         [
-            left.a.x, left.b.x, left.a.y, left.b.y, right.a.x, right.b.x, right.a.y, right.b.y, sum.s, theta,
+            left.a.x, left.b.x, left.a.y, left.b.y, right.a.x, right.b.x, right.a.y, right.b.y,
+            sum.s, theta,
         ]
     }
 }
@@ -348,7 +397,9 @@ impl<C: ReferenceCurve> System for RingSystem<C> {
             eps[direction] = slope;
             DualSVec64::new(value, Derivative::some(eps))
         };
-        let frame = self.curve.frame(seed(view.q[self.theta()], DIRECTIONS - 1, beta));
+        let frame = self
+            .curve
+            .frame(seed(view.q[self.theta()], DIRECTIONS - 1, beta));
         for element in 0..self.mesh.elements.len() {
             let motion = self.motion(view, element, &frame, [alpha, beta], seed);
             let rows = self.balance(element, &frame, &motion);
@@ -366,17 +417,18 @@ impl<C: ReferenceCurve> System for RingSystem<C> {
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
         let length = self.curve.length();
+        // Errors of velocity add up over many short steps: their measure is the slowest bending wave, not the step.
+        let wave = (self.ring.bending_stiffness / self.ring.mass_per_length).sqrt()
+            * (TAU / length).powi(2);
+        let rate = if wave > 0.0 {
+            wave.min(1.0 / beta)
+        } else {
+            1.0 / beta
+        };
         for (i, scale) in out.iter_mut().enumerate() {
             let size = if self.is_length(i) { length } else { 1.0 };
-            *scale = NEWTON_ACCURACY * size / beta;
+            *scale = NEWTON_ACCURACY * size * rate;
         }
-    }
-}
-
-impl<C: ReferenceCurve> RingSystem<C> {
-    /// Whether an unknown is the rate of a length.
-    fn is_length(&self, i: usize) -> bool {
-        i == self.drift() || (i < self.drift() && i % 2 == 0)
     }
 }
 
@@ -386,7 +438,13 @@ impl<C: ReferenceCurve> Evolution for RingSystem<C> {
         let sum: f64 = q_error
             .iter()
             .enumerate()
-            .map(|(i, error)| if self.is_length(i) { error / length } else { *error })
+            .map(|(i, error)| {
+                if self.is_length(i) {
+                    error / length
+                } else {
+                    *error
+                }
+            })
             .map(|error| error * error)
             .sum();
         (sum / q_error.len() as f64).sqrt() / self.tolerance
@@ -395,7 +453,8 @@ impl<C: ReferenceCurve> Evolution for RingSystem<C> {
     fn accumulate(&mut self, view: View<'_>, share: f64) {
         let viscosity = self.ring.axial_stiffness * self.ring.damping;
         if viscosity != 0.0 {
-            self.dissipated += share * self.integrate(view, |p| viscosity * p.strain_rate().powi(2));
+            self.dissipated +=
+                share * self.integrate(view, |p| viscosity * p.strain_rate().powi(2));
         }
     }
 }
@@ -409,7 +468,9 @@ mod tests {
     fn noise(seed: u64) -> impl FnMut() -> f64 {
         let mut state = seed;
         move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         }
     }
@@ -454,7 +515,11 @@ mod tests {
             let scale = column.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             for i in 0..n {
                 let difference = (plus[i] - minus[i]) / (2.0 * h);
-                assert!((difference - column[i]).abs() < 1e-6 * scale, "row {i} column {j}: {} {difference}", column[i]);
+                assert!(
+                    (difference - column[i]).abs() < 1e-6 * scale,
+                    "row {i} column {j}: {} {difference}",
+                    column[i]
+                );
             }
         }
     }
