@@ -1,0 +1,349 @@
+"""Figures of the report, each as a string of SVG."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, FancyArrowPatch
+
+from .checks import energy_bound
+from .events import Event, intervals
+from .geometry import Array, TwoPulleyCurve
+from .results import LoadCaseResult, Profile, Trace
+
+INK, MUTED, GRID = "#1d2733", "#6b7785", "#e3e7ec"
+BLUE, ORANGE, GREEN, RED, VIOLET = "#1f6fb2", "#d9772b", "#2f8f6b", "#c4423f", "#7a5aa6"
+RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
+PUSH_COLOURS = LinearSegmentedColormap.from_list("push", ["#c9d3dd", "#7fb0d6", "#2f6fb0", "#6a2f8f", "#c4423f"])
+
+STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.titlecolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.4,
+    "path.simplify_threshold": 0.2,
+    "svg.hashsalt": "pushbelt",
+}
+
+
+def svg(figure: Figure) -> str:
+    """The figure as SVG, without its XML declaration; the figure is closed."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    plt.close(figure)
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
+
+
+def load_case_bars(results: Sequence[LoadCaseResult], measured: Mapping[str, float]) -> str:
+    """Thrust ratio, efficiency with the measured transmission beside it, and shares of the loss."""
+    names = ["underdrive", "medium", "overdrive"]
+    torques = sorted({result.case.torque for result in results})
+    with plt.rc_context(STYLE):
+        figure, (thrust, efficiency, losses) = plt.subplots(1, 3, figsize=(11.2, 3.1), layout="constrained")
+        for name in names:
+            line = sorted((r for r in results if r.case.ratio_name == name), key=lambda r: r.case.torque)
+            colour = RATIO_COLOURS[name]
+            thrust.plot(torques, [r.steady["thrustRatio"] for r in line], "o-", color=colour, label=name)
+            efficiency.plot(torques, [100 * r.steady["efficiency"] for r in line], "o-", color=colour)
+            efficiency.plot(
+                torques, [100 * measured[r.case.name] for r in line], "x--", color=colour, alpha=0.7, linewidth=0.9
+            )
+        thrust.set(title="Thrust ratio", xlabel="primary torque (N·m)")
+        thrust.legend()
+        efficiency.set(title="Efficiency (%)", xlabel="primary torque (N·m)")
+        efficiency.plot([], [], "o-", color=MUTED, label="this variator")
+        efficiency.plot([], [], "x--", color=MUTED, label="measured transmission")
+        efficiency.legend()
+        _loss_shares(losses, results, names, torques)
+    return svg(figure)
+
+
+def _loss_shares(axes: Axes, results: Sequence[LoadCaseResult], names: Sequence[str], torques: Sequence[float]) -> None:
+    by_case = {(r.case.ratio_name, r.case.torque): r.steady for r in results}
+    places, labels = [], []
+    parts = (
+        ("loss.sheaves", "sheave friction", BLUE),
+        ("loss.ring", "ring friction", ORANGE),
+        ("loss.other", "rest", MUTED),
+    )
+    for group, name in enumerate(names):
+        for k, torque in enumerate(torques):
+            place, bottom = group * (len(torques) + 0.8) + k, 0.0
+            for part, _, colour in parts:
+                height = by_case[name, torque][part]
+                axes.bar(place, height, 0.82, bottom=bottom, color=colour)
+                bottom += height
+            places.append(place)
+            labels.append(f"{torque:g}")
+        axes.annotate(
+            name,
+            (group * (len(torques) + 0.8) + (len(torques) - 1) / 2, 0),
+            (0, -24),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            color=RATIO_COLOURS[name],
+            fontsize=8.5,
+        )
+    axes.set_xticks(places, labels)
+    axes.grid(axis="x", visible=False)
+    axes.set_title("Losses (W) by ratio and torque (N·m)")
+    axes.set_xlabel(" ", labelpad=12)
+    for _, label, colour in parts:
+        axes.bar(0, 0, color=colour, label=label)
+    axes.legend(loc="upper left")
+
+
+def manoeuvre(trace: Trace, events: Sequence[Event]) -> str:
+    """The whole manoeuvre over time."""
+    time = trace.time
+    with plt.rc_context(STYLE):
+        figure, rows = plt.subplots(7, 1, figsize=(11.2, 13.4), sharex=True, layout="constrained")
+        torque, force, speed, ratio, slip, loss, energy = rows
+
+        torque.plot(
+            time, trace["primary.externalTorque"], color=MUTED, linewidth=0.9, linestyle="--", label="P, external"
+        )
+        torque.plot(time, -trace["primary.shaftTorque"], color=BLUE, label="P, carried by the belt")
+        torque.plot(time, trace["secondary.shaftTorque"], color=ORANGE, label="S, of the belt")
+        torque.set_title("Torques (N·m)")
+
+        for pulley, colour in (("primary", BLUE), ("secondary", ORANGE)):
+            label = pulley[0].upper()
+            force.plot(time, 1e-3 * trace[f"{pulley}.axialForce"], color=colour, label=f"{label}, of the belt")
+            force.plot(
+                time,
+                1e-3 * trace[f"{pulley}.clampingForce"],
+                color=colour,
+                linewidth=0.9,
+                linestyle="--",
+                alpha=0.7,
+                label=f"{label}, clamping",
+            )
+        force.set_title("Axial forces (kN)")
+
+        speed.plot(time, trace["primary.speed"], color=BLUE, label="P")
+        speed.plot(time, trace["secondary.speed"], color=ORANGE, label="S")
+        speed.set_title("Speeds (rad/s)")
+
+        moving = np.abs(trace["secondary.speed"]) > 1.0
+        ratio.plot(time, trace["ratio.geometric"], color=GREEN, label="geometric, $r_S/r_P$")
+        ratio.plot(
+            time,
+            np.where(moving, trace["ratio.speed"], np.nan),
+            color=MUTED,
+            linewidth=0.9,
+            linestyle="--",
+            label=r"of speeds, $\omega_P/\omega_S$",
+        )
+        ratio.set_ylim(0.0, 1.25 * trace["ratio.geometric"].max())
+        ratio.set_title("Ratio")
+
+        slip.plot(time, 100 * trace["slip"], color=RED)
+        slip.set_yscale("symlog", linthresh=3, linscale=1.5)
+        slip.set_yticks([-100, -10, -3, 0, 1, 2, 3, 10, 100], ["−100", "−10", "−3", "0", "1", "2", "3", "10", "100"])
+        slip.set_ylim(min(-1.0, 1.3 * 100 * trace["slip"].min()), max(5.0, 1.5 * 100 * trace["slip"].max()))
+        slip.set_title("Slip (%), linear to 3 %, logarithmic beyond")
+
+        parts = (
+            ("loss.sheaves", "sheave friction", BLUE),
+            ("loss.ring", "ring friction", ORANGE),
+            ("loss.other", "rest", MUTED),
+        )
+        for part, label, colour in parts:
+            loss.plot(time, 1e-3 * trace[part], color=colour, label=label)
+        loss.set_yscale("symlog", linthresh=1, linscale=1.5)
+        loss.set_ylim(bottom=min(0.0, 1e-3 * min(trace[part].min() for part, *_ in parts)))
+        loss.set_title("Losses (kW), linear to 1 kW, logarithmic beyond")
+
+        bound = energy_bound(trace)
+        energy.plot(time, trace["energy.residual"], color=VIOLET, label="residual")
+        for sign, label in ((1, "bound"), (-1, None)):
+            energy.plot(time, sign * bound, color=MUTED, linewidth=0.9, linestyle="--", label=label)
+        energy.set_title("Energy: supplied less lost less stored (J)")
+        energy.set_xlabel("time (s)")
+
+        _mark(rows, trace, events)
+        for axes in (torque, force, speed, ratio, loss, energy):
+            axes.legend(loc="upper left", ncols=4)
+            low, high = axes.get_ylim()
+            if axes is not loss:
+                axes.set_ylim(low, high + 0.16 * (high - low))
+        energy.set_xlim(time[0], time[-1])
+    return svg(figure)
+
+
+def _mark(rows: Sequence[Axes], trace: Trace, events: Sequence[Event]) -> None:
+    """Shades macro-slip and marks the starts of the events on all axes."""
+    for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02):
+        for axes in rows:
+            axes.axvspan(start, max(end, start + 0.01), color=RED, alpha=0.12, linewidth=0)
+    number = 0
+    for event in events:
+        if not event.occurred:
+            continue
+        number += 1
+        for axes in rows:
+            axes.axvline(event.start, color=INK, alpha=0.25, linewidth=0.8)
+        rows[0].annotate(
+            str(number),
+            (event.start, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0, 5),
+            textcoords="offset points",
+            ha="center",
+            fontsize=8,
+            color="white",
+            bbox={"boxstyle": "circle,pad=0.25", "color": INK},
+        )
+
+
+def fields(profile: Profile, curve: TwoPulleyCurve) -> str:
+    """Fields along the belt, arcs shaded."""
+    order = np.append(np.arange(len(profile.position)), 0)
+    xi = 1e3 * np.append(profile.position, curve.length)
+    rows = (
+        ("Push force (N)", profile.push_force, BLUE),
+        ("Ring tension (N)", profile.ring_tension, ORANGE),
+        ("Normal force per flank (kN/m)", 1e-3 * profile.normal_force, GREEN),
+        ("Radial deviation (mm)", 1e3 * profile.radial_deviation, VIOLET),
+        ("Sliding speed of the flanks (mm/s)", 1e3 * profile.sliding_speed, RED),
+    )
+    with plt.rc_context(STYLE):
+        figure, panels = plt.subplots(len(rows), 1, figsize=(11.2, 8.6), sharex=True, layout="constrained")
+        for axes, (title, values, colour) in zip(panels, rows, strict=True):
+            _shade_arcs(axes, curve)
+            axes.plot(xi, values[order], color=colour, marker=".", markersize=3.5)
+            axes.set_title(title)
+            if values.min() >= 0.0 and title.startswith(("Push", "Normal")):
+                axes.set_ylim(bottom=0.0)
+        panels[-1].set(xlabel="place ξ along the belt (mm)", xlim=(0.0, 1e3 * curve.length))
+        borders = 1e3 * np.array(curve.borders)
+        labels = ("S arc", "upper strand", "P arc", "lower (push) strand", "S arc")
+        for start, end, label in zip(borders[:-1], borders[1:], labels, strict=True):
+            panels[0].annotate(
+                label,
+                (0.5 * (start + end), 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(0, 3),
+                textcoords="offset points",
+                ha="center",
+                va="bottom",
+                color=MUTED,
+                fontsize=8.5,
+            )
+        panels[0].set_title("Push force (N)", pad=16)
+    return svg(figure)
+
+
+def _shade_arcs(axes: Axes, curve: TwoPulleyCurve) -> None:
+    start, s_end, p_start, p_end, s_start, end = 1e3 * np.array(curve.borders)
+    for left, right, colour in ((start, s_end, ORANGE), (p_start, p_end, BLUE), (s_start, end, ORANGE)):
+        axes.axvspan(left, right, color=colour, alpha=0.08, linewidth=0)
+
+
+def belt_picture(profile: Profile, curve: TwoPulleyCurve, pitch_offset: float, magnification: float) -> str:
+    """The belt on its pulleys, coloured by push force, its radial deviation magnified."""
+    fine = np.linspace(0.0, curve.length, 721)
+    wrapped = np.append(profile.position, curve.length)
+
+    def along(values: Array) -> Array:
+        return np.interp(fine, wrapped, np.append(values, values[0]))
+
+    line = 1e3 * curve.outline(fine, magnification * along(profile.radial_deviation))
+    reference = 1e3 * curve.outline(fine, np.zeros_like(fine))
+    segments = np.stack([line[:-1], line[1:]], axis=1)
+    push = along(profile.push_force)
+    with plt.rc_context({**STYLE, "axes.grid": False}):
+        figure, axes = plt.subplots(figsize=(11.2, 5.4), layout="constrained")
+        centres = (np.zeros(2), np.array([1e3 * curve.center_distance, 0.0]))
+        radii = (curve.secondary_radius, curve.primary_radius)
+        for centre, radius, label in zip(centres, radii, ("S", "P"), strict=True):
+            pitch = 1e3 * (radius - pitch_offset)
+            axes.add_patch(Circle(tuple(centre), pitch, facecolor="#f1f4f7", edgecolor="#cfd6de", linewidth=0.8))
+            axes.add_patch(Circle(tuple(centre), 12.0, facecolor="#dde3ea", edgecolor="#b8c2cd", linewidth=0.8))
+            axes.text(*centre, label, ha="center", va="center", fontsize=12, fontweight="bold", color=INK)
+            _turning(axes, centre, 0.62 * pitch)
+            axes.annotate(
+                f"$r$ = {pitch:.1f} mm", (centre[0], centre[1] - 0.8 * pitch), ha="center", color=MUTED, fontsize=8.5
+            )
+        axes.plot(*reference.T, color=MUTED, linewidth=0.7, linestyle=(0, (4, 3)))
+        collection = LineCollection(segments, cmap=PUSH_COLOURS, linewidths=6.0, capstyle="round")
+        collection.set_array(0.5 * (push[:-1] + push[1:]))
+        collection.set_clim(0.0, max(float(push.max()), 1.0))
+        axes.add_collection(collection)
+        bar = figure.colorbar(collection, ax=axes, shrink=0.7, pad=0.015, aspect=26)
+        bar.set_label("push force (N)")
+        bar.outline.set_visible(False)
+        axes.set_aspect("equal")
+        axes.autoscale_view()
+        axes.margins(0.04)
+        axes.axis("off")
+        middle = 0.5 * 1e3 * curve.center_distance
+        axes.text(
+            middle,
+            0.0,
+            f"radial deviation\nmagnified {magnification:.0f} times\n(dashed: reference)",
+            ha="center",
+            va="center",
+            color=MUTED,
+            fontsize=8.5,
+            linespacing=1.5,
+        )
+    return svg(figure)
+
+
+def _turning(axes: Axes, centre: Array, radius: float) -> None:
+    """An arrow in the sense of rotation, clockwise."""
+    start, end = np.deg2rad(150.0), np.deg2rad(60.0)
+    points = [centre + radius * np.array([np.cos(angle), np.sin(angle)]) for angle in (start, end)]
+    axes.add_patch(
+        FancyArrowPatch(
+            tuple(points[0]),
+            tuple(points[1]),
+            connectionstyle="arc3,rad=-0.4",
+            arrowstyle="-|>",
+            mutation_scale=12,
+            color=MUTED,
+            linewidth=1.2,
+        )
+    )
+
+
+def magnification_for(profile: Profile, curve: TwoPulleyCurve) -> float:
+    """A round magnification that shows the deviation at about a tenth of the smaller radius."""
+    largest = float(np.abs(profile.radial_deviation).max())
+    if largest == 0.0:
+        return 1.0
+    wanted = 0.12 * min(curve.primary_radius, curve.secondary_radius) / largest
+    return float(max(step for step in (1, 2, 5, 10, 20, 50, 100, 200, 500) if step <= max(wanted, 1.0)))

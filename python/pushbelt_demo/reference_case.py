@@ -1,0 +1,112 @@
+"""The published steady state of `belt155`: computed by the FMU under the assumptions of its theory, and explained."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from .data import curve_of, parameter_set, reference_case
+from .geometry import TwoPulleyCurve, theta_of
+from .load_cases import steady_state
+from .results import ReferenceResult, SteadyState, StrandForces, Variant, mean_between
+from .theory import ContinuousBelt
+from .unit import Archive
+
+ASSUMPTIONS: Mapping[str, float] = {
+    "primary.tiltStiffness": 1e12,
+    "secondary.tiltStiffness": 1e12,
+    "friction.ring": 0.0,
+    "belt.play": 0.0,
+    "belt.pitchOffset": 0.0,
+}
+"""Rigid sheaves, a ring without friction, no play, and the pitch line on the ring."""
+
+VARIANTS: Mapping[str, Mapping[str, float]] = {
+    "sheaves that tilt (7e5 N·m/rad)": {"primary.tiltStiffness": 7e5, "secondary.tiltStiffness": 7e5},
+    "contact ten times stiffer": {"contact.stiffness": 5e10},
+    "ring friction 0.05": {"friction.ring": 0.05},
+    "end play 0.4 mm": {"belt.play": 4e-4},
+    "pitch line 1 mm inside the ring": {"belt.pitchOffset": 1e-3},
+}
+"""One change at a time, to see what the difference to the theory hangs on."""
+
+
+def strand_forces(state: SteadyState, curve: TwoPulleyCurve) -> StrandForces:
+    """Net forces (ring tension less push force) in the middle halves of the strands, N."""
+    net = state.profile.ring_tension - state.profile.push_force
+
+    def middle(start: float, stop: float) -> float:
+        quarter = 0.25 * (stop - start)
+        return mean_between(state.profile, net, start + quarter, stop - quarter)
+
+    _, upper_start, upper_end, lower_start, lower_end, _ = curve.borders
+    return StrandForces(middle(upper_start, upper_end), middle(lower_start, lower_end))
+
+
+def continuous_belt(parameters: Mapping[str, float], curve: TwoPulleyCurve, belt_speed: float) -> ContinuousBelt:
+    """The belt as the published theory sees it; speed in m/s."""
+    return ContinuousBelt(
+        wrap_primary=2.0 * (np.pi - curve.phi),
+        wrap_secondary=2.0 * curve.phi,
+        wedge_angle=parameters["geometry.wedgeAngle"],
+        friction=parameters["friction.pulley"],
+        centrifugal=(parameters["belt.massPerLength"] + parameters["ring.massPerLength"]) * belt_speed**2,
+    )
+
+
+def run(archive: Archive) -> ReferenceResult:
+    """Runs the reference case and its variants."""
+    published = reference_case()
+    parameters = {**parameter_set("belt155"), **ASSUMPTIONS}
+    ratio, speed = published["geometricRatio"], published["primarySpeed"]
+    torque, force = published["primaryTorque"], published["secondaryClampingForce"]
+    curve = curve_of(parameters, theta_of(ratio))
+
+    def solve(changes: Mapping[str, float], load_guess: float | None = None) -> SteadyState:
+        return steady_state(archive, {**parameters, **changes}, ratio, speed, torque, force, load_guess)[0]
+
+    state = solve({})
+    forces = strand_forces(state, curve)
+
+    theory = continuous_belt(parameters, curve, speed * curve.primary_radius)
+    theory_forces = theory.strand_forces(force, torque / curve.primary_radius)
+    theory_primary, theory_secondary = theory.axial_forces(theory_forces)
+    without_flank_friction = theory.axial_forces(forces)
+
+    return ReferenceResult(
+        published={
+            "thrustRatio": published["thrustRatio"],
+            "primary.axialForce": published["primaryClampingForce"],
+            "secondary.speed": published["secondarySpeed"],
+            "belt.speed": published["beltSpeed"],
+            "upper strand": published["strandForces"]["upper"],
+            "lower strand": published["strandForces"]["lower"],
+            "slip arc": np.deg2rad(published["slipArcDeg"]),
+        },
+        theory={
+            "thrustRatio": theory_primary / theory_secondary,
+            "primary.axialForce": theory_primary,
+            "secondary.speed": speed / ratio,
+            "belt.speed": speed * curve.primary_radius,
+            "upper strand": theory_forces.upper,
+            "lower strand": theory_forces.lower,
+            "slip arc": theory.slip_arc(theory_forces),
+        },
+        computed={
+            "thrustRatio": state["thrustRatio"],
+            "primary.axialForce": state["primary.axialForce"],
+            "secondary.speed": state["secondary.speed"],
+            "belt.speed": state["belt.speed"],
+            "upper strand": forces.upper,
+            "lower strand": forces.lower,
+        },
+        without_flank_friction={"primary": without_flank_friction[0], "secondary": without_flank_friction[1]},
+        steady=state,
+        assumptions=ASSUMPTIONS,
+        variants=tuple(_variant(name, solve(changes, state.load_torque), curve) for name, changes in VARIANTS.items()),
+    )
+
+
+def _variant(name: str, state: SteadyState, curve: TwoPulleyCurve) -> Variant:
+    return Variant(name, state["thrustRatio"], strand_forces(state, curve), state["slip"])

@@ -1,0 +1,181 @@
+"""The FMU, driven call by call through fmpy."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+from fmpy import fmi2
+from fmpy.logging import addLoggerProxy
+
+from .geometry import Array
+from .results import Profile
+
+TORQUE_DRIVE, SPEED_DRIVE = 1, 2
+"""Values of `primary.drive` and `secondary.drive`."""
+CLAMPED, HELD = 1, 2
+"""Values of `primary.axial` and `secondary.axial`."""
+
+PROFILE_POINTS = 72
+PROFILE_FIELDS = {
+    "position": "position",
+    "push_force": "pushForce",
+    "ring_tension": "ringTension",
+    "normal_force": "normalForce",
+    "radial_deviation": "radialDeviation",
+    "sliding_speed": "slidingSpeed",
+}
+
+
+class UnitError(RuntimeError):
+    """The FMU refused a call; the text holds what it logged."""
+
+
+@dataclass(frozen=True)
+class Archive:
+    """An unpacked FMU."""
+
+    directory: Path
+    description: Any
+
+    @classmethod
+    def unpack(cls, fmu: Path) -> Archive:
+        """Unpacks an FMU to a temporary directory."""
+        return cls(Path(fmpy.extract(str(fmu))), fmpy.read_model_description(str(fmu)))
+
+    def remove(self) -> None:
+        """Removes the temporary directory."""
+        shutil.rmtree(self.directory, ignore_errors=True)
+
+
+class Reader:
+    """Real variables that are read together again and again."""
+
+    def __init__(self, names: Iterable[str], references: Iterable[int]) -> None:
+        self.names = tuple(names)
+        references = list(references)
+        self.references = (ctypes.c_uint32 * len(references))(*references)
+        self.values = (ctypes.c_double * len(references))()
+
+
+class Variator:
+    """One instance of the FMU. A context manager: the instance is freed at its end."""
+
+    def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
+        description = archive.description
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.warnings: list[str] = []
+        self.time = 0.0
+        self._errors: list[str] = []
+        self._callbacks = fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._hear)
+        addLoggerProxy(ctypes.byref(self._callbacks))
+        self._slave = fmi2.FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(archive.directory),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self._call(self._slave.instantiate, callbacks=self._callbacks)
+        try:
+            self._call(self._slave.setupExperiment, startTime=0.0)
+            self.set(start_values)
+        except UnitError:
+            self._free()
+            raise
+
+    def __enter__(self) -> Variator:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._free()
+
+    def initialise(self) -> None:
+        """Finds the state to start from."""
+        self._call(self._slave.enterInitializationMode)
+        self._call(self._slave.exitInitializationMode)
+
+    def step_to(self, time: float) -> None:
+        """Advances to a time, s, with the inputs as last set."""
+        self._call(
+            self._slave.doStep,
+            currentCommunicationPoint=self.time,
+            communicationStepSize=time - self.time,
+        )
+        self.time = time
+
+    def set(self, values: Mapping[str, float]) -> None:
+        """Sets variables of any type by name."""
+        setters = {
+            "Real": self._slave.setReal,
+            "Integer": self._slave.setInteger,
+            "Enumeration": self._slave.setInteger,
+            "Boolean": self._slave.setBoolean,
+        }
+        for name, value in values.items():
+            variable = self.variables[name]
+            self._call(setters[variable.type], [variable.valueReference], [value])
+
+    def reader(self, names: Iterable[str]) -> Reader:
+        """Prepares real variables to be read together."""
+        names = list(names)
+        return Reader(names, (self.variables[name].valueReference for name in names))
+
+    def read(self, reader: Reader) -> Array:
+        """Values of the variables of a reader."""
+        count = len(reader.names)
+        self._call(self._slave.fmi2GetReal, self._slave.component, reader.references, count, reader.values)
+        return np.array(reader.values)
+
+    def flag(self, name: str) -> bool:
+        """Value of a Boolean variable."""
+        return bool(self._call(self._slave.getBoolean, [self.variables[name].valueReference])[0])
+
+    def outputs(self) -> dict[str, float]:
+        """All outputs and the energies at the present time."""
+        reader = self.reader(output_names(self.variables.values()))
+        values = dict(zip(reader.names, self.read(reader).tolist(), strict=True))
+        values["macroSlip"] = float(self.flag("macroSlip"))
+        return values
+
+    def profile(self) -> Profile:
+        """Fields along the belt at the present time."""
+        fields = {}
+        for field, variable in PROFILE_FIELDS.items():
+            names = [f"profile.{variable}[{k + 1}]" for k in range(PROFILE_POINTS)]
+            fields[field] = self.read(self.reader(names))
+        return Profile(**fields)
+
+    def _call(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
+        self._errors.clear()
+        try:
+            return function(*arguments, **keywords)
+        except Exception as error:
+            raise UnitError("; ".join(self._errors) or str(error)) from error
+
+    def _hear(self, _environment: Any, _instance: Any, status: int, _category: Any, message: bytes) -> None:
+        text = message.decode("utf-8", errors="replace")
+        if status == fmi2.fmi2Warning:
+            self.warnings.append(text)
+        elif status > fmi2.fmi2Warning:
+            self._errors.append(text)
+
+    def _free(self) -> None:
+        self._slave.freeInstance()
+
+
+def output_names(variables: Iterable[Any]) -> list[str]:
+    """Real outputs and the locals that are no fields along the belt."""
+    return [
+        variable.name
+        for variable in variables
+        if variable.type == "Real"
+        and variable.causality in ("output", "local")
+        and not variable.name.startswith("profile.")
+    ]
