@@ -218,7 +218,7 @@ class Level:
 
     tilt: float = 3.0e-3
     """Tilt of both sheaves, rad: large against compression, chain strain and v_0, small against 1."""
-    contact: float = 1.0e11
+    contact: float = 8.0e11
     chain: float = 2.0e8
     ring: float = 1.0e10
     pitch_offset: float = 1.0e-6
@@ -230,14 +230,14 @@ class Level:
 LIMIT = Level()
 
 LADDER = (
-    Level(contact=1.0e10, chain=1.0e7, ring=1.0e9, arc=12, strand=6),
-    Level(contact=3.0e10, chain=5.0e7, ring=3.0e9, arc=18, strand=8),
-    Level(contact=1.0e11, chain=2.0e8, ring=1.0e10, arc=24, strand=8),
-    Level(contact=3.0e11, chain=5.0e8, ring=3.0e10, arc=36, strand=12),
+    Level(contact=2.0e10, chain=2.0e7, ring=1.0e9, arc=12, strand=6),
+    Level(contact=6.0e10, chain=5.0e7, ring=3.0e9, arc=16, strand=8),
+    Level(contact=2.0e11, chain=1.0e8, ring=1.0e10, arc=20, strand=8),
+    Level(contact=8.0e11, chain=2.0e8, ring=1.0e10, arc=24, strand=8),
 )
 """Stiffness and mesh grow together."""
 
-CLAMPING = 20_000.0
+CLAMPING = 40_000.0
 """Secondary clamping force of the limit cases, N."""
 
 RATIOS = (0.45, 0.7, 1.0, 1.5, 2.2)
