@@ -450,11 +450,13 @@ impl<C: ReferenceCurve> Evolution for RingSystem<C> {
         (sum / q_error.len() as f64).sqrt() / self.tolerance
     }
 
-    fn accumulate(&mut self, view: View<'_>, share: f64) {
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64) {
         let viscosity = self.ring.axial_stiffness * self.ring.damping;
         if viscosity != 0.0 {
-            self.dissipated +=
-                share * self.integrate(view, |p| viscosity * p.strain_rate().powi(2));
+            for view in [before, after] {
+                self.dissipated +=
+                    0.5 * h * self.integrate(view, |p| viscosity * p.strain_rate().powi(2));
+            }
         }
     }
 }

@@ -22,8 +22,8 @@ pub trait Evolution: System {
     /// Error of a step relative to what is tolerated: accepted up to 1.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64;
 
-    /// Called for each stage of an accepted step with its share of the step, s.
-    fn accumulate(&mut self, view: View<'_>, share: f64);
+    /// Called for each accepted step of size `h`, s: to integrate what is not part of the state, by the trapezoidal rule.
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64);
 }
 
 /// The step size fell below the smallest.
@@ -158,15 +158,13 @@ impl Sdirk {
             let outcome = self.attempt(system, y, y_dot, q, h);
             match outcome {
                 Some(error) if error <= 1.0 => {
-                    for (stage, share) in self.stages.iter().zip([1.0 - GAMMA, GAMMA]) {
-                        let view = View {
-                            y: &stage.y,
-                            y_dot: &stage.y_dot,
-                            q: &stage.q,
-                        };
-                        system.accumulate(view, h * share);
-                    }
                     let end = &self.stages[1];
+                    let after = View {
+                        y: &end.y,
+                        y_dot: &end.y_dot,
+                        q: &end.q,
+                    };
+                    system.accumulate(View { y, y_dot, q }, after, h);
                     y.copy_from_slice(&end.y);
                     y_dot.copy_from_slice(&end.y_dot);
                     q.copy_from_slice(&end.q);

@@ -7,7 +7,7 @@ use super::system::VariatorSystem;
 use crate::solver::View;
 use crate::solver::sdirk::Evolution;
 
-/// Energies since the start, J, and what the last accepted stage showed.
+/// Energies since the start, J, and what the last accepted step showed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ledger {
     /// Supplied from outside.
@@ -16,7 +16,7 @@ pub struct Ledger {
     pub lost: f64,
     /// ∫ of the sum of absolute powers over shafts and sheaves: the scale of the balance.
     pub moved: f64,
-    /// Sums at the last stage.
+    /// Sums at the end of the last step.
     pub last: BeltSums,
 }
 
@@ -54,18 +54,47 @@ impl Evolution for VariatorSystem {
         if norm.is_finite() { norm } else { f64::MAX }
     }
 
-    fn accumulate(&mut self, view: View<'_>, share: f64) {
-        let sums = self.belt_sums::<false>(view);
-        let lost = sums.losses.total() + self.pulley_losses(view);
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64) {
+        let first = self.rates(before, &self.ledger.last);
+        let sums = self.belt_sums::<false>(after);
+        let second = self.rates(after, &sums);
+        let half = 0.5 * h;
+        let ledger = &mut self.ledger;
+        ledger.supplied += half * (first.supplied + second.supplied);
+        ledger.lost += half * (first.lost + second.lost);
+        ledger.moved += half * (first.moved + second.moved);
+        ledger.last = sums;
+    }
+}
+
+/// Powers of a state, W.
+struct Rates {
+    supplied: f64,
+    lost: f64,
+    moved: f64,
+}
+
+impl VariatorSystem {
+    /// Opens the books at a state.
+    pub fn open_ledger(&mut self, view: View<'_>) {
+        self.ledger = Ledger {
+            last: self.belt_sums::<false>(view),
+            ..Ledger::default()
+        };
+    }
+
+    /// Powers from the belt's sums at the same state, under the boundary conditions in force.
+    fn rates(&self, view: View<'_>, sums: &BeltSums) -> Rates {
         let mut moved = 0.0;
         for j in [S, P] {
             let omega = view.y[self.layout.global(Global::Speed, j)];
             let rate = view.y[self.layout.global(Global::Sheave, j)];
             moved += (sums.torque[j] * omega).abs() + (self.external_force(j) * rate).abs();
         }
-        self.ledger.supplied += self.supplied_power(view, sums.torque) * share;
-        self.ledger.lost += lost * share;
-        self.ledger.moved += moved * share;
-        self.ledger.last = sums;
+        Rates {
+            supplied: self.supplied_power(view, sums.torque),
+            lost: sums.losses.total() + self.pulley_losses(view),
+            moved,
+        }
     }
 }

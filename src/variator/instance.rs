@@ -184,8 +184,8 @@ impl Variator {
             self.state.y[i] = inputs.secondary.speed_setpoint;
         }
         self.state.y_dot.fill(0.0);
-        self.system.ledger = super::evolution::Ledger::default();
         self.apply(inputs);
+        self.system.open_ledger(self.state.view());
         self.hold_external(inputs);
         let sums = self.system.belt_sums::<true>(self.state.view());
         self.initial_energy = sums.energy + self.system.pulley_energy(self.state.view());
@@ -431,6 +431,7 @@ impl Variator {
         changed.friction.ring = ring;
         changed.validate()?;
         self.system.law.parameters.friction = changed.friction.clone();
+        self.system.ledger.last = self.system.belt_sums::<false>(self.state.view());
         self.parameters = changed;
         self.integrator.newton.forget();
         self.stale = true;
