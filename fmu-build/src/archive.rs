@@ -42,11 +42,7 @@ impl Archive {
     ///
     /// # Errors
     /// The output can't be written.
-    pub fn write<W: Write + Seek>(
-        &self,
-        output: W,
-        mut written: impl FnMut(&str),
-    ) -> anyhow::Result<W> {
+    pub fn write<W: Write + Seek>(&self, output: W, mut written: impl FnMut(&str)) -> anyhow::Result<W> {
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .compression_level(Some(9))

@@ -31,9 +31,7 @@ pub fn command(workspace: &Workspace) -> Command {
 /// It can't be started, or reports a failure.
 pub fn run(command: &mut Command) -> anyhow::Result<()> {
     let shown = show(command);
-    let status = command
-        .status()
-        .with_context(|| format!("can't start `{shown}`"))?;
+    let status = command.status().with_context(|| format!("can't start `{shown}`"))?;
     if !status.success() {
         bail!("`{shown}` failed ({status})");
     }

@@ -48,9 +48,7 @@ impl Description {
     /// The text is not XML or has no variables.
     pub fn parse(xml: &str) -> anyhow::Result<Self> {
         let document = Document::parse(xml).context("the model description is not XML")?;
-        let types = document
-            .descendants()
-            .filter(|node| node.has_tag_name("SimpleType"));
+        let types = document.descendants().filter(|node| node.has_tag_name("SimpleType"));
         let enumerations: Vec<(&str, String)> = types
             .filter_map(|node| Some((node.attribute("name")?, items(node))))
             .collect();
@@ -185,9 +183,7 @@ fn collapse(variables: Vec<Variable>) -> Vec<Variable> {
             .and_then(|name| name.rsplit_once('['))
             .and_then(|(array, index)| Some((array.to_owned(), index.parse().ok()?)));
         match (element, &mut open, collapsed.last_mut()) {
-            (Some((array, index)), Some((current, last)), Some(line))
-                if array == *current && index == *last + 1 =>
-            {
+            (Some((array, index)), Some((current, last)), Some(line)) if array == *current && index == *last + 1 => {
                 *last = index;
                 line.name = format!("{array}[1…{index}]");
             }
@@ -215,9 +211,7 @@ fn attribute(node: Node, name: &str) -> String {
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]
@@ -249,10 +243,7 @@ mod tests {
         let description = Description::parse(XML).unwrap();
         assert_eq!(description.about, "A model");
         assert_eq!(description.variables[0].unit, "N.m");
-        assert_eq!(
-            description.variables[1].description,
-            "Drive (1 Torque, 2 Speed)"
-        );
+        assert_eq!(description.variables[1].description, "Drive (1 Torque, 2 Speed)");
     }
 
     #[test]

@@ -32,12 +32,7 @@ pub fn third_party(metadata: &Metadata) -> anyhow::Result<String> {
 
     for (text, users) in texts {
         let users = users.into_iter().collect::<Vec<_>>().join(", ");
-        write!(
-            summary,
-            "\n{}\n{users}\n{}\n\n{text}\n",
-            "=".repeat(78),
-            "-".repeat(78)
-        )?;
+        write!(summary, "\n{}\n{users}\n{}\n\n{text}\n", "=".repeat(78), "-".repeat(78))?;
     }
     Ok(summary)
 }
@@ -76,18 +71,15 @@ fn linked(metadata: &Metadata) -> anyhow::Result<Vec<&Package>> {
 }
 
 fn license_texts(package: &Package) -> anyhow::Result<Vec<String>> {
-    let folder = package
-        .manifest_path
-        .parent()
-        .context("a manifest lies in a folder")?;
+    let folder = package.manifest_path.parent().context("a manifest lies in a folder")?;
     let mut texts = Vec::new();
     for entry in fs::read_dir(folder).with_context(|| format!("can't read {folder}"))? {
         let entry = entry?;
         let name = entry.file_name().to_string_lossy().to_uppercase();
         let names = ["LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE"];
         if names.iter().any(|start| name.starts_with(start)) && entry.path().is_file() {
-            let text = fs::read_to_string(entry.path())
-                .with_context(|| format!("can't read {}", entry.path().display()))?;
+            let text =
+                fs::read_to_string(entry.path()).with_context(|| format!("can't read {}", entry.path().display()))?;
             texts.push(text.replace("\r\n", "\n").trim_end().to_owned());
         }
     }

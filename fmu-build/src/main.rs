@@ -18,6 +18,8 @@ mod progress;
 mod python;
 mod workspace;
 
+use std::process::ExitCode;
+
 use clap::{Parser, Subcommand};
 
 use crate::workspace::Workspace;
@@ -44,14 +46,23 @@ enum Command {
     Describe,
 }
 
-fn main() -> anyhow::Result<()> {
-    let arguments = Arguments::parse();
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let workspace = Workspace::find()?;
-    match arguments.command {
+    match &arguments.command {
         Command::Build => commands::build::run(&workspace).map(drop),
-        Command::Test(arguments) => commands::test::run(&workspace, &arguments),
-        Command::Demo(arguments) => commands::demo::run(&workspace, &arguments),
-        Command::Bench(arguments) => commands::bench::run(&workspace, &arguments),
+        Command::Test(arguments) => commands::test::run(&workspace, arguments),
+        Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
+        Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),
     }
 }

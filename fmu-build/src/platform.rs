@@ -32,10 +32,7 @@ impl Platform {
 
     /// Path of the binary inside the archive.
     pub fn binary(&self, model_identifier: &str) -> String {
-        format!(
-            "binaries/{}/{model_identifier}.{}",
-            self.folder, self.extension
-        )
+        format!("binaries/{}/{model_identifier}.{}", self.folder, self.extension)
     }
 }
 

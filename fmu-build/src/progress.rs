@@ -16,11 +16,9 @@ pub fn headline(text: &str) {
 
 /// A bar over a known number of things.
 pub fn bar(length: usize, what: &'static str) -> ProgressBar {
-    let style = ProgressStyle::with_template("  {msg} {bar:32} {pos}/{len}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(length as u64)
-        .with_style(style)
-        .with_message(what)
+    let style =
+        ProgressStyle::with_template("  {msg} {bar:32} {pos}/{len}").unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length as u64).with_style(style).with_message(what)
 }
 
 /// A spinner with elapsed time, for work that doesn't tell how far it is.

@@ -40,8 +40,7 @@ impl Environment {
             fmu: workspace.fmu(),
         };
         let lock_file = workspace.root().join(LOCK);
-        let lock = fs::read_to_string(&lock_file)
-            .with_context(|| format!("can't read {}", lock_file.display()))?;
+        let lock = fs::read_to_string(&lock_file).with_context(|| format!("can't read {}", lock_file.display()))?;
         let stamp = folder.join(STAMP);
         let matches = fs::read_to_string(&stamp).is_ok_and(|installed| installed == lock);
         if matches && version(environment.interpreter.as_os_str()).is_some() {
@@ -127,18 +126,13 @@ fn find_interpreter() -> anyhow::Result<OsString> {
         "python3.11",
         "python3.10",
     ];
-    let candidates = std::env::var_os("PYTHON")
-        .into_iter()
-        .chain(names.map(OsString::from));
+    let candidates = std::env::var_os("PYTHON").into_iter().chain(names.map(OsString::from));
     for candidate in candidates {
         if let Some((major, minor)) = version(&candidate) {
             if (major, minor) >= OLDEST {
                 return Ok(candidate);
             }
-            seen.push(format!(
-                "{} is {major}.{minor}",
-                candidate.to_string_lossy()
-            ));
+            seen.push(format!("{} is {major}.{minor}", candidate.to_string_lossy()));
         }
     }
     let seen = if seen.is_empty() {

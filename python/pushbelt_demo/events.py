@@ -9,6 +9,9 @@ import numpy as np
 from .geometry import Array
 from .results import Trace
 
+OVERLOAD = "Over-torque with macro-slip"
+"""Name of the event that the manoeuvre's excess of torque is to cause."""
+
 
 @dataclass(frozen=True)
 class Event:
@@ -144,17 +147,14 @@ def over_torque(trace: Trace) -> list[Event]:
     if not slipping:
         utilisation = trace["torqueUtilisation"].max()
         return [
-            _missing(
-                "Over-torque with macro-slip", f"macroSlip never stays up for 20 ms; utilisation {utilisation:.2f}"
-            ),
+            _missing(OVERLOAD, f"macroSlip never stays up for 20 ms; utilisation {utilisation:.2f}"),
             _missing("Recovery", "there was nothing to recover from"),
         ]
     overload = max(
         slipping, key=lambda interval: np.abs(trace["primary.externalTorque"][_within(trace, *interval)]).max()
     )
     events = [
-        _slipping("Over-torque with macro-slip" if interval == overload else "Macro-slip besides", trace, *interval)
-        for interval in slipping
+        _slipping(OVERLOAD if interval == overload else "Macro-slip besides", trace, *interval) for interval in slipping
     ]
     return [*events, _recovery(trace, overload[1])]
 

@@ -73,17 +73,23 @@ def load_case_bars(results: Sequence[LoadCaseResult], measured: Mapping[str, flo
         for name in names:
             line = sorted((r for r in results if r.case.ratio_name == name), key=lambda r: r.case.torque)
             colour = RATIO_COLOURS[name]
-            thrust.plot(torques, [r.steady["thrustRatio"] for r in line], "o-", color=colour, label=name)
+            ratios = [r.steady["thrustRatio"] for r in line]
+            thrust.plot(torques, ratios, "o-", color=colour)
+            thrust.annotate(
+                name, (torques[-1], ratios[-1]), (-2, 6), textcoords="offset points", ha="right", color=colour
+            )
             efficiency.plot(torques, [100 * r.steady["efficiency"] for r in line], "o-", color=colour)
             efficiency.plot(
                 torques, [100 * measured[r.case.name] for r in line], "x--", color=colour, alpha=0.7, linewidth=0.9
             )
         thrust.set(title="Thrust ratio", xlabel="primary torque (N·m)")
-        thrust.legend()
+        thrust.margins(y=0.16)
         efficiency.set(title="Efficiency (%)", xlabel="primary torque (N·m)")
         efficiency.plot([], [], "o-", color=MUTED, label="this variator")
         efficiency.plot([], [], "x--", color=MUTED, label="measured transmission")
-        efficiency.legend()
+        low, high = efficiency.get_ylim()
+        efficiency.set_ylim(low, high + 0.24 * (high - low))
+        efficiency.legend(loc="upper center", ncols=2, columnspacing=1.0)
         _loss_shares(losses, results, names, torques)
     return svg(figure)
 
@@ -121,7 +127,8 @@ def _loss_shares(axes: Axes, results: Sequence[LoadCaseResult], names: Sequence[
     axes.set_xlabel(" ", labelpad=12)
     for _, label, colour in parts:
         axes.bar(0, 0, color=colour, label=label)
-    axes.legend(loc="upper left")
+    axes.set_ylim(top=1.2 * axes.get_ylim()[1])
+    axes.legend(loc="upper center", ncols=3, columnspacing=1.0, handlelength=1.2)
 
 
 def manoeuvre(trace: Trace, events: Sequence[Event]) -> str:
@@ -184,6 +191,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> str:
             loss.plot(time, 1e-3 * trace[part], color=colour, label=label)
         loss.set_yscale("symlog", linthresh=1, linscale=1.5)
         loss.set_ylim(bottom=min(0.0, 1e-3 * min(trace[part].min() for part, *_ in parts)))
+        loss.set_yticks([0, 0.5, 1, 10, 100], ["0", "0.5", "1", "10", "100"])
         loss.set_title("Losses (kW), linear to 1 kW, logarithmic beyond")
 
         bound = energy_bound(trace)
@@ -197,9 +205,33 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> str:
         for axes in (torque, force, speed, ratio, loss, energy):
             axes.legend(loc="upper left", ncols=4)
             low, high = axes.get_ylim()
-            if axes is not loss:
-                axes.set_ylim(low, high + 0.16 * (high - low))
+            axes.set_ylim(low, 4.0 * high if axes is loss else high + 0.18 * (high - low))
         energy.set_xlim(time[0], time[-1])
+    return svg(figure)
+
+
+def overload(trace: Trace, start: float, end: float) -> str:
+    """Torques, speeds and loss between two times, for a closer look at macro-slip."""
+    inside = (trace.time >= start) & (trace.time <= end)
+    time = trace.time[inside]
+    with plt.rc_context(STYLE):
+        figure, (torque, speed, loss) = plt.subplots(1, 3, figsize=(11.2, 2.9), layout="constrained")
+        external, carried = trace["primary.externalTorque"][inside], -trace["primary.shaftTorque"][inside]
+        torque.plot(time, external, color=MUTED, linewidth=0.9, linestyle="--", label="external")
+        torque.plot(time, carried, color=BLUE, label="carried by the belt")
+        torque.set_title("Torque on P (N·m)")
+        speed.plot(time, trace["primary.speed"][inside], color=BLUE, label="P")
+        speed.plot(time, trace["secondary.speed"][inside], color=ORANGE, label="S")
+        speed.set_title("Speeds (rad/s)")
+        loss.plot(time, 1e-3 * trace["loss.total"][inside], color=RED)
+        loss.set_title("Losses (kW)")
+        for axes in (torque, speed, loss):
+            for first, last in intervals(time, trace["macroSlip"][inside], gap=0.02):
+                axes.axvspan(first, last, color=RED, alpha=0.12, linewidth=0)
+            axes.set_xlim(time[0], time[-1])
+            axes.set_xlabel("time (s)")
+        for axes in (torque, speed):
+            axes.legend(loc="upper right")
     return svg(figure)
 
 
@@ -208,18 +240,15 @@ def _mark(rows: Sequence[Axes], trace: Trace, events: Sequence[Event]) -> None:
     for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02):
         for axes in rows:
             axes.axvspan(start, max(end, start + 0.01), color=RED, alpha=0.12, linewidth=0)
-    number = 0
-    for event in events:
-        if not event.occurred:
-            continue
-        number += 1
+    rows[0].set_title(rows[0].get_title(loc="left"), pad=20)
+    for number, event in enumerate((event for event in events if event.occurred), start=1):
         for axes in rows:
             axes.axvline(event.start, color=INK, alpha=0.25, linewidth=0.8)
         rows[0].annotate(
             str(number),
             (event.start, 1.0),
             xycoords=("data", "axes fraction"),
-            xytext=(0, 5),
+            xytext=(0, 8),
             textcoords="offset points",
             ha="center",
             fontsize=8,
@@ -294,9 +323,7 @@ def belt_picture(profile: Profile, curve: TwoPulleyCurve, pitch_offset: float, m
             axes.add_patch(Circle(tuple(centre), 12.0, facecolor="#dde3ea", edgecolor="#b8c2cd", linewidth=0.8))
             axes.text(*centre, label, ha="center", va="center", fontsize=12, fontweight="bold", color=INK)
             _turning(axes, centre, 0.62 * pitch)
-            axes.annotate(
-                f"$r$ = {pitch:.1f} mm", (centre[0], centre[1] - 0.8 * pitch), ha="center", color=MUTED, fontsize=8.5
-            )
+            axes.annotate(f"{pitch:.1f} mm", (centre[0], centre[1] - 19.0), ha="center", color=MUTED, fontsize=8.5)
         axes.plot(*reference.T, color=MUTED, linewidth=0.7, linestyle=(0, (4, 3)))
         collection = LineCollection(segments, cmap=PUSH_COLOURS, linewidths=6.0, capstyle="round")
         collection.set_array(0.5 * (push[:-1] + push[1:]))
@@ -309,11 +336,11 @@ def belt_picture(profile: Profile, curve: TwoPulleyCurve, pitch_offset: float, m
         axes.autoscale_view()
         axes.margins(0.04)
         axes.axis("off")
-        middle = 0.5 * 1e3 * curve.center_distance
+        gap = 0.5e3 * (curve.center_distance + curve.secondary_radius - curve.primary_radius)
         axes.text(
-            middle,
+            gap,
             0.0,
-            f"radial deviation\nmagnified {magnification:.0f} times\n(dashed: reference)",
+            f"radial\ndeviation\nmagnified\n{magnification:.0f} times",
             ha="center",
             va="center",
             color=MUTED,

@@ -1,7 +1,7 @@
 """Geometry of a belt on two pulleys: the curve of the ring's centre line at a ratio coordinate Θ.
 
-Signs and places as in the FMU: the secondary pulley S stands at the origin, the primary pulley P at (d, 0); ξ starts at the
-leftmost point of S, goes over the upper strand to P and back along the lower strand. SI units.
+Signs and places as in the FMU: the secondary pulley S stands at the origin, the primary pulley P at (d, 0); ξ starts at
+the leftmost point of S, goes over the upper strand to P and back along the lower strand. SI units.
 """
 
 from __future__ import annotations

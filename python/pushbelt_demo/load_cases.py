@@ -1,6 +1,6 @@
 """Steady states at a given belt torque: the nine load cases, each found through the FMU.
 
-The FMU starts in the steady state that its inputs call for; the belt torque on the primary pulley is one of its outputs.
+The FMU starts in the steady state that its inputs call for; the belt torque on the primary pulley is an output.
 Which secondary torque goes with a wanted belt torque is found by the secant method, one instance an evaluation.
 """
 
@@ -29,7 +29,7 @@ DRIFT_STEP = 0.01
 
 
 class NotFoundError(RuntimeError):
-    """No load torque gives the wanted belt torque."""
+    """There is no steady state at the wanted belt torque."""
 
 
 def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float) -> tuple[float, int]:
@@ -49,7 +49,7 @@ def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float
         load = _next_load(points, wanted, guess)
     load, excess = points[-1]
     raise NotFoundError(
-        f"no load torque found for a belt torque of {wanted:g} N·m; the last, {load:g} N·m, gives {wanted + excess:g} N·m"
+        f"no load torque gives a belt torque of {wanted:g} N·m; the last, {load:g} N·m, gives {wanted + excess:g} N·m"
     )
 
 
@@ -105,6 +105,8 @@ def steady_state(
             instances.close()
             unit = instances.enter_context(Variator(archive, {**start_values, "secondary.torque": load}))
             unit.initialise()
+            if not_steady := [warning for warning in unit.warnings if "steady state" in warning]:
+                raise NotFoundError(f"at a load torque of {load:.4g} N·m the FMU says: {not_steady[0]}")
             return unit
 
         unit: Variator

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -22,14 +22,22 @@ ASSUMPTIONS: Mapping[str, float] = {
 }
 """Rigid sheaves, a ring without friction, no play, and the pitch line on the ring."""
 
+MESH: Mapping[str, float] = {"mesh.primaryArc": 24, "mesh.secondaryArc": 24, "mesh.strand": 12}
+"""With rigid sheaves the pressure begins more abruptly than the default mesh resolves."""
+
 VARIANTS: Mapping[str, Mapping[str, float]] = {
     "sheaves that tilt (7e5 N·m/rad)": {"primary.tiltStiffness": 7e5, "secondary.tiltStiffness": 7e5},
-    "contact ten times stiffer": {"contact.stiffness": 5e10},
+    "contact twice as stiff": {"contact.stiffness": 1e10},
+    "contact half as stiff": {"contact.stiffness": 2.5e9},
     "ring friction 0.05": {"friction.ring": 0.05},
     "end play 0.4 mm": {"belt.play": 4e-4},
     "pitch line 1 mm inside the ring": {"belt.pitchOffset": 1e-3},
+    "mesh twice as fine": {"mesh.primaryArc": 48, "mesh.secondaryArc": 48, "mesh.strand": 24},
 }
 """One change at a time, to see what the difference to the theory hangs on."""
+
+SOLVES = 1 + len(VARIANTS)
+"""Steady states that are solved for."""
 
 
 def strand_forces(state: SteadyState, curve: TwoPulleyCurve) -> StrandForces:
@@ -55,16 +63,18 @@ def continuous_belt(parameters: Mapping[str, float], curve: TwoPulleyCurve, belt
     )
 
 
-def run(archive: Archive) -> ReferenceResult:
-    """Runs the reference case and its variants."""
+def run(archive: Archive, progress: Callable[[], None] = lambda: None) -> ReferenceResult:
+    """Runs the reference case and its variants; `progress` hears of each."""
     published = reference_case()
-    parameters = {**parameter_set("belt155"), **ASSUMPTIONS}
+    parameters = {**parameter_set("belt155"), **ASSUMPTIONS, **MESH}
     ratio, speed = published["geometricRatio"], published["primarySpeed"]
     torque, force = published["primaryTorque"], published["secondaryClampingForce"]
     curve = curve_of(parameters, theta_of(ratio))
 
     def solve(changes: Mapping[str, float], load_guess: float | None = None) -> SteadyState:
-        return steady_state(archive, {**parameters, **changes}, ratio, speed, torque, force, load_guess)[0]
+        found, _ = steady_state(archive, {**parameters, **changes}, ratio, speed, torque, force, load_guess)
+        progress()
+        return found
 
     state = solve({})
     forces = strand_forces(state, curve)

@@ -51,9 +51,7 @@ def _run_case(archive: Archive, case: LoadCase) -> LoadCaseResult:
 
 
 def _run_reference(archive: Archive) -> ReferenceResult:
-    result = reference_case.run(archive)
-    _ticks.put(_CASE_TICKS)
-    return result
+    return reference_case.run(archive, lambda: _ticks.put(_CASE_TICKS))
 
 
 _CASE_TICKS = 5
@@ -76,10 +74,11 @@ def _run_all(archive: Archive) -> DemoResults:
     context = multiprocessing.get_context("spawn")
     ticks = context.Queue()
     workers = max(1, min(os.cpu_count() or 1, 4))
-    total = _MANOEUVRE_TICKS + _CASE_TICKS * (len(cases) + 1)
+    total = _MANOEUVRE_TICKS + _CASE_TICKS * (len(cases) + reference_case.SOLVES)
     with (
         tqdm(
             total=total,
+            disable=None,
             desc="load cases and manoeuvre",
             bar_format="  {desc} {bar:32} {percentage:3.0f} % [{elapsed}<{remaining}]",
         ) as bar,

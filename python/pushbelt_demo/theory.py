@@ -1,7 +1,7 @@
 """The theory behind the published reference case, in closed form: what its numbers follow from.
 
-A continuous belt on rigid sheaves, friction along the belt only. On each pulley the net strand force F stays what it is at
-the entry (idle arc) and changes along a slip arc γ at the exit,
+A continuous belt on rigid sheaves, friction along the belt only. On each pulley the net strand force F stays what it is
+at the entry (idle arc) and changes along a slip arc γ at the exit,
 
     (F_u − σV²)/(F_l − σV²) = exp(μγ/sinβ),
 

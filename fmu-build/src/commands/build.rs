@@ -28,8 +28,7 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     // Written beside its place and moved there, so that a half-written FMU is never found.
     let draft = path.with_extension("fmu.part");
     let bar = progress::bar(archive.len(), "packing");
-    let output =
-        File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
+    let output = File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
     let mut output = archive.write(BufWriter::new(output), |_| bar.inc(1))?;
     output.flush()?;
     drop(output);

@@ -37,9 +37,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     if !arguments.python {
         progress::headline("Rust tests");
         let mut tests = cargo::command(workspace);
-        tests
-            .args(["test", "--workspace"])
-            .args(&arguments.passed_on);
+        tests.args(["test", "--workspace"]).args(&arguments.passed_on);
         cargo::run(&mut tests)?;
     }
     if !arguments.rust {

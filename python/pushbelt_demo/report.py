@@ -1,0 +1,193 @@
+"""The report: one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import platform
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+
+from . import checks, events, figures
+from .data import EfficiencyPoint, curve_of, load_case_speed, measured_efficiency
+from .geometry import ratio_of
+from .manoeuvre import START_VALUES
+from .results import DemoResults, LoadCaseResult, ReferenceResult
+
+CHOSEN_CASE = "underdrive-100"
+"""The load case whose fields along the belt are shown."""
+
+MINUS = "\N{MINUS SIGN}"
+
+
+def number(value: float, digits: int = 0) -> str:
+    """A number with a fixed count of decimals, thin spaces between thousands and a real minus."""
+    text = f"{value:,.{digits}f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    negative_zero = float(f"{value:.{digits}f}") == 0.0
+    return text.removeprefix("-") if negative_zero else text.replace("-", MINUS)
+
+
+def percent(value: float, digits: int = 1) -> str:
+    """A share as per cent, without the sign."""
+    return number(100.0 * value, digits)
+
+
+def image(svg: str) -> str:
+    """An SVG as a data address, so that the ids of several can't clash in one page."""
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
+
+
+@dataclass(frozen=True)
+class CaseRow:
+    """A line of the table of load cases."""
+
+    result: LoadCaseResult
+    measured: EfficiencyPoint
+    imbalance: float
+
+    @property
+    def better(self) -> bool:
+        """Whether the efficiency lies above the measured one, as a part of a transmission must."""
+        return self.result.steady["efficiency"] > self.measured.efficiency
+
+
+@dataclass(frozen=True)
+class ReferenceRow:
+    """A line of the table of the reference case."""
+
+    quantity: str
+    unit: str
+    published: str
+    theory: str
+    computed: str
+    difference: str
+
+
+REFERENCE_QUANTITIES = (
+    ("thrustRatio", "thrust ratio", "", 4, 1.0),
+    ("primary.axialForce", "axial force, P", "kN", 3, 1e-3),
+    ("secondary.speed", "speed, S", "rad/s", 2, 1.0),
+    ("belt.speed", "belt speed", "m/s", 4, 1.0),
+    ("upper strand", "net force, upper strand", "N", 0, 1.0),
+    ("lower strand", "net force, lower strand", "N", 0, 1.0),
+    ("slip arc", "slip arc", "°", 2, 180.0 / np.pi),
+)
+
+
+def case_rows(results: Iterable[LoadCaseResult]) -> list[CaseRow]:
+    """Lines of the table of load cases."""
+    rpm = load_case_speed() * 30.0 / np.pi
+    return [
+        CaseRow(
+            result,
+            measured_efficiency(result.steady["ratio.geometric"], rpm, result.case.torque),
+            checks.power_imbalance(result),
+        )
+        for result in results
+    ]
+
+
+def reference_rows(result: ReferenceResult) -> list[ReferenceRow]:
+    """Lines of the table of the reference case."""
+
+    def shown(values: Mapping[str, float], name: str, digits: int, scale: float) -> str:
+        return number(scale * values[name], digits) if name in values else "–"
+
+    rows = []
+    for name, quantity, unit, digits, scale in REFERENCE_QUANTITIES:
+        difference = "–"
+        if name in result.computed:
+            relative = result.computed[name] / result.published[name] - 1.0
+            difference = ("+" if relative > 0.0 else "") + percent(relative, 1) + " %"
+        cells = (shown(v, name, digits, scale) for v in (result.published, result.theory, result.computed))
+        rows.append(ReferenceRow(quantity, unit, *cells, difference))
+    return rows
+
+
+def write_html(results: DemoResults, path: Path) -> None:
+    """Writes the report."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(__package__),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(number=number, percent=percent)
+    page = environment.get_template("report.html.j2").render(_context(results))
+    path.write_text(page, encoding="utf-8")
+
+
+def _context(results: DemoResults) -> dict[str, Any]:
+    rows = case_rows(results.cases)
+    chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
+    curve = curve_of(results.parameters, chosen.case.theta)
+    magnification = figures.magnification_for(chosen.steady.profile, curve)
+    trace = results.manoeuvre.trace
+    found = events.detect(trace)
+    bound = checks.energy_bound(trace)
+    measured = {row.result.case.name: row.measured.efficiency for row in rows}
+    overload = results.manoeuvre.snapshots.get(8.6)
+    slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
+    pictures = {
+        "cases": figures.load_case_bars(results.cases, measured),
+        "manoeuvre": figures.manoeuvre(trace, found),
+        "fields": figures.fields(chosen.steady.profile, curve),
+        "belt": figures.belt_picture(
+            chosen.steady.profile, curve, results.parameters["belt.pitchOffset"], magnification
+        ),
+    }
+    if slipping is not None:
+        pictures["overload"] = figures.overload(trace, slipping.start - 0.1, slipping.end + 0.2)
+    if overload is not None:
+        moment = int(np.argmin(np.abs(trace.time - 8.6)))
+        theta = float(trace["reference.theta"][moment])
+        pictures["overload_fields"] = figures.fields(overload, curve_of(results.parameters, theta))
+    return {
+        "version": results.fmu_version,
+        "machine": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
+        "rows": rows,
+        "reference": results.reference,
+        "reference_rows": reference_rows(results.reference),
+        "events": found,
+        "checks": checks.evaluate(results),
+        "manoeuvre": results.manoeuvre,
+        "duration": float(trace.time[-1]),
+        "start_values": START_VALUES,
+        "residual": float(np.abs(trace["energy.residual"]).max()),
+        "residual_share": float((np.abs(trace["energy.residual"]) / bound).max()),
+        "energy_in": float(np.sum(np.maximum(trace["primary.power"], 0.0)) * results.manoeuvre.step),
+        "energy_lost": float(np.sum(trace["loss.total"]) * results.manoeuvre.step),
+        "chosen": chosen,
+        "chosen_ratio": ratio_of(chosen.case.theta),
+        "speed": load_case_speed(),
+        "parameters": results.parameters,
+        "pictures": {name: image(svg) for name, svg in pictures.items()},
+    }
+
+
+def write_trace(results: DemoResults, path: Path) -> None:
+    """Writes the manoeuvre's outputs over time, one column an FMU variable."""
+    trace = results.manoeuvre.trace
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time", *trace.columns])
+        table = np.column_stack([trace.time, *trace.columns.values()])
+        writer.writerows([f"{value:.9g}" for value in row] for row in table)
+
+
+def write_cases(results: DemoResults, path: Path) -> None:
+    """Writes the outputs of the load cases and of the reference case, one row a case."""
+    states = [(result.case.name, result.steady) for result in results.cases]
+    states.append(("belt155-reference", results.reference.steady))
+    names = list(states[0][1].outputs)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["case", "secondary.torque", *names])
+        for name, state in states:
+            writer.writerow([name, f"{state.load_torque:.9g}", *(f"{state[output]:.9g}" for output in names)])
