@@ -29,9 +29,7 @@ const COLUMNS: [Column; 12] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let steps: u32 = std::env::args()
-        .nth(1)
-        .map_or(Ok(1000), |text| text.parse())?;
+    let steps: u32 = std::env::args().nth(1).map_or(Ok(1000), |text| text.parse())?;
     let inputs = Inputs::default();
     let mut variator = Variator::new(Parameters::default())?;
     variator.initialise(0.0, &inputs)?;

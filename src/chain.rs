@@ -85,8 +85,7 @@ impl<T: Real> ChainPoint<T> {
         let turning = point.n.dot(&point.slope_dot);
         let omega = turning / point.stretch + c * self.curvature;
         let along = speed_dot + c * speed_gradient - omega * self.normal_speed;
-        let across =
-            point.n.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
+        let across = point.n.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
         (along, across)
     }
 }

@@ -48,7 +48,12 @@ pub struct FlankForce<T> {
 
 /// The law; `cos_beta` = cos β.
 #[inline]
-pub fn flank_force<T: Real>(contact: &Contact, friction: &Friction, cos_beta: f64, motion: &FlankMotion<T>) -> FlankForce<T> {
+pub fn flank_force<T: Real>(
+    contact: &Contact,
+    friction: &Friction,
+    cos_beta: f64,
+    motion: &FlankMotion<T>,
+) -> FlankForce<T> {
     let (depth, touching) = smooth_plus(motion.penetration, PENETRATION_SMOOTHING);
     let k = contact.stiffness * cos_beta;
     let elastic = depth * k;
@@ -120,7 +125,11 @@ mod tests {
                 for k in 0..3 {
                     let difference = (plus[k].re - minus[k].re) / (2.0 * steps[i]);
                     let scale = exact[k].eps.abs().max(1e-3 * exact[k].re.abs() / steps[i]).max(1.0);
-                    assert!((exact[k].eps - difference).abs() < 1e-4 * scale, "{case:?} {i} {k}: {} {difference}", exact[k].eps);
+                    assert!(
+                        (exact[k].eps - difference).abs() < 1e-4 * scale,
+                        "{case:?} {i} {k}: {} {difference}",
+                        exact[k].eps
+                    );
                 }
             }
         }
@@ -134,7 +143,12 @@ mod tests {
                 &contact,
                 &friction,
                 1.0,
-                &FlankMotion { penetration: 2e-5, closing: 0.0, tangential: vt, along_flank: vf },
+                &FlankMotion {
+                    penetration: 2e-5,
+                    closing: 0.0,
+                    tangential: vt,
+                    along_flank: vf,
+                },
             );
             assert!(f.tangential * vt + f.along_flank * vf <= 0.0);
             assert!(f64::hypot(f.tangential, f.along_flank) <= friction.pulley * f.normal);

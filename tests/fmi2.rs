@@ -60,17 +60,7 @@ impl Importer {
         };
         let location = c"file:///tmp/a%20b/resources";
         // SAFETY: all pointers are valid.
-        let c = unsafe {
-            fmi2Instantiate(
-                name.as_ptr(),
-                1,
-                guid().as_ptr(),
-                location.as_ptr(),
-                &functions,
-                0,
-                0,
-            )
-        };
+        let c = unsafe { fmi2Instantiate(name.as_ptr(), 1, guid().as_ptr(), location.as_ptr(), &functions, 0, 0) };
         assert!(!c.is_null(), "{heard:?}");
         Self { c, heard }
     }
@@ -146,24 +136,14 @@ impl Importer {
     /// The bits of all real outputs and locals.
     fn readings(&self) -> Vec<u64> {
         let table = VariatorUnit::table();
-        let calculated = table
-            .variables()
-            .iter()
-            .filter(|v| !v.causality.is_setting());
+        let calculated = table.variables().iter().filter(|v| !v.causality.is_setting());
         let references: Vec<u32> = calculated
             .filter(|v| matches!(v.kind, Kind::Real { .. }))
             .map(|v| v.reference)
             .collect();
         let mut values = vec![f64::NAN; references.len()];
         // SAFETY: an instance, and as many values as references.
-        let status = unsafe {
-            fmi2GetReal(
-                self.c,
-                references.as_ptr(),
-                references.len(),
-                values.as_mut_ptr(),
-            )
-        };
+        let status = unsafe { fmi2GetReal(self.c, references.as_ptr(), references.len(), values.as_mut_ptr()) };
         assert_eq!(status, Ok, "{:?}", self.heard);
         values.into_iter().map(f64::to_bits).collect()
     }
@@ -219,15 +199,9 @@ fn an_instance_needs_a_name_the_right_guid_and_co_simulation() {
         }
     };
     let name = c"a".as_ptr();
-    assert!(
-        make(name, 1, guid.as_ptr(), null()),
-        "no logger, no location"
-    );
+    assert!(make(name, 1, guid.as_ptr(), null()), "no logger, no location");
     for location in [c"file:/tmp", c"file:///tmp", c"https://x/y", c"", c"%"] {
-        assert!(
-            make(name, 1, guid.as_ptr(), location.as_ptr()),
-            "{location:?}"
-        );
+        assert!(make(name, 1, guid.as_ptr(), location.as_ptr()), "{location:?}");
     }
     assert!(!make(null(), 1, guid.as_ptr(), null()));
     assert!(!make(c"".as_ptr(), 1, guid.as_ptr(), null()));
@@ -247,12 +221,7 @@ fn a_run_without_wiring_goes_through_all_its_states() {
     let importer = Importer::running(c"run");
     assert_eq!(importer.real("primary.clampingForce"), 13_000.0);
     for k in 0..10 {
-        assert_eq!(
-            importer.step(f64::from(k) * 0.001, 0.001),
-            Ok,
-            "{:?}",
-            importer.heard
-        );
+        assert_eq!(importer.step(f64::from(k) * 0.001, 0.001), Ok, "{:?}", importer.heard);
         assert!(importer.real("thrustRatio").is_finite());
         assert!(importer.real("profile.ringTension[72]").is_finite());
         assert!((0..=1).contains(&importer.boolean("macroSlip")));
@@ -320,16 +289,8 @@ fn bad_values_are_named_when_they_are_set() {
         assert_eq!(importer.step(0.0, 0.001), Ok);
     }
     for (name, value, words) in [
-        (
-            "ring.model",
-            3,
-            "ring.model = 3 is out of range: 1 ALE0, 2 ALE",
-        ),
-        (
-            "primary.axial",
-            0,
-            "primary.axial = 0 is out of range: 1 Force, 2 Held",
-        ),
+        ("ring.model", 3, "ring.model = 3 is out of range: 1 ALE0, 2 ALE"),
+        ("primary.axial", 0, "primary.axial = 0 is out of range: 1 Force, 2 Held"),
         ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
     ] {
         let importer = Importer::new(c"bad");
@@ -346,11 +307,7 @@ fn values_that_do_not_fit_each_other_are_named_when_initialising() {
             0.3,
             "geometry.beltLength = 0.3 is out of range: between",
         ),
-        (
-            "initial.ratio",
-            5.0,
-            "initial.ratio = 5 is out of range: 0.3",
-        ),
+        ("initial.ratio", 5.0, "initial.ratio = 5 is out of range: 0.3"),
         ("friction.pulley", 0.3, "geometry.wedgeAngle = 0.19"),
     ] {
         let importer = Importer::new(c"misfit");
@@ -389,11 +346,7 @@ fn reset_and_rerun_give_the_same_bits_as_a_fresh_instance() {
     importer.make_cheap();
     importer.start();
     assert_eq!(importer.real("friction.ring"), 0.05, "back to the default");
-    assert_eq!(
-        importer.real("secondary.torque"),
-        -49.0,
-        "back to the default"
-    );
+    assert_eq!(importer.real("secondary.torque"), -49.0, "back to the default");
     assert_eq!(importer.run(), first);
 }
 
@@ -406,13 +359,7 @@ fn instances_do_not_see_each_other() {
     assert_eq!(one.run(), alone);
     assert_eq!(other.set_real("primary.torque", f64::NAN), Error);
     assert_eq!(one.step(0.01, 0.001), Ok);
-    assert!(
-        one.heard
-            .0
-            .borrow()
-            .iter()
-            .all(|message| message.0 == "one")
-    );
+    assert!(one.heard.0.borrow().iter().all(|message| message.0 == "one"));
 }
 
 #[test]
@@ -438,16 +385,8 @@ fn a_stored_state_is_continued_bit_for_bit() {
         assert_eq!(fmi2GetFMUstate(importer.c, null_mut()), Error);
         assert_eq!(fmi2FreeFMUstate(importer.c, &mut state), Ok);
         assert!(state.is_null());
-        assert_eq!(
-            fmi2FreeFMUstate(importer.c, &mut state),
-            Ok,
-            "null is legal"
-        );
-        assert_eq!(
-            fmi2FreeFMUstate(importer.c, null_mut()),
-            Ok,
-            "null is legal"
-        );
+        assert_eq!(fmi2FreeFMUstate(importer.c, &mut state), Ok, "null is legal");
+        assert_eq!(fmi2FreeFMUstate(importer.c, null_mut()), Ok, "null is legal");
     }
 }
 
@@ -562,21 +501,10 @@ fn an_instance_without_a_logger_fails_silently() {
     };
     // SAFETY: all pointers are valid.
     unsafe {
-        let c = fmi2Instantiate(
-            c"mute".as_ptr(),
-            1,
-            guid().as_ptr(),
-            null(),
-            &functions,
-            0,
-            1,
-        );
+        let c = fmi2Instantiate(c"mute".as_ptr(), 1, guid().as_ptr(), null(), &functions, 0, 1);
         assert!(!c.is_null());
         assert_eq!(fmi2DoStep(c, 0.0, 1.0, 1), Error);
-        assert_eq!(
-            fmi2SetReal(c, &reference("primary.torque"), 1, &f64::NAN),
-            Error
-        );
+        assert_eq!(fmi2SetReal(c, &reference("primary.torque"), 1, &f64::NAN), Error);
         fmi2FreeInstance(c);
     }
 }

@@ -19,18 +19,13 @@ fn the_checked_in_file_is_what_the_table_says() {
         std::fs::write(&path, &generated).expect("the file can be written");
     }
     let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
-    let differing = generated
-        .lines()
-        .zip(checked_in.lines())
-        .position(|(a, b)| a != b);
+    let differing = generated.lines().zip(checked_in.lines()).position(|(a, b)| a != b);
     assert!(
         generated == checked_in,
         "modelDescription.xml is not what the variable table says, first in line {}; \
          rewrite it by `{REWRITE}=1 cargo test --test model_description`",
-        differing.map_or(
-            generated.lines().count().min(checked_in.lines().count()),
-            |line| line + 1
-        )
+        differing.map_or(generated.lines().count().min(checked_in.lines().count()), |line| line
+            + 1)
     );
 }
 
@@ -73,9 +68,7 @@ fn value_references_stay_as_given() {
         ("profile.position[1]", 10_001),
         ("profile.slidingSpeed[72]", 10_572),
     ] {
-        let variable = table
-            .by_name(name)
-            .unwrap_or_else(|| panic!("{name} is missing"));
+        let variable = table.by_name(name).unwrap_or_else(|| panic!("{name} is missing"));
         assert_eq!(variable.reference, reference, "{name}");
     }
 }
@@ -182,9 +175,7 @@ fn each_setting_has_a_field_of_its_own() {
             _ => continue,
         }
         let after = read(&settings);
-        let moved: Vec<_> = (0..before.len())
-            .filter(|i| before[*i] != after[*i])
-            .collect();
+        let moved: Vec<_> = (0..before.len()).filter(|i| before[*i] != after[*i]).collect();
         assert_eq!(moved, [at], "{}", variable.name);
     }
 }
@@ -200,13 +191,7 @@ fn every_enumeration_item_can_be_set() {
             for item in of.items {
                 let mut settings = Settings::default();
                 set(&mut settings, item.value);
-                assert_eq!(
-                    get(&settings),
-                    item.value,
-                    "{} {}",
-                    variable.name,
-                    item.name
-                );
+                assert_eq!(get(&settings), item.value, "{} {}", variable.name, item.name);
             }
         }
     }
@@ -217,9 +202,7 @@ fn units_and_types_in_use_are_declared() {
     let table = VariatorUnit::table();
     for variable in table.variables() {
         match &variable.kind {
-            Kind::Real {
-                unit, display_unit, ..
-            } => {
+            Kind::Real { unit, display_unit, .. } => {
                 let declared = table.units.iter().find(|declared| declared.name == *unit);
                 let declared = declared.unwrap_or_else(|| panic!("{}: {unit}", variable.name));
                 if let Some(shown) = display_unit {
@@ -227,12 +210,7 @@ fn units_and_types_in_use_are_declared() {
                 }
             }
             Kind::Enumeration { of, .. } => {
-                assert!(
-                    table
-                        .enumerations
-                        .iter()
-                        .any(|declared| declared.name == of.name)
-                );
+                assert!(table.enumerations.iter().any(|declared| declared.name == of.name));
             }
             _ => {}
         }

@@ -48,9 +48,7 @@ fn band_circle() -> Circle {
 
 /// First bending frequency of a free thin ring, Hz.
 fn thin_ring_frequency(ring: &Ring, radius: f64) -> f64 {
-    (36.0_f64 / 5.0).sqrt()
-        * (ring.bending_stiffness / (ring.mass_per_length * radius.powi(4))).sqrt()
-        / TAU
+    (36.0_f64 / 5.0).sqrt() * (ring.bending_stiffness / (ring.mass_per_length * radius.powi(4))).sqrt() / TAU
 }
 
 /// The same ring without stiffness: its residual is inertia alone.
@@ -89,8 +87,7 @@ fn waving<C: ReferenceCurve>(system: &RingSystem<C>, theta: f64, amplitude: f64)
             let at = system.node(i, k);
             (state.q[at], state.q[at + 1]) = scaled(wave(2.0, phase, xi), 0.01 * size);
             (state.y[at], state.y[at + 1]) = scaled(wave(3.0, 2.0 * phase, xi), 0.5 * size);
-            (state.y_dot[at], state.y_dot[at + 1]) =
-                scaled(wave(1.0, 3.0 * phase, xi), 20.0 * size);
+            (state.y_dot[at], state.y_dot[at + 1]) = scaled(wave(1.0, 3.0 * phase, xi), 20.0 * size);
         }
     }
     let (s, theta) = (system.drift(), system.theta());
@@ -141,31 +138,14 @@ fn fixed_steps<C: ReferenceCurve>(system: &mut RingSystem<C>, step: f64) -> Sdir
     Sdirk::new(system, step, step)
 }
 
-fn run<C: ReferenceCurve>(
-    system: &mut RingSystem<C>,
-    integrator: &mut Sdirk,
-    state: &mut State,
-    from: f64,
-    to: f64,
-) {
+fn run<C: ReferenceCurve>(system: &mut RingSystem<C>, integrator: &mut Sdirk, state: &mut State, from: f64, to: f64) {
     integrator
-        .advance(
-            system,
-            &mut state.y,
-            &mut state.y_dot,
-            &mut state.q,
-            from,
-            to,
-        )
+        .advance(system, &mut state.y, &mut state.y_dot, &mut state.q, from, to)
         .expect("the free ring can be integrated");
 }
 
 /// Angular frequency and shape of the small oscillation about the rest state `state` nearest to `near`, rad/s.
-fn mode<C: ReferenceCurve>(
-    system: &mut RingSystem<C>,
-    state: &State,
-    near: f64,
-) -> (f64, Vec<f64>) {
+fn mode<C: ReferenceCurve>(system: &mut RingSystem<C>, state: &State, near: f64) -> (f64, Vec<f64>) {
     let n = state.y.len();
     let matrix = |system: &mut RingSystem<C>, alpha: f64, beta: f64| {
         let mut a = Arrow::new(system.shape());
@@ -179,18 +159,12 @@ fn mode<C: ReferenceCurve>(
     let mut random = noise(5);
     let mut v: Vec<f64> = (0..n).map(|_| random()).collect();
     let mut product = vec![0.0; n];
-    let clear =
-        |v: &mut [f64], system: &RingSystem<C>| system.locked.iter().for_each(|&i| v[i] = 0.0);
+    let clear = |v: &mut [f64], system: &RingSystem<C>| system.locked.iter().for_each(|&i| v[i] = 0.0);
     for _ in 0..60 {
         clear(&mut v, system);
         mass.multiply(&v, &mut product);
         clear(&mut product, system);
-        let norm = v
-            .iter()
-            .zip(&product)
-            .map(|(a, b)| a * b)
-            .sum::<f64>()
-            .sqrt();
+        let norm = v.iter().zip(&product).map(|(a, b)| a * b).sum::<f64>().sqrt();
         v.iter_mut().for_each(|x| *x /= norm);
         stiffness.multiply(&v, &mut product);
         clear(&mut product, system);
@@ -210,10 +184,7 @@ fn list(numbers: &[f64]) -> String {
 
 /// Orders between the errors of a ladder whose rungs differ by `ratio`.
 fn orders(errors: &[f64], ratio: f64) -> Vec<f64> {
-    errors
-        .windows(2)
-        .map(|e| (e[0] / e[1]).ln() / ratio.ln())
-        .collect()
+    errors.windows(2).map(|e| (e[0] / e[1]).ln() / ratio.ln()).collect()
 }
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -271,10 +242,7 @@ fn acceleration_follows_the_particle() {
             (acceleration - second).norm() < 1e-5 * second.norm(),
             "ξ = {xi}: {acceleration} {second}"
         );
-        assert!(
-            (now.velocity() - (after.r - before.r) / (2.0 * h)).norm()
-                < 1e-6 * now.velocity().norm()
-        );
+        assert!((now.velocity() - (after.r - before.r) / (2.0 * h)).norm() < 1e-6 * now.velocity().norm());
         let rate = (after.strain() - before.strain()) / (2.0 * h);
         assert!(
             (now.strain_rate() - rate).abs() < 1e-5 * rate.abs(),
@@ -312,10 +280,7 @@ fn elastic_force_is_the_gradient_of_the_energy() {
         scale
     };
     let mesh = RingMesh::even(&[2, 2, 3, 2, 2], 3);
-    check(
-        RingSystem::flexible(solid(), solid_curve(), mesh.clone()),
-        0.3,
-    );
+    check(RingSystem::flexible(solid(), solid_curve(), mesh.clone()), 0.3);
     check(RingSystem::rigid(solid(), solid_curve(), mesh), 0.0);
 }
 
@@ -341,10 +306,7 @@ fn damping_takes_what_it_says() {
 }
 
 /// (13) and (14) from differences of the mass matrix: M q̈ + Ṁ q̇ − ∂T/∂q.
-fn inertia_by_differences<C: ReferenceCurve>(
-    system: &RingSystem<C>,
-    state: &State,
-) -> DVector<f64> {
+fn inertia_by_differences<C: ReferenceCurve>(system: &RingSystem<C>, state: &State) -> DVector<f64> {
     let rate = DVector::from_column_slice(&state.y);
     let moved = |i: Option<usize>, h: f64| {
         let mut q = state.q.clone();
@@ -356,8 +318,7 @@ fn inertia_by_differences<C: ReferenceCurve>(
     };
     let h = 1.0e-6;
     let along = (moved(None, h) - moved(None, -h)) / (2.0 * h);
-    let mut force =
-        system.mass_matrix(&state.q) * DVector::from_column_slice(&state.y_dot) + along * &rate;
+    let mut force = system.mass_matrix(&state.q) * DVector::from_column_slice(&state.y_dot) + along * &rate;
     for i in 0..state.q.len() {
         let slope: DMatrix<f64> = (moved(Some(i), h) - moved(Some(i), -h)) / (2.0 * h);
         force[i] -= 0.5 * rate.dot(&(slope * &rate));
@@ -366,11 +327,7 @@ fn inertia_by_differences<C: ReferenceCurve>(
 }
 
 /// Relative error of the residual's inertia against [`inertia_by_differences`].
-fn inertia_error<C: ReferenceCurve>(
-    mut system: RingSystem<C>,
-    inertia: Inertia,
-    amplitude: f64,
-) -> f64 {
+fn inertia_error<C: ReferenceCurve>(mut system: RingSystem<C>, inertia: Inertia, amplitude: f64) -> f64 {
     system.ring = without_stiffness(system.ring);
     system.inertia = inertia;
     system.locked.clear();
@@ -384,9 +341,7 @@ fn inertia_error<C: ReferenceCurve>(
 /// quadrature integrates inexactly: the difference must fall with Gauss points and with the mesh.
 #[test]
 fn inertia_is_lagranges() {
-    let mesh = |refinement: usize, points: usize| {
-        RingMesh::even(&[1, 1, 2, 1, 1].map(|n| n * refinement), points)
-    };
+    let mesh = |refinement: usize, points: usize| RingMesh::even(&[1, 1, 2, 1, 1].map(|n| n * refinement), points);
     let flexible = |inertia, refinement, points| {
         inertia_error(
             RingSystem::flexible(solid(), solid_curve(), mesh(refinement, points)),
@@ -394,22 +349,13 @@ fn inertia_is_lagranges() {
             1.0,
         )
     };
-    let rigid = |inertia, points| {
-        inertia_error(
-            RingSystem::rigid(solid(), solid_curve(), mesh(1, points)),
-            inertia,
-            0.0,
-        )
-    };
+    let rigid =
+        |inertia, points| inertia_error(RingSystem::rigid(solid(), solid_curve(), mesh(1, points)), inertia, 0.0);
     for points in 2..=5 {
         assert!(flexible(Inertia::Conservative, 1, points) < 1e-9);
-        assert!(
-            rigid(Inertia::Conservative, points) < 1e-9 && rigid(Inertia::Pointwise, points) < 1e-9
-        );
+        assert!(rigid(Inertia::Conservative, points) < 1e-9 && rigid(Inertia::Pointwise, points) < 1e-9);
     }
-    let by_points: Vec<f64> = (2..=5)
-        .map(|points| flexible(Inertia::Pointwise, 1, points))
-        .collect();
+    let by_points: Vec<f64> = (2..=5).map(|points| flexible(Inertia::Pointwise, 1, points)).collect();
     let by_mesh: Vec<f64> = [1, 2, 4]
         .map(|refinement| flexible(Inertia::Pointwise, refinement, 3))
         .to_vec();
@@ -437,16 +383,10 @@ fn the_printed_convective_term_is_wrong() {
     // Both share −∂T/∂q (13); Ṁq̇ is exchanged for the printed term.
     let h = 1.0e-6;
     let moved = |h: f64| {
-        let q: Vec<f64> = state
-            .q
-            .iter()
-            .zip(&state.y)
-            .map(|(q, y)| q + h * y)
-            .collect();
+        let q: Vec<f64> = state.q.iter().zip(&state.y).map(|(q, y)| q + h * y).collect();
         system.mass_matrix(&q)
     };
-    let mut printed =
-        &right - (moved(h) - moved(-h)) / (2.0 * h) * DVector::from_column_slice(&state.y);
+    let mut printed = &right - (moved(h) - moved(-h)) / (2.0 * h) * DVector::from_column_slice(&state.y);
     printed[system.drift()] += system.integrate(state.view(), |p| {
         2.0 * system.ring.mass_per_length * p.velocity().dot(&p.slope_dot)
     });
@@ -495,8 +435,7 @@ fn reference_oscillation_has_the_reference_numbers() {
 fn reference_oscillation_conserves_energy() {
     let mut drifts = Vec::new();
     for tolerance in [1.0e-6, 1.0e-7, 1.0e-8] {
-        let mut system =
-            RingSystem::rigid(solid(), solid_curve(), RingMesh::even(&[2, 2, 4, 2, 2], 5));
+        let mut system = RingSystem::rigid(solid(), solid_curve(), RingMesh::even(&[2, 2, 4, 2, 2], 5));
         system.tolerance = tolerance;
         let (s, theta) = (system.drift(), system.theta());
         let mut state = system.rest(0.4);
@@ -527,8 +466,7 @@ fn reference_oscillation_conserves_energy() {
 /// Paper fig. 7: 8 elements, from Θ = 0.4 at rest for 0.3 ms. Height of the strands' middles above their chords at
 /// every 50 µs, m, and the largest energy drift relative to the energy.
 fn deformable_ring(inertia: Inertia, tolerance: f64) -> (Vec<f64>, f64) {
-    let mut system =
-        RingSystem::flexible(solid(), solid_curve(), RingMesh::even(&[1, 2, 2, 2, 1], 3));
+    let mut system = RingSystem::flexible(solid(), solid_curve(), RingMesh::even(&[1, 2, 2, 2, 1], 3));
     system.inertia = inertia;
     system.tolerance = tolerance;
     let mut state = system.rest(0.4);
@@ -544,16 +482,12 @@ fn deformable_ring(inertia: Inertia, tolerance: f64) -> (Vec<f64>, f64) {
             let chord = (to - from).normalize();
             (middle - from).dot(&Vector2::new(-chord.y, chord.x))
         });
-        assert!(
-            (upper - lower).abs() < 1e-6,
-            "at {t} s: {upper} and {lower} m"
-        );
+        assert!((upper - lower).abs() < 1e-6, "at {t} s: {upper} and {lower} m");
         bulges.push(upper);
         let energy = system.energy(state.view());
         drift = drift.max((energy.total() / start - 1.0).abs());
         // Nothing drives the drift: its momentum ∂T/∂ṡ stays zero.
-        let momentum =
-            (system.mass_matrix(&state.q) * DVector::from_column_slice(&state.y))[system.drift()];
+        let momentum = (system.mass_matrix(&state.q) * DVector::from_column_slice(&state.y))[system.drift()];
         let size = (2.0 * energy.kinetic * system.ring.mass_per_length).sqrt();
         assert!(momentum.abs() < 1e-6 * size, "{momentum} of {size}");
     }
@@ -570,12 +504,9 @@ fn deformable_ring(inertia: Inertia, tolerance: f64) -> (Vec<f64>, f64) {
 /// Later its leftmost point comes so close to the axis of S that Θ can't follow (Θ → 1 at 1.1 ms): the run ends before.
 #[test]
 fn deformable_ring_bulges_and_conserves_energy() {
-    let runs =
-        [1.0e-5, 1.0e-6, 1.0e-7].map(|tolerance| deformable_ring(Inertia::Conservative, tolerance));
+    let runs = [1.0e-5, 1.0e-6, 1.0e-7].map(|tolerance| deformable_ring(Inertia::Conservative, tolerance));
     for (bulges, _) in &runs {
-        assert!(
-            bulges[0] > -2.0e-3 && bulges[1..].windows(2).all(|b| b[1] > b[0]) && bulges[5] > 0.01
-        );
+        assert!(bulges[0] > -2.0e-3 && bulges[1..].windows(2).all(|b| b[1] > b[0]) && bulges[5] > 0.01);
     }
     assert!(runs[2].1 < 5e-5 && runs.windows(2).all(|pair| pair[1].1 < 0.3 * pair[0].1));
     // Dv/Dt at the points leaves a drift that no tolerance removes.
@@ -604,13 +535,7 @@ fn running_ring_stays_round() {
         state.y[drift] = speed;
         let mut integrator = Sdirk::new(&system, 1.0e-6, 1.0e-3);
         // Five turns.
-        run(
-            &mut system,
-            &mut integrator,
-            &mut state,
-            0.0,
-            5.0 * BAND_LENGTH / speed,
-        );
+        run(&mut system, &mut integrator, &mut state, 0.0, 5.0 * BAND_LENGTH / speed);
         let off = |x: f64| {
             (0..n)
                 .map(|i| (system.point(state.view(), i, x).strain() / gamma - 1.0).abs())
@@ -625,10 +550,7 @@ fn running_ring_stays_round() {
         shapes.push(off);
     }
     assert!(
-        shapes[2] < 1e-5
-            && orders(&shapes, 2.0)
-                .iter()
-                .all(|order| (order - 4.0).abs() < 0.2),
+        shapes[2] < 1e-5 && orders(&shapes, 2.0).iter().all(|order| (order - 4.0).abs() < 0.2),
         "{shapes:?}"
     );
 }
@@ -643,8 +565,7 @@ fn free_ring_frequency() {
     let errors: Vec<f64> = [20, 40, 80, 160]
         .iter()
         .map(|&n| {
-            let mut system =
-                RingSystem::flexible(ring.clone(), band_circle(), RingMesh::even(&[n], 3));
+            let mut system = RingSystem::flexible(ring.clone(), band_circle(), RingMesh::even(&[n], 3));
             let rest = system.rest(0.0);
             mode(&mut system, &rest, 1.02 * TAU * exact).0 / (TAU * exact) - 1.0
         })
@@ -655,11 +576,7 @@ fn free_ring_frequency() {
         orders(&errors, 2.0)
     );
     assert!(errors[1].abs() < 5e-3 && errors[3].abs() < 1e-4);
-    assert!(
-        orders(&errors, 2.0)
-            .windows(2)
-            .all(|o| o[0] > 2.0 && o[1] > o[0])
-    );
+    assert!(orders(&errors, 2.0).windows(2).all(|o| o[0] > 2.0 && o[1] > o[0]));
 }
 
 /// The same mode in time: after whole periods it has its first velocities again.
@@ -676,10 +593,7 @@ fn free_ring_swings_at_its_frequency() {
         .iter()
         .zip(&state.y)
         .fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
-    println!(
-        "after three periods {:.2e} of the velocity is off",
-        off / size
-    );
+    println!("after three periods {:.2e} of the velocity is off", off / size);
     assert!(off < 5e-3 * size);
 }
 
@@ -744,11 +658,7 @@ fn swinging_band(thickness: f64, amplitude: f64) -> (RingSystem<Circle>, State, 
     let height = |i: usize| shape[system.node(i, 0)].hypot(shape[system.node(i, 2)]);
     let largest = (0..40).map(height).fold(0.0, f64::max);
     let scale = amplitude * BAND_LENGTH / TAU * omega / largest;
-    state
-        .y
-        .iter_mut()
-        .zip(&shape)
-        .for_each(|(y, x)| *y = scale * x);
+    state.y.iter_mut().zip(&shape).for_each(|(y, x)| *y = scale * x);
     (system, state, omega)
 }
 
@@ -786,8 +696,7 @@ fn order_in_space() {
 #[test]
 fn order_in_time() {
     let theta = |step: f64| {
-        let mut system =
-            RingSystem::rigid(solid(), solid_curve(), RingMesh::even(&[1, 1, 2, 1, 1], 5));
+        let mut system = RingSystem::rigid(solid(), solid_curve(), RingMesh::even(&[1, 1, 2, 1, 1], 5));
         let mut integrator = fixed_steps(&mut system, step);
         let mut state = system.rest(0.4);
         run(&mut system, &mut integrator, &mut state, 0.0, 5.0e-3);
@@ -807,14 +716,8 @@ fn order_in_time() {
             state.q
         };
         let exact = shape(3000.0);
-        let off = |q: &[f64]| {
-            q.iter()
-                .zip(&exact)
-                .fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()))
-        };
-        let errors: Vec<f64> = [50.0, 100.0, 200.0]
-            .map(|steps| off(&shape(steps)))
-            .to_vec();
+        let off = |q: &[f64]| q.iter().zip(&exact).fold(0.0_f64, |a, (x, y)| a.max((x - y).abs()));
+        let errors: Vec<f64> = [50.0, 100.0, 200.0].map(|steps| off(&shape(steps))).to_vec();
         assert_order(&format!("band of {thickness} m"), &errors, 2.0);
     }
 }

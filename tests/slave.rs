@@ -124,12 +124,7 @@ impl Unit for Tank {
                         set: |v, x| v.brim = x,
                     },
                 ),
-                real(
-                    "level",
-                    LEVEL,
-                    Causality::Output,
-                    Access::Reading(|level| *level),
-                ),
+                real("level", LEVEL, Causality::Output, Access::Reading(|level| *level)),
             ],
         )
     }
@@ -141,11 +136,7 @@ impl Unit for Tank {
         Ok(())
     }
 
-    fn start(
-        valves: &Valves,
-        experiment: &Experiment,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<Self, String> {
+    fn start(valves: &Valves, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         Self::check(valves)?;
         remarks.push(Remark {
             warning: valves.start > 5.0,
@@ -157,12 +148,7 @@ impl Unit for Tank {
         })
     }
 
-    fn advance(
-        &mut self,
-        to: f64,
-        valves: &Valves,
-        _: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
+    fn advance(&mut self, to: f64, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), StepFailure> {
         assert!(valves.inflow != BURST, "the tank burst");
         let rate = valves.gain * valves.inflow;
         if self.level + rate * (to - self.time) > valves.brim {
@@ -196,10 +182,7 @@ impl Sink for Ear {
 
 fn slave() -> (Slave<Tank>, Heard) {
     let heard = Heard::default();
-    (
-        Slave::new(Some(Box::new(Ear(heard.clone()))), false, None),
-        heard,
-    )
+    (Slave::new(Some(Box::new(Ear(heard.clone()))), false, None), heard)
 }
 
 /// A slave in step mode at 0 s.
@@ -247,11 +230,7 @@ fn a_run_goes_through_its_states() {
     assert_eq!(slave.do_step(5.0, 1.0), Status::Error);
     assert!(last(&heard).contains("stop time 5 s"), "{}", last(&heard));
     assert_eq!(slave.terminate(), Status::Ok);
-    assert_eq!(
-        level(&mut slave),
-        8.0,
-        "last values can be read after the end"
-    );
+    assert_eq!(level(&mut slave), 8.0, "last values can be read after the end");
     assert_eq!(slave.reset(), Status::Ok);
     assert_eq!(slave.state(), State::Instantiated);
 }
@@ -262,10 +241,7 @@ fn what_is_set_reads_back() {
     assert_eq!(slave.set_real(&[START, INFLOW], &[7.0, 8.0]), Status::Ok);
     slave.enter_initialization_mode();
     let mut values = [0.0; 3];
-    assert_eq!(
-        slave.get_real(&[START, INFLOW, GAIN], &mut values),
-        Status::Ok
-    );
+    assert_eq!(slave.get_real(&[START, INFLOW, GAIN], &mut values), Status::Ok);
     assert_eq!(values, [7.0, 8.0, 1.0]);
 }
 
@@ -293,17 +269,9 @@ fn calls_in_the_wrong_state_are_refused_and_change_nothing() {
     assert_eq!(slave.set_real(&[START], &[1.0]), Status::Error);
     assert!(last(&heard).contains("start is fixed"), "{}", last(&heard));
     assert_eq!(slave.set_real(&[LEVEL], &[1.0]), Status::Error);
-    assert!(
-        last(&heard).contains("level is calculated"),
-        "{}",
-        last(&heard)
-    );
+    assert!(last(&heard).contains("level is calculated"), "{}", last(&heard));
     assert_eq!(slave.set_real(&[99], &[1.0]), Status::Error);
-    assert!(
-        last(&heard).contains("value reference 99"),
-        "{}",
-        last(&heard)
-    );
+    assert!(last(&heard).contains("value reference 99"), "{}", last(&heard));
     assert_eq!(slave.get_integer(&[LEVEL], &mut [0]), Status::Error);
     assert!(last(&heard).contains("another type"), "{}", last(&heard));
     assert_eq!(slave.state(), State::StepComplete);
@@ -315,11 +283,7 @@ fn a_bad_value_fails_before_anything_is_set() {
     for bad in [f64::NAN, f64::INFINITY, -1e4] {
         let (mut slave, heard) = running();
         assert_eq!(slave.set_real(&[BRIM, INFLOW], &[5.0, bad]), Status::Error);
-        assert!(
-            last(&heard).contains(&format!("inflow = {bad}")),
-            "{}",
-            last(&heard)
-        );
+        assert!(last(&heard).contains(&format!("inflow = {bad}")), "{}", last(&heard));
         assert_eq!(slave.state(), State::Error);
         let mut values = [0.0; 2];
         assert_eq!(slave.get_real(&[BRIM, INFLOW], &mut values), Status::Ok);
@@ -337,10 +301,7 @@ fn a_bad_value_fails_before_anything_is_set() {
 fn a_range_is_named_in_words() {
     let (mut slave, heard) = running();
     slave.set_real(&[GAIN], &[11.0]);
-    assert_eq!(
-        last(&heard),
-        "fmi2SetReal: gain = 11 is out of range: -1000 to 10"
-    );
+    assert_eq!(last(&heard), "fmi2SetReal: gain = 11 is out of range: -1000 to 10");
     let (mut slave, heard) = running();
     slave.set_real(&[INFLOW], &[-1001.0]);
     assert_eq!(
@@ -378,11 +339,7 @@ fn times_are_compared_with_tolerance() {
     for wrong in [0.0, -0.1, 101.0, 1e-30, f64::NAN, f64::INFINITY] {
         assert_eq!(slave.do_step(1.1, wrong), Status::Error, "{wrong}");
     }
-    assert_eq!(
-        slave.do_step(1.1, 0.1),
-        Status::Ok,
-        "refused steps changed nothing"
-    );
+    assert_eq!(slave.do_step(1.1, 0.1), Status::Ok, "refused steps changed nothing");
 }
 
 #[test]
@@ -396,11 +353,7 @@ fn late_times_keep_small_steps_apart() {
     slave.enter_initialization_mode();
     slave.exit_initialization_mode();
     assert_eq!(slave.do_step(1e6, 1e-3), Status::Ok);
-    assert_eq!(
-        slave.do_step(1e6, 1e-3),
-        Status::Error,
-        "this step has been done"
-    );
+    assert_eq!(slave.do_step(1e6, 1e-3), Status::Error, "this step has been done");
     assert_eq!(slave.do_step(1e6 + 1e-3, 1e-3), Status::Ok);
 }
 
@@ -411,20 +364,11 @@ fn a_discarded_step_tells_how_far_it_came_and_goes_on_from_there() {
     assert_eq!(slave.do_step(0.0, 1.0), Status::Discard);
     assert_eq!(heard.borrow().last().map(|m| m.1), Some(Category::Discard));
     let (mut time, mut status, mut ended) = (0.0, 0, 1);
-    assert_eq!(
-        slave.real_status(StatusKind::LastSuccessfulTime, &mut time),
-        Status::Ok
-    );
+    assert_eq!(slave.real_status(StatusKind::LastSuccessfulTime, &mut time), Status::Ok);
     assert_eq!(time, 0.5);
-    assert_eq!(
-        slave.step_status(StatusKind::DoStep, &mut status),
-        Status::Ok
-    );
+    assert_eq!(slave.step_status(StatusKind::DoStep, &mut status), Status::Ok);
     assert_eq!(status, Status::Discard as i32);
-    assert_eq!(
-        slave.boolean_status(StatusKind::Terminated, &mut ended),
-        Status::Ok
-    );
+    assert_eq!(slave.boolean_status(StatusKind::Terminated, &mut ended), Status::Ok);
     assert_eq!(ended, 0);
     assert_eq!(
         slave.no_status("fmi2GetStringStatus", StatusKind::Pending),
@@ -458,10 +402,7 @@ fn a_stored_state_holds_everything_and_fits_another_instance() {
     for slave in [&mut slave, &mut other] {
         assert_eq!(slave.restore(&stored), Status::Ok);
         let mut values = [0.0; 3];
-        assert_eq!(
-            slave.get_real(&[GAIN, INFLOW, LEVEL], &mut values),
-            Status::Ok
-        );
+        assert_eq!(slave.get_real(&[GAIN, INFLOW, LEVEL], &mut values), Status::Ok);
         assert_eq!(values, [2.0, 2.0, 5.0]);
         assert_eq!(slave.do_step(1.0, 1.0), Status::Ok);
         assert_eq!(level(slave), 9.0);
@@ -490,17 +431,10 @@ fn a_panic_stays_in_its_instance() {
 #[test]
 fn a_start_that_fails_can_be_tried_again_after_reset() {
     let (mut slave, heard) = slave();
-    assert_eq!(
-        slave.set_real(&[GAIN], &[0.5]),
-        Status::Ok,
-        "checked as a whole later"
-    );
+    assert_eq!(slave.set_real(&[GAIN], &[0.5]), Status::Ok, "checked as a whole later");
     assert_eq!(slave.enter_initialization_mode(), Status::Ok);
     assert_eq!(slave.exit_initialization_mode(), Status::Error);
-    assert_eq!(
-        last(&heard),
-        "fmi2ExitInitializationMode: gain = 0.5 does not fit"
-    );
+    assert_eq!(last(&heard), "fmi2ExitInitializationMode: gain = 0.5 does not fit");
     assert_eq!(slave.state(), State::Error);
     assert_eq!(slave.get_real(&[LEVEL], &mut [0.0]), Status::Error);
     slave.reset();
@@ -554,10 +488,7 @@ fn errors_and_warnings_are_logged_always_and_the_rest_on_request() {
     heard.borrow_mut().clear();
     slave.enter_initialization_mode();
     slave.exit_initialization_mode();
-    assert!(
-        heard.borrow().is_empty(),
-        "an event is no matter for a quiet log"
-    );
+    assert!(heard.borrow().is_empty(), "an event is no matter for a quiet log");
 
     slave.reset();
     assert_eq!(slave.set_debug_logging(true, &["logEvents"]), Status::Ok);

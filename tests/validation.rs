@@ -10,10 +10,7 @@ fn refused(change: impl FnOnce(&mut Parameters)) -> ParameterError {
     change(&mut parameters);
     let error = parameters.validate().expect_err("refused");
     let built = Variator::new(parameters).map(drop);
-    assert!(
-        built.is_err(),
-        "no variator is built from what validation refuses"
-    );
+    assert!(built.is_err(), "no variator is built from what validation refuses");
     error
 }
 
@@ -33,9 +30,7 @@ fn the_defaults_are_legal() {
 fn every_real_parameter_refuses_what_is_not_finite() {
     type Field = fn(&mut Parameters) -> &mut f64;
     let fields: [(&str, Field); 27] = [
-        ("geometry.centerDistance", |p| {
-            &mut p.geometry.center_distance
-        }),
+        ("geometry.centerDistance", |p| &mut p.geometry.center_distance),
         ("geometry.beltLength", |p| &mut p.geometry.belt_length),
         ("geometry.wedgeAngle", |p| &mut p.geometry.wedge_angle),
         ("belt.pitchOffset", |p| &mut p.belt.pitch_offset),
@@ -55,9 +50,7 @@ fn every_real_parameter_refuses_what_is_not_finite() {
         ("primary.inertia", |p| &mut p.primary.inertia),
         ("secondary.inertia", |p| &mut p.secondary.inertia),
         ("primary.sheaveMass", |p| &mut p.primary.sheave_mass),
-        ("secondary.sheaveDamping", |p| {
-            &mut p.secondary.sheave_damping
-        }),
+        ("secondary.sheaveDamping", |p| &mut p.secondary.sheave_damping),
         ("primary.tiltStiffness", |p| &mut p.primary.tilt_stiffness),
         ("secondary.tiltTime", |p| &mut p.secondary.tilt_time),
         ("primary.minRadius", |p| &mut p.primary.min_radius),
@@ -108,14 +101,8 @@ fn stiffness_mass_and_mesh_must_be_above_zero() {
         );
     }
     for bad in [0, -4, 100_000] {
-        assert_eq!(
-            refused(|p| p.mesh.primary_arc = bad).variable,
-            "mesh.primaryArc"
-        );
-        assert_eq!(
-            refused(|p| p.mesh.secondary_arc = bad).variable,
-            "mesh.secondaryArc"
-        );
+        assert_eq!(refused(|p| p.mesh.primary_arc = bad).variable, "mesh.primaryArc");
+        assert_eq!(refused(|p| p.mesh.secondary_arc = bad).variable, "mesh.secondaryArc");
         assert_eq!(refused(|p| p.mesh.strand = bad).variable, "mesh.strand");
         assert_eq!(
             refused(|p| p.mesh.cells_per_element = bad).variable,
@@ -144,16 +131,9 @@ fn the_wedge_must_open_wider_than_the_friction_angle() {
 
 #[test]
 fn the_belt_must_reach_around_pulleys_that_do_not_touch() {
-    for short in [
-        0.1,
-        2.0 * 0.168,
-        2.0 * 0.168 + 2.0 * std::f64::consts::PI * 1e-3,
-    ] {
+    for short in [0.1, 2.0 * 0.168, 2.0 * 0.168 + 2.0 * std::f64::consts::PI * 1e-3] {
         let error = refused(|p| p.geometry.belt_length = short);
-        assert_eq!(
-            (error.variable, error.value),
-            ("geometry.beltLength", short)
-        );
+        assert_eq!((error.variable, error.value), ("geometry.beltLength", short));
         assert!(error.range.starts_with("between 0.342"), "{error}");
     }
     assert_eq!(
@@ -179,10 +159,7 @@ fn play_is_at_most_a_tenth_of_the_belt() {
 fn stops_must_leave_a_range_and_the_initial_ratio_must_lie_in_it() {
     let error = refused(|p| p.primary.min_radius = p.primary.max_radius);
     assert_eq!(error.variable, "primary.minRadius");
-    assert!(
-        error.range.contains("below primary.maxRadius = 0.082"),
-        "{error}"
-    );
+    assert!(error.range.contains("below primary.maxRadius = 0.082"), "{error}");
     accepted(|p| p.initial.ratio = 2.2);
     accepted(|p| p.initial.ratio = 1.0 / 2.25);
     for beyond in [3.0, 1.0 / 3.0, 90.0, 0.011] {
@@ -206,15 +183,10 @@ fn the_offered_ratios_are_accepted() {
         .split([' ', ','])
         .filter_map(|word| word.parse().ok())
         .collect();
-    let [low, high] = ends[..] else {
-        panic!("{error}")
-    };
+    let [low, high] = ends[..] else { panic!("{error}") };
     // Mirrored stops: mirrored ends.
     assert!((low * high - 1.0).abs() < 1e-5, "{error}");
-    for (inside, outside) in [
-        (low * 1.00001, low * 0.99999),
-        (high * 0.99999, high * 1.00001),
-    ] {
+    for (inside, outside) in [(low * 1.00001, low * 0.99999), (high * 0.99999, high * 1.00001)] {
         accepted(|p| p.initial.ratio = inside);
         refused(|p| p.initial.ratio = outside);
     }
@@ -260,14 +232,8 @@ fn inputs_must_be_finite_and_close_the_pulleys() {
         refused(|i| i.secondary.clamping_force = f64::NAN).variable,
         "secondary.clampingForce"
     );
-    assert_eq!(
-        refused(|i| i.primary.torque = f64::INFINITY).variable,
-        "primary.torque"
-    );
-    assert_eq!(
-        refused(|i| i.secondary.torque = f64::NAN).variable,
-        "secondary.torque"
-    );
+    assert_eq!(refused(|i| i.primary.torque = f64::INFINITY).variable, "primary.torque");
+    assert_eq!(refused(|i| i.secondary.torque = f64::NAN).variable, "secondary.torque");
     assert_eq!(
         refused(|i| i.secondary.speed_setpoint = f64::NEG_INFINITY).variable,
         "secondary.speedSetpoint"

@@ -34,8 +34,7 @@ pub type Component = *mut c_void;
 pub type FmuState = *mut c_void;
 
 /// `fmi2CallbackLogger`: environment, instance name, status, category, message format, arguments of the format.
-pub type Logger =
-    unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
+pub type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
 /// `fmi2CallbackFunctions`. Only the logger is used: memory is the library's own, and steps finish before they return.
 #[derive(Clone, Copy, Debug)]
@@ -138,11 +137,7 @@ unsafe fn array_mut<'a, T>(pointer: *mut T, count: size_t) -> Option<&'a mut [T]
 /// `pointer` is null or points to a string that ends with a zero.
 unsafe fn text(pointer: *const c_char) -> Option<String> {
     // SAFETY: not null; the caller vouches for the zero at the end.
-    (!pointer.is_null()).then(|| {
-        unsafe { CStr::from_ptr(pointer) }
-            .to_string_lossy()
-            .into_owned()
-    })
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned())
 }
 
 const NULL_ARRAY: &str = "an array argument is null";
@@ -347,12 +342,7 @@ pub unsafe extern "C" fn fmi2Reset(c: Component) -> Status {
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetReal(
-    c: Component,
-    vr: *const c_uint,
-    nvr: size_t,
-    value: *mut f64,
-) -> Status {
+pub unsafe extern "C" fn fmi2GetReal(c: Component, vr: *const c_uint, nvr: size_t, value: *mut f64) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match (array(vr, nvr), array_mut(value, nvr)) {
@@ -367,12 +357,7 @@ pub unsafe extern "C" fn fmi2GetReal(
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetInteger(
-    c: Component,
-    vr: *const c_uint,
-    nvr: size_t,
-    value: *mut c_int,
-) -> Status {
+pub unsafe extern "C" fn fmi2GetInteger(c: Component, vr: *const c_uint, nvr: size_t, value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match (array(vr, nvr), array_mut(value, nvr)) {
@@ -387,12 +372,7 @@ pub unsafe extern "C" fn fmi2GetInteger(
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBoolean(
-    c: Component,
-    vr: *const c_uint,
-    nvr: size_t,
-    value: *mut c_int,
-) -> Status {
+pub unsafe extern "C" fn fmi2GetBoolean(c: Component, vr: *const c_uint, nvr: size_t, value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match (array(vr, nvr), array_mut(value, nvr)) {
@@ -427,12 +407,7 @@ pub unsafe extern "C" fn fmi2GetString(
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetReal(
-    c: Component,
-    vr: *const c_uint,
-    nvr: size_t,
-    value: *const f64,
-) -> Status {
+pub unsafe extern "C" fn fmi2SetReal(c: Component, vr: *const c_uint, nvr: size_t, value: *const f64) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match (array(vr, nvr), array(value, nvr)) {
@@ -447,12 +422,7 @@ pub unsafe extern "C" fn fmi2SetReal(
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetInteger(
-    c: Component,
-    vr: *const c_uint,
-    nvr: size_t,
-    value: *const c_int,
-) -> Status {
+pub unsafe extern "C" fn fmi2SetInteger(c: Component, vr: *const c_uint, nvr: size_t, value: *const c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match (array(vr, nvr), array(value, nvr)) {
@@ -467,12 +437,7 @@ pub unsafe extern "C" fn fmi2SetInteger(
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SetBoolean(
-    c: Component,
-    vr: *const c_uint,
-    nvr: size_t,
-    value: *const c_int,
-) -> Status {
+pub unsafe extern "C" fn fmi2SetBoolean(c: Component, vr: *const c_uint, nvr: size_t, value: *const c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match (array(vr, nvr), array(value, nvr)) {
@@ -570,17 +535,9 @@ const NO_BYTES: &str = "a stored state can't be turned into bytes (canSerializeF
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    c: Component,
-    _state: FmuState,
-    _size: *mut size_t,
-) -> Status {
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, _state: FmuState, _size: *mut size_t) -> Status {
     // SAFETY: as the caller grants.
-    unsafe {
-        with(c, |slave| {
-            slave.not_offered("fmi2SerializedFMUstateSize", NO_BYTES)
-        })
-    }
+    unsafe { with(c, |slave| slave.not_offered("fmi2SerializedFMUstateSize", NO_BYTES)) }
 }
 
 /// Not offered.
@@ -595,11 +552,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     _size: size_t,
 ) -> Status {
     // SAFETY: as the caller grants.
-    unsafe {
-        with(c, |slave| {
-            slave.not_offered("fmi2SerializeFMUstate", NO_BYTES)
-        })
-    }
+    unsafe { with(c, |slave| slave.not_offered("fmi2SerializeFMUstate", NO_BYTES)) }
 }
 
 /// Not offered.
@@ -614,11 +567,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     _state: *mut FmuState,
 ) -> Status {
     // SAFETY: as the caller grants.
-    unsafe {
-        with(c, |slave| {
-            slave.not_offered("fmi2DeSerializeFMUstate", NO_BYTES)
-        })
-    }
+    unsafe { with(c, |slave| slave.not_offered("fmi2DeSerializeFMUstate", NO_BYTES)) }
 }
 
 // ---- Derivatives --------------------------------------------------------------------------------------------------
@@ -640,11 +589,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     let why = "no output depends directly on an input, so every such derivative would be zero \
                (providesDirectionalDerivative is false)";
     // SAFETY: as the caller grants.
-    unsafe {
-        with(c, |slave| {
-            slave.not_offered("fmi2GetDirectionalDerivative", why)
-        })
-    }
+    unsafe { with(c, |slave| slave.not_offered("fmi2GetDirectionalDerivative", why)) }
 }
 
 /// Not offered.
@@ -661,11 +606,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
 ) -> Status {
     let why = "inputs are held constant over a step (canInterpolateInputs is false)";
     // SAFETY: as the caller grants.
-    unsafe {
-        with(c, |slave| {
-            slave.not_offered("fmi2SetRealInputDerivatives", why)
-        })
-    }
+    unsafe { with(c, |slave| slave.not_offered("fmi2SetRealInputDerivatives", why)) }
 }
 
 /// Not offered.
@@ -682,11 +623,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
 ) -> Status {
     let why = "output derivatives are not calculated (maxOutputDerivativeOrder is 0)";
     // SAFETY: as the caller grants.
-    unsafe {
-        with(c, |slave| {
-            slave.not_offered("fmi2GetRealOutputDerivatives", why)
-        })
-    }
+    unsafe { with(c, |slave| slave.not_offered("fmi2GetRealOutputDerivatives", why)) }
 }
 
 // ---- Steps --------------------------------------------------------------------------------------------------------
@@ -770,11 +707,7 @@ pub unsafe extern "C" fn fmi2GetRealStatus(c: Component, kind: c_int, value: *mu
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetIntegerStatus(
-    c: Component,
-    kind: c_int,
-    _value: *mut c_int,
-) -> Status {
+pub unsafe extern "C" fn fmi2GetIntegerStatus(c: Component, kind: c_int, _value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match status_kind(kind) {
@@ -789,11 +722,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus(
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetBooleanStatus(
-    c: Component,
-    kind: c_int,
-    value: *mut c_int,
-) -> Status {
+pub unsafe extern "C" fn fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match (status_kind(kind), value.as_mut()) {
@@ -809,11 +738,7 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2GetStringStatus(
-    c: Component,
-    kind: c_int,
-    _value: *mut *const c_char,
-) -> Status {
+pub unsafe extern "C" fn fmi2GetStringStatus(c: Component, kind: c_int, _value: *mut *const c_char) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
         with(c, |slave| match status_kind(kind) {

@@ -54,8 +54,7 @@ impl Default for Fnv {
 impl Write for Fnv {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         for byte in bytes {
-            self.0 = (self.0 ^ u128::from(*byte))
-                .wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
+            self.0 = (self.0 ^ u128::from(*byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
         }
         Ok(bytes.len())
     }
@@ -67,11 +66,7 @@ impl Write for Fnv {
 
 type Attributes = Vec<(&'static str, String)>;
 
-fn write<U: Unit, W: Write>(
-    to: W,
-    table: &Table<U::Settings, U::Readings>,
-    guid: &str,
-) -> io::Result<()> {
+fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid: &str) -> io::Result<()> {
     let identity = U::IDENTITY;
     let mut xml = Writer::new_with_indent(to, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -98,10 +93,7 @@ fn write<U: Unit, W: Write>(
         ];
         empty(xml, "CoSimulation", capabilities)?;
         parent(xml, "UnitDefinitions", vec![], |xml| {
-            table
-                .units
-                .iter()
-                .try_for_each(|unit| unit_definition(xml, unit))
+            table.units.iter().try_for_each(|unit| unit_definition(xml, unit))
         })?;
         parent(xml, "TypeDefinitions", vec![], |xml| {
             table
@@ -132,9 +124,7 @@ fn write<U: Unit, W: Write>(
                 .iter()
                 .try_for_each(|variable| scalar_variable(xml, variable, &settings))
         })?;
-        parent(xml, "ModelStructure", vec![], |xml| {
-            model_structure(xml, table)
-        })
+        parent(xml, "ModelStructure", vec![], |xml| model_structure(xml, table))
     })?;
     xml.get_mut().write_all(b"\n")
 }
@@ -172,11 +162,7 @@ fn type_definition<W: Write>(xml: &mut Writer<W>, enumeration: &Enumeration) -> 
     })
 }
 
-fn scalar_variable<W: Write, S, R>(
-    xml: &mut Writer<W>,
-    variable: &Variable<S, R>,
-    settings: &S,
-) -> io::Result<()> {
+fn scalar_variable<W: Write, S, R>(xml: &mut Writer<W>, variable: &Variable<S, R>, settings: &S) -> io::Result<()> {
     let real = matches!(variable.kind, Kind::Real { .. });
     let (causality, variability, initial) = match variable.causality {
         Causality::Parameter => ("parameter", "fixed", Some("exact")),

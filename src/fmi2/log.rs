@@ -96,9 +96,7 @@ impl Log {
         };
         self.enabled = categories
             .iter()
-            .fold(Category::Error.bit(), |bits, category| {
-                bits | category.bit()
-            });
+            .fold(Category::Error.bit(), |bits, category| bits | category.bit());
     }
 
     /// Logs a message.

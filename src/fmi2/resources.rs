@@ -31,20 +31,13 @@ pub fn path(uri: &str) -> Result<PathBuf, String> {
         }
     };
     if !encoded.starts_with('/') {
-        return Err(format!(
-            "the resource location {uri:?} has no absolute path"
-        ));
+        return Err(format!("the resource location {uri:?} has no absolute path"));
     }
-    let decoded = percent_decode(encoded).ok_or_else(|| {
-        format!("the resource location {uri:?} is not percent-encoded UTF-8 text")
-    })?;
+    let decoded = percent_decode(encoded)
+        .ok_or_else(|| format!("the resource location {uri:?} is not percent-encoded UTF-8 text"))?;
     let bytes = decoded.as_bytes();
     let has_drive = bytes.len() >= 3 && bytes[1].is_ascii_alphabetic() && bytes[2] == b':';
-    Ok(PathBuf::from(if has_drive {
-        &decoded[1..]
-    } else {
-        &decoded[..]
-    }))
+    Ok(PathBuf::from(if has_drive { &decoded[1..] } else { &decoded[..] }))
 }
 
 fn percent_decode(text: &str) -> Option<String> {
@@ -69,22 +62,14 @@ mod tests {
 
     #[test]
     fn a_path_may_come_with_or_without_an_authority() {
-        for uri in [
-            "file:/tmp/a",
-            "file:///tmp/a",
-            "file://localhost/tmp/a",
-            "FILE:/tmp/a",
-        ] {
+        for uri in ["file:/tmp/a", "file:///tmp/a", "file://localhost/tmp/a", "FILE:/tmp/a"] {
             assert_eq!(path(uri).as_deref(), Ok(Path::new("/tmp/a")), "{uri}");
         }
     }
 
     #[test]
     fn percent_codes_are_decoded() {
-        assert_eq!(
-            path("file:///a%20b/%C3%A9").as_deref(),
-            Ok(Path::new("/a b/é"))
-        );
+        assert_eq!(path("file:///a%20b/%C3%A9").as_deref(), Ok(Path::new("/a b/é")));
         assert_eq!(
             path("file:///C:/Program%20Files").as_deref(),
             Ok(Path::new("C:/Program Files"))

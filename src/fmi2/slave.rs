@@ -125,11 +125,7 @@ impl<U: Unit> Slave<U> {
     pub fn setup_experiment(&mut self, experiment: Experiment) -> Status {
         self.call("fmi2SetupExperiment", |slave| {
             slave.allow(Call::SetupExperiment)?;
-            let Experiment {
-                tolerance,
-                start,
-                stop,
-            } = experiment;
+            let Experiment { tolerance, start, stop } = experiment;
             if !start.is_finite() {
                 return refused(format!("the start time {start} is not a finite number"));
             }
@@ -203,9 +199,7 @@ impl<U: Unit> Slave<U> {
 
     /// `fmi2GetReal`.
     pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Status {
-        self.call("fmi2GetReal", |slave| {
-            slave.get(references, values, real_access, |v| v)
-        })
+        self.call("fmi2GetReal", |slave| slave.get(references, values, real_access, |v| v))
     }
 
     /// `fmi2GetInteger`, for integers and enumerations.
@@ -228,9 +222,7 @@ impl<U: Unit> Slave<U> {
             slave.allow(call)?;
             match references.first() {
                 None => Ok(()),
-                Some(reference) => {
-                    refused(format!("no string has the value reference {reference}"))
-                }
+                Some(reference) => refused(format!("no string has the value reference {reference}")),
             }
         })
     }
@@ -264,13 +256,7 @@ impl<U: Unit> Slave<U> {
     /// `fmi2SetBoolean`; what is not 0 is true. Either all values are taken or none.
     pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Status {
         self.call("fmi2SetBoolean", |slave| {
-            slave.set(
-                references,
-                values,
-                boolean_access,
-                |_, _| Ok(()),
-                |v| v != 0,
-            )
+            slave.set(references, values, boolean_access, |_, _| Ok(()), |v| v != 0)
         })
     }
 
@@ -359,9 +345,7 @@ impl<U: Unit> Slave<U> {
             ));
         }
         if step > longest {
-            return refused(format!(
-                "the step of {step} s is longer than the longest, {longest} s"
-            ));
+            return refused(format!("the step of {step} s is longer than the longest, {longest} s"));
         }
         if !same_time(current, reached, step) {
             return refused(format!(
@@ -378,9 +362,7 @@ impl<U: Unit> Slave<U> {
             && to > stop
             && !same_time(to, stop, step)
         {
-            return refused(format!(
-                "the step to {to} s leads beyond the stop time {stop} s"
-            ));
+            return refused(format!("the step to {to} s leads beyond the stop time {stop} s"));
         }
         let mut remarks = Vec::new();
         let result = unit.advance(to, &self.now.settings, &mut remarks);
@@ -431,8 +413,7 @@ impl<U: Unit> Slave<U> {
             find(&self.table, reference, access)?;
         }
         let calculated = |reference: &u32| {
-            find(&self.table, *reference, access)
-                .is_ok_and(|(_, access)| !matches!(access, Access::Setting { .. }))
+            find(&self.table, *reference, access).is_ok_and(|(_, access)| !matches!(access, Access::Setting { .. }))
         };
         if references.iter().any(calculated) {
             if self.now.state == State::Initialisation {
@@ -516,11 +497,7 @@ impl<U: Unit> Slave<U> {
         ))
     }
 
-    fn status(
-        &mut self,
-        function: &'static str,
-        body: impl FnOnce(&mut Self) -> Outcome,
-    ) -> Status {
+    fn status(&mut self, function: &'static str, body: impl FnOnce(&mut Self) -> Outcome) -> Status {
         self.call(function, |slave| {
             slave.allow(Call::GetStatus)?;
             body(slave)
@@ -547,8 +524,7 @@ impl<U: Unit> Slave<U> {
             }
             Err(Trouble::Discarded(text)) => (Status::Discard, Category::Discard, text),
         };
-        self.log
-            .send(status, category, &format!("{function}: {text}"));
+        self.log.send(status, category, &format!("{function}: {text}"));
         status
     }
 }
@@ -571,8 +547,7 @@ type AccessOf<U, T> = fn(
     &Kind<<U as Unit>::Settings, <U as Unit>::Readings>,
 ) -> Option<&Access<<U as Unit>::Settings, <U as Unit>::Readings, T>>;
 
-type CheckOf<U, V> =
-    fn(&Variable<<U as Unit>::Settings, <U as Unit>::Readings>, V) -> Result<(), Refused>;
+type CheckOf<U, V> = fn(&Variable<<U as Unit>::Settings, <U as Unit>::Readings>, V) -> Result<(), Refused>;
 
 fn real_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, f64>> {
     match kind {
@@ -595,10 +570,7 @@ fn boolean_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, bool>> {
     }
 }
 
-#[expect(
-    clippy::type_complexity,
-    reason = "a variable with its access, used only here"
-)]
+#[expect(clippy::type_complexity, reason = "a variable with its access, used only here")]
 fn find<S, R, T>(
     table: &Table<S, R>,
     reference: u32,

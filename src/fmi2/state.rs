@@ -68,16 +68,10 @@ impl Call {
             Self::ExitInitializationMode => state == Initialisation,
             Self::Terminate => matches!(state, StepComplete | StepFailed),
             Self::Always => true,
-            Self::Get => matches!(
-                state,
-                Initialisation | StepComplete | StepFailed | Terminated | Error
-            ),
+            Self::Get => matches!(state, Initialisation | StepComplete | StepFailed | Terminated | Error),
             // After a discarded step the standard knows only rollback and the end. This slave stands at its last
             // successful time, so it also lets the master change inputs and go on from there.
-            Self::Set => matches!(
-                state,
-                Instantiated | Initialisation | StepComplete | StepFailed
-            ),
+            Self::Set => matches!(state, Instantiated | Initialisation | StepComplete | StepFailed),
             Self::DoStep => matches!(state, StepComplete | StepFailed),
             Self::GetStatus => matches!(state, StepComplete | StepFailed | Terminated),
             Self::CancelStep => false,

@@ -90,22 +90,13 @@ pub trait Unit: Clone + Sized {
     ///
     /// # Errors
     /// A sentence that says what is wrong.
-    fn start(
-        settings: &Self::Settings,
-        experiment: &Experiment,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<Self, String>;
+    fn start(settings: &Self::Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String>;
 
     /// Advances to time `to` with the settings held.
     ///
     /// # Errors
     /// See [`StepFailure`].
-    fn advance(
-        &mut self,
-        to: f64,
-        settings: &Self::Settings,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure>;
+    fn advance(&mut self, to: f64, settings: &Self::Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure>;
 
     /// Present time, s.
     fn time(&self) -> f64;

@@ -23,9 +23,7 @@ pub struct TwoPulley {
 
 /// The belt does not fit the pulleys.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "no belt of length {length} m closes around pulleys {center_distance} m apart at a geometric ratio of {ratio}"
-)]
+#[error("no belt of length {length} m closes around pulleys {center_distance} m apart at a geometric ratio of {ratio}")]
 pub struct GeometryError {
     /// Belt length L, m.
     pub length: f64,
@@ -239,8 +237,7 @@ impl ReferenceCurve for TwoPulley {
             };
         }
         let (pulley, start, sweep) = arc_angles(segment);
-        let chi = Jet::constant(start[0] + fraction * sweep[0])
-            .plus_scaled(frame.phi, start[1] + fraction * sweep[1]);
+        let chi = Jet::constant(start[0] + fraction * sweep[0]).plus_scaled(frame.phi, start[1] + fraction * sweep[1]);
         let rho = frame.radius[pulley];
         let position = VectorJet::polar(rho, chi);
         let kappa = rho.v.recip();
@@ -291,7 +288,11 @@ mod tests {
         for theta in [-0.4, 0.0, 0.3] {
             for segment in 0..SEGMENTS {
                 for f in [0.0, 0.3, 1.0] {
-                    let (p, plus, minus) = (at(theta, segment, f), at(theta + h, segment, f), at(theta - h, segment, f));
+                    let (p, plus, minus) = (
+                        at(theta, segment, f),
+                        at(theta + h, segment, f),
+                        at(theta - h, segment, f),
+                    );
                     let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
                     close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-9);
                     close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-8);

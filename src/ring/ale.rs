@@ -66,12 +66,7 @@ pub fn energy_density<T: Real>(ring: &Ring, point: &RingPoint<T>) -> T {
 
 /// Adds ∂V/∂q and the damping force; `growth` = (∂l/∂Θ)/l of the element. Returns the ring tension T, N.
 #[inline]
-pub fn add_elasticity<T: Real>(
-    ring: &Ring,
-    point: &RingPoint<T>,
-    growth: T,
-    load: &mut Load<T>,
-) -> T {
+pub fn add_elasticity<T: Real>(ring: &Ring, point: &RingPoint<T>, growth: T, load: &mut Load<T>) -> T {
     let reference = &point.reference;
     let kappa = curvature(point);
     let moment = kappa * ring.bending_stiffness;

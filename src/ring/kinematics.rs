@@ -167,7 +167,12 @@ pub struct RingPoint<T: Real> {
 impl<T: Real> RingPoint<T> {
     /// Kinematics at `shape` of an element.
     #[inline]
-    pub fn new(reference: ReferencePoint<T>, shape: &Hermite, element: &ElementMotion<T>, motion: &ReferenceMotion<T>) -> Self {
+    pub fn new(
+        reference: ReferencePoint<T>,
+        shape: &Hermite,
+        element: &ElementMotion<T>,
+        motion: &ReferenceMotion<T>,
+    ) -> Self {
         let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
         let mut r = reference.r;
         let mut r_dot = reference.r_theta * rate;
@@ -285,7 +290,14 @@ impl<T: Real> ElementLoad<T> {
 
     /// Adds a load over the length `weight`, m.
     #[inline]
-    pub fn add(&mut self, load: &Load<T>, point: &RingPoint<T>, shape: &Hermite, element: &ElementMotion<T>, weight: T) {
+    pub fn add(
+        &mut self,
+        load: &Load<T>,
+        point: &RingPoint<T>,
+        shape: &Hermite,
+        element: &ElementMotion<T>,
+        weight: T,
+    ) {
         let reference = &point.reference;
         self.s += load.drift * weight;
         let bend_theta = reference.n * reference.kappa_theta - reference.t * (reference.kappa * reference.chi_theta);
@@ -298,7 +310,11 @@ impl<T: Real> ElementLoad<T> {
             let u_slope = point.slope - reference.t;
             let u_bend = point.bend - reference.n * reference.kappa;
             theta -= (load.slope.dot(&u_slope) + load.bend.dot(&u_bend) * 2.0) * growth;
-            let (f0, f1, f2) = (load.position * weight, load.slope * (g * weight), load.bend * (g * g * weight));
+            let (f0, f1, f2) = (
+                load.position * weight,
+                load.slope * (g * weight),
+                load.bend * (g * g * weight),
+            );
             for k in 0..4 {
                 let (n, dn, ddn) = (shape.n[k], shape.dn[k], shape.ddn[k]);
                 self.d[k].x += f0.x * n + f1.x * dn + f2.x * ddn;

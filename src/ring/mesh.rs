@@ -83,10 +83,7 @@ pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<I
 /// Nodes and weights of Gauss's rule on [−1, 1] with 2 to 5 points.
 #[must_use]
 pub fn gauss(points: usize) -> &'static [(f64, f64)] {
-    const TWO: [(f64, f64); 2] = [
-        (-0.577_350_269_189_625_8, 1.0),
-        (0.577_350_269_189_625_8, 1.0),
-    ];
+    const TWO: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
     const THREE: [(f64, f64); 3] = [
         (-0.774_596_669_241_483_4, 5.0 / 9.0),
         (0.0, 8.0 / 9.0),
@@ -176,19 +173,13 @@ mod tests {
     fn gauss_integrates_polynomials_of_its_degree() {
         for points in 2..=5 {
             for degree in 0..2 * points {
-                let sum: f64 = gauss(points)
-                    .iter()
-                    .map(|&(x, w)| w * x.powi(degree as i32))
-                    .sum();
+                let sum: f64 = gauss(points).iter().map(|&(x, w)| w * x.powi(degree as i32)).sum();
                 let exact = if degree % 2 == 0 {
                     2.0 / (degree as f64 + 1.0)
                 } else {
                     0.0
                 };
-                assert!(
-                    (sum - exact).abs() < 1e-15,
-                    "{points} points, degree {degree}"
-                );
+                assert!((sum - exact).abs() < 1e-15, "{points} points, degree {degree}");
             }
         }
     }

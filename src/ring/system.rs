@@ -7,9 +7,7 @@
 //! across it because of Θ. A curve without a ratio needs the first lock only; a second would hold the free ring.
 //! `ALE0` locks every node: the ring then has s and Θ alone.
 
-use super::kinematics::{
-    ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint,
-};
+use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
 use super::mesh::{RingMesh, Station};
 use super::{Ring, ale};
 use crate::reference_curve::{Jet, ReferenceCurve};
@@ -217,8 +215,7 @@ impl<C: ReferenceCurve> RingSystem<C> {
             s_ddot: acceleration(8),
         };
         let place = &self.mesh.elements[element];
-        let length =
-            Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
+        let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
         if !self.flexible {
             return (ElementMotion::rigid(length), motion);
         }
@@ -231,10 +228,7 @@ impl<C: ReferenceCurve> RingSystem<C> {
             rate: node(i, &rate),
             acceleration: node(i, &acceleration),
         });
-        (
-            ElementMotion::flexible(length, &motion.theta, &nodes),
-            motion,
-        )
+        (ElementMotion::flexible(length, &motion.theta, &nodes), motion)
     }
 
     fn frame(&self, view: View<'_>) -> C::Frame<f64> {
@@ -258,8 +252,7 @@ impl<C: ReferenceCurve> RingSystem<C> {
     #[must_use]
     pub fn point(&self, view: View<'_>, element: usize, x: f64) -> RingPoint<f64> {
         let station = self.mesh.elements[element].station(x, 0.0, 0.0);
-        self.station_point(view, &self.frame(view), element, &station)
-            .0
+        self.station_point(view, &self.frame(view), element, &station).0
     }
 
     /// ∫ `f` dξ over the ring.
@@ -336,28 +329,15 @@ impl<C: ReferenceCurve> RingSystem<C> {
             match self.inertia {
                 Inertia::Pointwise => ale::add_inertia(&self.ring, &point, &mut load),
                 Inertia::Conservative => {
-                    ale::add_conservative_inertia(
-                        &self.ring,
-                        &point,
-                        growth,
-                        motion.theta.rate,
-                        &mut load,
-                    );
+                    ale::add_conservative_inertia(&self.ring, &point, growth, motion.theta.rate, &mut load);
                 }
             }
             ale::add_elasticity(&self.ring, &point, growth, &mut load);
-            sum.add(
-                &load,
-                &point,
-                &station.shape,
-                overlay,
-                length.v * station.weight,
-            );
+            sum.add(&load, &point, &station.shape, overlay, length.v * station.weight);
         }
         let ([left, right], theta) = sum.nodes(overlay);
         [
-            left.a.x, left.b.x, left.a.y, left.b.y, right.a.x, right.b.x, right.a.y, right.b.y,
-            sum.s, theta,
+            left.a.x, left.b.x, left.a.y, left.b.y, right.a.x, right.b.x, right.a.y, right.b.y, sum.s, theta,
         ]
     }
 }
@@ -397,9 +377,7 @@ impl<C: ReferenceCurve> System for RingSystem<C> {
             eps[direction] = slope;
             DualSVec64::new(value, Derivative::some(eps))
         };
-        let frame = self
-            .curve
-            .frame(seed(view.q[self.theta()], DIRECTIONS - 1, beta));
+        let frame = self.curve.frame(seed(view.q[self.theta()], DIRECTIONS - 1, beta));
         for element in 0..self.mesh.elements.len() {
             let motion = self.motion(view, element, &frame, [alpha, beta], seed);
             let rows = self.balance(element, &frame, &motion);
@@ -418,13 +396,8 @@ impl<C: ReferenceCurve> System for RingSystem<C> {
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
         let length = self.curve.length();
         // Errors of velocity add up over many short steps: their measure is the slowest bending wave, not the step.
-        let wave = (self.ring.bending_stiffness / self.ring.mass_per_length).sqrt()
-            * (TAU / length).powi(2);
-        let rate = if wave > 0.0 {
-            wave.min(1.0 / beta)
-        } else {
-            1.0 / beta
-        };
+        let wave = (self.ring.bending_stiffness / self.ring.mass_per_length).sqrt() * (TAU / length).powi(2);
+        let rate = if wave > 0.0 { wave.min(1.0 / beta) } else { 1.0 / beta };
         for (i, scale) in out.iter_mut().enumerate() {
             let size = if self.is_length(i) { length } else { 1.0 };
             *scale = NEWTON_ACCURACY * size * rate;
@@ -438,13 +411,7 @@ impl<C: ReferenceCurve> Evolution for RingSystem<C> {
         let sum: f64 = q_error
             .iter()
             .enumerate()
-            .map(|(i, error)| {
-                if self.is_length(i) {
-                    error / length
-                } else {
-                    *error
-                }
-            })
+            .map(|(i, error)| if self.is_length(i) { error / length } else { *error })
             .map(|error| error * error)
             .sum();
         (sum / q_error.len() as f64).sqrt() / self.tolerance
@@ -454,8 +421,7 @@ impl<C: ReferenceCurve> Evolution for RingSystem<C> {
         let viscosity = self.ring.axial_stiffness * self.ring.damping;
         if viscosity != 0.0 {
             for view in [before, after] {
-                self.dissipated +=
-                    0.5 * h * self.integrate(view, |p| viscosity * p.strain_rate().powi(2));
+                self.dissipated += 0.5 * h * self.integrate(view, |p| viscosity * p.strain_rate().powi(2));
             }
         }
     }

@@ -12,12 +12,10 @@
 //! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
 //! in n: O(n (b+g)² b). Dense kernels are faer's, with partial pivoting inside a block.
 
+use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::{
-    solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
-};
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::triangular_solve::{solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, MatMut, MatRef, Par};
 
 /// Sizes of an [`Arrow`] matrix.
@@ -99,7 +97,11 @@ impl Arrow {
 
     #[inline]
     fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
-        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
         let (row_block, i) = (row / b, row % b);
         let (column_block, j) = (column / b, column % b);
         let split = n * b;
@@ -130,7 +132,11 @@ impl Arrow {
 
     /// Replaces a row by a multiple of the unit row: `scale`·x_row.
     pub fn set_unit_row(&mut self, row: usize, scale: f64) {
-        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
         let split = n * b;
         if row < split {
             let (k, i) = (row / b, row % b);
@@ -162,7 +168,11 @@ impl Arrow {
     /// # Panics
     /// If an index is not in the border.
     pub fn add_row(&mut self, into: usize, from: usize, factor: f64) {
-        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
         let (into, from) = (into - n * b, from - n * b);
         for column in self.bottom.chunks_exact_mut(g).chain(self.corner.chunks_exact_mut(g)) {
             column[into] += factor * column[from];
@@ -171,7 +181,11 @@ impl Arrow {
 
     /// `out` = A·`x`.
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
-        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
         let split = n * b;
         out.fill(0.0);
         for k in 0..n {
@@ -183,7 +197,12 @@ impl Arrow {
             gemv(1.0, &self.upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
             gemv(1.0, &self.lower[blocks], &x[previous * b..(previous + 1) * b], y);
             gemv(1.0, &self.right[k * b * g..(k + 1) * b * g], &x[split..], y);
-            gemv(1.0, &self.bottom[k * b * g..(k + 1) * b * g], &x[row], &mut out[split..]);
+            gemv(
+                1.0,
+                &self.bottom[k * b * g..(k + 1) * b * g],
+                &x[row],
+                &mut out[split..],
+            );
         }
         gemv(1.0, &self.corner, &x[split..], &mut out[split..]);
     }
@@ -314,7 +333,9 @@ impl Clone for Scratch {
 
 impl std::fmt::Debug for Scratch {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Scratch").field("size", &self.size).finish_non_exhaustive()
+        f.debug_struct("Scratch")
+            .field("size", &self.size)
+            .finish_non_exhaustive()
     }
 }
 
@@ -366,7 +387,11 @@ impl ArrowLu {
     /// # Errors
     /// A block or the border is singular or not finite.
     pub fn factor(&mut self, a: &Arrow) -> Result<(), Singular> {
-        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
         let w = b + g;
         let stack = MemStack::new(&mut self.scratch.buffer);
         // Border: block 0, then the globals.
@@ -441,7 +466,14 @@ impl ArrowLu {
                 let lower = MatRef::from_column_major_slice(&self.lower[block.clone()], b, b);
                 let pivot = &mut self.pivots[k + 1].factors;
                 pivot.copy_from_slice(&a.diagonal[block]);
-                matmul(MatMut::from_column_major_slice_mut(pivot, b, b), Accum::Add, lower, x_upper, -1.0, Par::Seq);
+                matmul(
+                    MatMut::from_column_major_slice_mut(pivot, b, b),
+                    Accum::Add,
+                    lower,
+                    x_upper,
+                    -1.0,
+                    Par::Seq,
+                );
                 border_columns(k + 1, &mut self.next_border);
                 let next_border = MatMut::from_column_major_slice_mut(&mut self.next_border, b, w);
                 matmul(next_border, Accum::Add, lower, x_border, -1.0, Par::Seq);
@@ -456,7 +488,11 @@ impl ArrowLu {
 
     /// Replaces the right-hand side `x` by the solution.
     pub fn solve(&mut self, x: &mut [f64]) {
-        let Shape { blocks: n, block: b, border: g } = self.shape;
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
         let w = b + g;
         self.tail[..b].copy_from_slice(&x[..b]);
         self.tail[b..].copy_from_slice(&x[n * b..]);
@@ -492,7 +528,9 @@ mod tests {
     fn solves_what_it_multiplies() {
         let mut seed = 1_u64;
         let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         };
         for (blocks, block, border) in [(3, 1, 2), (4, 3, 0), (9, 5, 4), (30, 8, 10)] {
@@ -526,7 +564,11 @@ mod tests {
 
     #[test]
     fn tells_a_singular_matrix() {
-        let shape = Shape { blocks: 4, block: 2, border: 1 };
+        let shape = Shape {
+            blocks: 4,
+            block: 2,
+            border: 1,
+        };
         let a = Arrow::new(shape);
         assert_eq!(ArrowLu::new(shape).factor(&a), Err(Singular { block: 1 }));
     }

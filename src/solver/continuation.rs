@@ -1,7 +1,7 @@
 //! Steady states by pseudo-transient continuation: implicit Euler whose step grows without bound.
 
-use super::{System, View};
 use super::newton::{Newton, Stage};
+use super::{System, View};
 
 /// Settings of [`settle`].
 #[derive(Clone, Copy, Debug)]

@@ -144,7 +144,12 @@ impl Newton {
 
     /// Newton correction at `stage.y` with the factors at hand, into `self.correction`; its largest scaled entry and
     /// scaled 2-norm.
-    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, renew: bool) -> Result<(f64, f64), NotConverged> {
+    fn correct<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        renew: bool,
+    ) -> Result<(f64, f64), NotConverged> {
         stage.complete(system.has_position());
         system.residual(stage.view(), &mut self.correction);
         self.counts.residuals += 1;
@@ -158,11 +163,20 @@ impl Newton {
             largest = largest.max(x.abs());
             sum += x * x;
         }
-        if sum.is_finite() { Ok((largest, sum.sqrt())) } else { Err(NotConverged) }
+        if sum.is_finite() {
+            Ok((largest, sum.sqrt()))
+        } else {
+            Err(NotConverged)
+        }
     }
 
     /// Simplified Newton with the factors at hand: given up as soon as it contracts slowly.
-    fn simplified<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<usize, NotConverged> {
+    fn simplified<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        tolerance: f64,
+    ) -> Result<usize, NotConverged> {
         let mut before = f64::INFINITY;
         for iteration in 1..=REUSED_ITERATIONS {
             let (change, _) = self.correct(system, stage, false)?;
@@ -170,11 +184,21 @@ impl Newton {
                 *y -= d;
             }
             let rate = change / before;
-            let remaining = if iteration > 1 { change * rate / (1.0 - rate).max(0.1) } else { change };
+            let remaining = if iteration > 1 {
+                change * rate / (1.0 - rate).max(0.1)
+            } else {
+                change
+            };
             if iteration > 1 && rate > SLOW && change > tolerance {
                 return Err(NotConverged);
             }
-            if remaining < if iteration > 1 { 0.3 * tolerance } else { 0.01 * tolerance } {
+            if remaining
+                < if iteration > 1 {
+                    0.3 * tolerance
+                } else {
+                    0.01 * tolerance
+                }
+            {
                 stage.complete(system.has_position());
                 return Ok(iteration);
             }
@@ -186,7 +210,12 @@ impl Newton {
     /// Newton with the exact Jacobian, damped by the natural monotonicity test (Deuflhard 2011, section 3.3): a step
     /// is accepted when the simplified correction after it is smaller than the correction before. Needed because
     /// friction saturates: from far off, full steps overshoot from one sliding direction to the other for ever.
-    fn damped<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<usize, NotConverged> {
+    fn damped<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        tolerance: f64,
+    ) -> Result<usize, NotConverged> {
         let mut damping = 1.0_f64;
         let mut iteration = 0;
         while iteration < FRESH_ITERATIONS {

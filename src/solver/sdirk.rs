@@ -105,7 +105,9 @@ impl Sdirk {
             y_dot: &mut first.y_dot,
             q: &mut first.q,
         };
-        self.newton.solve(system, &mut stage, self.newton_tolerance, true).ok()?;
+        self.newton
+            .solve(system, &mut stage, self.newton_tolerance, true)
+            .ok()?;
         for i in 0..n {
             self.base[i] = y[i] + h * (1.0 - GAMMA) * first.y_dot[i];
             self.position[i] = q[i] + h * (1.0 - GAMMA) * first.y[i];
@@ -120,7 +122,9 @@ impl Sdirk {
             y_dot: &mut second.y_dot,
             q: &mut second.q,
         };
-        self.newton.solve(system, &mut stage, self.newton_tolerance, true).ok()?;
+        self.newton
+            .solve(system, &mut stage, self.newton_tolerance, true)
+            .ok()?;
         let [w0, w1, w2] = error_weights().map(|w| h * w);
         for i in 0..n {
             self.y_error[i] = w0 * y_dot[i] + w1 * first.y_dot[i] + w2 * second.y_dot[i];

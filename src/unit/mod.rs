@@ -76,15 +76,10 @@ impl Unit for VariatorUnit {
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(
-        settings: &Settings,
-        experiment: &Experiment,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<Self, String> {
+    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut parameters = settings.parameters.clone();
         if let Some(tolerance) = experiment.tolerance {
-            parameters.solver.tolerance =
-                choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
+            parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
         let variator = Variator::new(parameters).map_err(|error| error.to_string())?;
         let mut unit = Self { variator };
@@ -94,12 +89,7 @@ impl Unit for VariatorUnit {
         Ok(unit)
     }
 
-    fn advance(
-        &mut self,
-        to: f64,
-        settings: &Settings,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
+    fn advance(&mut self, to: f64, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
         let wanted = &settings.parameters.friction;
         let present = &self.variator.parameters().friction;
         if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
@@ -139,9 +129,8 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) 
     let (min, max) = validation::range_of("solver.tolerance").unwrap_or((0.0, 1.0));
     let tolerance = experiment.clamp(min, max);
     if tolerance != experiment {
-        let text = format!(
-            "the experiment's tolerance {experiment} is out of range: {min} to {max}; {tolerance} is used"
-        );
+        let text =
+            format!("the experiment's tolerance {experiment} is out of range: {min} to {max}; {tolerance} is used");
         remark(true, text);
     }
     tolerance

@@ -71,14 +71,7 @@ impl Rows {
         range_of(&name.replace("{}", self.owner.0))
     }
 
-    fn add(
-        &mut self,
-        name: &str,
-        reference: u32,
-        causality: Causality,
-        text: &str,
-        kind: Kind<Settings, Outputs>,
-    ) {
+    fn add(&mut self, name: &str, reference: u32, causality: Causality, text: &str, kind: Kind<Settings, Outputs>) {
         let (owner, base) = self.owner;
         self.variables.push(Variable {
             name: name.replace("{}", owner),
@@ -99,9 +92,7 @@ impl Rows {
         text: &str,
         access: Access<Settings, Outputs, f64>,
     ) {
-        let (min, max) = self
-            .range(name)
-            .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        let (min, max) = self.range(name).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
         let range = Range {
             min: min.is_finite().then_some(min),
             max: max.is_finite().then_some(max),
@@ -134,34 +125,16 @@ impl Rows {
         self.add(name, reference, causality, text, kind);
     }
 
-    fn count(
-        &mut self,
-        name: &str,
-        reference: u32,
-        text: &str,
-        access: Access<Settings, Outputs, i32>,
-    ) {
+    fn count(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Outputs, i32>) {
         #[expect(
             clippy::cast_possible_truncation,
             reason = "the limits of integers are small whole numbers"
         )]
         let range = self.range(name).map(|(min, max)| (min as i32, max as i32));
-        self.add(
-            name,
-            reference,
-            Parameter,
-            text,
-            Kind::Integer { range, access },
-        );
+        self.add(name, reference, Parameter, text, Kind::Integer { range, access });
     }
 
-    fn switch(
-        &mut self,
-        name: &str,
-        reference: u32,
-        text: &str,
-        access: Access<Settings, Outputs, bool>,
-    ) {
+    fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Outputs, bool>) {
         self.add(name, reference, Parameter, text, Kind::Boolean { access });
     }
 
@@ -173,13 +146,7 @@ impl Rows {
         text: &str,
         access: Access<Settings, Outputs, i32>,
     ) {
-        self.add(
-            name,
-            reference,
-            Parameter,
-            text,
-            Kind::Enumeration { of, access },
-        );
+        self.add(name, reference, Parameter, text, Kind::Enumeration { of, access });
     }
 
     fn profile(

@@ -72,11 +72,7 @@ pub(super) static DRIVE: Enumeration = Enumeration {
     name: "Drive",
     description: "What drives the shaft of a pulley",
     items: &[
-        item(
-            "Torque",
-            Drive::Torque as i32,
-            "The shaft torque is the input",
-        ),
+        item("Torque", Drive::Torque as i32, "The shaft torque is the input"),
         item(
             "Speed",
             Drive::Speed as i32,
@@ -90,11 +86,7 @@ pub(super) static AXIAL: Enumeration = Enumeration {
     name: "Axial",
     description: "What holds the movable sheave of a pulley",
     items: &[
-        item(
-            "Force",
-            Axial::Force as i32,
-            "The clamping force is the input",
-        ),
+        item("Force", Axial::Force as i32, "The clamping force is the input"),
         item(
             "Held",
             Axial::Held as i32,

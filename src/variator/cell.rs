@@ -207,7 +207,12 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
     motion: &CellMotion<T>,
     probe: &mut S,
 ) -> CellBalance<T> {
-    let Place { frame, cell, segment, length } = *place;
+    let Place {
+        frame,
+        cell,
+        segment,
+        length,
+    } = *place;
     let p = &law.parameters;
     let e = p.belt.pitch_offset;
     let [sin_beta, cos_beta, tan_beta] = law.wedge;
@@ -239,7 +244,10 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
     let face = ring_point::<C, T>(frame, segment, &cell.face, &element, &motion.reference);
     let mut load = ElementLoad::zero();
     let mut out = CellBalance {
-        nodes: [Node { a: Vector2::zeros(), b: Vector2::zeros() }; 2],
+        nodes: [Node {
+            a: Vector2::zeros(),
+            b: Vector2::zeros(),
+        }; 2],
         speed: [push.force, -push.force],
         tension: motion.tension[0] - motion.tension[1],
         drift: T::zero(),
@@ -327,8 +335,8 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
         );
         let sliding = (point.w - chain.c) * point.stretch;
         let v0 = p.friction.velocity;
-        let ring_friction = ring_load * point.reference.kappa * p.friction.ring * sliding
-            / (sliding * sliding + v0 * v0).sqrt();
+        let ring_friction =
+            ring_load * point.reference.kappa * p.friction.ring * sliding / (sliding * sliding + v0 * v0).sqrt();
         point_load.drift += ring_friction * point.stretch;
         flow -= ring_friction * point.stretch;
 

@@ -147,7 +147,8 @@ impl Variator {
         if parameters.primary.axial == Axial::Held && parameters.secondary.axial == Axial::Held {
             self.say(
                 true,
-                "both sheaves are held: the belt's tension follows from the start alone, clamping forces are ignored".into(),
+                "both sheaves are held: the belt's tension follows from the start alone, clamping forces are ignored"
+                    .into(),
             );
         }
         let primary_speed = match parameters.primary.drive {
@@ -195,27 +196,30 @@ impl Variator {
 
     fn steady_task(&self, inputs: &Inputs, torque_share: f64) -> SteadyTask {
         let p = &self.parameters;
-        let torques = [inputs.secondary.torque * torque_share, inputs.primary.torque * torque_share];
+        let torques = [
+            inputs.secondary.torque * torque_share,
+            inputs.primary.torque * torque_share,
+        ];
         let speed = match (p.secondary.drive, p.primary.drive) {
             (Drive::Speed, Drive::Speed) => [SpeedMode::Fixed; 2],
             (Drive::Speed, Drive::Torque) => [SpeedMode::Fixed, SpeedMode::Torque(torques[P])],
             (Drive::Torque, Drive::Speed) => [SpeedMode::Torque(torques[S]), SpeedMode::Fixed],
             (Drive::Torque, Drive::Torque) => [SpeedMode::Balanced(torques[S], torques[P]), SpeedMode::Fixed],
         };
-        let reaction = if p.secondary.axial == Axial::Held && p.primary.axial == Axial::Force { S } else { P };
-        let free = p.primary.axial == Axial::Force && p.secondary.axial == Axial::Force;
+        let reaction = if p.secondary.axial == Axial::Held && p.primary.axial == Axial::Force {
+            S
+        } else {
+            P
+        };
         SteadyTask {
-            ratio: if p.initial.equilibrium && free && torque_share == 1.0 {
-                RatioTask::Equilibrium
-            } else {
-                RatioTask::Given {
-                    ratio: p.initial.ratio,
-                    reaction,
-                }
+            ratio: RatioTask::Given {
+                ratio: p.initial.ratio,
+                reaction,
             },
             clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
             speed,
             slip: self.slip_guess(inputs, torque_share),
+            warm: false,
         }
     }
 
@@ -234,15 +238,10 @@ impl Variator {
 
     fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
         let mut newton = Newton::new(&self.system);
-        let mut task = self.steady_task(inputs, 1.0);
-        let equilibrium = task.ratio == RatioTask::Equilibrium;
-        if equilibrium {
-            // First at the given ratio, then set free.
-            task.ratio = RatioTask::Given {
-                ratio: self.parameters.initial.ratio,
-                reaction: P,
-            };
-        }
+        let task = self.steady_task(inputs, 1.0);
+        let p = &self.parameters;
+        let free = p.primary.axial == Axial::Force && p.secondary.axial == Axial::Force;
+        let equilibrium = p.initial.equilibrium && free;
         let cold = self.state.clone();
         let mut outcome = steady::solve(&mut self.system, &mut newton, &mut self.state, &task, STEADY_SOLVES);
         if outcome.is_err() {
@@ -285,17 +284,28 @@ impl Variator {
         let reaction = self.system.belt_load(P).0;
         if equilibrium {
             let at_ratio = self.state.clone();
-            task.ratio = RatioTask::Equilibrium;
-            let result = steady::solve(&mut self.system, &mut newton, &mut self.state, &task, 2 * STEADY_SOLVES);
-            if result.is_err() {
-                self.state = at_ratio;
-                self.say(
+            let range = self.ratio_range();
+            match steady::solve_equilibrium(&mut self.system, &mut newton, &mut self.state, &task, range) {
+                Ok(ratio) if ratio <= range.0 * 1.0001 || ratio >= range.1 * 0.9999 => self.say(
                     true,
                     format!(
-                        "no equilibrium of the two clamping forces was found: the run starts from the steady state at the initial \
-                         ratio, where the primary force would have to be {reaction:.1} N"
+                        "the clamping forces drive the variator to an end stop: the run starts at the ratio {ratio:.4}"
                     ),
-                );
+                ),
+                Ok(ratio) => self.say(
+                    false,
+                    format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
+                ),
+                Err(_) => {
+                    self.state = at_ratio;
+                    self.say(
+                        true,
+                        format!(
+                            "no equilibrium of the two clamping forces was found: the run starts from the steady state at the \
+                             initial ratio, where the primary force would have to be {reaction:.1} N"
+                        ),
+                    );
+                }
             }
         }
         if self.parameters.primary.axial == Axial::Force && self.parameters.secondary.axial == Axial::Force {
@@ -308,6 +318,32 @@ impl Variator {
             );
         }
         Ok(())
+    }
+
+    /// Geometric ratios between the end stops.
+    fn ratio_range(&self) -> (f64, f64) {
+        let p = &self.parameters;
+        let e = p.belt.pitch_offset;
+        let fits = |ratio: f64| {
+            self.system.curve.radii(ratio).is_ok_and(|(r_p, r_s)| {
+                let inside = |radius: f64, pulley: &super::parameters::Pulley| {
+                    (pulley.min_radius..=pulley.max_radius).contains(&(radius - e))
+                };
+                inside(r_p, &p.primary) && inside(r_s, &p.secondary)
+            })
+        };
+        let edge = |mut inside: f64, mut outside: f64| {
+            for _ in 0..50 {
+                let middle = (inside * outside).sqrt();
+                if fits(middle) {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            inside
+        };
+        (edge(p.initial.ratio, 0.05), edge(p.initial.ratio, 20.0))
     }
 
     /// Share of the loads at time `t`.
@@ -345,8 +381,7 @@ impl Variator {
 
     fn hold_external(&mut self, _inputs: &Inputs) {
         let sums = self.system.belt_sums::<false>(self.state.view());
-        self.external_torque =
-            [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
+        self.external_torque = [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
     }
 
     /// Advances to time `to` with constant inputs.
@@ -358,13 +393,21 @@ impl Variator {
         let from = self.time;
         self.stale = true;
         while self.time < to {
-            let end = if self.time < self.ramp_end { to.min(self.time + RAMP_PIECE) } else { to };
+            let end = if self.time < self.ramp_end {
+                to.min(self.time + RAMP_PIECE)
+            } else {
+                to
+            };
             self.apply(inputs);
             let State { y, y_dot, q } = &mut self.state;
             let outcome = self.integrator.advance(&mut self.system, y, y_dot, q, self.time, end);
             if let Err(stalled) = outcome {
                 self.time = stalled.time;
-                let cause = if stalled.newton { "Newton's method found no solution" } else { "the error stayed too large" };
+                let cause = if stalled.newton {
+                    "Newton's method found no solution"
+                } else {
+                    "the error stayed too large"
+                };
                 return Err(StepError::Stalled {
                     from,
                     reached: stalled.time,
@@ -386,8 +429,7 @@ impl Variator {
         }
         // Cleared with a margin, so that a strand at the limit does not fill the log.
         self.buckling = buckling || self.buckling && sums.strand_force < 50.0;
-        self.external_torque =
-            [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
+        self.external_torque = [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
         Ok(())
     }
 

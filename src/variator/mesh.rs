@@ -100,7 +100,12 @@ mod tests {
     fn segments_are_filled_and_weights_sum_to_one() {
         let mesh = BeltMesh::new(&super::super::parameters::Parameters::default().mesh);
         for segment in 0..5 {
-            let sum: f64 = mesh.elements.iter().filter(|e| e.segment == segment).map(|e| e.share).sum();
+            let sum: f64 = mesh
+                .elements
+                .iter()
+                .filter(|e| e.segment == segment)
+                .map(|e| e.share)
+                .sum();
             assert!((sum - 1.0).abs() < 1e-14);
         }
         for element in 0..mesh.elements.len() {

@@ -91,7 +91,11 @@ impl Observer {
         }
         out.belt_speed = speed / length;
         out.ring_speed = view.y[layout.global(Global::Drift, 0)];
-        out.ratio_speed = if omega[S].abs() * radii[S] < NO_SPEED { 0.0 } else { omega[P] / omega[S] };
+        out.ratio_speed = if omega[S].abs() * radii[S] < NO_SPEED {
+            0.0
+        } else {
+            omega[P] / omega[S]
+        };
         out.ratio_geometric = radii[S] / radii[P];
         out.reference_theta = view.q[layout.global(Global::Theta, 0)];
         out.slip = if omega[P].abs() * radii[P] < NO_SPEED {
@@ -108,13 +112,21 @@ impl Observer {
         } else {
             (out.secondary.power, -out.primary.power)
         };
-        out.efficiency = if driving < NO_POWER { 0.0 } else { (driven / driving).clamp(0.0, 1.0) };
+        out.efficiency = if driving < NO_POWER {
+            0.0
+        } else {
+            (driven / driving).clamp(0.0, 1.0)
+        };
         let friction = system.law.parameters.friction.pulley;
         out.torque_utilisation = if sums.axial[S] < NO_FORCE {
             0.0
         } else {
             let capacity = 2.0 * friction * sums.axial[S] * radii[P] / system.law.wedge[1];
-            if capacity > 0.0 { (sums.torque[P].abs() / capacity).min(10.0) } else { 10.0 }
+            if capacity > 0.0 {
+                (sums.torque[P].abs() / capacity).min(10.0)
+            } else {
+                10.0
+            }
         };
         out.macro_slip = context.macro_slip;
         out.push_force_max = self.places.iter().map(|p| p.sample.push).fold(0.0, f64::max);
@@ -145,7 +157,15 @@ impl Observer {
         }
     }
 
-    fn pulley(&self, system: &VariatorSystem, view: View<'_>, j: usize, sums: &BeltSums, radius: f64, context: &Context) -> PulleyOutputs {
+    fn pulley(
+        &self,
+        system: &VariatorSystem,
+        view: View<'_>,
+        j: usize,
+        sums: &BeltSums,
+        radius: f64,
+        context: &Context,
+    ) -> PulleyOutputs {
         let layout = &system.layout;
         let speed = view.y[layout.global(Global::Speed, j)];
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
@@ -190,7 +210,11 @@ impl Observer {
             profile.normal_force[k] = between(&|p| p.sample.normal);
             profile.sliding_speed[k] = between(&|p| if p.sample.normal > 100.0 { p.sample.sliding } else { 0.0 });
             profile.radial_deviation[k] = between(&|p| {
-                if p.arc { p.sample.pitch_radius - radii[p.pulley] } else { p.sample.outward }
+                if p.arc {
+                    p.sample.pitch_radius - radii[p.pulley]
+                } else {
+                    p.sample.outward
+                }
             });
         }
     }
@@ -198,7 +222,13 @@ impl Observer {
 
 /// Neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second. `right` is the
 /// place of the last answer: ask in ascending order.
-fn bracket<'a, T>(list: &'a [T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (&'a T, &'a T, f64) {
+fn bracket<'a, T>(
+    list: &'a [T],
+    at: impl Fn(&T) -> f64,
+    xi: f64,
+    length: f64,
+    right: &mut usize,
+) -> (&'a T, &'a T, f64) {
     let n = list.len();
     while *right < n && at(&list[*right]) < xi {
         *right += 1;
@@ -216,7 +246,11 @@ pub fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, befo
     let radii = system.mean_radii(view, sums);
     let v0 = system.law.parameters.friction.velocity;
     [S, P].into_iter().any(|j| {
-        let Sliding { load, weighted, forward } = sums.sliding[j];
+        let Sliding {
+            load,
+            weighted,
+            forward,
+        } = sums.sliding[j];
         if load < NO_FORCE {
             return false;
         }
@@ -224,6 +258,10 @@ pub fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, befo
         let omega = view.y[system.layout.global(Global::Speed, j)];
         let limit = 10.0 * v0 + 0.02 * (omega * radii[j]).abs();
         let mean = (weighted / load).abs();
-        if before { one_way > 0.9 && mean > 0.5 * limit } else { one_way > 0.99 && mean > limit }
+        if before {
+            one_way > 0.9 && mean > 0.5 * limit
+        } else {
+            one_way > 0.99 && mean > limit
+        }
     })
 }

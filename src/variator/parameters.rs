@@ -216,7 +216,7 @@ impl Default for Parameters {
             mesh: Mesh {
                 primary_arc: 16,
                 secondary_arc: 16,
-                strand: 8,
+                strand: 10,
                 cells_per_element: 2,
             },
             solver: Solver {

@@ -43,8 +43,7 @@ pub fn kinematic_state(system: &VariatorSystem, start: &Start) -> Result<State, 
     state.q[layout.global(Global::Theta, 0)] = theta;
     state.y[layout.global(Global::Drift, 0)] = speed * radii.0 / pitch[P];
     for j in [S, P] {
-        let depth = start.clamping[j]
-            / (parameters.contact.stiffness * cos_beta * cos_beta * pitch[j] * wrap[j]);
+        let depth = start.clamping[j] / (parameters.contact.stiffness * cos_beta * cos_beta * pitch[j] * wrap[j]);
         state.q[layout.global(Global::Sheave, j)] = 2.0 * ((pitch[j] - system.law.r0) * tan_beta + depth);
         state.y[layout.global(Global::Speed, j)] = speed / pitch[j];
     }
@@ -52,9 +51,13 @@ pub fn kinematic_state(system: &VariatorSystem, start: &Start) -> Result<State, 
     let density = 1.0 - parameters.belt.play / length;
     for (i, cell) in system.mesh.cells.iter().enumerate() {
         let element = &system.mesh.elements[cell.element];
-        let ring = TwoPulley::segment_length(&frame, element.segment).v * element.share
-            / layout.cells_per_element as f64;
-        let kappa = if cell.arc { 1.0 / frame.radius[cell.pulley].v } else { 0.0 };
+        let ring =
+            TwoPulley::segment_length(&frame, element.segment).v * element.share / layout.cells_per_element as f64;
+        let kappa = if cell.arc {
+            1.0 / frame.radius[cell.pulley].v
+        } else {
+            0.0
+        };
         state.y[layout.amount(i)] = density * ring * (1.0 - e * kappa);
         state.y[layout.speed(i)] = speed;
     }

@@ -36,6 +36,8 @@ pub struct SteadyTask {
     pub speed: [SpeedMode; 2],
     /// First guess of the slip.
     pub slip: f64,
+    /// The state at hand is a steady one near by: no grip to wait for.
+    pub warm: bool,
 }
 
 /// Largest relative change of a speed, and change of Θ, in one pseudo-time step: beyond lies another branch (a pulley
@@ -56,6 +58,16 @@ const PSEUDO_INERTIA: f64 = 40.0;
 /// Pseudo-time step at which sharpening begins, and which it keeps, s.
 const SOFT_STEP: f64 = 5.0e-3;
 
+/// First pseudo-time step from a kinematic and from a steady state, s.
+const COLD_STEP: f64 = 1.0e-6;
+const WARM_STEP: f64 = 1.0e-3;
+/// Relative force error of an equilibrium.
+const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
+const EQUILIBRIUM_ITERATIONS: usize = 25;
+/// Most Newton solves for one state on the way.
+const EQUILIBRIUM_SOLVES: usize = 200;
+/// Largest change of ln(ratio) between two states on the way.
+const LARGEST_RATIO_STEP: f64 = 0.05;
 /// Times in which the reaction force and the set point of Θ are corrected, s.
 const FORCE_TIME: f64 = 0.02;
 const RATIO_TIME: f64 = 0.2;
@@ -64,16 +76,25 @@ const RATIO_TIME: f64 = 0.2;
 ///
 /// # Errors
 /// What was reached, when there is no steady state near by; `state` is then the last one solved.
-pub fn solve(system: &mut VariatorSystem, newton: &mut Newton, state: &mut State, task: &SteadyTask, max_solves: usize) -> Result<Settled, Settled> {
+pub fn solve(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+    max_solves: usize,
+) -> Result<Settled, Settled> {
     let layout = system.layout;
     let theta_index = layout.global(Global::Theta, 0);
     let mut clamping = task.clamping;
+    if let (RatioTask::Given { reaction, .. }, true) = (task.ratio, task.warm) {
+        clamping[reaction] = system.belt_load(reaction).0;
+    }
     let mut theta = state.q[theta_index];
     // Until the belt grips, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to the
     // branch where a pulley slips for ever.
     let free = [S, P].into_iter().find(|&j| task.speed[j] != SpeedMode::Fixed);
-    let mut gripping = free.is_none();
-    if let Some(j) = free {
+    let mut gripping = free.is_none() || task.warm;
+    if let (Some(j), false) = (free, task.warm) {
         let i = layout.global(Global::Speed, j);
         state.y[i] *= 1.0 - task.slip * if j == S { 1.0 } else { -1.0 };
     }
@@ -92,7 +113,7 @@ pub fn solve(system: &mut VariatorSystem, newton: &mut Newton, state: &mut State
     };
     system.boundary = boundary(clamping, theta, gripping);
     let settings = Settling {
-        first_step: 1.0e-6,
+        first_step: if task.warm { WARM_STEP } else { COLD_STEP },
         last_step: LAST_STEP,
         max_solves,
     };
@@ -136,6 +157,56 @@ pub fn solve(system: &mut VariatorSystem, newton: &mut Newton, state: &mut State
     system.law.parameters.friction.velocity = sharp;
     system.inertia_factor = 1.0;
     outcome
+}
+
+/// Finds the ratio at which pulley `reaction` needs exactly its clamping force, from a steady state at `ratio`: secant
+/// method on ln(force/reaction) over ln(ratio), each state warm-started from the last. Ends at `range` (the end stops).
+/// Returns the ratio.
+///
+/// # Errors
+/// What was reached, when a state on the way could not be found.
+pub fn solve_equilibrium(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+    range: (f64, f64),
+) -> Result<f64, Settled> {
+    let RatioTask::Given { ratio, reaction } = task.ratio else {
+        return solve(system, newton, state, task, EQUILIBRIUM_SOLVES).map(|_| geometric_ratio(system, state.view()));
+    };
+    let wanted = task.clamping[reaction].max(1.0);
+    let defect = |system: &VariatorSystem| (wanted / system.belt_load(reaction).0.max(1.0)).ln();
+    let (lowest, highest) = (range.0.ln(), range.1.ln());
+    let mut x = ratio.ln();
+    let mut f = defect(system);
+    // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
+    let mut slope = if reaction == P { 0.5 } else { -0.5 };
+    for _ in 0..EQUILIBRIUM_ITERATIONS {
+        if f.abs() < EQUILIBRIUM_TOLERANCE {
+            break;
+        }
+        let next = (x - (f / slope).clamp(-LARGEST_RATIO_STEP, LARGEST_RATIO_STEP)).clamp(lowest, highest);
+        if (next - x).abs() < 1.0e-9 {
+            break;
+        }
+        let warm = SteadyTask {
+            ratio: RatioTask::Given {
+                ratio: next.exp(),
+                reaction,
+            },
+            warm: true,
+            ..*task
+        };
+        solve(system, newton, state, &warm, EQUILIBRIUM_SOLVES)?;
+        let reached = defect(system);
+        let secant = (reached - f) / (next - x);
+        if secant * slope > 0.0 {
+            slope = secant;
+        }
+        (x, f) = (next, reached);
+    }
+    Ok(x.exp())
 }
 
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.

@@ -153,7 +153,11 @@ pub struct VariatorSystem {
 
 /// Parameters of pulley `j`.
 fn pulley(parameters: &Parameters, j: usize) -> &Pulley {
-    if j == P { &parameters.primary } else { &parameters.secondary }
+    if j == P {
+        &parameters.primary
+    } else {
+        &parameters.secondary
+    }
 }
 
 impl VariatorSystem {
@@ -254,11 +258,25 @@ impl VariatorSystem {
     }
 
     fn theta<T: Seed>(&self, view: View<'_>, beta: f64, first: usize) -> T {
-        let direction = if self.layout.flexible { FLEXIBLE_LOCAL + 1 } else { RIGID_LOCAL + 1 };
-        T::seed(view.q[self.layout.global(Global::Theta, 0)], direction.wrapping_sub(first), beta)
+        let direction = if self.layout.flexible {
+            FLEXIBLE_LOCAL + 1
+        } else {
+            RIGID_LOCAL + 1
+        };
+        T::seed(
+            view.q[self.layout.global(Global::Theta, 0)],
+            direction.wrapping_sub(first),
+            beta,
+        )
     }
 
-    fn motion<T: Seed>(&self, view: View<'_>, at: &[usize; FLEXIBLE], (alpha, beta): (f64, f64), first: usize) -> CellMotion<T> {
+    fn motion<T: Seed>(
+        &self,
+        view: View<'_>,
+        at: &[usize; FLEXIBLE],
+        (alpha, beta): (f64, f64),
+        first: usize,
+    ) -> CellMotion<T> {
         let value = |k: usize| T::seed(view.y[at[k]], k.wrapping_sub(first), 1.0);
         let rate = |k: usize| T::seed(view.y_dot[at[k]], k.wrapping_sub(first), alpha);
         let position = |k: usize| T::seed(view.q[at[k]], k.wrapping_sub(first), beta);
@@ -381,12 +399,20 @@ impl VariatorSystem {
     fn balanced_factor(&self, view: View<'_>) -> f64 {
         let omega = |j| view.y[self.layout.global(Global::Speed, j)];
         let primary = self.pulley(P).inertia * omega(P);
-        if primary == 0.0 { 0.0 } else { self.pulley(S).inertia * omega(S) / primary }
+        if primary == 0.0 {
+            0.0
+        } else {
+            self.pulley(S).inertia * omega(S) / primary
+        }
     }
 
     fn assemble_jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         let mut at = [0; FLEXIBLE];
-        let (amount, directions) = if self.layout.flexible { (10, FLEXIBLE) } else { (2, RIGID) };
+        let (amount, directions) = if self.layout.flexible {
+            (10, FLEXIBLE)
+        } else {
+            (2, RIGID)
+        };
         let eps = |x: &DualSVec64<PASS>| x.eps.0.unwrap_or_default();
         for first in (0..directions).step_by(PASS) {
             let frame = self.curve.frame(self.theta::<DualSVec64<PASS>>(view, beta, first));
@@ -526,7 +552,10 @@ impl VariatorSystem {
             }
         }
         // Secondary first: its row may need the primary's before that is overwritten.
-        let (s, p) = (self.layout.global(Global::Speed, S), self.layout.global(Global::Speed, P));
+        let (s, p) = (
+            self.layout.global(Global::Speed, S),
+            self.layout.global(Global::Speed, P),
+        );
         match self.boundary.speed[S] {
             SpeedMode::Balanced(_, primary) => {
                 let factor = self.balanced_factor(view);
@@ -534,7 +563,11 @@ impl VariatorSystem {
                 let unbalanced = primary + self.sums[P].torque;
                 let omega = view.y[p];
                 if omega != 0.0 {
-                    out.add(s, s, unbalanced * self.pulley(S).inertia / (self.pulley(P).inertia * omega));
+                    out.add(
+                        s,
+                        s,
+                        unbalanced * self.pulley(S).inertia / (self.pulley(P).inertia * omega),
+                    );
                 }
             }
             SpeedMode::Transmit(_) => {
@@ -577,7 +610,11 @@ impl System for VariatorSystem {
         let frame = self.curve.frame(self.theta::<f64>(view, 0.0, 0));
         let mut at = [0; FLEXIBLE];
         let amount = if self.layout.flexible { 10 } else { 2 };
-        let first_global = if self.layout.flexible { FLEXIBLE_LOCAL } else { RIGID_LOCAL } + 2;
+        let first_global = if self.layout.flexible {
+            FLEXIBLE_LOCAL
+        } else {
+            RIGID_LOCAL
+        } + 2;
         for cell in 0..self.mesh.cells.len() {
             self.directions(cell, &mut at);
             let motion = self.motion::<f64>(view, &at, (0.0, 0.0), 0);
@@ -681,7 +718,9 @@ mod tests {
         let mut state = kinematic_state(&system, &start).unwrap();
         let mut seed = 7_u64;
         let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         };
         let n = state.y.len();

@@ -23,11 +23,7 @@ pub struct ParameterError {
 
 impl ParameterError {
     fn new(variable: &'static str, value: f64, range: String) -> Self {
-        Self {
-            variable,
-            value,
-            range,
-        }
+        Self { variable, value, range }
     }
 }
 
@@ -77,12 +73,7 @@ macro_rules! pulley_limit {
 
 /// In the units of the interface.
 const PARAMETERS: &[Limit<Parameters, 1>] = &[
-    limit!(
-        "geometry.centerDistance",
-        geometry.center_distance,
-        1e-2,
-        10.0
-    ),
+    limit!("geometry.centerDistance", geometry.center_distance, 1e-2, 10.0),
     limit!("geometry.beltLength", geometry.belt_length, 2e-2, 100.0),
     limit!("geometry.wedgeAngle", geometry.wedge_angle, 1e-2, 0.785),
     limit!("belt.pitchOffset", belt.pitch_offset, 0.0, 0.1),
@@ -215,11 +206,7 @@ impl Parameters {
     fn validate_stops(&self) -> Result<(), ParameterError> {
         for (pulley, min, max) in [
             (&self.primary, "primary.minRadius", "primary.maxRadius"),
-            (
-                &self.secondary,
-                "secondary.minRadius",
-                "secondary.maxRadius",
-            ),
+            (&self.secondary, "secondary.minRadius", "secondary.maxRadius"),
         ] {
             if pulley.min_radius >= pulley.max_radius {
                 return Err(ParameterError::new(
@@ -254,18 +241,16 @@ impl Parameters {
     /// Whether the stops allow ratios down to this one.
     fn not_too_low(&self, ratio: f64) -> bool {
         // A ratio at which no belt closes is an extreme one.
-        self.pitch_radii(ratio)
-            .map_or(ratio > 1.0, |(primary, secondary)| {
-                primary <= self.primary.max_radius && secondary >= self.secondary.min_radius
-            })
+        self.pitch_radii(ratio).map_or(ratio > 1.0, |(primary, secondary)| {
+            primary <= self.primary.max_radius && secondary >= self.secondary.min_radius
+        })
     }
 
     /// Whether the stops allow ratios up to this one.
     fn not_too_high(&self, ratio: f64) -> bool {
-        self.pitch_radii(ratio)
-            .map_or(ratio < 1.0, |(primary, secondary)| {
-                primary >= self.primary.min_radius && secondary <= self.secondary.max_radius
-            })
+        self.pitch_radii(ratio).map_or(ratio < 1.0, |(primary, secondary)| {
+            primary >= self.primary.min_radius && secondary <= self.secondary.max_radius
+        })
     }
 }
 
