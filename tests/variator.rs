@@ -23,10 +23,11 @@ fn mesh(arc: i32, strand: i32) -> Mesh {
 }
 
 fn coarse(model: RingModel) -> Parameters {
-    let mut parameters = Parameters::default();
-    parameters.ring_model = model;
-    parameters.mesh = mesh(8, 6);
-    parameters
+    Parameters {
+        ring_model: model,
+        mesh: mesh(8, 6),
+        ..Parameters::default()
+    }
 }
 
 fn observe(system: &VariatorSystem, state: &State) -> Outputs {
@@ -139,7 +140,7 @@ fn push_force_runs_its_course(out: &Outputs, torque: f64) {
     assert!(on_primary.windows(2).all(|w| w[1] > w[0] - 0.02 * most));
     assert!(on_primary[0] < 0.3 * most && on_primary[on_primary.len() - 1] > 0.6 * most);
     // Ring friction lets it rise a little first: the largest value is in the secondary arc.
-    assert!(within(0.0, half).last().unwrap_or(0.0) < 0.5 * most);
+    assert!(within(0.0, half).next_back().unwrap_or(0.0) < 0.5 * most);
 }
 
 /// Twice the elements: thrust ratio within 1 % (overdrive, where the contact edge on

@@ -727,11 +727,11 @@ mod tests {
         let mut size = vec![0.0; n];
         system.newton_scale(1.0e-4, &mut size);
         let (alpha, beta) = (1.0e4, 1.0e-4);
-        for i in 0..n {
-            state.y[i] += 200.0 * size[i] * random();
-            state.y_dot[i] = 2000.0 * size[i] * random();
+        for (i, &size) in size.iter().enumerate() {
+            state.y[i] += 200.0 * size * random();
+            state.y_dot[i] = 2000.0 * size * random();
             if system.has_position[i] {
-                state.q[i] += 2000.0 * size[i] * beta * random();
+                state.q[i] += 2000.0 * size * beta * random();
             }
         }
         let mut matrix = Arrow::new(system.shape());
