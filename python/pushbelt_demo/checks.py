@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .data import curve_of, load_case_speed, measured_efficiency
+from .data import curve_at, load_case_speed, measured_efficiency
 from .events import detect
 from .geometry import Array
 from .results import DemoResults, LoadCaseResult, Trace
@@ -30,7 +30,8 @@ def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: 
     pairs = list(values)
     numbers = [value for _, value in pairs]
     outside = [result.case.name for result, value in pairs if not low <= value <= high]
-    found = f"{min(numbers):.3g} to {max(numbers):.3g}{unit}"
+    largest = max(numbers)
+    found = f"{min(numbers):.3g} to {largest:.3g}{unit}" if largest >= 1e-3 else f"below 0.001{unit}"
     return Check(statement, not outside, found + (f"; outside: {', '.join(outside)}" if outside else ""))
 
 
@@ -44,7 +45,7 @@ def power_imbalance(result: LoadCaseResult) -> float:
 def push_strand_spread(result: LoadCaseResult, parameters: dict[str, float]) -> float:
     """Spread of the push force in the lower strand, relative to its mean."""
     profile = result.steady.profile
-    *_, start, end, _ = curve_of(parameters, result.case.theta).borders
+    *_, start, end, _ = curve_at(parameters, result.steady).borders
     inside = (profile.position > start + EDGE) & (profile.position < end - EDGE)
     force = profile.push_force[inside]
     return float(np.ptp(force) / force.mean()) if force.size and force.mean() > 0.0 else float("inf")
@@ -53,7 +54,7 @@ def push_strand_spread(result: LoadCaseResult, parameters: dict[str, float]) -> 
 def push_force_gain(result: LoadCaseResult, parameters: dict[str, float]) -> tuple[float, float]:
     """Change of the push force over the primary and over the secondary arc, N."""
     profile = result.steady.profile
-    _, upper_start, upper_end, lower_start, lower_end, _ = curve_of(parameters, result.case.theta).borders
+    _, upper_start, upper_end, lower_start, lower_end, _ = curve_at(parameters, result.steady).borders
     at = np.interp(
         [upper_end - EDGE, lower_start + EDGE, lower_end - EDGE, upper_start + EDGE],
         profile.position,
@@ -114,8 +115,8 @@ def evaluate(results: DemoResults) -> list[Check]:
         Check(
             "Push force builds up in the primary arc and decays in the secondary arc",
             all(primary > 0.0 > secondary for _, primary, secondary in gains),
-            f"+{min(g[1] for g in gains):.0f} to +{max(g[1] for g in gains):.0f} N, "
-            f"{max(g[2] for g in gains):.0f} to {min(g[2] for g in gains):.0f} N".replace("+-", "−").replace("-", "−"),
+            f"by {min(g[1] for g in gains):.0f} to {max(g[1] for g in gains):.0f} N, "
+            f"by {min(-g[2] for g in gains):.0f} to {max(-g[2] for g in gains):.0f} N",
         ),
         _cases(
             "Push force is constant in the push strand within 1 %",

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .geometry import Array, TwoPulleyCurve
-from .results import LoadCase
+from .results import LoadCase, SteadyState
 
 RESOURCES = Path(__file__).parents[2] / "resources"
 
@@ -31,6 +31,11 @@ def published_data() -> dict[str, Any]:
 def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
     """Reference curve of a variator at a ratio coordinate."""
     return TwoPulleyCurve(parameters["geometry.centerDistance"], parameters["geometry.beltLength"], theta)
+
+
+def curve_at(parameters: Mapping[str, float], state: SteadyState) -> TwoPulleyCurve:
+    """Reference curve of a variator in a state that was found."""
+    return curve_of(parameters, state["reference.theta"])
 
 
 def clamping_force(torque: float, friction: float, wedge_angle: float, pitch_radius: float) -> float:

@@ -20,7 +20,7 @@ from matplotlib.patches import Circle, FancyArrowPatch
 from .checks import energy_bound
 from .events import Event, intervals
 from .geometry import Array, TwoPulleyCurve
-from .results import LoadCaseResult, Profile, Trace
+from .results import LoadCaseResult, Profile, SteadyState, Trace
 
 INK, MUTED, GRID = "#1d2733", "#6b7785", "#e3e7ec"
 BLUE, ORANGE, GREEN, RED, VIOLET = "#1f6fb2", "#d9772b", "#2f8f6b", "#c4423f", "#7a5aa6"
@@ -301,15 +301,30 @@ def _shade_arcs(axes: Axes, curve: TwoPulleyCurve) -> None:
         axes.axvspan(left, right, color=colour, alpha=0.08, linewidth=0)
 
 
-def belt_picture(profile: Profile, curve: TwoPulleyCurve, pitch_offset: float, magnification: float) -> str:
-    """The belt on its pulleys, coloured by push force, its radial deviation magnified."""
+def belt_offset(state: SteadyState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:
+    """Distance of the belt from its reference curve at the points of the profile, outward positive, m.
+
+    On an arc the profile counts from the arc's mean radius, which is not quite that of the reference curve.
+    """
+    _, s_end, p_start, p_end, s_start, _ = curve.borders
+    place = state.profile.position
+    on_s, on_p = (place < s_end) | (place > s_start), (place > p_start) & (place < p_end)
+    mean_s = state["secondary.radius"] + pitch_offset - curve.secondary_radius
+    mean_p = state["primary.radius"] + pitch_offset - curve.primary_radius
+    return state.profile.radial_deviation + np.where(on_s, mean_s, np.where(on_p, mean_p, 0.0))
+
+
+def belt_picture(state: SteadyState, curve: TwoPulleyCurve, pitch_offset: float) -> str:
+    """The belt on its pulleys, coloured by push force, its distance from the reference curve magnified."""
+    profile, offset = state.profile, belt_offset(state, curve, pitch_offset)
+    magnification = magnification_for(offset, curve)
     fine = np.linspace(0.0, curve.length, 721)
     wrapped = np.append(profile.position, curve.length)
 
     def along(values: Array) -> Array:
         return np.interp(fine, wrapped, np.append(values, values[0]))
 
-    line = 1e3 * curve.outline(fine, magnification * along(profile.radial_deviation))
+    line = 1e3 * curve.outline(fine, magnification * along(offset))
     reference = 1e3 * curve.outline(fine, np.zeros_like(fine))
     segments = np.stack([line[:-1], line[1:]], axis=1)
     push = along(profile.push_force)
@@ -367,10 +382,10 @@ def _turning(axes: Axes, centre: Array, radius: float) -> None:
     )
 
 
-def magnification_for(profile: Profile, curve: TwoPulleyCurve) -> float:
-    """A round magnification that shows the deviation at about a tenth of the smaller radius."""
-    largest = float(np.abs(profile.radial_deviation).max())
+def magnification_for(offset: Array, curve: TwoPulleyCurve) -> float:
+    """A round magnification that shows the largest offset at about a quarter of the smaller radius."""
+    largest = float(np.abs(offset).max())
     if largest == 0.0:
         return 1.0
-    wanted = 0.12 * min(curve.primary_radius, curve.secondary_radius) / largest
+    wanted = 0.3 * min(curve.primary_radius, curve.secondary_radius) / largest
     return float(max(step for step in (1, 2, 5, 10, 20, 50, 100, 200, 500) if step <= max(wanted, 1.0)))

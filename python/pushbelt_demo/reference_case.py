@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from .data import curve_of, parameter_set, reference_case
+from .data import curve_at, curve_of, parameter_set, reference_case
 from .geometry import TwoPulleyCurve, theta_of
 from .load_cases import steady_state
 from .results import ReferenceResult, SteadyState, StrandForces, Variant, mean_between
@@ -77,7 +77,7 @@ def run(archive: Archive, progress: Callable[[], None] = lambda: None) -> Refere
         return found
 
     state = solve({})
-    forces = strand_forces(state, curve)
+    forces = strand_forces(state, curve_at(parameters, state))
 
     theory = continuous_belt(parameters, curve, speed * curve.primary_radius)
     theory_forces = theory.strand_forces(force, torque / curve.primary_radius)
@@ -114,9 +114,11 @@ def run(archive: Archive, progress: Callable[[], None] = lambda: None) -> Refere
         without_flank_friction={"primary": without_flank_friction[0], "secondary": without_flank_friction[1]},
         steady=state,
         assumptions=ASSUMPTIONS,
-        variants=tuple(_variant(name, solve(changes, state.load_torque), curve) for name, changes in VARIANTS.items()),
+        variants=tuple(
+            _variant(name, solve(changes, state.load_torque), parameters) for name, changes in VARIANTS.items()
+        ),
     )
 
 
-def _variant(name: str, state: SteadyState, curve: TwoPulleyCurve) -> Variant:
-    return Variant(name, state["thrustRatio"], strand_forces(state, curve), state["slip"])
+def _variant(name: str, state: SteadyState, parameters: Mapping[str, float]) -> Variant:
+    return Variant(name, state["thrustRatio"], strand_forces(state, curve_at(parameters, state)), state["slip"])

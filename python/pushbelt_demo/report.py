@@ -14,12 +14,12 @@ import jinja2
 import numpy as np
 
 from . import checks, events, figures
-from .data import EfficiencyPoint, curve_of, load_case_speed, measured_efficiency
+from .data import EfficiencyPoint, curve_at, curve_of, load_case_speed, measured_efficiency
 from .geometry import ratio_of
 from .manoeuvre import START_VALUES
 from .results import DemoResults, LoadCaseResult, ReferenceResult
 
-CHOSEN_CASE = "underdrive-100"
+CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
 
 MINUS = "\N{MINUS SIGN}"
@@ -126,8 +126,7 @@ def write_html(results: DemoResults, path: Path) -> None:
 def _context(results: DemoResults) -> dict[str, Any]:
     rows = case_rows(results.cases)
     chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
-    curve = curve_of(results.parameters, chosen.case.theta)
-    magnification = figures.magnification_for(chosen.steady.profile, curve)
+    curve = curve_at(results.parameters, chosen.steady)
     trace = results.manoeuvre.trace
     found = events.detect(trace)
     bound = checks.energy_bound(trace)
@@ -138,9 +137,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "cases": figures.load_case_bars(results.cases, measured),
         "manoeuvre": figures.manoeuvre(trace, found),
         "fields": figures.fields(chosen.steady.profile, curve),
-        "belt": figures.belt_picture(
-            chosen.steady.profile, curve, results.parameters["belt.pitchOffset"], magnification
-        ),
+        "belt": figures.belt_picture(chosen.steady, curve, results.parameters["belt.pitchOffset"]),
     }
     if slipping is not None:
         pictures["overload"] = figures.overload(trace, slipping.start - 0.1, slipping.end + 0.2)

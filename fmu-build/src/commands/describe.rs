@@ -37,3 +37,17 @@ fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     println!("{}", path.display());
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_checked_in_page_is_what_the_model_description_says() {
+        let workspace = Workspace::find().unwrap();
+        let xml = fs::read_to_string(workspace.model_description()).unwrap();
+        let page = fs::read_to_string(workspace.root().join("docs").join("variables.md")).unwrap();
+        let generated = Description::parse(&xml).unwrap().to_markdown();
+        assert_eq!(page, generated, "rewrite docs/variables.md by `cargo fmu describe`");
+    }
+}

@@ -1,0 +1,234 @@
+"""The pure functions of the demo: geometry, load cases, the closed-form theory, event detection. No FMU needed."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+
+from pushbelt_demo import data, events, report  # noqa: E402
+from pushbelt_demo.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of  # noqa: E402
+from pushbelt_demo.load_cases import NotFoundError, find_load  # noqa: E402
+from pushbelt_demo.results import StrandForces, Trace  # noqa: E402
+from pushbelt_demo.theory import ContinuousBelt  # noqa: E402
+
+BENCH = data.parameter_set("bench168")
+
+
+def variator(name: str) -> dict:
+    return next(entry for entry in data.published_data()["variators"] if entry["id"] == name)
+
+
+# Geometry
+
+
+def test_radii_are_those_derived_for_the_published_variator() -> None:
+    derived = variator("bench168")["derived"]
+    at_one = data.curve_of(BENCH, 0.0)
+    assert [at_one.primary_radius, at_one.secondary_radius] == pytest.approx(derived["radiiAtRatio1"], abs=6e-6)
+    overdrive = data.curve_of(BENCH, theta_of(1 / 2.25))
+    radii = [overdrive.primary_radius, overdrive.secondary_radius]
+    assert radii == pytest.approx(derived["radiiAtSpeedRatio2.25"], abs=6e-6)
+    wraps = [2 * (math.pi - overdrive.phi), 2 * overdrive.phi]
+    assert wraps == pytest.approx(derived["wrapAnglesAtSpeedRatio2.25"], abs=6e-4)
+
+
+@pytest.mark.parametrize("theta", [-0.45, -0.1, 0.0, 0.3, 0.45])
+def test_belt_is_as_long_as_it_is(theta: float) -> None:
+    curve = data.curve_of(BENCH, theta)
+    points, normals = curve.frame(np.linspace(0.0, curve.length, 20001))
+    assert np.linalg.norm(np.diff(points, axis=0), axis=1).sum() == pytest.approx(curve.length, rel=1e-7)
+    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0)
+    along = np.gradient(points, axis=0)
+    assert np.abs((along * normals).sum(axis=1)).max() < 1e-3 * np.linalg.norm(along, axis=1).max()
+
+
+def test_outline_lies_outside_by_the_deviation() -> None:
+    curve = data.curve_of(BENCH, 0.2)
+    leftmost = curve.outline([0.0], [1e-3])[0]
+    assert leftmost == pytest.approx([-curve.secondary_radius - 1e-3, 0.0])
+
+
+def test_impossible_belts_are_refused() -> None:
+    with pytest.raises(ValueError, match="does not go round"):
+        primary_radius(0.0, 0.4, 0.7)
+    with pytest.raises(ValueError, match="between"):
+        primary_radius(1.0, 0.168, 0.703)
+
+
+def test_ratio_and_theta_are_inverse() -> None:
+    assert theta_of(ratio_of(0.37)) == pytest.approx(0.37)
+    assert ratio_of(0.4) == pytest.approx(3 / 7)
+
+
+# Data
+
+
+def test_parameter_sets_agree_with_the_published_data() -> None:
+    published = variator("belt155")["published"]
+    belt = data.parameter_set("belt155")
+    layers = published["ringSets"] * published["ringLayers"]
+    area = layers * published["ringThickness"] * published["ringWidth"]
+    pitch_line = published["beltLength"] - 2 * math.pi * belt["belt.pitchOffset"]
+    assert belt["ring.axialStiffness"] == pytest.approx(published["ringYoung"] * area)
+    assert belt["ring.massPerLength"] == pytest.approx(published["ringDensity"] * area, rel=1e-5)
+    elements = published["elements"] * published["elementMass"]
+    assert belt["belt.massPerLength"] == pytest.approx(elements / pitch_line, rel=1e-6)
+    for name, key in (("geometry.centerDistance", "centerDistance"), ("friction.pulley", "frictionPulley")):
+        assert belt[name] == published[key]
+        assert BENCH[name] == variator("bench168")["published"][key]
+
+
+@pytest.mark.parametrize("name", ["bench168", "belt155"])
+def test_parameters_say_where_they_come_from(name: str) -> None:
+    document = json.loads((data.RESOURCES / "parameters" / f"{name}.json").read_text(encoding="utf-8"))
+    assert {entry["origin"] for entry in document["parameters"].values()} == {"published", "typical"}
+
+
+def test_load_cases_are_the_nine_with_their_clamping_forces() -> None:
+    cases = data.load_cases(BENCH)
+    assert [case.name for case in cases] == data.published_data()["loadCases"]["order"]
+    forces = {case.name: case.clamping_force for case in cases}
+    assert forces["overdrive-30"] == 6000.0
+    radius = data.curve_of(BENCH, -0.4).primary_radius - 1e-3
+    expected = 1.3 * 100 * math.cos(math.radians(11)) / (2 * 0.09 * radius)
+    assert forces["underdrive-100"] == pytest.approx(expected)
+    assert 20e3 < expected < 23e3
+
+
+def test_measured_point_is_the_nearest_in_ratio_first() -> None:
+    point = data.measured_efficiency(0.43, 2000.0, 30.0)
+    assert (point.ratio, point.torque, point.efficiency) == (0.5, 41.0, 0.947)
+    assert data.measured_efficiency(1.0, 2000.0, 100.0).torque == 81.0
+
+
+def test_inputs_run_linearly_between_rows() -> None:
+    inputs = data.manoeuvre_inputs()
+    assert inputs.at(0.005)["primary.torque"] == pytest.approx(0.8)
+    assert inputs.time[-1] == pytest.approx(10.0)
+
+
+# Load search
+
+
+def test_load_is_found_in_a_few_evaluations() -> None:
+    def belt_torque(load: float) -> float:
+        return -load / 2.3 + 1.5 + 1e-4 * load**2
+
+    load, evaluations = find_load(belt_torque, 50.0, -100.0)
+    assert belt_torque(load) == pytest.approx(50.0, rel=1e-4)
+    assert evaluations <= 4
+
+
+def test_load_beyond_capacity_is_reported() -> None:
+    with pytest.raises(NotFoundError, match="no load torque"):
+        find_load(lambda load: min(-load, 40.0), 50.0, -50.0)
+
+
+# Theory of the published reference case
+
+
+def test_theory_gives_the_published_reference_case() -> None:
+    published = data.reference_case()
+    belt = data.parameter_set("belt155") | {"belt.pitchOffset": 0.0}
+    curve = data.curve_of(belt, theta_of(published["geometricRatio"]))
+    theory = ContinuousBelt(
+        wrap_primary=2 * (math.pi - curve.phi),
+        wrap_secondary=2 * curve.phi,
+        wedge_angle=belt["geometry.wedgeAngle"],
+        friction=belt["friction.pulley"],
+        centrifugal=(belt["belt.massPerLength"] + belt["ring.massPerLength"]) * published["beltSpeed"] ** 2,
+    )
+    strands = StrandForces(published["strandForces"]["upper"], published["strandForces"]["lower"])
+    primary, secondary = theory.axial_forces(strands)
+    assert primary / secondary == pytest.approx(published["thrustRatio"], rel=1e-3)
+    assert secondary == pytest.approx(published["secondaryClampingForce"], rel=1e-3)
+    assert math.degrees(theory.slip_arc(strands)) == pytest.approx(published["slipArcDeg"], abs=0.1)
+    found = theory.strand_forces(secondary, strands.upper - strands.lower)
+    assert found.lower == pytest.approx(strands.lower)
+
+
+# Events
+
+
+def synthetic_manoeuvre() -> Trace:
+    """A launch, a shift, two torque steps, an over-torque and the recovery, drawn by hand; 1 ms steps."""
+    time = np.arange(0.0, 10.0005, 1e-3)
+    torque = np.interp(
+        time, [0, 0.5, 6.0, 6.01, 7.0, 7.01, 8.5, 8.51, 8.7, 8.71], [0, 60, 60, 30, 30, 80, 80, 300, 300, 40]
+    )
+    slipping = (time > 8.505) & (time < 8.8)
+    carried = np.where(slipping, 130.0, torque)
+    secondary = np.interp(time, [0, 0.05, 2, 10], [0, 0, 80, 150])
+    return Trace(
+        time,
+        {
+            "primary.externalTorque": torque,
+            "primary.shaftTorque": -carried,
+            "secondary.speed": secondary,
+            "ratio.geometric": np.interp(time, [0, 2, 3, 10], [2.2, 2.2, 0.5, 0.5]),
+            "slip": np.where(slipping, 0.5, 0.01),
+            "macroSlip": slipping.astype(float),
+            "torqueUtilisation": torque / 130.0,
+            "loss.total": np.where(slipping, 3e4, 100.0),
+        },
+    )
+
+
+def test_events_are_found_in_order() -> None:
+    found = events.detect(synthetic_manoeuvre())
+    assert all(event.occurred for event in found)
+    assert [event.name for event in found] == [
+        "Launch in underdrive",
+        "Shift to overdrive",
+        "Torque step 60 → 30 N·m",
+        "Torque step 30 → 80 N·m",
+        events.OVERLOAD,
+        "Recovery",
+    ]
+    overload = found[4]
+    assert (overload.start, overload.end) == pytest.approx((8.506, 8.799), abs=2e-3)
+    assert found[1].start == pytest.approx(2.05, abs=0.02)
+
+
+def test_events_that_fail_to_occur_say_why() -> None:
+    trace = synthetic_manoeuvre()
+    still = {name: np.full_like(values, values[0]) for name, values in trace.columns.items()}
+    found = events.detect(Trace(trace.time, still))
+    assert not any(event.occurred for event in found)
+    assert "ratio stays" in next(event.evidence for event in found if event.name == "Shift to overdrive")
+
+
+def test_slip_that_stays_is_no_recovery() -> None:
+    trace = synthetic_manoeuvre()
+    slip = np.where(trace.time > 8.505, 0.5, 0.01)
+    found = events.detect(Trace(trace.time, {**trace.columns, "slip": slip}))
+    assert [event.name for event in found if not event.occurred] == ["Recovery"]
+
+
+def test_intervals_close_small_gaps() -> None:
+    time = np.arange(6) * 1.0
+    flag = np.array([0, 1, 0, 1, 0, 1])
+    assert events.intervals(time, flag) == [(1.0, 1.0), (3.0, 3.0), (5.0, 5.0)]
+    assert events.intervals(time, flag, gap=2.0) == [(1.0, 5.0)]
+
+
+# Report
+
+
+def test_numbers_are_set_as_in_print() -> None:
+    assert report.number(-1234.5, 1) == "−1\u202f234.5"
+    assert report.number(-0.001, 1) == "0.0"
+    assert report.percent(0.9654, 2) == "96.54"
+
+
+def test_curve_needs_no_more_than_geometry() -> None:
+    curve = TwoPulleyCurve(0.168, 0.703, 0.0)
+    assert curve.borders[1] == pytest.approx(curve.secondary_radius * math.pi / 2)
