@@ -51,7 +51,7 @@ pub struct ChainPoint<T: Real> {
 
 impl<T: Real> ChainPoint<T> {
     /// Kinematics on a ring point at element speed `speed`.
-    #[inline]
+    #[inline(always)]
     pub fn new(pitch_offset: f64, point: &RingPoint<T>, theta_dot: T, speed: T) -> Self {
         let reference = &point.reference;
         let lambda = point.stretch - reference.kappa * pitch_offset;
@@ -67,19 +67,19 @@ impl<T: Real> ChainPoint<T> {
     }
 
     /// v_p, velocity at the pitch line, m/s.
-    #[inline]
+    #[inline(always)]
     pub fn pitch_velocity(&self, point: &RingPoint<T>) -> Vector2<T> {
         point.t * self.speed + point.n * self.normal_speed
     }
 
     /// v_e, velocity at the ring centre line, m/s.
-    #[inline]
+    #[inline(always)]
     pub fn ring_line_velocity(&self, point: &RingPoint<T>) -> Vector2<T> {
         point.r_dot + point.slope * self.c
     }
 
     /// (a·t̂, a·n̂) of an element; `speed_dot` = V̇, `speed_gradient` = ∂V/∂ξ. m/s².
-    #[inline]
+    #[inline(always)]
     pub fn acceleration(&self, point: &RingPoint<T>, speed_dot: T, speed_gradient: T) -> (T, T) {
         let c = self.c;
         let turning = point.n.dot(&point.slope_dot);
@@ -100,7 +100,7 @@ pub struct Push<T> {
 }
 
 /// Push force from element density `nu` and its material rate `nu_rate`, 1/s.
-#[inline]
+#[inline(always)]
 pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     let (strain, contact) = smooth_plus(nu - 1.0, STRAIN_SMOOTHING);
     let viscous = contact * nu_rate * (belt.push_stiffness * belt.damping);
@@ -118,8 +118,15 @@ pub fn energy_density(belt: &Belt, nu: f64) -> f64 {
 }
 
 /// Amount per time through a face: J ν_upwind.
-#[inline]
+#[inline(always)]
 pub fn flux<T: Real>(flow: T, nu_before: T, nu_after: T) -> T {
     let (forward, _) = smooth_plus(flow, UPWIND_SMOOTHING);
     forward * nu_before + (flow - forward) * nu_after
+}
+
+/// Derivatives of [`flux`] with respect to its three arguments.
+#[must_use]
+pub fn flux_slopes(flow: f64, nu_before: f64, nu_after: f64) -> [f64; 3] {
+    let (forward, slope) = smooth_plus(flow, UPWIND_SMOOTHING);
+    [slope * nu_before + (1.0 - slope) * nu_after, forward, flow - forward]
 }

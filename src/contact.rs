@@ -47,7 +47,7 @@ pub struct FlankForce<T> {
 }
 
 /// The law; `cos_beta` = cos β.
-#[inline]
+#[inline(always)]
 pub fn flank_force<T: Real>(
     contact: &Contact,
     friction: &Friction,

@@ -35,19 +35,22 @@ impl ReferenceCurve for Circle {
         Jet::constant(TAU * radius)
     }
 
-    fn point<T: Real>(radius: &f64, _segment: usize, fraction: f64) -> ReferencePoint<T> {
-        let (sin, cos) = (TAU * fraction).sin_cos();
-        let vector = |x: f64, y: f64| Vector2::new(T::from(x), T::from(y));
+    fn point<T: Real>(radius: &f64, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+        let (sin, cos) = T::constant(fraction * TAU).sin_cos();
+        let zero = Vector2::new(T::zero(), T::zero());
         ReferencePoint {
-            r: vector(-radius * cos, radius * sin),
-            r_theta: vector(0.0, 0.0),
-            r_theta2: vector(0.0, 0.0),
-            t: vector(sin, cos),
-            n: vector(cos, -sin),
+            r: Vector2::new(-cos * *radius, sin * *radius),
+            r_theta: zero,
+            r_theta2: zero,
+            t: Vector2::new(sin, cos),
+            n: Vector2::new(cos, -sin),
             chi_theta: T::zero(),
             kappa: T::from(1.0 / radius),
             kappa_theta: T::zero(),
-            xi: Jet::constant(TAU * radius * fraction),
+            xi: Jet {
+                v: T::constant(fraction * (TAU * radius)),
+                ..Jet::constant(0.0)
+            },
         }
     }
 }

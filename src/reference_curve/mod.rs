@@ -9,11 +9,12 @@ mod circle;
 mod two_pulley;
 
 pub use circle::Circle;
-pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame, ratio_of_theta};
+pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame, TwoPulleyShape, ratio_of_theta};
 
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use num_dual::Dual3_64;
+use std::ops::Mul;
 
 /// A quantity and its first and second derivative with respect to Θ at fixed η.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +29,7 @@ pub struct Jet<T> {
 
 impl<T: Real> Jet<T> {
     /// A constant.
+    #[inline(always)]
     pub fn constant(value: f64) -> Self {
         Self {
             v: T::from(value),
@@ -37,6 +39,7 @@ impl<T: Real> Jet<T> {
     }
 
     /// Lifts a third-order jet in Θ to the scalar `T` of Θ; `dtheta` = Θ − Re Θ carries the derivatives of Θ.
+    #[inline(always)]
     pub fn lift(x: Dual3_64, dtheta: T) -> Self {
         Self {
             v: dtheta * x.v1 + x.re,
@@ -46,8 +49,11 @@ impl<T: Real> Jet<T> {
     }
 
     /// `self` + `factor`·`other`.
-    #[inline]
-    pub fn plus_scaled(self, other: Self, factor: f64) -> Self {
+    #[inline(always)]
+    pub fn plus_scaled<F: Copy>(self, other: Self, factor: F) -> Self
+    where
+        T: Mul<F, Output = T>,
+    {
         Self {
             v: self.v + other.v * factor,
             d: self.d + other.d * factor,
@@ -102,5 +108,5 @@ pub trait ReferenceCurve: Clone + Send + 'static {
     fn segment_length<T: Real>(frame: &Self::Frame<T>, segment: usize) -> Jet<T>;
 
     /// The curve at fraction `fraction` of `segment`.
-    fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: f64) -> ReferencePoint<T>;
+    fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T>;
 }

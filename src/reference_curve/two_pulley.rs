@@ -102,6 +102,78 @@ impl TwoPulley {
     }
 }
 
+/// Radii, angle and strand length at one Θ with their first three derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct TwoPulleyShape {
+    center_distance: f64,
+    radius: [Dual3_64; 2],
+    phi: Dual3_64,
+    half: Dual3_64,
+    arc: Dual3_64,
+    strand: Dual3_64,
+}
+
+impl TwoPulley {
+    /// The shape at Θ.
+    #[must_use]
+    pub fn shape(&self, theta: f64) -> TwoPulleyShape {
+        let ratio = ratio_of_theta(Dual3_64::from_re(theta).derivative());
+        let radius = self.primary_radius(ratio.re);
+        let slope = {
+            let (phi, _) = self.tangent(&radius, &(ratio.re * radius));
+            2.0 * (PI - phi) + ratio.re * 2.0 * phi
+        };
+        // The value is converged; each further Newton step makes one more derivative exact.
+        let mut r_p = Dual3_64::from_re(radius);
+        for _ in 0..3 {
+            r_p -= self.closure(&r_p, &(ratio * r_p)) / slope;
+        }
+        let r_s = ratio * r_p;
+        let (phi, strand) = self.tangent(&r_p, &r_s);
+        TwoPulleyShape {
+            center_distance: self.center_distance,
+            radius: [r_s, r_p],
+            phi,
+            half: r_s * phi,
+            arc: r_p * (-phi + PI) * 2.0,
+            strand,
+        }
+    }
+}
+
+impl TwoPulleyShape {
+    /// The curve for a scalar `T`; `dtheta` = Θ − Re Θ carries the derivatives of Θ.
+    #[must_use]
+    pub fn frame<T: Real>(&self, dtheta: T) -> TwoPulleyFrame<T> {
+        let lift = |x| Jet::lift(x, dtheta);
+        let [half, arc, strand] = [self.half, self.arc, self.strand].map(lift);
+        let lengths = [half, strand, arc, strand, half];
+        let mut starts = [Jet::constant(0.0); SEGMENTS];
+        for k in 1..SEGMENTS {
+            starts[k] = starts[k - 1].plus_scaled(lengths[k - 1], 1.0);
+        }
+        let radius = self.radius.map(lift);
+        let phi = lift(self.phi);
+        let quarter = |chi: Jet<T>| chi.plus_scaled(Jet::constant(PI / 2.0), 1.0);
+        let end = Jet::constant(2.0 * PI).plus_scaled(phi, -1.0);
+        let mut lower = VectorJet::polar(radius[1], end);
+        lower.v.x += T::from(self.center_distance);
+        // t(χ) = (sin χ, cos χ) is the radial direction (−cos, sin) a quarter turn on.
+        let strands = [
+            (VectorJet::polar(radius[0], phi), VectorJet::polar(strand, quarter(phi))),
+            (lower, VectorJet::polar(strand, quarter(end))),
+        ];
+        TwoPulleyFrame {
+            center: [0.0, self.center_distance],
+            radius,
+            phi,
+            lengths,
+            starts,
+            strands,
+        }
+    }
+}
+
 /// A vector and its first two derivatives with respect to Θ.
 #[derive(Clone, Copy, Debug)]
 struct VectorJet<T: Real> {
@@ -112,6 +184,7 @@ struct VectorJet<T: Real> {
 
 impl<T: Real> VectorJet<T> {
     /// O + ρ(−cos χ, sin χ) with χ(Θ), ρ(Θ).
+    #[inline(always)]
     fn polar(rho: Jet<T>, chi: Jet<T>) -> Self {
         let (sin, cos) = chi.v.sin_cos();
         let e = Vector2::new(-cos, sin);
@@ -123,8 +196,9 @@ impl<T: Real> VectorJet<T> {
         }
     }
 
-    fn plus_scaled(self, other: &Self, factor: f64) -> Self {
-        let f = T::from(factor);
+    #[inline(always)]
+    fn plus_scaled(self, other: &Self, factor: T::Constant) -> Self {
+        let f = T::constant(factor);
         Self {
             v: self.v + other.v * f,
             d: self.d + other.d * f,
@@ -168,56 +242,16 @@ impl ReferenceCurve for TwoPulley {
 
     fn frame<T: Real>(&self, theta: T) -> TwoPulleyFrame<T> {
         let value = theta.re();
-        let dtheta = theta - value;
-        let ratio = ratio_of_theta(Dual3_64::from_re(value).derivative());
-        let radius = self.primary_radius(ratio.re);
-        let slope = {
-            let (phi, _) = self.tangent(&radius, &(ratio.re * radius));
-            2.0 * (PI - phi) + ratio.re * 2.0 * phi
-        };
-        // The value is converged; each further Newton step makes one more derivative exact.
-        let mut r_p = Dual3_64::from_re(radius);
-        for _ in 0..3 {
-            r_p -= self.closure(&r_p, &(ratio * r_p)) / slope;
-        }
-        let r_s = ratio * r_p;
-        let (phi, b) = self.tangent(&r_p, &r_s);
-        let lift = |x| Jet::lift(x, dtheta);
-        let half = lift(r_s * phi);
-        let arc = lift(r_p * (-phi + PI) * 2.0);
-        let strand = lift(b);
-        let lengths = [half, strand, arc, strand, half];
-        let mut starts = [Jet::constant(0.0); SEGMENTS];
-        for k in 1..SEGMENTS {
-            starts[k] = starts[k - 1].plus_scaled(lengths[k - 1], 1.0);
-        }
-        let radius = [lift(r_s), lift(r_p)];
-        let phi = lift(phi);
-        let center = [0.0, self.center_distance];
-        let quarter = |chi: Jet<T>| chi.plus_scaled(Jet::constant(PI / 2.0), 1.0);
-        let end = Jet::constant(2.0 * PI).plus_scaled(phi, -1.0);
-        let mut lower = VectorJet::polar(radius[1], end);
-        lower.v.x += self.center_distance;
-        // t(χ) = (sin χ, cos χ) is the radial direction (−cos, sin) a quarter turn on.
-        let strands = [
-            (VectorJet::polar(radius[0], phi), VectorJet::polar(strand, quarter(phi))),
-            (lower, VectorJet::polar(strand, quarter(end))),
-        ];
-        TwoPulleyFrame {
-            center,
-            radius,
-            phi,
-            lengths,
-            starts,
-            strands,
-        }
+        self.shape(value).frame(theta - value)
     }
 
+    #[inline(always)]
     fn segment_length<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize) -> Jet<T> {
         frame.lengths[segment]
     }
 
-    fn point<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: f64) -> ReferencePoint<T> {
+    #[inline(always)]
+    fn point<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
         let xi = frame.starts[segment].plus_scaled(frame.lengths[segment], fraction);
         if segment == 1 || segment == 3 {
             let (start, along) = &frame.strands[segment / 2];
@@ -237,7 +271,8 @@ impl ReferenceCurve for TwoPulley {
             };
         }
         let (pulley, start, sweep) = arc_angles(segment);
-        let chi = Jet::constant(start[0] + fraction * sweep[0]).plus_scaled(frame.phi, start[1] + fraction * sweep[1]);
+        let mut chi = Jet::constant(0.0).plus_scaled(frame.phi, fraction * sweep[1] + start[1]);
+        chi.v += T::constant(fraction * sweep[0] + start[0]);
         let rho = frame.radius[pulley];
         let position = VectorJet::polar(rho, chi);
         let kappa = rho.v.recip();

@@ -20,7 +20,7 @@ use super::kinematics::{Load, RingPoint};
 use crate::scalar::Real;
 
 /// Adds inertia as the force m_r Dv/Dt against δv.
-#[inline]
+#[inline(always)]
 pub fn add_inertia<T: Real>(ring: &Ring, point: &RingPoint<T>, load: &mut Load<T>) {
     let force = point.acceleration() * T::from(ring.mass_per_length);
     load.position += force;
@@ -32,7 +32,7 @@ pub fn add_inertia<T: Real>(ring: &Ring, point: &RingPoint<T>, load: &mut Load<T
 /// m_r [(∂v/∂t|_η + λ v)·δv + v·(r')˙ δw − w v·δr' − ½ λ_Θ v² δΘ],
 ///
 /// λ = λ_Θ Θ̇ the rate at which dξ grows; `growth` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate` = Θ̇.
-#[inline]
+#[inline(always)]
 pub fn add_conservative_inertia<T: Real>(
     ring: &Ring,
     point: &RingPoint<T>,
@@ -51,21 +51,21 @@ pub fn add_conservative_inertia<T: Real>(
 }
 
 /// Bending measure κ_n, 1/m.
-#[inline]
+#[inline(always)]
 pub fn curvature<T: Real>(point: &RingPoint<T>) -> T {
     let reference = &point.reference;
     reference.n.dot(&point.bend) - reference.kappa * (reference.t.dot(&point.slope) - 1.0)
 }
 
 /// Elastic energy per length, J/m.
-#[inline]
+#[inline(always)]
 pub fn energy_density<T: Real>(ring: &Ring, point: &RingPoint<T>) -> T {
     let (gamma, kappa) = (point.strain(), curvature(point));
     (gamma * gamma * ring.axial_stiffness + kappa * kappa * ring.bending_stiffness) * 0.5
 }
 
 /// Adds ∂V/∂q and the damping force; `growth` = (∂l/∂Θ)/l of the element. Returns the ring tension T, N.
-#[inline]
+#[inline(always)]
 pub fn add_elasticity<T: Real>(ring: &Ring, point: &RingPoint<T>, growth: T, load: &mut Load<T>) -> T {
     let reference = &point.reference;
     let kappa = curvature(point);

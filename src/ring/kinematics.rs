@@ -16,13 +16,13 @@ use nalgebra::Vector2;
 
 /// Cubic Hermite functions of the element at a local coordinate x ∈ [−1, 1] (paper 5.2), and their x derivatives.
 #[derive(Clone, Copy, Debug)]
-pub struct Hermite {
+pub struct Hermite<L = f64> {
     /// Values.
-    pub n: [f64; 4],
+    pub n: [L; 4],
     /// First derivatives.
-    pub dn: [f64; 4],
+    pub dn: [L; 4],
     /// Second derivatives.
-    pub ddn: [f64; 4],
+    pub ddn: [L; 4],
 }
 
 impl Hermite {
@@ -96,11 +96,13 @@ struct Overlay<T: Real> {
 
 impl<T: Real> ElementMotion<T> {
     /// An element that follows the reference curve.
+    #[inline(always)]
     pub fn rigid(length: Jet<T>) -> Self {
         Self { length, overlay: None }
     }
 
     /// An element between two nodes.
+    #[inline(always)]
     pub fn flexible(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T>>; 2]) -> Self {
         let l = length.v;
         let l_dot = length.d * theta.rate;
@@ -127,8 +129,8 @@ impl<T: Real> ElementMotion<T> {
     }
 }
 
-#[inline]
-fn combine<T: Real>(weights: &[f64; 4], d: &[Vector2<T>; 4]) -> Vector2<T> {
+#[inline(always)]
+fn combine<T: Real>(weights: &[T::Constant; 4], d: &[Vector2<T>; 4]) -> Vector2<T> {
     let sum = |f: fn(&Vector2<T>) -> T| {
         f(&d[0]) * weights[0] + f(&d[1]) * weights[1] + f(&d[2]) * weights[2] + f(&d[3]) * weights[3]
     };
@@ -166,10 +168,10 @@ pub struct RingPoint<T: Real> {
 
 impl<T: Real> RingPoint<T> {
     /// Kinematics at `shape` of an element.
-    #[inline]
+    #[inline(always)]
     pub fn new(
         reference: ReferencePoint<T>,
-        shape: &Hermite,
+        shape: &Hermite<T::Constant>,
         element: &ElementMotion<T>,
         motion: &ReferenceMotion<T>,
     ) -> Self {
@@ -209,31 +211,31 @@ impl<T: Real> RingPoint<T> {
     }
 
     /// Ring velocity v (12), m/s.
-    #[inline]
+    #[inline(always)]
     pub fn velocity(&self) -> Vector2<T> {
         self.r_dot + self.slope * self.w
     }
 
     /// Ring acceleration Dv/Dt, m/s².
-    #[inline]
+    #[inline(always)]
     pub fn acceleration(&self) -> Vector2<T> {
         self.r_ddot + self.slope * self.w_dot + self.slope_dot * (self.w * 2.0) + self.bend * (self.w * self.w)
     }
 
     /// Axial strain γ = |r'| − 1 (20).
-    #[inline]
+    #[inline(always)]
     pub fn strain(&self) -> T {
         self.stretch - 1.0
     }
 
     /// γ' along ξ, 1/m.
-    #[inline]
+    #[inline(always)]
     pub fn strain_gradient(&self) -> T {
         self.t.dot(&self.bend)
     }
 
     /// Material strain rate Dγ/Dt = γ̇|_η + w γ', 1/s.
-    #[inline]
+    #[inline(always)]
     pub fn strain_rate(&self) -> T {
         self.t.dot(&self.slope_dot) + self.w * self.strain_gradient()
     }
@@ -256,6 +258,7 @@ pub struct Load<T: Real> {
 
 impl<T: Real> Load<T> {
     /// No load.
+    #[inline(always)]
     pub fn zero() -> Self {
         Self {
             position: Vector2::zeros(),
@@ -280,6 +283,7 @@ pub struct ElementLoad<T: Real> {
 
 impl<T: Real> ElementLoad<T> {
     /// No load.
+    #[inline(always)]
     pub fn zero() -> Self {
         Self {
             d: [Vector2::zeros(); 4],
@@ -289,12 +293,12 @@ impl<T: Real> ElementLoad<T> {
     }
 
     /// Adds a load over the length `weight`, m.
-    #[inline]
+    #[inline(always)]
     pub fn add(
         &mut self,
         load: &Load<T>,
         point: &RingPoint<T>,
-        shape: &Hermite,
+        shape: &Hermite<T::Constant>,
         element: &ElementMotion<T>,
         weight: T,
     ) {
@@ -325,6 +329,7 @@ impl<T: Real> ElementLoad<T> {
     }
 
     /// Conjugates of the nodal degrees of freedom, and of Θ complete.
+    #[inline(always)]
     pub fn nodes(&self, element: &ElementMotion<T>) -> ([Node<T>; 2], T) {
         let l = element.length;
         let node = |i: usize| Node {

@@ -8,15 +8,15 @@ use std::f64::consts::TAU;
 
 /// A quadrature point of an element, or of a part of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Station {
+pub struct Station<L = f64> {
     /// Fraction of the segment.
-    pub fraction: f64,
+    pub fraction: L,
     /// Hermite functions there.
-    pub shape: Hermite,
+    pub shape: Hermite<L>,
     /// dξ as a fraction of the element length.
-    pub weight: f64,
+    pub weight: L,
     /// Fraction of the part: weight of its right face.
-    pub right: f64,
+    pub right: L,
 }
 
 /// A ring element.

@@ -193,7 +193,7 @@ impl<C: ReferenceCurve> RingSystem<C> {
     }
 
     /// Motion of an element and of the reference; `seed` makes a scalar of a value, its direction and its slope.
-    fn motion<T: Real>(
+    fn motion<T: Real<Constant = f64>>(
         &self,
         view: View<'_>,
         element: usize,
@@ -313,7 +313,7 @@ impl<C: ReferenceCurve> RingSystem<C> {
     }
 
     /// Balance of an element in the order of its directions.
-    fn balance<T: Real>(
+    fn balance<T: Real<Constant = f64>>(
         &self,
         element: usize,
         frame: &C::Frame<T>,

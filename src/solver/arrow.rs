@@ -41,18 +41,62 @@ impl Shape {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+
+    /// Starts of the parts in the storage of an [`Arrow`]: D, U, L, R, B, C, end. Each part holds its blocks in order,
+    /// a block its columns.
+    fn starts(&self) -> [usize; 7] {
+        let (square, strip) = (
+            self.blocks * self.block * self.block,
+            self.blocks * self.block * self.border,
+        );
+        let mut start = 0;
+        let mut next = |size: usize| {
+            start += size;
+            start - size
+        };
+        [square, square, square, strip, strip, self.border * self.border, 0].map(&mut next)
+    }
+
+    /// Place of an entry in the storage of an [`Arrow`], if it is in the band.
+    #[must_use]
+    pub fn index(&self, row: usize, column: usize) -> Option<usize> {
+        let Self {
+            blocks: n,
+            block: b,
+            border: g,
+        } = *self;
+        let [d, u, l, r, s, c, _] = self.starts();
+        let split = n * b;
+        let (row_block, i) = (row / b, row % b);
+        let (column_block, j) = (column / b, column % b);
+        let in_block = row_block * b * b + j * b + i;
+        match (row < split, column < split) {
+            (true, true) if row_block == column_block => Some(d + in_block),
+            (true, true) if (row_block + 1) % n == column_block => Some(u + in_block),
+            (true, true) if (column_block + 1) % n == row_block => Some(l + in_block),
+            (true, true) => None,
+            (true, false) => Some(r + (row_block * g + column - split) * b + i),
+            (false, true) => Some(s + (column_block * b + j) * g + row - split),
+            (false, false) => Some(c + (column - split) * g + row - split),
+        }
+    }
 }
 
 /// The matrix. Indices are those of the vector: blocks in order, then the border.
 #[derive(Clone, Debug)]
 pub struct Arrow {
     shape: Shape,
-    diagonal: Vec<f64>,
-    upper: Vec<f64>,
-    lower: Vec<f64>,
-    right: Vec<f64>,
-    bottom: Vec<f64>,
-    corner: Vec<f64>,
+    values: Vec<f64>,
+}
+
+/// The parts of an [`Arrow`].
+struct Parts<'a> {
+    diagonal: &'a [f64],
+    upper: &'a [f64],
+    lower: &'a [f64],
+    right: &'a [f64],
+    bottom: &'a [f64],
+    corner: &'a [f64],
 }
 
 impl Arrow {
@@ -63,15 +107,9 @@ impl Arrow {
     #[must_use]
     pub fn new(shape: Shape) -> Self {
         assert!(shape.blocks >= 3, "an arrow matrix needs three blocks");
-        let (n, b, g) = (shape.blocks, shape.block, shape.border);
         Self {
             shape,
-            diagonal: vec![0.0; n * b * b],
-            upper: vec![0.0; n * b * b],
-            lower: vec![0.0; n * b * b],
-            right: vec![0.0; n * b * g],
-            bottom: vec![0.0; n * b * g],
-            corner: vec![0.0; g * g],
+            values: vec![0.0; shape.starts()[6]],
         }
     }
 
@@ -81,83 +119,43 @@ impl Arrow {
         self.shape
     }
 
-    /// Sets every entry to zero.
-    pub fn clear(&mut self) {
-        for part in [
-            &mut self.diagonal,
-            &mut self.upper,
-            &mut self.lower,
-            &mut self.right,
-            &mut self.bottom,
-            &mut self.corner,
-        ] {
-            part.fill(0.0);
+    fn parts(&self) -> Parts<'_> {
+        let [_, u, l, r, s, c, _] = self.shape.starts();
+        Parts {
+            diagonal: &self.values[..u],
+            upper: &self.values[u..l],
+            lower: &self.values[l..r],
+            right: &self.values[r..s],
+            bottom: &self.values[s..c],
+            corner: &self.values[c..],
         }
     }
 
-    #[inline]
-    fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
-        let Shape {
-            blocks: n,
-            block: b,
-            border: g,
-        } = self.shape;
-        let (row_block, i) = (row / b, row % b);
-        let (column_block, j) = (column / b, column % b);
-        let split = n * b;
-        if row < split && column < split {
-            let at = row_block * b * b + j * b + i;
-            if row_block == column_block {
-                &mut self.diagonal[at]
-            } else if (row_block + 1) % n == column_block {
-                &mut self.upper[at]
-            } else {
-                debug_assert_eq!((column_block + 1) % n, row_block, "entry outside the band");
-                &mut self.lower[at]
-            }
-        } else if row < split {
-            &mut self.right[row_block * b * g + (column - split) * b + i]
-        } else if column < split {
-            &mut self.bottom[column_block * b * g + j * g + (row - split)]
-        } else {
-            &mut self.corner[(column - split) * g + (row - split)]
-        }
+    /// Sets every entry to zero.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
     }
 
     /// Adds to an entry. Blocks of the two indices must be equal or neighbours around the loop.
+    ///
+    /// # Panics
+    /// If the entry is outside the band.
     #[inline]
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
-        *self.entry(row, column) += value;
+        self.add_at(self.shape.index(row, column).expect("an entry in the band"), value);
+    }
+
+    /// Adds to the entry at a place that [`Shape::index`] found.
+    #[inline]
+    pub fn add_at(&mut self, index: usize, value: f64) {
+        self.values[index] += value;
     }
 
     /// Replaces a row by a multiple of the unit row: `scale`·x_row.
     pub fn set_unit_row(&mut self, row: usize, scale: f64) {
-        let Shape {
-            blocks: n,
-            block: b,
-            border: g,
-        } = self.shape;
-        let split = n * b;
-        if row < split {
-            let (k, i) = (row / b, row % b);
-            for j in 0..b {
-                let at = k * b * b + j * b + i;
-                self.diagonal[at] = 0.0;
-                self.upper[at] = 0.0;
-                self.lower[at] = 0.0;
-            }
-            for j in 0..g {
-                self.right[k * b * g + j * b + i] = 0.0;
-            }
-        } else {
-            let i = row - split;
-            for k in 0..n {
-                for j in 0..b {
-                    self.bottom[k * b * g + j * g + i] = 0.0;
-                }
-            }
-            for j in 0..g {
-                self.corner[j * g + i] = 0.0;
+        for column in 0..self.shape.len() {
+            if let Some(index) = self.shape.index(row, column) {
+                self.values[index] = 0.0;
             }
         }
         self.add(row, row, scale);
@@ -174,7 +172,8 @@ impl Arrow {
             border: g,
         } = self.shape;
         let (into, from) = (into - n * b, from - n * b);
-        for column in self.bottom.chunks_exact_mut(g).chain(self.corner.chunks_exact_mut(g)) {
+        let bottom = self.shape.starts()[4];
+        for column in self.values[bottom..].chunks_exact_mut(g) {
             column[into] += factor * column[from];
         }
     }
@@ -186,25 +185,29 @@ impl Arrow {
             block: b,
             border: g,
         } = self.shape;
+        let Parts {
+            diagonal,
+            upper,
+            lower,
+            right,
+            bottom,
+            corner,
+        } = self.parts();
         let split = n * b;
         out.fill(0.0);
         for k in 0..n {
             let row = k * b..(k + 1) * b;
             let (next, previous) = ((k + 1) % n, (k + n - 1) % n);
             let blocks = k * b * b..(k + 1) * b * b;
+            let strip = k * b * g..(k + 1) * b * g;
             let y = &mut out[row.clone()];
-            gemv(1.0, &self.diagonal[blocks.clone()], &x[row.clone()], y);
-            gemv(1.0, &self.upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
-            gemv(1.0, &self.lower[blocks], &x[previous * b..(previous + 1) * b], y);
-            gemv(1.0, &self.right[k * b * g..(k + 1) * b * g], &x[split..], y);
-            gemv(
-                1.0,
-                &self.bottom[k * b * g..(k + 1) * b * g],
-                &x[row],
-                &mut out[split..],
-            );
+            gemv(1.0, &diagonal[blocks.clone()], &x[row.clone()], y);
+            gemv(1.0, &upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
+            gemv(1.0, &lower[blocks], &x[previous * b..(previous + 1) * b], y);
+            gemv(1.0, &right[strip.clone()], &x[split..], y);
+            gemv(1.0, &bottom[strip], &x[row], &mut out[split..]);
         }
-        gemv(1.0, &self.corner, &x[split..], &mut out[split..]);
+        gemv(1.0, corner, &x[split..], &mut out[split..]);
     }
 }
 
@@ -393,6 +396,7 @@ impl ArrowLu {
             border: g,
         } = self.shape;
         let w = b + g;
+        let a = a.parts();
         let stack = MemStack::new(&mut self.scratch.buffer);
         // Border: block 0, then the globals.
         for j in 0..b {
@@ -423,7 +427,7 @@ impl ArrowLu {
                 column[b..].copy_from_slice(&a.bottom[k * b * g + j * g..k * b * g + (j + 1) * g]);
             }
         }
-        self.lower.copy_from_slice(&a.lower);
+        self.lower.copy_from_slice(a.lower);
         let border_columns = |k: usize, out: &mut [f64]| {
             out[..b * b].fill(0.0);
             let block = k * b * b..(k + 1) * b * b;

@@ -7,11 +7,11 @@
 //! radial ones at the ring centre line (v_e, with its flow c), ring friction on the difference of the two flows, the
 //! push force on the shortening of the stack. So no power is lost between ring, chain and pulleys.
 
-use super::mesh::{Cell, Station};
+use super::mesh::Station;
 use super::parameters::Parameters;
 use crate::chain::{ChainPoint, push_force};
 use crate::contact::{FlankMotion, flank_force};
-use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
+use crate::reference_curve::{Jet, ReferencePoint};
 use crate::ring::ale;
 use crate::ring::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
 use crate::scalar::{Real, smooth_plus};
@@ -141,28 +141,17 @@ pub struct Sample {
     pub outward: f64,
 }
 
-/// Kinematics of ring and reference at a station.
-#[inline]
-fn ring_point<C: ReferenceCurve, T: Real>(
-    frame: &C::Frame<T>,
-    segment: usize,
-    station: &Station,
-    element: &ElementMotion<T>,
-    reference: &ReferenceMotion<T>,
-) -> RingPoint<T> {
-    let point: ReferencePoint<T> = C::point(frame, segment, station.fraction);
-    RingPoint::new(point, &station.shape, element, reference)
-}
-
-/// Where a cell lies: the reference curve at the present Θ, and the element.
+/// Where cells lie: constants of the mesh, and the element at the present Θ.
 #[derive(Debug)]
-pub struct Place<'a, C: ReferenceCurve, T: Real> {
-    /// Reference curve at Θ.
-    pub frame: &'a C::Frame<T>,
-    /// The cell.
-    pub cell: &'a Cell,
-    /// Segment of the reference curve.
-    pub segment: usize,
+pub struct Place<'a, T: Real> {
+    /// Left face.
+    pub face: &'a Station<T::Constant>,
+    /// Quadrature points.
+    pub stations: &'a [Station<T::Constant>],
+    /// Pulley axis, x coordinate, m.
+    pub axis: T::Constant,
+    /// Whether this is on an arc.
+    pub arc: bool,
     /// Length of the element.
     pub length: Jet<T>,
 }
@@ -199,20 +188,23 @@ impl<F: FnMut(&Sample), const ENERGY: bool> Probe for Sampler<F, ENERGY> {
     }
 }
 
-/// The balance of a cell. `probe` sees every station.
-#[inline]
-pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
+/// Linear between the two faces of a cell.
+#[inline(always)]
+fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
+    faces[0] * (-right + 1.0) + faces[1] * right
+}
+
+/// The balance of a cell, or of one in each lane of `T`. `reference` gives the reference curve at the face (0) and at
+/// the stations (1 and on); `probe` sees every station.
+#[inline(always)]
+pub fn balance<T: Real, S: Probe>(
     law: &CellLaw,
-    place: &Place<'_, C, T>,
+    place: &Place<'_, T>,
     motion: &CellMotion<T>,
+    reference: impl Fn(usize) -> ReferencePoint<T>,
     probe: &mut S,
 ) -> CellBalance<T> {
-    let Place {
-        frame,
-        cell,
-        segment,
-        length,
-    } = *place;
+    let length = place.length;
     let p = &law.parameters;
     let e = p.belt.pitch_offset;
     let [sin_beta, cos_beta, tan_beta] = law.wedge;
@@ -221,6 +213,9 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
         Some(nodes) => ElementMotion::flexible(length, &motion.reference.theta, nodes),
         None => ElementMotion::rigid(length),
     };
+    let ring_point = |slot: usize, station: &Station<T::Constant>| {
+        RingPoint::new(reference(slot), &station.shape, &element, &motion.reference)
+    };
     let flexible = motion.nodes.is_some();
     let growth = length.d / length.v;
 
@@ -228,9 +223,9 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
     let mut points = [None; 3];
     let mut pitch_length = T::zero();
     let mut carried = T::zero();
-    for (slot, station) in points.iter_mut().zip(&cell.stations) {
-        let point = ring_point::<C, T>(frame, segment, station, &element, &motion.reference);
-        let speed = motion.speed[0] * (1.0 - station.right) + motion.speed[1] * station.right;
+    for (i, (slot, station)) in points.iter_mut().zip(place.stations).enumerate() {
+        let point = ring_point(i + 1, station);
+        let speed = between(&motion.speed, station.right);
         let chain = ChainPoint::new(e, &point, theta_dot, speed);
         let weight = length.v * station.weight;
         pitch_length += weight * chain.lambda;
@@ -241,7 +236,7 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
     let lengthening = motion.speed[1] - motion.speed[0] - carried;
     let push = push_force(&p.belt, density, -(density * lengthening) / pitch_length);
 
-    let face = ring_point::<C, T>(frame, segment, &cell.face, &element, &motion.reference);
+    let face = ring_point(0, place.face);
     let mut load = ElementLoad::zero();
     let mut out = CellBalance {
         nodes: [Node {
@@ -258,11 +253,14 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
         flow: ChainPoint::new(e, &face, theta_dot, motion.speed[0]).flow,
         density,
     };
-    let cell_length: T = cell.stations.iter().fold(T::zero(), |sum, s| sum + length.v * s.weight);
+    let cell_length: T = place
+        .stations
+        .iter()
+        .fold(T::zero(), |sum, s| sum + length.v * s.weight);
     let speed_gradient = (motion.speed[1] - motion.speed[0]) / cell_length;
     let pulley = &motion.pulley;
 
-    for (slot, station) in points.iter().zip(&cell.stations) {
+    for (slot, station) in points.iter().zip(place.stations) {
         let Some((point, chain, weight)) = slot else { continue };
         let (weight, right) = (*weight, station.right);
         let mut point_load = Load::zero();
@@ -277,19 +275,19 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
         } else {
             point_load.theta += ale::energy_density(&p.ring, point) * growth
                 + point.reference.kappa * point.reference.kappa_theta * p.ring.bending_stiffness;
-            motion.tension[0] * (1.0 - right) + motion.tension[1] * right
+            between(&motion.tension, right)
         };
         let ring_along = point_load.position.dot(&point.t);
 
         // Elements: inertia and push force.
-        let speed_dot = motion.speed_dot[0] * (1.0 - right) + motion.speed_dot[1] * right;
+        let speed_dot = between(&motion.speed_dot, right);
         let mass = density * chain.lambda * p.belt.mass_per_length;
         let (a_t, a_n) = chain.acceleration(point, speed_dot, speed_gradient);
         along += mass * a_t;
         let inward = mass * a_n + push.force * chain.curvature;
 
         // Contact.
-        let arm = point.r - Vector2::new(T::from(law.axes[cell.pulley]), T::zero());
+        let arm = point.r - Vector2::new(T::constant(place.axis), T::zero());
         let distance = arm.dot(&arm).sqrt();
         let e_r = arm * distance.recip();
         let e_t = Vector2::new(e_r.y, -e_r.x);
@@ -343,13 +341,13 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
         // δc = (δV − t̂·δr + e χ_Θ δΘ)/λ.
         let carried = flow / lambda;
         along += carried;
-        if !flexible && cell.arc {
+        if !flexible && place.arc {
             out.drift += (point_load.position.dot(&point.n) - tension * point.reference.kappa) * weight;
         }
         point_load.position -= point.t * carried;
         point_load.theta += carried * point.reference.chi_theta * e;
         load.add(&point_load, point, &station.shape, &element, weight);
-        out.speed[0] += along * weight * (1.0 - right);
+        out.speed[0] += along * weight * (-right + 1.0);
         out.speed[1] += along * weight * right;
         out.tension += (ring_along + ring_friction * point.stretch) * weight;
 
@@ -367,7 +365,7 @@ pub fn balance<C: ReferenceCurve, T: Real, S: Probe>(
                 weight: value(weight),
                 r: [value(point.r.x), value(point.r.y)],
                 pitch_radius: value(rho),
-                face_radius: f64::hypot(value(face.r.x) - law.axes[cell.pulley], value(face.r.y)) - e,
+                face_radius: f64::hypot(value(face.r.x) - place.axis.re(), value(face.r.y)) - e,
                 lambda: value(lambda),
                 density: nu,
                 push: value(push.force),

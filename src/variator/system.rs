@@ -1,19 +1,19 @@
 //! The variator as an implicit system: cells, pulleys and boundary conditions assembled, with the exact Jacobian.
 
-use super::cell::{CellBalance, CellLaw, CellMotion, NoProbe, Place, Probe, PulleyMotion, Sample, Sampler, balance};
+use super::cell::{CellBalance, CellLaw, CellMotion, NoProbe, Place, PulleyMotion, Sample, Sampler, balance};
 use super::evolution::Ledger;
 use super::layout::{Global, Layout};
-use super::mesh::{BeltMesh, P, S};
+use super::mesh::{BeltMesh, P, S, Station};
 use super::parameters::{Parameters, Pulley, RIGID_TILT_STIFFNESS, RingModel, SPEED_LAG};
 use crate::chain;
 use crate::pulley::Travel;
-use crate::reference_curve::{ReferenceCurve, TwoPulley};
-use crate::ring::kinematics::{Motion, Node, ReferenceMotion};
-use crate::scalar::Real;
+use crate::reference_curve::{Jet, ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
+use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
 use nalgebra::Vector2;
-use num_dual::{Derivative, DualSVec64};
+use num_traits::Zero;
 
 /// Derivative directions of a cell with a deflecting ring: 8 node motions, V, V, N, and six globals.
 const FLEXIBLE: usize = 17;
@@ -23,30 +23,66 @@ const RIGID: usize = 11;
 const FLEXIBLE_LOCAL: usize = 11;
 const RIGID_LOCAL: usize = 5;
 
-/// Directions differentiated in one pass over a cell. A dual number of all 17 at once spends its time in memory moves:
-/// passes of 4 are faster by a factor of 4 (measured, `cargo bench`).
-const PASS: usize = 6;
+/// Directions differentiated in one pass over a pack of cells.
+const PASS: usize = 2;
 
-/// A scalar that can be seeded with a derivative direction; one outside the pass makes a constant.
-trait Seed: Real {
-    fn seed(value: f64, direction: usize, slope: f64) -> Self;
+/// Cells that are computed at once, one in each lane. They lie on the same segment, next to each other.
+#[derive(Clone, Debug)]
+struct Pack {
+    /// Cells; the last one repeats where there are fewer than lanes.
+    cells: [usize; LANES],
+    /// Lanes in use.
+    used: usize,
+    segment: usize,
+    share: Lanes,
+    face: Station<Lanes>,
+    stations: Vec<Station<Lanes>>,
+    axis: Lanes,
+    arc: bool,
+    /// Unknowns of the directions.
+    at: [[usize; LANES]; FLEXIBLE],
+    /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
+    entries: Vec<[usize; LANES]>,
 }
 
-impl Seed for f64 {
-    #[inline]
-    fn seed(value: f64, _direction: usize, _slope: f64) -> Self {
-        value
+/// Positions, values and rates of the unknowns of a cell, or of one in each lane.
+struct Unknowns<L> {
+    position: [L; FLEXIBLE],
+    value: [L; FLEXIBLE],
+    rate: [L; FLEXIBLE],
+}
+
+impl<L: Copy> Unknowns<L> {
+    #[inline(always)]
+    fn gather(view: View<'_>, count: usize, zero: L, pick: impl Fn(&[f64], usize) -> L) -> Self {
+        let gather = |from: &[f64]| {
+            let mut to = [zero; FLEXIBLE];
+            for (k, x) in to[..count].iter_mut().enumerate() {
+                *x = pick(from, k);
+            }
+            to
+        };
+        Self {
+            position: gather(view.q),
+            value: gather(view.y),
+            rate: gather(view.y_dot),
+        }
     }
 }
 
-impl<const D: usize> Seed for DualSVec64<D> {
-    #[inline]
-    fn seed(value: f64, direction: usize, slope: f64) -> Self {
-        let mut eps = nalgebra::SVector::<f64, D>::zeros();
-        if direction < D {
-            eps[direction] = slope;
+impl Station<Lanes> {
+    fn pack(stations: [&Station; LANES]) -> Self {
+        let each = |f: &dyn Fn(&Station) -> f64| Lanes::new(stations.map(f));
+        Self {
+            fraction: each(&|s| s.fraction),
+            shape: Hermite {
+                n: std::array::from_fn(|k| each(&|s| s.shape.n[k])),
+                dn: std::array::from_fn(|k| each(&|s| s.shape.dn[k])),
+                ddn: std::array::from_fn(|k| each(&|s| s.shape.ddn[k])),
+            },
+            weight: each(&|s| s.weight),
+            right: each(&|s| s.right),
         }
-        Self::new(value, Derivative::some(eps))
     }
 }
 
@@ -146,9 +182,13 @@ pub struct VariatorSystem {
     /// Energies since the start.
     pub ledger: Ledger,
     has_position: Vec<bool>,
+    packs: Vec<Pack>,
     flows: Vec<(f64, f64)>,
     sums: [PulleySum; 2],
     flow_slopes: Vec<[[f64; FLEXIBLE]; 2]>,
+    /// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts before and in the cell; then the same for
+    /// the directions of the cell before.
+    flux_entries: Vec<[[[usize; 2]; FLEXIBLE]; 2]>,
 }
 
 /// Parameters of pulley `j`.
@@ -189,7 +229,7 @@ impl VariatorSystem {
         }
         let cells = mesh.cells.len();
         let travel = [S, P].map(|j| Travel::new(pulley(parameters, j), r0, sin / cos));
-        Self {
+        let mut system = Self {
             law: CellLaw {
                 parameters: parameters.clone(),
                 wedge: [sin, cos, sin / cos],
@@ -210,7 +250,84 @@ impl VariatorSystem {
             flows: vec![(0.0, 0.0); cells],
             sums: [PulleySum::default(); 2],
             flow_slopes: vec![[[0.0; FLEXIBLE]; 2]; cells],
+            packs: Vec::new(),
+            flux_entries: Vec::new(),
+        };
+        system.pack();
+        system
+    }
+
+    /// Packs neighbours, and finds the places of their derivatives.
+    fn pack(&mut self) {
+        let shape = self.layout.shape();
+        let cells = self.mesh.cells.len();
+        let segment = |cell: usize| self.mesh.elements[self.mesh.cells[cell].element].segment;
+        let directions = |cell: usize| {
+            let mut at = [0; FLEXIBLE];
+            let count = self.directions(cell, &mut at);
+            (at, count)
+        };
+        let amount = self.amount_direction();
+        let mut packs = Vec::new();
+        let mut first = 0;
+        while first < cells {
+            let used = (1..LANES)
+                .take_while(|&i| first + i < cells && segment(first + i) == segment(first))
+                .count()
+                + 1;
+            let cell: [usize; LANES] = std::array::from_fn(|lane| first + lane.min(used - 1));
+            let member = cell.map(|c| &self.mesh.cells[c]);
+            let at = cell.map(directions);
+            let count = at[0].1;
+            let mut entries = Vec::new();
+            for row in (0..count).filter(|&row| row != amount) {
+                for column in 0..count {
+                    entries
+                        .push(at.map(|(at, _)| shape.index(at[row], at[column]).expect("neighbours are in the band")));
+                }
+            }
+            packs.push(Pack {
+                cells: cell,
+                used,
+                segment: segment(first),
+                share: Lanes::new(member.map(|c| self.mesh.elements[c.element].share)),
+                face: Station::pack(member.map(|c| &c.face)),
+                stations: (0..member[0].stations.len())
+                    .map(|i| Station::pack(member.map(|c| &c.stations[i])))
+                    .collect(),
+                axis: Lanes::new(member.map(|c| self.law.axes[c.pulley])),
+                arc: member[0].arc,
+                at: std::array::from_fn(|k| at.map(|(at, _)| at[k])),
+                entries,
+            });
+            first += used;
         }
+        self.flux_entries = (0..cells)
+            .map(|cell| {
+                let before = (cell + cells - 1) % cells;
+                let rows = [self.layout.amount(before), self.layout.amount(cell)];
+                [cell, before].map(|of| {
+                    let (at, count) = directions(of);
+                    std::array::from_fn(|k| {
+                        // The density's dependence on the far node (ring stretch, 1e-4 of the rest, reverse flow only)
+                        // would leave the band.
+                        rows.map(|row| {
+                            if k < count {
+                                shape.index(row, at[k]).unwrap_or(NOWHERE)
+                            } else {
+                                NOWHERE
+                            }
+                        })
+                    })
+                })
+            })
+            .collect();
+        self.packs = packs;
+    }
+
+    /// The direction that is the element amount, whose row the fluxes fill.
+    fn amount_direction(&self) -> usize {
+        if self.layout.flexible { 10 } else { 2 }
     }
 
     /// Parameters of a pulley.
@@ -257,40 +374,22 @@ impl VariatorSystem {
         local + 6
     }
 
-    fn theta<T: Seed>(&self, view: View<'_>, beta: f64, first: usize) -> T {
-        let direction = if self.layout.flexible {
-            FLEXIBLE_LOCAL + 1
-        } else {
-            RIGID_LOCAL + 1
-        };
-        T::seed(
-            view.q[self.layout.global(Global::Theta, 0)],
-            direction.wrapping_sub(first),
-            beta,
-        )
-    }
-
-    fn motion<T: Seed>(
-        &self,
-        view: View<'_>,
-        at: &[usize; FLEXIBLE],
-        (alpha, beta): (f64, f64),
-        first: usize,
+    /// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
+    #[inline(always)]
+    fn motion<T: Real>(
+        unknowns: &Unknowns<T::Constant>,
+        flexible: bool,
+        [alpha, beta]: [f64; 2],
+        seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> CellMotion<T> {
-        let value = |k: usize| T::seed(view.y[at[k]], k.wrapping_sub(first), 1.0);
-        let rate = |k: usize| T::seed(view.y_dot[at[k]], k.wrapping_sub(first), alpha);
-        let position = |k: usize| T::seed(view.q[at[k]], k.wrapping_sub(first), beta);
-        let (nodes, own, g, tension) = if self.layout.flexible {
-            let node = |i: usize| {
-                let assemble = |f: &dyn Fn(usize) -> T| Node {
-                    a: Vector2::new(f(4 * i), f(4 * i + 2)),
-                    b: Vector2::new(f(4 * i + 1), f(4 * i + 3)),
-                };
-                Motion {
-                    value: assemble(&position),
-                    rate: assemble(&value),
-                    acceleration: assemble(&rate),
-                }
+        let value = |k: usize| seed(unknowns.value[k], k, 1.0);
+        let rate = |k: usize| seed(unknowns.rate[k], k, alpha);
+        let position = |k: usize| seed(unknowns.position[k], k, beta);
+        let (nodes, own, g, tension) = if flexible {
+            let node = |i: usize| Motion {
+                value: node(i, position),
+                rate: node(i, value),
+                acceleration: node(i, rate),
             };
             (Some([node(0), node(1)]), 8, FLEXIBLE_LOCAL, [T::zero(); 2])
         } else {
@@ -321,30 +420,11 @@ impl VariatorSystem {
         }
     }
 
-    fn cell<T: Seed, B: Probe>(
-        &self,
-        cell: usize,
-        frame: &<TwoPulley as ReferenceCurve>::Frame<T>,
-        motion: &CellMotion<T>,
-        probe: &mut B,
-    ) -> CellBalance<T> {
-        let place = &self.mesh.cells[cell];
-        let element = &self.mesh.elements[place.element];
-        let length = TwoPulley::segment_length(frame, element.segment);
-        let length = crate::reference_curve::Jet::constant(0.0).plus_scaled(length, element.share);
-        let place = Place::<TwoPulley, T> {
-            frame,
-            cell: place,
-            segment: element.segment,
-            length,
-        };
-        balance(&self.law, &place, motion, probe)
-    }
-
     /// Rows of the balance in the order of the directions; the amount has its own balance, the flux.
-    fn rows<T: Real>(&self, b: &CellBalance<T>) -> [T; FLEXIBLE] {
+    #[inline(always)]
+    fn rows<T: Real>(b: &CellBalance<T>, flexible: bool) -> [T; FLEXIBLE] {
         let mut rows = [T::zero(); FLEXIBLE];
-        let g = if self.layout.flexible {
+        let g = if flexible {
             for (i, node) in b.nodes.iter().enumerate() {
                 rows[4 * i] = node.a.x;
                 rows[4 * i + 1] = node.b.x;
@@ -380,14 +460,69 @@ impl VariatorSystem {
 
     /// Evaluates every station; `ENERGY` asks for the energies too.
     pub fn probe<const ENERGY: bool>(&self, view: View<'_>, mut probe: impl FnMut(usize, &Sample)) {
-        let frame = self.curve.frame(self.theta::<f64>(view, 0.0, 0));
+        let frame = self.curve.frame(self.theta(view));
         let mut at = [0; FLEXIBLE];
-        for cell in 0..self.mesh.cells.len() {
-            self.directions(cell, &mut at);
-            let motion = self.motion::<f64>(view, &at, (0.0, 0.0), 0);
-            let mut sampler = Sampler::<_, ENERGY>(|s: &Sample| probe(cell, s));
-            self.cell(cell, &frame, &motion, &mut sampler);
+        for (i, cell) in self.mesh.cells.iter().enumerate() {
+            let count = self.directions(i, &mut at);
+            let unknowns = Unknowns::gather(view, count, 0.0, |from, k| from[at[k]]);
+            let motion = Self::motion(&unknowns, self.layout.flexible, [0.0; 2], |value, _, _| value);
+            let element = &self.mesh.elements[cell.element];
+            let place = Place {
+                face: &cell.face,
+                stations: &cell.stations,
+                axis: self.law.axes[cell.pulley],
+                arc: cell.arc,
+                length: Jet::constant(0.0)
+                    .plus_scaled(TwoPulley::segment_length(&frame, element.segment), element.share),
+            };
+            let reference = |slot: usize| {
+                let station = if slot == 0 {
+                    &cell.face
+                } else {
+                    &cell.stations[slot - 1]
+                };
+                TwoPulley::point(&frame, element.segment, station.fraction)
+            };
+            let mut sampler = Sampler::<_, ENERGY>(|s: &Sample| probe(i, s));
+            balance(&self.law, &place, &motion, reference, &mut sampler);
         }
+    }
+
+    fn theta(&self, view: View<'_>) -> f64 {
+        view.q[self.layout.global(Global::Theta, 0)]
+    }
+
+    /// The balance of a pack of cells.
+    #[inline(always)]
+    fn pack_balance<T: Real<Constant = Lanes>>(
+        &self,
+        pack: &Pack,
+        frame: &TwoPulleyFrame<T>,
+        motion: &CellMotion<T>,
+    ) -> CellBalance<T> {
+        let place = Place {
+            face: &pack.face,
+            stations: &pack.stations,
+            axis: pack.axis,
+            arc: pack.arc,
+            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, pack.segment), pack.share),
+        };
+        let reference = |slot: usize| {
+            let station = if slot == 0 {
+                &pack.face
+            } else {
+                &pack.stations[slot - 1]
+            };
+            TwoPulley::point(frame, pack.segment, station.fraction)
+        };
+        balance(&self.law, &place, motion, reference, &mut NoProbe)
+    }
+
+    #[inline(always)]
+    fn gather(&self, view: View<'_>, pack: &Pack, count: usize) -> Unknowns<Lanes> {
+        Unknowns::gather(view, count, Lanes::zero(), |from, k| {
+            Lanes::new(pack.at[k].map(|i| from[i]))
+        })
     }
 
     /// Axial force on one sheave, N, and torque of the belt on the pulley, N·m, as of the last residual.
@@ -406,37 +541,89 @@ impl VariatorSystem {
         }
     }
 
-    fn assemble_jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        let mut at = [0; FLEXIBLE];
-        let (amount, directions) = if self.layout.flexible {
-            (10, FLEXIBLE)
-        } else {
-            (2, RIGID)
-        };
-        let eps = |x: &DualSVec64<PASS>| x.eps.0.unwrap_or_default();
-        for first in (0..directions).step_by(PASS) {
-            let frame = self.curve.frame(self.theta::<DualSVec64<PASS>>(view, beta, first));
-            let pass = first..(first + PASS).min(directions);
-            for cell in 0..self.mesh.cells.len() {
-                let count = self.directions(cell, &mut at);
-                let motion = self.motion::<DualSVec64<PASS>>(view, &at, (alpha, beta), first);
-                let b = self.cell(cell, &frame, &motion, &mut NoProbe);
-                for (k, row) in self.rows(&b)[..count].iter().enumerate() {
-                    if k == amount {
-                        continue;
+    /// One pass over a pack: derivatives in the directions `first` and on.
+    #[inline(never)]
+    fn pack_pass<const FLEX: bool>(
+        &self,
+        pack: &Pack,
+        frame: &TwoPulleyFrame<Tangent<PASS>>,
+        unknowns: &Unknowns<Lanes>,
+        slopes: [f64; 2],
+        first: usize,
+    ) -> ([Tangent<PASS>; FLEXIBLE], Tangent<PASS>, Tangent<PASS>) {
+        let seed =
+            |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
+        let motion = Self::motion(unknowns, FLEX, slopes, seed);
+        let b = self.pack_balance(pack, frame, &motion);
+        (Self::rows(&b, FLEX), b.flow, b.density)
+    }
+
+    fn assemble_residual<const FLEX: bool>(&mut self, view: View<'_>, out: &mut [f64]) {
+        let count = if FLEX { FLEXIBLE } else { RIGID };
+        let amount = self.amount_direction();
+        let first_global = if FLEX { FLEXIBLE_LOCAL } else { RIGID_LOCAL } + 2;
+        let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
+        for pack in &self.packs {
+            let unknowns = self.gather(view, pack, count);
+            let motion = Self::motion(&unknowns, FLEX, [0.0; 2], |value, _, _| value);
+            let b = self.pack_balance(pack, &frame, &motion);
+            // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
+            for (k, (row, at)) in Self::rows(&b, FLEX)[..first_global].iter().zip(&pack.at).enumerate() {
+                if k != amount {
+                    let row = row.to_array();
+                    for lane in 0..pack.used {
+                        out[at[lane]] += row[lane];
                     }
-                    let slopes = eps(row);
-                    for (l, &slope) in pass.clone().zip(slopes.iter()) {
-                        if slope != 0.0 {
-                            out.add(at[k], at[l], slope);
+                }
+            }
+            let [axial, torque, x, y, flow, density] =
+                [b.axial, b.torque, b.tilting[0], b.tilting[1], b.flow, b.density].map(Lanes::to_array);
+            for lane in 0..pack.used {
+                let cell = pack.cells[lane];
+                let sum = &mut self.sums[self.mesh.cells[cell].pulley];
+                sum.axial += axial[lane];
+                sum.torque += torque[lane];
+                sum.tilting[0] += x[lane];
+                sum.tilting[1] += y[lane];
+                self.flows[cell] = (flow[lane], density[lane]);
+            }
+        }
+    }
+
+    fn assemble_jacobian<const FLEX: bool>(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        let (count, theta) = if FLEX {
+            (FLEXIBLE, FLEXIBLE_LOCAL + 1)
+        } else {
+            (RIGID, RIGID_LOCAL + 1)
+        };
+        let amount = self.amount_direction();
+        let shape = self.curve.shape(self.theta(view));
+        let still = shape.frame(Tangent::zero());
+        let moving = shape.frame(Tangent::seed(Lanes::zero(), theta % PASS, beta));
+        for pack in &self.packs {
+            let unknowns = self.gather(view, pack, count);
+            for first in (0..count).step_by(PASS) {
+                let frame = if first == theta / PASS * PASS { &moving } else { &still };
+                let pass = first..(first + PASS).min(count);
+                let (rows, flow, density) = self.pack_pass::<FLEX>(pack, frame, &unknowns, [alpha, beta], first);
+                let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
+                for ((_, row), entries) in rows.zip(pack.entries.chunks_exact(count)) {
+                    for (eps, entry) in row.eps.iter().zip(&entries[pass.clone()]) {
+                        let eps = eps.to_array();
+                        for lane in 0..pack.used {
+                            out.add_at(entry[lane], eps[lane]);
                         }
                     }
                 }
-                self.flows[cell] = (b.flow.re, b.density.re);
-                let [flow, density] = &mut self.flow_slopes[cell];
-                for (l, (f, d)) in pass.clone().zip(eps(&b.flow).iter().zip(eps(&b.density).iter())) {
-                    flow[l] = *f;
-                    density[l] = *d;
+                for (lane, (f, d)) in flow.re.to_array().into_iter().zip(density.re.to_array()).enumerate() {
+                    self.flows[pack.cells[lane]] = (f, d);
+                }
+                for ((l, f), d) in pass.clone().zip(&flow.eps).zip(&density.eps) {
+                    for (lane, (f, d)) in f.to_array().into_iter().zip(d.to_array()).enumerate() {
+                        let [flow, density] = &mut self.flow_slopes[pack.cells[lane]];
+                        flow[l] = f;
+                        density[l] = d;
+                    }
                 }
             }
         }
@@ -446,32 +633,21 @@ impl VariatorSystem {
         }
         // Fluxes through the left faces.
         let cells = self.mesh.cells.len();
-        let mut before_at = [0; FLEXIBLE];
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
-            let count = self.directions(cell, &mut at);
-            self.directions(before, &mut before_at);
-            let seed = |value, k| DualSVec64::<3>::seed(value, k, 1.0);
             let ((flow, after), (_, density_before)) = (self.flows[cell], self.flows[before]);
-            let flux = chain::flux(seed(flow, 0), seed(density_before, 1), seed(after, 2));
-            let by = flux.eps.0.unwrap_or_default();
-            let rows = [(self.layout.amount(before), 1.0), (self.layout.amount(cell), -1.0)];
-            let near = |row: usize, column: usize| {
-                let Shape { blocks, block, .. } = out_shape(&self.layout);
-                let (i, j) = (row / block, column / block);
-                column >= blocks * block || i == j || (i + 1) % blocks == j || (j + 1) % blocks == i
-            };
+            let [by_flow, by_before, by_after] = chain::flux_slopes(flow, density_before, after);
+            let [flow, density] = &self.flow_slopes[cell];
+            let [_, density_before] = &self.flow_slopes[before];
+            let [own, other] = &self.flux_entries[cell];
             for k in 0..count {
-                let slope = by[0] * self.flow_slopes[cell][0][k] + by[2] * self.flow_slopes[cell][1][k];
-                let slope_before = by[1] * self.flow_slopes[before][1][k];
-                for (row, sign) in rows {
-                    // The density's dependence on the far node (ring stretch, 1e-4 of the rest, reverse flow only)
-                    // would leave the band.
-                    if slope != 0.0 && near(row, at[k]) {
-                        out.add(row, at[k], sign * slope);
-                    }
-                    if slope_before != 0.0 && near(row, before_at[k]) {
-                        out.add(row, before_at[k], sign * slope_before);
+                let slope = by_flow * flow[k] + by_after * density[k];
+                let slope_before = by_before * density_before[k];
+                for (entries, slope) in [(own[k], slope), (other[k], slope_before)] {
+                    for (entry, value) in entries.into_iter().zip([slope, -slope]) {
+                        if entry != NOWHERE {
+                            out.add_at(entry, value);
+                        }
                     }
                 }
             }
@@ -591,8 +767,16 @@ impl VariatorSystem {
 /// Scale of rows that hold a quantity: of the order of the other entries of its row.
 const HOLD: f64 = 1.0e6;
 
-fn out_shape(layout: &Layout) -> Shape {
-    layout.shape()
+/// Stands for a place outside the matrix.
+const NOWHERE: usize = usize::MAX;
+
+/// Node `i` of a cell from its directions.
+#[inline(always)]
+fn node<T: Real>(i: usize, f: impl Fn(usize) -> T) -> Node<T> {
+    Node {
+        a: Vector2::new(f(4 * i), f(4 * i + 2)),
+        b: Vector2::new(f(4 * i + 1), f(4 * i + 3)),
+    }
 }
 
 impl System for VariatorSystem {
@@ -607,30 +791,10 @@ impl System for VariatorSystem {
     fn residual(&mut self, view: View<'_>, out: &mut [f64]) {
         out.fill(0.0);
         self.sums = [PulleySum::default(); 2];
-        let frame = self.curve.frame(self.theta::<f64>(view, 0.0, 0));
-        let mut at = [0; FLEXIBLE];
-        let amount = if self.layout.flexible { 10 } else { 2 };
-        let first_global = if self.layout.flexible {
-            FLEXIBLE_LOCAL
+        if self.layout.flexible {
+            self.assemble_residual::<true>(view, out);
         } else {
-            RIGID_LOCAL
-        } + 2;
-        for cell in 0..self.mesh.cells.len() {
-            self.directions(cell, &mut at);
-            let motion = self.motion::<f64>(view, &at, (0.0, 0.0), 0);
-            let b = self.cell(cell, &frame, &motion, &mut NoProbe);
-            // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
-            for (k, row) in self.rows(&b)[..first_global].iter().enumerate() {
-                if k != amount {
-                    out[at[k]] += row;
-                }
-            }
-            let sum = &mut self.sums[self.mesh.cells[cell].pulley];
-            sum.axial += b.axial;
-            sum.torque += b.torque;
-            sum.tilting[0] += b.tilting[0];
-            sum.tilting[1] += b.tilting[1];
-            self.flows[cell] = (b.flow, b.density);
+            self.assemble_residual::<false>(view, out);
         }
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
@@ -650,7 +814,11 @@ impl System for VariatorSystem {
 
     fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         out.clear();
-        self.assemble_jacobian(view, alpha, beta, out);
+        if self.layout.flexible {
+            self.assemble_jacobian::<true>(view, alpha, beta, out);
+        } else {
+            self.assemble_jacobian::<false>(view, alpha, beta, out);
+        }
         self.global_jacobian(view, alpha, beta, out);
         if self.has_lock() {
             for i in self.locked() {

@@ -1,0 +1,145 @@
+//! A pack of numbers that are computed alike: one cell of the belt in each lane.
+
+use super::Real;
+use num_traits::{One, Zero};
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+use wide::f64x2;
+
+/// Numbers in a [`Lanes`].
+pub const LANES: usize = 2;
+
+/// [`LANES`] numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lanes(f64x2);
+
+impl Lanes {
+    /// A pack of the given numbers.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(values: [f64; LANES]) -> Self {
+        Self(f64x2::new(values))
+    }
+
+    /// The numbers.
+    #[inline(always)]
+    #[must_use]
+    pub fn to_array(self) -> [f64; LANES] {
+        self.0.to_array()
+    }
+}
+
+impl From<f64> for Lanes {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self(f64x2::splat(value))
+    }
+}
+
+macro_rules! operators {
+    ($($name:ident $method:ident),*) => {$(
+        impl $name for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+
+        impl $name<f64> for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                self.$method(Self::from(other))
+            }
+        }
+    )*};
+}
+operators!(Add add, Sub sub, Mul mul, Div div);
+
+impl Neg for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl AddAssign for Lanes {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl SubAssign for Lanes {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl MulAssign for Lanes {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl Zero for Lanes {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::from(0.0)
+    }
+
+    fn is_zero(&self) -> bool {
+        *self == Self::zero()
+    }
+}
+
+impl One for Lanes {
+    #[inline(always)]
+    fn one() -> Self {
+        Self::from(1.0)
+    }
+}
+
+impl Real for Lanes {
+    type Constant = Self;
+
+    #[inline(always)]
+    fn constant(value: Self) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn re(&self) -> f64 {
+        self.to_array()[0]
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self::one() / self
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.0.sin_cos();
+        (Self(sin), Self(cos))
+    }
+
+    #[inline(always)]
+    fn smooth_plus(self, delta: f64) -> [Self; 3] {
+        let square = delta * delta;
+        let root = (self * self + square).sqrt();
+        let sum = root + Self(self.0.abs());
+        let half = Self::from(0.5 * square);
+        let positive = self.0.simd_gt(f64x2::splat(0.0));
+        let plus = Self(positive.select((sum * 0.5).0, (half / sum).0));
+        [plus, plus / root, half / (root * root * root)]
+    }
+}
