@@ -110,6 +110,18 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     }
 }
 
+/// Force that opposes a difference of V across a cell, N: ½ m_e ν |J| ΔV.
+///
+/// Elements that fly freely through gaps carry their speed along, and a faster one is stopped by the one that it hits.
+/// Central differences of J V′ alone would leave a sawtooth of V there; with this force the convection of V is upwind.
+/// Its power, ½ m_e ν |J| ΔV², is what inelastic collisions take; it vanishes with the square of the cell length in a
+/// smooth field.
+#[inline(always)]
+pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T) -> T {
+    let size = (flow * flow + UPWIND_SMOOTHING * UPWIND_SMOOTHING).sqrt();
+    nu * size * difference * (0.5 * belt.mass_per_length)
+}
+
 /// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' = k_e⟨ν−1⟩₊/ν².
 #[must_use]
 pub fn energy_density(belt: &Belt, nu: f64) -> f64 {

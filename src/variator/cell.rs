@@ -9,7 +9,7 @@
 
 use super::mesh::Station;
 use super::parameters::Parameters;
-use crate::chain::{ChainPoint, push_force};
+use crate::chain::{ChainPoint, collision_force, push_force};
 use crate::contact::{FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::ring::ale;
@@ -223,6 +223,7 @@ pub fn balance<T: Real, S: Probe>(
     let mut points = [None; 3];
     let mut pitch_length = T::zero();
     let mut carried = T::zero();
+    let mut through = T::zero();
     for (i, (slot, station)) in points.iter_mut().zip(place.stations).enumerate() {
         let point = ring_point(i + 1, station);
         let speed = between(&motion.speed, station.right);
@@ -230,11 +231,18 @@ pub fn balance<T: Real, S: Probe>(
         let weight = length.v * station.weight;
         pitch_length += weight * chain.lambda;
         carried += weight * chain.curvature * chain.normal_speed;
+        through += weight * chain.flow;
         *slot = Some((point, chain, weight));
     }
     let density = motion.amount / pitch_length;
     let lengthening = motion.speed[1] - motion.speed[0] - carried;
     let push = push_force(&p.belt, density, -(density * lengthening) / pitch_length);
+    let cell_length: T = place
+        .stations
+        .iter()
+        .fold(T::zero(), |sum, s| sum + length.v * s.weight);
+    let difference = motion.speed[1] - motion.speed[0];
+    let collision = collision_force(&p.belt, density, through / cell_length, difference);
 
     let face = ring_point(0, place.face);
     let mut load = ElementLoad::zero();
@@ -243,7 +251,7 @@ pub fn balance<T: Real, S: Probe>(
             a: Vector2::zeros(),
             b: Vector2::zeros(),
         }; 2],
-        speed: [push.force, -push.force],
+        speed: [push.force - collision, collision - push.force],
         tension: motion.tension[0] - motion.tension[1],
         drift: T::zero(),
         theta: T::zero(),
@@ -253,11 +261,7 @@ pub fn balance<T: Real, S: Probe>(
         flow: ChainPoint::new(e, &face, theta_dot, motion.speed[0]).flow,
         density,
     };
-    let cell_length: T = place
-        .stations
-        .iter()
-        .fold(T::zero(), |sum, s| sum + length.v * s.weight);
-    let speed_gradient = (motion.speed[1] - motion.speed[0]) / cell_length;
+    let speed_gradient = difference / cell_length;
     let pulley = &motion.pulley;
 
     for (slot, station) in points.iter().zip(place.stations) {
@@ -354,7 +358,7 @@ pub fn balance<T: Real, S: Probe>(
         if S::ACTIVE {
             let value = |x: T| x.re();
             let viscous = p.ring.axial_stiffness * p.ring.damping * value(point.strain_rate()).powi(2);
-            let stack = -value(push.viscous) * value(lengthening) / value(cell_length);
+            let stack = (value(collision * difference) - value(push.viscous * lengthening)) / value(cell_length);
             let flanks = 2.0 * value(force.viscous * cos_beta * lambda) * value(flank.closing);
             let velocity = point.velocity();
             let kinetic_ring = 0.5 * p.ring.mass_per_length * value(velocity.dot(&velocity));
