@@ -32,6 +32,9 @@ pub const STRAIN_SMOOTHING: f64 = 3.0e-5;
 /// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
 pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 
+/// Flow below which [`collision_force`] no longer falls, m/s: at standstill the oil squeezed between elements takes over.
+pub const SQUEEZE_SPEED: f64 = 1.0;
+
 /// The chain at a mesh point.
 #[derive(Clone, Copy, Debug)]
 pub struct ChainPoint<T: Real> {
@@ -118,7 +121,7 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
 /// smooth field.
 #[inline(always)]
 pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T) -> T {
-    let size = (flow * flow + UPWIND_SMOOTHING * UPWIND_SMOOTHING).sqrt();
+    let size = (flow * flow + SQUEEZE_SPEED * SQUEEZE_SPEED).sqrt();
     nu * size * difference * (0.5 * belt.mass_per_length)
 }
 

@@ -5,8 +5,8 @@ use super::{System, View};
 
 /// Most iterations with a Jacobian of this stage.
 const FRESH_ITERATIONS: usize = 20;
-/// Most iterations with a Jacobian from before.
-const REUSED_ITERATIONS: usize = 6;
+/// Most iterations with a Jacobian from before. An iteration costs a twentieth of a Jacobian.
+const QUASI_ITERATIONS: usize = 12;
 /// Contraction per iteration above which a reused Jacobian is given up.
 const SLOW: f64 = 0.7;
 /// Contraction up to which a Jacobian is kept for the next iteration of the same stage.
@@ -33,6 +33,18 @@ pub struct Counts {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotConverged;
 
+/// A scaled step of Broyden's method.
+#[derive(Clone, Debug)]
+struct Update {
+    step: Vec<f64>,
+    /// Its squared 2-norm.
+    square: f64,
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 /// Memory of the iteration.
 #[derive(Clone, Debug)]
 pub struct Newton {
@@ -44,6 +56,7 @@ pub struct Newton {
     step: Vec<f64>,
     guess: Vec<f64>,
     scale: Vec<f64>,
+    updates: Vec<Update>,
     /// Work counts.
     pub counts: Counts,
 }
@@ -100,6 +113,12 @@ impl Newton {
             step: vec![0.0; shape.len()],
             guess: vec![0.0; shape.len()],
             scale: vec![0.0; shape.len()],
+            updates: (0..QUASI_ITERATIONS)
+                .map(|_| Update {
+                    step: vec![0.0; shape.len()],
+                    square: 0.0,
+                })
+                .collect(),
             counts: Counts::default(),
         }
     }
@@ -134,7 +153,7 @@ impl Newton {
         let ratio = stage.alpha / self.alpha;
         if reuse && (0.7..1.4).contains(&ratio) {
             self.guess.copy_from_slice(stage.y);
-            if let Ok(iterations) = self.simplified(system, stage, tolerance) {
+            if let Ok(iterations) = self.quasi(system, stage, tolerance) {
                 return Ok(iterations);
             }
             stage.y.copy_from_slice(&self.guess);
@@ -170,39 +189,68 @@ impl Newton {
         }
     }
 
-    /// Simplified Newton with the factors at hand: given up as soon as it contracts slowly.
-    fn simplified<S: System>(
+    /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a few
+    /// cells have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates make
+    /// good. Given up as soon as it contracts slowly.
+    fn quasi<S: System>(
         &mut self,
         system: &mut S,
         stage: &mut Stage<'_>,
         tolerance: f64,
     ) -> Result<usize, NotConverged> {
         let mut before = f64::INFINITY;
-        for iteration in 1..=REUSED_ITERATIONS {
-            let (change, _) = self.correct(system, stage, false)?;
-            for (y, d) in stage.y.iter_mut().zip(&self.correction) {
-                *y -= d;
+        for iteration in 0..QUASI_ITERATIONS {
+            self.correct(system, stage, false)?;
+            let (earlier, rest) = self.updates.split_at_mut(iteration);
+            let update = &mut rest[0];
+            for ((u, d), s) in update.step.iter_mut().zip(&self.correction).zip(&self.scale) {
+                *u = -d / s;
             }
-            let rate = change / before;
-            let remaining = if iteration > 1 {
-                change * rate / (1.0 - rate).max(0.1)
-            } else {
-                change
-            };
-            if iteration > 1 && rate > SLOW && change > tolerance {
+            for pair in 0..iteration {
+                let next = if pair + 1 < iteration {
+                    Some(&earlier[pair + 1].step)
+                } else {
+                    None
+                };
+                let along = dot(&earlier[pair].step, &update.step) / earlier[pair].square;
+                match next {
+                    Some(next) => {
+                        for (u, n) in update.step.iter_mut().zip(next) {
+                            *u += along * n;
+                        }
+                    }
+                    None => {
+                        let factor = 1.0 / (1.0 - along);
+                        update.step.iter_mut().for_each(|u| *u *= factor);
+                    }
+                }
+            }
+            update.square = dot(&update.step, &update.step);
+            if !update.square.is_finite() {
                 return Err(NotConverged);
             }
-            if remaining
-                < if iteration > 1 {
-                    0.3 * tolerance
+            let change = update.step.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+            for ((y, u), s) in stage.y.iter_mut().zip(&update.step).zip(&self.scale) {
+                *y += u * s;
+            }
+            if change
+                < if iteration > 0 {
+                    0.1 * tolerance
                 } else {
                     0.01 * tolerance
                 }
             {
                 stage.complete(system.has_position());
-                return Ok(iteration);
+                return Ok(iteration + 1);
             }
-            before = change;
+            if iteration > 1 && change > SLOW * before {
+                return Err(NotConverged);
+            }
+            before = if iteration > 0 {
+                0.5 * (change + before.min(change / SLOW))
+            } else {
+                change
+            };
         }
         Err(NotConverged)
     }

@@ -367,7 +367,7 @@ impl Variator {
             Axial::Force => SheaveMode::Force(share * input.clamping_force),
             Axial::Held => SheaveMode::Held,
         };
-        self.system.boundary = Boundary {
+        let boundary = Boundary {
             sheave: [
                 sheave(p.secondary.axial, &inputs.secondary),
                 sheave(p.primary.axial, &inputs.primary),
@@ -377,6 +377,7 @@ impl Variator {
                 speed(p.primary.drive, &inputs.primary),
             ],
         };
+        self.system.change_boundary(boundary, &mut self.state.y_dot);
     }
 
     fn hold_external(&mut self, _inputs: &Inputs) {

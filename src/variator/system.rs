@@ -654,6 +654,24 @@ impl VariatorSystem {
         }
     }
 
+    /// Puts `boundary` in force. External loads act on the pulleys' own inertia alone, so the rates `y_dot` that jump with
+    /// them are known; the integrator's error estimate needs them.
+    pub fn change_boundary(&mut self, boundary: Boundary, y_dot: &mut [f64]) {
+        for j in [S, P] {
+            let pulley = self.pulley(j);
+            if let (SheaveMode::Force(old), SheaveMode::Force(new)) = (self.boundary.sheave[j], boundary.sheave[j]) {
+                y_dot[self.layout.global(Global::Sheave, j)] += (new - old) / pulley.sheave_mass;
+            }
+            let omega = self.layout.global(Global::Speed, j);
+            match (self.boundary.speed[j], boundary.speed[j]) {
+                (SpeedMode::Torque(old), SpeedMode::Torque(new)) => y_dot[omega] += (new - old) / pulley.inertia,
+                (SpeedMode::Setpoint(old), SpeedMode::Setpoint(new)) => y_dot[omega] += (new - old) / SPEED_LAG,
+                _ => {}
+            }
+        }
+        self.boundary = boundary;
+    }
+
     /// Adds the pulleys' own terms to the residual; `sums` hold the belt's.
     fn global_residual(&self, view: View<'_>, out: &mut [f64]) {
         for j in [S, P] {
