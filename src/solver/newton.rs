@@ -3,14 +3,12 @@
 use super::arrow::{Arrow, ArrowLu};
 use super::{System, View};
 
-/// Most iterations with a Jacobian of this stage.
-const FRESH_ITERATIONS: usize = 20;
+/// Most Jacobians in a stage.
+const FRESH_ITERATIONS: usize = 15;
 /// Most iterations with a Jacobian from before. An iteration costs a twentieth of a Jacobian.
 const QUASI_ITERATIONS: usize = 12;
 /// Contraction per iteration above which a reused Jacobian is given up.
 const SLOW: f64 = 0.7;
-/// Contraction up to which a Jacobian is kept for the next iteration of the same stage.
-const CHORD: f64 = 0.5;
 /// Damping factor at which a stage is given up.
 const MIN_DAMPING: f64 = 0.02;
 
@@ -57,6 +55,9 @@ pub struct Newton {
     guess: Vec<f64>,
     scale: Vec<f64>,
     updates: Vec<Update>,
+    best: Vec<f64>,
+    /// Contraction per iteration seen with these factors; 1 before any.
+    rate: f64,
     /// Work counts.
     pub counts: Counts,
 }
@@ -119,6 +120,8 @@ impl Newton {
                     square: 0.0,
                 })
                 .collect(),
+            best: vec![0.0; shape.len()],
+            rate: 1.0,
             counts: Counts::default(),
         }
     }
@@ -134,11 +137,12 @@ impl Newton {
         self.alpha = f64::NAN;
         self.factors.factor(&self.matrix).map_err(|_| NotConverged)?;
         self.alpha = stage.alpha;
+        self.rate = 1.0;
         Ok(())
     }
 
     /// Solves a stage to `tolerance` times the system's Newton scale. `reuse` allows a Jacobian from before.
-    /// Returns the number of iterations.
+    /// Returns the number of Jacobians formed.
     ///
     /// # Errors
     /// No convergence; `stage.y` is then meaningless.
@@ -151,12 +155,8 @@ impl Newton {
     ) -> Result<usize, NotConverged> {
         system.newton_scale(1.0 / stage.alpha, &mut self.scale);
         let ratio = stage.alpha / self.alpha;
-        if reuse && (0.7..1.4).contains(&ratio) {
-            self.guess.copy_from_slice(stage.y);
-            if let Ok(iterations) = self.quasi(system, stage, tolerance) {
-                return Ok(iterations);
-            }
-            stage.y.copy_from_slice(&self.guess);
+        if reuse && (0.7..1.4).contains(&ratio) && self.quasi(system, stage, tolerance).is_ok() {
+            return Ok(0);
         }
         self.damped(system, stage, tolerance)
     }
@@ -191,73 +191,69 @@ impl Newton {
 
     /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a few
     /// cells have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates make
-    /// good. Given up as soon as it contracts slowly.
-    fn quasi<S: System>(
-        &mut self,
-        system: &mut S,
-        stage: &mut Stage<'_>,
-        tolerance: f64,
-    ) -> Result<usize, NotConverged> {
-        let mut before = f64::INFINITY;
+    /// good. Given up as soon as it contracts slowly; `stage.y` is then the best point it saw.
+    fn quasi<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<(), NotConverged> {
+        self.best.copy_from_slice(stage.y);
+        let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..QUASI_ITERATIONS {
-            self.correct(system, stage, false)?;
-            let (earlier, rest) = self.updates.split_at_mut(iteration);
-            let update = &mut rest[0];
-            for ((u, d), s) in update.step.iter_mut().zip(&self.correction).zip(&self.scale) {
-                *u = -d / s;
+            if self.correct(system, stage, false).is_err() {
+                break;
             }
-            for pair in 0..iteration {
-                let next = if pair + 1 < iteration {
-                    Some(&earlier[pair + 1].step)
-                } else {
-                    None
-                };
-                let along = dot(&earlier[pair].step, &update.step) / earlier[pair].square;
-                match next {
-                    Some(next) => {
-                        for (u, n) in update.step.iter_mut().zip(next) {
-                            *u += along * n;
-                        }
-                    }
-                    None => {
-                        let factor = 1.0 / (1.0 - along);
-                        update.step.iter_mut().for_each(|u| *u *= factor);
-                    }
+            let change = self.update(iteration);
+            if !change.is_finite() {
+                break;
+            }
+            if change < least {
+                least = change;
+                self.best.copy_from_slice(stage.y);
+            }
+            let rate = if iteration == 0 { self.rate } else { change / before };
+            if iteration > 0 {
+                self.rate = if iteration == 1 { rate } else { self.rate.max(rate) };
+                if rate > SLOW && change > tolerance {
+                    break;
                 }
             }
-            update.square = dot(&update.step, &update.step);
-            if !update.square.is_finite() {
-                return Err(NotConverged);
-            }
-            let change = update.step.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-            for ((y, u), s) in stage.y.iter_mut().zip(&update.step).zip(&self.scale) {
+            before = change;
+            for ((y, u), s) in stage.y.iter_mut().zip(&self.updates[iteration].step).zip(&self.scale) {
                 *y += u * s;
             }
-            if change
-                < if iteration > 0 {
-                    0.1 * tolerance
-                } else {
-                    0.01 * tolerance
-                }
-            {
+            // What is left after this step, as far as the rate tells.
+            if change * rate.powf(0.8).min(1.0) < 0.1 * tolerance {
                 stage.complete(system.has_position());
-                return Ok(iteration + 1);
+                return Ok(());
             }
-            if iteration > 1 && change > SLOW * before {
-                return Err(NotConverged);
-            }
-            before = if iteration > 0 {
-                0.5 * (change + before.min(change / SLOW))
-            } else {
-                change
-            };
         }
+        self.rate = 1.0;
+        stage.y.copy_from_slice(&self.best);
         Err(NotConverged)
+    }
+
+    /// Makes Broyden's step of iteration `k` from the correction, scaled, into `updates[k]`; its largest entry.
+    fn update(&mut self, k: usize) -> f64 {
+        let (earlier, rest) = self.updates.split_at_mut(k);
+        let Update { step, square } = &mut rest[0];
+        for ((u, d), s) in step.iter_mut().zip(&self.correction).zip(&self.scale) {
+            *u = -d / s;
+        }
+        for pair in earlier.windows(2) {
+            let along = dot(&pair[0].step, step) / pair[0].square;
+            for (u, next) in step.iter_mut().zip(&pair[1].step) {
+                *u += along * next;
+            }
+        }
+        if let Some(last) = earlier.last() {
+            let factor = 1.0 / (1.0 - dot(&last.step, step) / last.square);
+            step.iter_mut().for_each(|u| *u *= factor);
+        }
+        *square = dot(step, step);
+        step.iter().fold(0.0, |most: f64, u| most.max(u.abs()))
     }
 
     /// Newton with the exact Jacobian, damped by the natural monotonicity test (Deuflhard 2011, section 3.3): a step
     /// is accepted when the simplified correction after it is smaller than the correction before. Needed because
     /// friction saturates: from far off, full steps overshoot from one sliding direction to the other for ever.
+    /// After a full step Broyden's method goes on from there.
     fn damped<S: System>(
         &mut self,
         system: &mut S,
@@ -265,10 +261,8 @@ impl Newton {
         tolerance: f64,
     ) -> Result<usize, NotConverged> {
         let mut damping = 1.0_f64;
-        let mut iteration = 0;
-        while iteration < FRESH_ITERATIONS {
-            iteration += 1;
-            let (largest, mut norm) = self.correct(system, stage, true)?;
+        for iteration in 1..=FRESH_ITERATIONS {
+            let (largest, norm) = self.correct(system, stage, true)?;
             if iteration == 1 && largest < 1e-3 * tolerance {
                 return Ok(iteration);
             }
@@ -280,33 +274,15 @@ impl Newton {
                     *y = g - damping * d;
                 }
                 match self.correct(system, stage, false) {
-                    Ok((change, after)) if after <= (1.0 - 0.25 * damping) * norm || change < 0.1 * tolerance => {
-                        if damping < 1.0 {
-                            break;
-                        }
-                        // The simplified correction is at hand: as long as it contracts well, it is as good as a new one.
-                        let rate = after / norm;
-                        for (y, d) in stage.y.iter_mut().zip(&self.correction) {
-                            *y -= d;
-                        }
-                        if change < 0.3 * tolerance || change * rate < 0.1 * tolerance && rate < 0.5 {
-                            stage.complete(system.has_position());
-                            return Ok(iteration);
-                        }
-                        iteration += 1;
-                        if rate > CHORD || iteration >= FRESH_ITERATIONS {
-                            break;
-                        }
-                        norm = after;
-                        self.guess.copy_from_slice(stage.y);
-                        self.step.fill(0.0);
-                    }
-                    _ if self.step.iter().all(|&d| d == 0.0) => break,
+                    Ok((change, after)) if after <= (1.0 - 0.25 * damping) * norm || change < 0.1 * tolerance => break,
                     _ => damping *= 0.5,
                 }
                 if damping < MIN_DAMPING {
                     return Err(NotConverged);
                 }
+            }
+            if damping >= 1.0 && self.quasi(system, stage, tolerance).is_ok() {
+                return Ok(iteration);
             }
         }
         Err(NotConverged)

@@ -79,7 +79,7 @@ impl Sdirk {
             newton: Newton::new(system),
             step: first_step,
             max_step,
-            newton_tolerance: 5.0,
+            newton_tolerance: 20.0,
             stages: [buffers(), buffers()],
             base: vec![0.0; n],
             position: vec![0.0; n],
