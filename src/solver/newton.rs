@@ -5,10 +5,12 @@ use super::{System, View};
 
 /// Most Jacobians in a stage.
 const FRESH_ITERATIONS: usize = 15;
-/// Most iterations with a Jacobian from before. An iteration costs a twentieth of a Jacobian.
-const QUASI_ITERATIONS: usize = 12;
-/// Contraction per iteration above which a reused Jacobian is given up.
-const SLOW: f64 = 0.7;
+/// Most iterations of Broyden's method with the same factors. An iteration costs a twentieth of a Jacobian.
+const QUASI_ITERATIONS: usize = 16;
+/// Iterations after which the next stage takes a new Jacobian.
+const STALE: usize = 5;
+/// Growth of the step in one iteration at which Broyden's method is given up.
+const DIVERGED: f64 = 1.5;
 /// Damping factor at which a stage is given up.
 const MIN_DAMPING: f64 = 0.02;
 
@@ -191,7 +193,7 @@ impl Newton {
 
     /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a few
     /// cells have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates make
-    /// good. Given up as soon as it contracts slowly; `stage.y` is then the best point it saw.
+    /// good. Given up when it diverges; `stage.y` is then the best point it saw.
     fn quasi<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<(), NotConverged> {
         self.best.copy_from_slice(stage.y);
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
@@ -210,7 +212,7 @@ impl Newton {
             let rate = if iteration == 0 { self.rate } else { change / before };
             if iteration > 0 {
                 self.rate = if iteration == 1 { rate } else { self.rate.max(rate) };
-                if rate > SLOW && change > tolerance {
+                if rate > DIVERGED && change > tolerance {
                     break;
                 }
             }
@@ -221,6 +223,9 @@ impl Newton {
             // What is left after this step, as far as the rate tells.
             if change * rate.powf(0.8).min(1.0) < 0.1 * tolerance {
                 stage.complete(system.has_position());
+                if iteration >= STALE {
+                    self.forget();
+                }
                 return Ok(());
             }
         }

@@ -13,7 +13,7 @@ use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Sdirk;
 
 /// Time over which the loads ramp in when a run starts from the kinematic state, s.
-pub const LOAD_RAMP: f64 = 1.0e-2;
+pub const LOAD_RAMP: f64 = 2.0e-3;
 
 /// Inputs are held constant over this part of the ramp, s.
 const RAMP_PIECE: f64 = 2.5e-4;
