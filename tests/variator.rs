@@ -216,10 +216,7 @@ fn swapped_pulleys_mirror_each_other() {
             "{model:?}: {} · {} = {product}",
             direct.thrust_ratio, mirrored.thrust_ratio
         );
-        // The overlay of ALE is measured from the reference curve through the locked node on S: that choice is no
-        // symmetry of the mesh, and its trace falls with the element size.
-        let tolerance = if model == RingModel::Ale0 { 1e-6 } else { 1e-2 };
-        assert!((product - 1.0).abs() < tolerance);
+        assert!((product - 1.0).abs() < 1e-6);
     }
 }
 

@@ -20,10 +20,9 @@ pub enum Global {
     Tilt = 4,
     /// ω_S, ω_P.
     Speed = 8,
+    /// Multipliers of the gauge (`ALE`).
+    Gauge = 10,
 }
-
-/// Number of global unknowns.
-pub const GLOBALS: usize = 10;
 
 /// Indices of the unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +33,8 @@ pub struct Layout {
     pub cells_per_element: usize,
     /// Whether nodes deflect (`ALE`) or the tension is an unknown (`ALE0`).
     pub flexible: bool,
+    /// Node in the middle of the primary arc, opposite to node 0.
+    pub opposite: usize,
 }
 
 impl Layout {
@@ -44,6 +45,8 @@ impl Layout {
             elements: mesh.elements.len(),
             cells_per_element: mesh.cells_per_element,
             flexible,
+            opposite: mesh.elements.iter().take_while(|e| e.segment < 2).count()
+                + mesh.elements.iter().filter(|e| e.segment == 2).count() / 2,
         }
     }
 
@@ -65,7 +68,7 @@ impl Layout {
         Shape {
             blocks: self.elements,
             block: self.block(),
-            border: GLOBALS,
+            border: Global::Gauge as usize + if self.flexible { 2 } else { 0 },
         }
     }
 

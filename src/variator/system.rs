@@ -449,13 +449,18 @@ impl VariatorSystem {
         rows
     }
 
-    fn has_lock(&self) -> bool {
-        self.layout.flexible
-    }
-
-    /// The two locked positions of node 0.
-    fn locked(&self) -> [usize; 2] {
-        [self.layout.node(0, 0), self.layout.node(0, 2)]
+    /// The gauge: s and Θ repeat motions that q_f can make, so two conditions hold the overlay, with multipliers in the
+    /// border. They are even in the two pulleys, so swapping these is a symmetry of the discrete system: the deflections
+    /// of node 0 and of the node opposite are equal outwards (which fixes what Θ means) and opposite along the curve
+    /// (which fixes s). In x and y: (condition, the two unknowns, their signs).
+    fn gauge(&self) -> Option<[(usize, [usize; 2], [f64; 2]); 2]> {
+        let layout = &self.layout;
+        layout.flexible.then(|| {
+            [(0, [1.0, 1.0]), (1, [1.0, -1.0])].map(|(k, signs)| {
+                let nodes = [0, layout.opposite].map(|node| layout.node(node, 2 * k));
+                (layout.global(Global::Gauge, k), nodes, signs)
+            })
+        })
     }
 
     /// Evaluates every station; `ENERGY` asks for the energies too.
@@ -823,9 +828,10 @@ impl System for VariatorSystem {
             out[from] += flux;
         }
         self.global_residual(view, out);
-        if self.has_lock() {
-            for i in self.locked() {
-                out[i] = HOLD * view.y[i];
+        for (condition, nodes, signs) in self.gauge().into_iter().flatten() {
+            for (node, sign) in nodes.into_iter().zip(signs) {
+                out[condition] += HOLD * sign * view.y[node];
+                out[node] += HOLD * sign * view.y[condition];
             }
         }
     }
@@ -838,9 +844,10 @@ impl System for VariatorSystem {
             self.assemble_jacobian::<false>(view, alpha, beta, out);
         }
         self.global_jacobian(view, alpha, beta, out);
-        if self.has_lock() {
-            for i in self.locked() {
-                out.set_unit_row(i, HOLD);
+        for (condition, nodes, signs) in self.gauge().into_iter().flatten() {
+            for (node, sign) in nodes.into_iter().zip(signs) {
+                out.add(condition, node, HOLD * sign);
+                out.add(node, condition, HOLD * sign);
             }
         }
     }
@@ -856,6 +863,9 @@ impl System for VariatorSystem {
                 for k in 0..4 {
                     out[layout.node(node, k)] = if k % 2 == 0 { velocity } else { velocity * 1.0e3 };
                 }
+            }
+            for k in 0..2 {
+                out[layout.global(Global::Gauge, k)] = 1.0 / HOLD;
             }
         }
         for cell in 0..layout.cells() {
