@@ -1,0 +1,321 @@
+//! What the variator costs, on one core: `cargo fmu bench`.
+//!
+//! Prints one table and writes `target/bench.json`. Times are processor time of the thread, the least of several runs, so
+//! what else the machine does matters least; the ratios come from the same run. Counts (steps, residuals, factorizations) don't depend on the
+//! machine. Arguments after `--`: `--quick` runs everything once.
+
+use std::hint::black_box;
+
+use cpu_time::ThreadTime;
+use pushbelt::solver::System;
+use pushbelt::solver::arrow::{Arrow, ArrowLu};
+use pushbelt::solver::newton::{Counts, Newton};
+use pushbelt::variator::instance::Variator;
+use pushbelt::variator::mesh::P;
+use pushbelt::variator::parameters::{Mesh, Parameters, RingModel};
+use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::start::{Start, kinematic_state};
+use pushbelt::variator::steady::{RatioTask, SteadyTask, solve};
+use pushbelt::variator::system::{SpeedMode, VariatorSystem};
+use serde_json::{Value, json};
+
+/// Primary speed of the load cases, rad/s.
+const SPEED: f64 = 209.44;
+/// Communication step of the manoeuvre, s.
+const STEP: f64 = 1e-3;
+
+fn main() {
+    let quick = std::env::args().any(|a| a == "--quick");
+    let mut rows = Vec::new();
+    let mut row = |name: &str, figure: String, data: Value| {
+        println!("{name:<58} {figure}");
+        rows.push(json!({"name": name, "figure": figure, "data": data}));
+    };
+
+    let trace = manoeuvre_inputs();
+    let mut seconds = [0.0; 2];
+    for (k, model) in [RingModel::Ale, RingModel::Ale0].into_iter().enumerate() {
+        let runs = if quick { 1 } else { 2 };
+        let (time, counts, slowest) = best(runs, || manoeuvre(model, &trace));
+        let span = trace.len() as f64 * STEP;
+        seconds[k] = time;
+        row(
+            &format!("manoeuvre of {span:.0} s in steps of 1 ms, {model:?}"),
+            format!("{time:.2} s, {:.1} x real time, {}", span / time, text(&counts)),
+            json!({"seconds": time, "real_time_factor": span / time, "counts": numbers(&counts)}),
+        );
+        row(
+            &format!("  its communication steps, {model:?}: median, 99.9 %, longest"),
+            slowest.map(|t| format!("{:.2} ms", 1e3 * t)).join(", "),
+            json!({"seconds": slowest}),
+        );
+    }
+    row(
+        "  ALE / ALE0",
+        format!("{:.1}", seconds[0] / seconds[1]),
+        json!(seconds[0] / seconds[1]),
+    );
+
+    for model in [RingModel::Ale, RingModel::Ale0] {
+        let (time, counts, solved) = best(if quick { 1 } else { 5 }, || nine_steady_states(model));
+        row(
+            &format!("nine steady states, cold, {model:?}"),
+            format!("{time:.2} s, {solved} solved, {}", text(&counts)),
+            json!({"seconds": time, "solved": solved, "counts": numbers(&counts)}),
+        );
+        let (time, ..) = best(if quick { 1 } else { 10 }, || steady_start(model));
+        row(
+            &format!("from parameters to the first step, steady start, {model:?}"),
+            format!("{:.0} ms", 1e3 * time),
+            json!({"seconds": time}),
+        );
+    }
+
+    for model in [RingModel::Ale, RingModel::Ale0] {
+        let pieces = [1, 2, 4].map(|factor| pieces(model, factor));
+        for p in &pieces {
+            row(
+                &format!("{model:?}, {} elements: residual, Jacobian, factors, solve", p.elements),
+                p.seconds.map(|t| format!("{:.1} us", 1e6 * t)).join(", "),
+                json!({"elements": p.elements, "seconds": p.seconds}),
+            );
+        }
+        let whole = |k: usize| pieces[k].seconds.iter().sum::<f64>();
+        row(
+            "  four times the elements / once",
+            format!("{:.2}", whole(2) / whole(0)),
+            json!(whole(2) / whole(0)),
+        );
+        let (allocations, bytes) = memory(model, &trace);
+        row(
+            &format!("allocations in 100 steps; memory of an instance, {model:?}"),
+            format!("{allocations}; {:.2} MB", bytes as f64 / 1e6),
+            json!({"allocations": allocations, "bytes": bytes}),
+        );
+    }
+
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), std::path::PathBuf::from);
+    let file = target.join("bench.json");
+    let text = serde_json::to_string_pretty(&rows).expect("plain numbers");
+    match std::fs::write(&file, text) {
+        Ok(()) => println!("written to {}", file.display()),
+        Err(error) => eprintln!("{}: {error}", file.display()),
+    }
+}
+
+/// Least time of several runs, with what its run returned.
+fn best<A, B>(runs: usize, mut run: impl FnMut() -> (f64, A, B)) -> (f64, A, B) {
+    let first = run();
+    (1..runs)
+        .map(|_| run())
+        .fold(first, |a, b| if b.0 < a.0 { b } else { a })
+}
+
+fn text(counts: &Counts) -> String {
+    format!(
+        "{} steps, {} residuals, {} factorizations",
+        counts.steps, counts.residuals, counts.factorizations
+    )
+}
+
+fn numbers(counts: &Counts) -> Value {
+    json!({
+        "steps": counts.steps,
+        "rejected": counts.rejected,
+        "failed": counts.failed,
+        "residuals": counts.residuals,
+        "factorizations": counts.factorizations,
+    })
+}
+
+/// Inputs at every communication step, linear between the rows of the file.
+fn manoeuvre_inputs() -> Vec<Inputs> {
+    let rows: Vec<[f64; 5]> = include_str!("../resources/manoeuvre.csv")
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let mut numbers = line.split(',').map(|x| x.parse().expect("a number"));
+            std::array::from_fn(|_| numbers.next().expect("five columns"))
+        })
+        .collect();
+    let last = rows[rows.len() - 1][0];
+    let count = (last / STEP).round() as usize;
+    let mut at = 0;
+    (0..count)
+        .map(|k| {
+            let time = k as f64 * STEP;
+            while rows[at + 1][0] <= time {
+                at += 1;
+            }
+            let share = (time - rows[at][0]) / (rows[at + 1][0] - rows[at][0]);
+            let value = |column: usize| rows[at][column] + share * (rows[at + 1][column] - rows[at][column]);
+            let mut inputs = Inputs::default();
+            inputs.primary.torque = value(1);
+            inputs.secondary.torque = value(2);
+            inputs.primary.clamping_force = value(3);
+            inputs.secondary.clamping_force = value(4);
+            inputs
+        })
+        .collect()
+}
+
+fn vehicle(model: RingModel) -> Parameters {
+    let mut parameters = Parameters {
+        ring_model: model,
+        ..Parameters::default()
+    };
+    parameters.secondary.inertia = 4.0;
+    parameters.initial.ratio = 2.2;
+    parameters.initial.primary_speed = 0.0;
+    parameters
+}
+
+fn manoeuvre(model: RingModel, trace: &[Inputs]) -> (f64, Counts, [f64; 3]) {
+    let start = ThreadTime::now();
+    let mut variator = Variator::new(vehicle(model)).expect("valid parameters");
+    variator.initialise(0.0, &trace[0]).expect("a start");
+    let mut each = Vec::with_capacity(trace.len());
+    for (k, inputs) in trace.iter().enumerate() {
+        let step = ThreadTime::now();
+        variator.advance((k + 1) as f64 * STEP, inputs).expect("a step");
+        black_box(variator.outputs());
+        each.push(step.elapsed().as_secs_f64());
+    }
+    let total = start.elapsed().as_secs_f64();
+    each.sort_by(f64::total_cmp);
+    let at = |share: f64| each[((each.len() - 1) as f64 * share).round() as usize];
+    (total, variator.counts(), [at(0.5), at(0.999), at(1.0)])
+}
+
+/// Steady states of the nine load cases: ratio held on P, primary speed given, belt torque 30, 50, 100 N·m.
+fn nine_steady_states(model: RingModel) -> (f64, Counts, usize) {
+    let parameters = Parameters {
+        ring_model: model,
+        ..Parameters::default()
+    };
+    let start = ThreadTime::now();
+    let mut total = Counts::default();
+    let mut solved = 0;
+    for torque in [30.0, 50.0, 100.0] {
+        for theta in [-0.4, 0.0, 0.4] {
+            let ratio = (1.0 - theta) / (1.0 + theta);
+            let mut system = VariatorSystem::new(&parameters);
+            let (radius, _) = system.curve.radii(ratio).expect("a ratio in reach");
+            let beta = parameters.geometry.wedge_angle;
+            let pitch = radius - parameters.belt.pitch_offset;
+            let force = (1.3 * torque * beta.cos() / (2.0 * parameters.friction.pulley * pitch)).max(6000.0);
+            let clamping = [force; 2];
+            let mut state = kinematic_state(
+                &system,
+                &Start {
+                    ratio,
+                    primary_speed: SPEED,
+                    clamping,
+                },
+            )
+            .expect("a start");
+            let mut newton = Newton::new(&system);
+            let task = SteadyTask {
+                ratio: RatioTask::Given { ratio, reaction: P },
+                clamping,
+                speed: [SpeedMode::Transmit(torque), SpeedMode::Fixed],
+                slip: 0.01,
+                warm: false,
+            };
+            solved += usize::from(solve(&mut system, &mut newton, &mut state, &task, 400).is_ok());
+            total.residuals += newton.counts.residuals;
+            total.factorizations += newton.counts.factorizations;
+        }
+    }
+    (start.elapsed().as_secs_f64(), total, solved)
+}
+
+fn steady_start(model: RingModel) -> (f64, (), ()) {
+    let parameters = Parameters {
+        ring_model: model,
+        ..Parameters::default()
+    };
+    let start = ThreadTime::now();
+    let mut variator = Variator::new(parameters).expect("valid parameters");
+    variator.initialise(0.0, &Inputs::default()).expect("a start");
+    variator.advance(STEP, &Inputs::default()).expect("a step");
+    black_box(variator.outputs());
+    (start.elapsed().as_secs_f64(), (), ())
+}
+
+struct Pieces {
+    elements: usize,
+    /// Residual, Jacobian, factors, solve, s.
+    seconds: [f64; 4],
+}
+
+/// Cost of what a step is made of, with `factor` times the default elements.
+fn pieces(model: RingModel, factor: i32) -> Pieces {
+    let mesh = Parameters::default().mesh;
+    let parameters = Parameters {
+        ring_model: model,
+        mesh: Mesh {
+            primary_arc: factor * mesh.primary_arc,
+            secondary_arc: factor * mesh.secondary_arc,
+            strand: factor * mesh.strand,
+            ..mesh
+        },
+        ..Parameters::default()
+    };
+    let mut system = VariatorSystem::new(&parameters);
+    let state = kinematic_state(
+        &system,
+        &Start {
+            ratio: 1.0,
+            primary_speed: SPEED,
+            clamping: [1e4, 1.3e4],
+        },
+    )
+    .expect("a start");
+    let mut matrix = Arrow::new(system.shape());
+    let mut factors = ArrowLu::new(system.shape());
+    let mut residual = vec![0.0; state.y.len()];
+    system.jacobian(state.view(), 1e4, 1e-4, &mut matrix);
+    let seconds = [
+        least(|| system.residual(state.view(), black_box(&mut residual))),
+        least(|| system.jacobian(state.view(), 1e4, 1e-4, black_box(&mut matrix))),
+        least(|| factors.factor(black_box(&matrix)).expect("a regular matrix")),
+        least(|| factors.solve(black_box(&mut residual))),
+    ];
+    Pieces {
+        elements: system.mesh.elements.len(),
+        seconds,
+    }
+}
+
+/// Least time of a call, from batches of about a millisecond.
+fn least(mut call: impl FnMut()) -> f64 {
+    let start = ThreadTime::now();
+    call();
+    let batch = (1e-3 / start.elapsed().as_secs_f64()).ceil().max(1.0) as usize;
+    (0..50)
+        .map(|_| {
+            let start = ThreadTime::now();
+            (0..batch).for_each(|_| call());
+            start.elapsed().as_secs_f64() / batch as f64
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Allocations in 100 communication steps of the launch, and the bytes that an instance holds.
+fn memory(model: RingModel, trace: &[Inputs]) -> (u64, u64) {
+    let mut instance = None;
+    let held = allocation_counter::measure(|| {
+        let mut variator = Variator::new(vehicle(model)).expect("valid parameters");
+        variator.initialise(0.0, &trace[0]).expect("a start");
+        instance = Some(variator);
+    });
+    let mut variator = instance.expect("just built");
+    let _ = variator.take_messages();
+    let steps = allocation_counter::measure(|| {
+        for (k, inputs) in trace[..100].iter().enumerate() {
+            variator.advance((k + 1) as f64 * STEP, inputs).expect("a step");
+        }
+    });
+    (steps.count_total, held.bytes_current.max(0) as u64)
+}
