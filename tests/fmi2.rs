@@ -674,6 +674,45 @@ fn check_output_derivatives(model: c_int) {
     }
 }
 
+/// A jump of the torque that the tightest tolerance can't follow.
+#[test]
+fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
+    let importer = Importer::new(c"discard");
+    importer.make_cheap();
+    assert_eq!(importer.set_real("solver.tolerance", 1e-10), Ok);
+    importer.start();
+    assert_eq!(importer.step(0.0, 1e-4), Ok, "{:?}", importer.heard);
+    let (c, mut stored, mut reached, mut status) = (importer.c, null_mut(), f64::NAN, -1);
+    // SAFETY: an instance and a state of it.
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(c, &mut stored), Ok);
+        let discard = || {
+            assert_eq!(importer.set_real("primary.torque", 1e6), Ok);
+            assert_eq!(importer.step(1e-4, 1e-3), Status::Discard);
+            assert!(importer.last().contains("stalled at 0.0001"), "{}", importer.last());
+        };
+        discard();
+        assert_eq!(fmi2GetRealStatus(c, 2, &mut reached), Ok);
+        assert!((1e-4..1.1e-3).contains(&reached), "{reached}");
+        assert_eq!(fmi2GetStatus(c, 0, &mut status), Ok);
+        assert_eq!(status, Status::Discard as c_int);
+        assert!(importer.real("primary.speed").is_finite());
+        // On from there.
+        assert_eq!(importer.set_real("primary.torque", 50.0), Ok);
+        assert_eq!(importer.step(reached, 1e-4), Ok, "{:?}", importer.heard);
+        // Or back, and smaller: the same bits as if nothing had been tried.
+        assert_eq!(fmi2SetFMUstate(c, stored), Ok);
+        assert_eq!(importer.step(1e-4, 2e-4), Ok);
+        let expected = importer.readings();
+        assert_eq!(fmi2SetFMUstate(c, stored), Ok);
+        discard();
+        assert_eq!(fmi2SetFMUstate(c, stored), Ok);
+        assert_eq!(importer.step(1e-4, 2e-4), Ok);
+        assert_eq!(importer.readings(), expected);
+        assert_eq!(fmi2FreeFMUstate(c, &mut stored), Ok);
+    }
+}
+
 #[test]
 fn what_is_not_offered_says_so() {
     let importer = Importer::running(c"not offered");

@@ -607,3 +607,23 @@ fn another_unit_has_another_guid() {
     assert_ne!(guid::<Tank>(), guid::<pushbelt::unit::VariatorUnit>());
     assert!(model_description::<Tank>().contains(&guid::<Tank>()));
 }
+
+/// However a master adds up its steps, the unit steps to the same times, bit for bit.
+#[test]
+fn sums_and_products_of_steps_come_to_the_same_times() {
+    for size in [1e-3, 1e-2 / 3.0, 0.25, 7e-6] {
+        let ((mut sums, _), (mut products, _)) = (running(), running());
+        let mut time = 0.0;
+        for k in 0..1000 {
+            assert_eq!(sums.do_step(time, size), Status::Ok, "{size}, {k}");
+            let product = f64::from(k) * size;
+            assert_eq!(products.do_step(product, f64::from(k + 1) * size - product), Status::Ok);
+            let mut reached = [0.0; 2];
+            sums.real_status(StatusKind::LastSuccessfulTime, &mut reached[0]);
+            products.real_status(StatusKind::LastSuccessfulTime, &mut reached[1]);
+            assert_eq!(reached[0].to_bits(), reached[1].to_bits(), "{size}, {k}");
+            assert!((reached[0] - product - size).abs() <= 1e-6 * size);
+            time += size;
+        }
+    }
+}
