@@ -204,7 +204,8 @@ impl Sdirk {
                     y_dot.copy_from_slice(&end.y_dot);
                     q.copy_from_slice(&end.q);
                     self.newton.counts.steps += 1;
-                    self.kept = Some(h);
+                    // Slopes over less than this differ by rounding only.
+                    self.kept = (h >= MIN_STEP).then_some(h);
                     done = if last { span } else { done + h };
                     let factor = (0.85 * error.max(1e-9).powf(-1.0 / 3.0)).clamp(0.3, 3.0);
                     // A step shortened to meet `to` says nothing against the longer one.
