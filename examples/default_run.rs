@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     row(&mut variator)?;
     for step in 1..=steps {
-        variator.advance(f64::from(step) * 1e-3, &inputs)?;
+        variator.advance(f64::from(step) / 1000.0, &inputs)?;
         row(&mut variator)?;
     }
     Ok(())

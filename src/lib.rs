@@ -11,6 +11,7 @@
 //! | [`chain`], [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::instance::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix: knows no belt |
+//! | [`tape`] | values to bytes and back: stored states |
 //! | [`mod@unit`] | the variable table that binds the variator to its FMU |
 //! | [`fmi2`] | FMI 2.0 state machine and C functions: knows no physics |
 //!
@@ -36,5 +37,6 @@ pub mod reference_curve;
 pub mod ring;
 pub mod scalar;
 pub mod solver;
+pub mod tape;
 pub mod unit;
 pub mod variator;

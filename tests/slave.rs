@@ -7,14 +7,17 @@ use pushbelt::fmi2::log::{Category, Sink, Status};
 use pushbelt::fmi2::slave::StatusKind;
 use pushbelt::fmi2::state::State;
 use pushbelt::fmi2::table::{Access, Causality, Kind, Range, Table, UnitDefinition, Variable};
-use pushbelt::fmi2::unit::{Experiment, Identity, Remark, StepFailure, Unit};
+use pushbelt::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use pushbelt::fmi2::{Slave, guid, model_description};
+use pushbelt::tape::Tape;
 
 /// A tank that fills at a rate: level' = gain·inflow.
 #[derive(Clone)]
 struct Tank {
     time: f64,
     level: f64,
+    /// Flow into the tank, and how it changes.
+    flow: [f64; 2],
 }
 
 #[derive(Clone)]
@@ -145,12 +148,22 @@ impl Unit for Tank {
         Ok(Self {
             time: experiment.start,
             level: valves.start,
+            flow: [0.0; 2],
         })
     }
 
-    fn advance(&mut self, to: f64, valves: &Valves, _: &mut Vec<Remark>) -> Result<(), StepFailure> {
+    fn advance(
+        &mut self,
+        to: f64,
+        valves: &Valves,
+        rates: Option<&Valves>,
+        _: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure> {
         assert!(valves.inflow != BURST, "the tank burst");
-        let rate = valves.gain * valves.inflow;
+        let growth = rates.map_or(0.0, |rates| rates.inflow);
+        let mean = valves.inflow + 0.5 * growth * (to - self.time);
+        self.flow = [valves.gain * (2.0 * mean - valves.inflow), valves.gain * growth];
+        let rate = valves.gain * mean;
         if self.level + rate * (to - self.time) > valves.brim {
             self.time += (valves.brim - self.level) / rate;
             self.level = valves.brim;
@@ -165,8 +178,32 @@ impl Unit for Tank {
         self.time
     }
 
+    fn blank(_: &Valves, _: &Experiment) -> Result<Self, String> {
+        Ok(Self {
+            time: 0.0,
+            level: 0.0,
+            flow: [0.0; 2],
+        })
+    }
+
+    fn pass(&mut self, tape: &mut Tape<'_>) {
+        tape.real(&mut self.time);
+        tape.real(&mut self.level);
+        tape.reals(&mut self.flow);
+    }
+
     fn readings(&mut self) -> &f64 {
         &self.level
+    }
+
+    fn moment(&mut self) -> Moment<f64> {
+        let [flow, growth] = self.flow;
+        let beside = |after: f64| self.level + after * (flow + 0.5 * after * growth);
+        Moment {
+            before: beside(-0.5),
+            after: beside(0.5),
+            span: 1.0,
+        }
     }
 }
 
@@ -410,6 +447,70 @@ fn a_stored_state_holds_everything_and_fits_another_instance() {
 }
 
 #[test]
+fn bytes_hold_everything_and_fit_another_instance() {
+    let (mut slave, _) = running();
+    slave.set_real(&[GAIN], &[2.0]);
+    slave.do_step(0.0, 1.0);
+    assert_eq!(slave.set_input_derivatives(&[INFLOW], &[1], &[1.0]), Status::Ok);
+    let stored = slave.save().1.expect("stored");
+    let bytes = slave.serialize("fmi2SerializeFMUstate", &stored).1.expect("bytes");
+    let (mut other, heard) = self::slave();
+    let (status, found) = other.deserialize(&bytes);
+    assert_eq!(status, Status::Ok, "{heard:?}");
+    assert_eq!(other.restore(&found.expect("a state")), Status::Ok);
+    for slave in [&mut slave, &mut other] {
+        assert_eq!(slave.do_step(1.0, 1.0), Status::Ok);
+        assert_eq!(level(slave), 10.0);
+    }
+    let (status, found) = other.deserialize(&bytes[1..]);
+    assert_eq!((status, found.is_none()), (Status::Error, true));
+    assert!(last(&heard).contains("no stored state"), "{}", last(&heard));
+}
+
+#[test]
+fn input_derivatives_last_for_one_step() {
+    let (mut slave, _) = running();
+    assert_eq!(slave.set_input_derivatives(&[INFLOW], &[1], &[1.0]), Status::Ok);
+    assert_eq!(slave.do_step(0.0, 1.0), Status::Ok);
+    assert_eq!(level(&mut slave), 3.5, "2 + 1/2");
+    let mut flow = [f64::NAN];
+    assert_eq!(slave.get_output_derivatives(&[LEVEL], &[1], &mut flow), Status::Ok);
+    assert_eq!(flow, [3.0], "at the end of the step");
+    let mut inflow = [f64::NAN];
+    assert_eq!(slave.get_real(&[INFLOW], &mut inflow), Status::Ok);
+    assert_eq!(inflow, [2.0], "an input reads back what was set");
+    assert_eq!(slave.do_step(1.0, 1.0), Status::Ok);
+    assert_eq!(level(&mut slave), 5.5);
+}
+
+#[test]
+fn derivatives_are_allowed_where_the_standard_says() {
+    let (mut slave, _) = slave();
+    assert_eq!(
+        slave.set_input_derivatives(&[INFLOW], &[1], &[1.0]),
+        Status::Ok,
+        "instantiated"
+    );
+    assert_eq!(slave.get_output_derivatives(&[LEVEL], &[1], &mut [0.0]), Status::Error);
+    slave.enter_initialization_mode();
+    assert_eq!(
+        slave.set_input_derivatives(&[INFLOW], &[1], &[1.0]),
+        Status::Ok,
+        "initialising"
+    );
+    assert_eq!(slave.get_output_derivatives(&[LEVEL], &[1], &mut [0.0]), Status::Error);
+    slave.exit_initialization_mode();
+    assert_eq!(slave.get_output_derivatives(&[LEVEL], &[1], &mut [0.0]), Status::Ok);
+    slave.terminate();
+    assert_eq!(
+        slave.get_output_derivatives(&[LEVEL], &[1], &mut [0.0]),
+        Status::Ok,
+        "terminated"
+    );
+    assert_eq!(slave.set_input_derivatives(&[INFLOW], &[1], &[1.0]), Status::Error);
+}
+
+#[test]
 fn a_panic_stays_in_its_instance() {
     let ((mut broken, heard), (mut sound, _)) = (running(), running());
     let stored = broken.save().1.expect("stored");
@@ -505,4 +606,24 @@ fn errors_and_warnings_are_logged_always_and_the_rest_on_request() {
 fn another_unit_has_another_guid() {
     assert_ne!(guid::<Tank>(), guid::<pushbelt::unit::VariatorUnit>());
     assert!(model_description::<Tank>().contains(&guid::<Tank>()));
+}
+
+/// However a master adds up its steps, the unit steps to the same times, bit for bit.
+#[test]
+fn sums_and_products_of_steps_come_to_the_same_times() {
+    for size in [1e-3, 1e-2 / 3.0, 0.25, 7e-6] {
+        let ((mut sums, _), (mut products, _)) = (running(), running());
+        let mut time = 0.0;
+        for k in 0..1000 {
+            assert_eq!(sums.do_step(time, size), Status::Ok, "{size}, {k}");
+            let product = f64::from(k) * size;
+            assert_eq!(products.do_step(product, f64::from(k + 1) * size - product), Status::Ok);
+            let mut reached = [0.0; 2];
+            sums.real_status(StatusKind::LastSuccessfulTime, &mut reached[0]);
+            products.real_status(StatusKind::LastSuccessfulTime, &mut reached[1]);
+            assert_eq!(reached[0].to_bits(), reached[1].to_bits(), "{size}, {k}");
+            assert!((reached[0] - product - size).abs() <= 1e-6 * size);
+            time += size;
+        }
+    }
 }

@@ -43,8 +43,16 @@ pub fn run(command: &mut Command) -> anyhow::Result<()> {
 /// # Errors
 /// The compilation fails.
 pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
-    let mut child = command(workspace)
-        .args(["build", "--release", "--lib", "--package", MODEL_PACKAGE])
+    library(command(workspace).arg("build"))
+}
+
+/// Runs a build command of cargo, or of what takes its place, for the model's shared library; returns where it lies.
+///
+/// # Errors
+/// The compilation fails.
+pub fn library(command: &mut Command) -> anyhow::Result<PathBuf> {
+    let mut child = command
+        .args(["--release", "--lib", "--package", MODEL_PACKAGE])
         .arg("--message-format=json-render-diagnostics")
         .stdout(Stdio::piped())
         .spawn()

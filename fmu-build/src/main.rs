@@ -5,15 +5,19 @@
 //! | [`commands`] | one file a command: what the user asks for |
 //! | [`workspace`], [`platform`] | where things lie, and what the host's binaries are called |
 //! | [`cargo`], [`python`] | the two outside programs that do the work |
-//! | [`archive`], [`licenses`], [`description`] | what goes into the FMU beside the binary |
+//! | [`portable`], [`binary`] | binaries for other machines, and what they ask of them |
+//! | [`archive`], [`licenses`], [`description`], [`image`] | what goes into the FMU beside the binary |
 //! | [`progress`] | what the user sees meanwhile |
 
 mod archive;
+mod binary;
 mod cargo;
 mod commands;
 mod description;
+mod image;
 mod licenses;
 mod platform;
+mod portable;
 mod progress;
 mod python;
 mod workspace;
@@ -35,7 +39,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Compile the binary and pack target/PushbeltVariator.fmu
-    Build,
+    Build(commands::build::Arguments),
     /// Build the FMU, then run the Rust tests and the Python tests that drive it
     Test(commands::test::Arguments),
     /// Build the FMU, simulate it on published data and write target/demo/report.html
@@ -59,7 +63,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let workspace = Workspace::find()?;
     match &arguments.command {
-        Command::Build => commands::build::run(&workspace).map(drop),
+        Command::Build(arguments) => commands::build::run(&workspace, arguments).map(drop),
         Command::Test(arguments) => commands::test::run(&workspace, arguments),
         Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),

@@ -12,6 +12,21 @@ pub struct Platform {
 }
 
 impl Platform {
+    /// Linux on x86-64.
+    pub const LINUX64: Self = Self {
+        folder: "linux64",
+        extension: "so",
+    };
+    /// Windows on x86-64.
+    pub const WIN64: Self = Self {
+        folder: "win64",
+        extension: "dll",
+    };
+    const DARWIN64: Self = Self {
+        folder: "darwin64",
+        extension: "dylib",
+    };
+
     /// The platform that this tool runs on.
     ///
     /// # Errors
@@ -21,13 +36,12 @@ impl Platform {
     }
 
     fn of(system: &str, bits: u32) -> anyhow::Result<Self> {
-        let (folder, extension) = match (system, bits) {
-            ("linux", 64) => ("linux64", "so"),
-            ("macos", 64) => ("darwin64", "dylib"),
-            ("windows", 64) => ("win64", "dll"),
+        match (system, bits) {
+            ("linux", 64) => Ok(Self::LINUX64),
+            ("macos", 64) => Ok(Self::DARWIN64),
+            ("windows", 64) => Ok(Self::WIN64),
             _ => bail!("FMI 2.0 has no folder for {bits}-bit binaries of {system}"),
-        };
-        Ok(Self { folder, extension })
+        }
     }
 
     /// Path of the binary inside the archive.

@@ -13,8 +13,23 @@ use crate::workspace::Workspace;
 /// Oldest Python that the tests and the demo run on.
 const OLDEST: (u32, u32) = (3, 10);
 
-/// Where the lock file lies in the source tree.
-const LOCK: &str = "python/requirements.txt";
+/// A lock file in the source tree, and the folder below the target directory where its packages are installed.
+pub struct Packages {
+    lock: &'static str,
+    folder: &'static str,
+}
+
+/// What the tests and the demo import.
+pub const RUNNING: Packages = Packages {
+    lock: "python/requirements.txt",
+    folder: "venv",
+};
+
+/// What compiles for other machines.
+pub const BUILDING: Packages = Packages {
+    lock: "python/portable-requirements.txt",
+    folder: "venv-portable",
+};
 
 /// A copy of the lock file in the environment says what is installed there. It is written last, so a set-up that was
 /// interrupted is not mistaken for a whole one.
@@ -32,25 +47,36 @@ impl Environment {
     ///
     /// # Errors
     /// No suitable Python, or pip can't install what is locked.
-    pub fn prepare(workspace: &Workspace) -> anyhow::Result<Self> {
-        let folder = workspace.target().join("venv");
+    pub fn prepare(workspace: &Workspace, packages: &Packages) -> anyhow::Result<Self> {
+        let folder = workspace.target().join(packages.folder);
         let environment = Self {
             interpreter: interpreter_in(&folder),
             root: workspace.root().to_owned(),
             fmu: workspace.fmu(),
         };
-        let lock_file = workspace.root().join(LOCK);
+        let lock_file = workspace.root().join(packages.lock);
         let lock = fs::read_to_string(&lock_file).with_context(|| format!("can't read {}", lock_file.display()))?;
         let stamp = folder.join(STAMP);
         let matches = fs::read_to_string(&stamp).is_ok_and(|installed| installed == lock);
         if matches && version(environment.interpreter.as_os_str()).is_some() {
             return Ok(environment);
         }
-        progress::headline("Setting up Python packages in target/venv");
+        progress::headline(&format!("Setting up Python packages in target/{}", packages.folder));
         create(&find_interpreter()?, &folder)?;
         install(&environment.interpreter, &lock_file)?;
         fs::write(&stamp, lock).with_context(|| format!("can't write {}", stamp.display()))?;
         Ok(environment)
+    }
+
+    /// The search path for programs, with those of this environment first.
+    ///
+    /// # Errors
+    /// The search path has a folder with a separator in its name.
+    pub fn path(&self) -> anyhow::Result<OsString> {
+        let own = self.interpreter.parent().map(Path::to_owned);
+        let others = std::env::var_os("PATH").unwrap_or_default();
+        let folders = own.into_iter().chain(std::env::split_paths(&others));
+        std::env::join_paths(folders).context("the search path can't be extended")
     }
 
     /// A Python command in this environment, at the top level of the workspace. The packages below `python/` can be
@@ -107,7 +133,8 @@ fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
     spinner.finish_and_clear();
     if !output.status.success() {
         bail!(
-            "pip can't install {LOCK}:\n{}{}",
+            "pip can't install {}:\n{}{}",
+            lock_file.display(),
             String::from_utf8_lossy(&output.stdout),
             String::from_utf8_lossy(&output.stderr)
         );

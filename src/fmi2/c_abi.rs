@@ -19,7 +19,8 @@ use libc::{c_char, c_int, c_uint, c_void, size_t};
 
 use super::log::{Category, Sink, Status};
 use super::resources;
-use super::slave::{Slave, Snapshot, StatusKind};
+use super::slave::{Slave, StatusKind};
+use super::snapshot::Snapshot;
 use super::state::Call;
 use super::unit::Experiment;
 
@@ -503,7 +504,7 @@ pub unsafe extern "C" fn fmi2SetFMUstate(c: Component, state: FmuState) -> Statu
     unsafe {
         with(c, |slave| match state.cast::<Snapshot<Model>>().as_ref() {
             Some(snapshot) => slave.restore(snapshot),
-            None => slave.refuse("fmi2SetFMUstate", "the state is null"),
+            None => slave.refuse("fmi2SetFMUstate", NULL_STATE),
         })
     }
 }
@@ -528,46 +529,96 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(c: Component, state: *mut FmuState) ->
     }
 }
 
-const NO_BYTES: &str = "a stored state can't be turned into bytes (canSerializeFMUstate is false)";
+const NULL_STATE: &str = "the state is null";
 
-/// Not offered.
+/// Number of bytes that a stored state takes.
 ///
 /// # Safety
-/// As the head of this file says.
+/// `state` is null or a state from [`fmi2GetFMUstate`] or [`fmi2DeSerializeFMUstate`] that has not been freed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, _state: FmuState, _size: *mut size_t) -> Status {
-    // SAFETY: as the caller grants.
-    unsafe { with(c, |slave| slave.not_offered("fmi2SerializedFMUstateSize", NO_BYTES)) }
+pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Component, state: FmuState, size: *mut size_t) -> Status {
+    let function = "fmi2SerializedFMUstateSize";
+    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`.
+    unsafe {
+        with(c, |slave| {
+            let Some(snapshot) = state.cast::<Snapshot<Model>>().as_ref() else {
+                return slave.refuse(function, NULL_STATE);
+            };
+            let Some(size) = size.as_mut() else {
+                return slave.refuse(function, NULL_RESULT);
+            };
+            let (status, bytes) = slave.serialize(function, snapshot);
+            if let Some(bytes) = bytes {
+                *size = bytes.len();
+            }
+            status
+        })
+    }
 }
 
-/// Not offered.
+/// Writes a stored state as bytes, `size` of them as [`fmi2SerializedFMUstateSize`] has told.
 ///
 /// # Safety
-/// As the head of this file says.
+/// As for [`fmi2SerializedFMUstateSize`]; `bytes` is null or points to `size` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializeFMUstate(
     c: Component,
-    _state: FmuState,
-    _bytes: *mut c_char,
-    _size: size_t,
+    state: FmuState,
+    bytes: *mut c_char,
+    size: size_t,
 ) -> Status {
-    // SAFETY: as the caller grants.
-    unsafe { with(c, |slave| slave.not_offered("fmi2SerializeFMUstate", NO_BYTES)) }
+    let function = "fmi2SerializeFMUstate";
+    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`.
+    unsafe {
+        with(c, |slave| {
+            let Some(snapshot) = state.cast::<Snapshot<Model>>().as_ref() else {
+                return slave.refuse(function, NULL_STATE);
+            };
+            let Some(target) = array_mut(bytes.cast::<u8>(), size) else {
+                return slave.refuse(function, NULL_ARRAY);
+            };
+            let (status, bytes) = slave.serialize(function, snapshot);
+            let Some(bytes) = bytes else { return status };
+            match target.get_mut(..bytes.len()) {
+                Some(target) => target.copy_from_slice(&bytes),
+                None => {
+                    let why = format!("the state takes {} bytes, {size} are not enough", bytes.len());
+                    return slave.refuse(function, &why);
+                }
+            }
+            status
+        })
+    }
 }
 
-/// Not offered.
+/// Makes a stored state of bytes. What `*state` was before does not matter: it is not freed.
 ///
 /// # Safety
-/// As the head of this file says.
+/// `bytes` is null or points to `size` bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     c: Component,
-    _bytes: *const c_char,
-    _size: size_t,
-    _state: *mut FmuState,
+    bytes: *const c_char,
+    size: size_t,
+    state: *mut FmuState,
 ) -> Status {
-    // SAFETY: as the caller grants.
-    unsafe { with(c, |slave| slave.not_offered("fmi2DeSerializeFMUstate", NO_BYTES)) }
+    let function = "fmi2DeSerializeFMUstate";
+    // SAFETY: as the caller grants; the pointer for the result is written, not read.
+    unsafe {
+        with(c, |slave| {
+            let Some(bytes) = array(bytes.cast::<u8>(), size) else {
+                return slave.refuse(function, NULL_ARRAY);
+            };
+            if state.is_null() {
+                return slave.refuse(function, NULL_RESULT);
+            }
+            let (status, snapshot) = slave.deserialize(bytes);
+            if let Some(snapshot) = snapshot {
+                state.write(Box::into_raw(Box::new(snapshot)).cast());
+            }
+            status
+        })
+    }
 }
 
 // ---- Derivatives --------------------------------------------------------------------------------------------------
@@ -592,38 +643,54 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     unsafe { with(c, |slave| slave.not_offered("fmi2GetDirectionalDerivative", why)) }
 }
 
-/// Not offered.
+/// Lets inputs change in proportion to time during the next step.
 ///
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     c: Component,
-    _vr: *const c_uint,
-    _nvr: size_t,
-    _order: *const c_int,
-    _value: *const f64,
+    vr: *const c_uint,
+    nvr: size_t,
+    order: *const c_int,
+    value: *const f64,
 ) -> Status {
-    let why = "inputs are held constant over a step (canInterpolateInputs is false)";
     // SAFETY: as the caller grants.
-    unsafe { with(c, |slave| slave.not_offered("fmi2SetRealInputDerivatives", why)) }
+    unsafe {
+        with(c, |slave| {
+            match (array(vr, nvr), array(order, nvr), array(value, nvr)) {
+                (Some(references), Some(orders), Some(values)) => {
+                    slave.set_input_derivatives(references, orders, values)
+                }
+                _ => slave.refuse("fmi2SetRealInputDerivatives", NULL_ARRAY),
+            }
+        })
+    }
 }
 
-/// Not offered.
+/// Time derivatives of outputs.
 ///
 /// # Safety
 /// As the head of this file says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     c: Component,
-    _vr: *const c_uint,
-    _nvr: size_t,
-    _order: *const c_int,
-    _value: *mut f64,
+    vr: *const c_uint,
+    nvr: size_t,
+    order: *const c_int,
+    value: *mut f64,
 ) -> Status {
-    let why = "output derivatives are not calculated (maxOutputDerivativeOrder is 0)";
     // SAFETY: as the caller grants.
-    unsafe { with(c, |slave| slave.not_offered("fmi2GetRealOutputDerivatives", why)) }
+    unsafe {
+        with(c, |slave| {
+            match (array(vr, nvr), array(order, nvr), array_mut(value, nvr)) {
+                (Some(references), Some(orders), Some(values)) => {
+                    slave.get_output_derivatives(references, orders, values)
+                }
+                _ => slave.refuse("fmi2GetRealOutputDerivatives", NULL_ARRAY),
+            }
+        })
+    }
 }
 
 // ---- Steps --------------------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::Writer;
 
+use super::hash::Fnv;
 use super::log::Category;
 use super::table::{Access, Causality, Enumeration, Kind, Table, UnitDefinition, Variable};
 use super::unit::Unit;
@@ -31,7 +32,7 @@ pub fn guid<U: Unit>() -> String {
 fn guid_of<U: Unit>(table: &Table<U::Settings, U::Readings>) -> String {
     let mut hash = Fnv::default();
     write::<U, _>(&mut hash, table, "").expect("a hash takes all bytes");
-    let digits = format!("{:032x}", hash.0);
+    let digits = format!("{:032x}", hash.value());
     format!(
         "{{{}-{}-{}-{}-{}}}",
         &digits[..8],
@@ -40,28 +41,6 @@ fn guid_of<U: Unit>(table: &Table<U::Settings, U::Readings>) -> String {
         &digits[16..20],
         &digits[20..]
     )
-}
-
-/// FNV-1a with 128 bits: tells descriptions apart, protects nothing.
-struct Fnv(u128);
-
-impl Default for Fnv {
-    fn default() -> Self {
-        Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
-    }
-}
-
-impl Write for Fnv {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        for byte in bytes {
-            self.0 = (self.0 ^ u128::from(*byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
-        }
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 type Attributes = Vec<(&'static str, String)>;
@@ -88,8 +67,11 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid
         let capabilities: Attributes = vec![
             ("modelIdentifier", identity.name.into()),
             ("canHandleVariableCommunicationStepSize", "true".into()),
+            ("canInterpolateInputs", "true".into()),
+            ("maxOutputDerivativeOrder", "1".into()),
             ("canNotUseMemoryManagementFunctions", "true".into()),
             ("canGetAndSetFMUstate", "true".into()),
+            ("canSerializeFMUstate", "true".into()),
         ];
         empty(xml, "CoSimulation", capabilities)?;
         parent(xml, "UnitDefinitions", vec![], |xml| {

@@ -9,6 +9,7 @@
 //! - [`mod@unit`]: what a model has to offer;
 //! - [`state`]: which function the standard allows in which state (its table 4.2.4);
 //! - [`slave`]: one instance, in the order of that state machine;
+//! - [`snapshot`]: the whole state of an instance, and [`bytes`]: the same with version and checksum;
 //! - [`log`]: messages to the importer;
 //! - [`description`]: the XML and the GUID made from it;
 //! - [`resources`]: the resource location, a URI;
@@ -16,16 +17,22 @@
 //!
 //! There are no globals and no threads; every instance owns all it uses.
 
+#[forbid(unsafe_code)]
+pub mod bytes;
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi;
 #[forbid(unsafe_code)]
 pub mod description;
+#[forbid(unsafe_code)]
+mod hash;
 #[forbid(unsafe_code)]
 pub mod log;
 #[forbid(unsafe_code)]
 pub mod resources;
 #[forbid(unsafe_code)]
 pub mod slave;
+#[forbid(unsafe_code)]
+pub mod snapshot;
 #[forbid(unsafe_code)]
 pub mod state;
 #[forbid(unsafe_code)]

@@ -10,6 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 use super::log::{Category, Log, Sink, Status};
+use super::snapshot::{Snapshot, still};
 use super::state::{Call, State};
 use super::table::{Access, Causality, Kind, Refused, Table, Variable};
 use super::unit::{Experiment, StepFailure, Unit};
@@ -32,27 +33,6 @@ type Outcome = Result<(), Trouble>;
 
 fn refused<T>(text: impl Into<String>) -> Result<T, Trouble> {
     Err(Trouble::Refused(text.into()))
-}
-
-/// The whole dynamic state of an instance: what [`Slave::save`] keeps and [`Slave::restore`] brings back.
-#[derive(Clone)]
-pub struct Snapshot<U: Unit> {
-    state: State,
-    settings: U::Settings,
-    experiment: Experiment,
-    /// Present from the first calculated reading in initialisation mode on. Settings changed in that mode drop it.
-    unit: Option<U>,
-}
-
-impl<U: Unit> Snapshot<U> {
-    fn new() -> Self {
-        Self {
-            state: State::Instantiated,
-            settings: U::Settings::default(),
-            experiment: Experiment::default(),
-            unit: None,
-        }
-    }
 }
 
 /// What can be asked after a step (`fmi2StatusKind`).
@@ -280,6 +260,96 @@ impl<U: Unit> Slave<U> {
         })
     }
 
+    /// `fmi2SerializeFMUstate`, and `fmi2SerializedFMUstateSize` by the length of what comes: the bytes, or `None` with the
+    /// status if the call failed.
+    pub fn serialize(&mut self, function: &'static str, snapshot: &Snapshot<U>) -> (Status, Option<Vec<u8>>) {
+        let mut sealed = None;
+        let status = self.call(function, |slave| {
+            slave.allow(Call::Always)?;
+            sealed = Some(snapshot.to_bytes(&slave.table).map_err(Trouble::Refused)?);
+            Ok(())
+        });
+        (status, sealed)
+    }
+
+    /// `fmi2DeSerializeFMUstate`: the state, or `None` with the status if the bytes are not one.
+    pub fn deserialize(&mut self, sealed: &[u8]) -> (Status, Option<Snapshot<U>>) {
+        let mut found = None;
+        let status = self.call("fmi2DeSerializeFMUstate", |slave| {
+            slave.allow(Call::Always)?;
+            found = Some(Snapshot::from_bytes(&slave.table, sealed).map_err(Trouble::Refused)?);
+            Ok(())
+        });
+        (status, found)
+    }
+
+    /// `fmi2SetRealInputDerivatives`: the inputs change in proportion to time during the next step, and are held again
+    /// after it. Either all derivatives are taken or none.
+    pub fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Status {
+        self.call("fmi2SetRealInputDerivatives", |slave| {
+            slave.allow(Call::Set)?;
+            for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
+                let (variable, _) = find(&slave.table, reference, real_access)?;
+                let name = &variable.name;
+                if variable.causality != Causality::Input {
+                    return refused(format!("{name} is no input"));
+                }
+                if order != 1 {
+                    return refused(format!(
+                        "{name}: inputs change in proportion to time, so derivatives have order 1, not {order}"
+                    ));
+                }
+                if !value.is_finite() {
+                    let name = format!("the derivative of {name}");
+                    return Err(Refused::NotFinite { name, value }.into());
+                }
+            }
+            let rates = slave.now.rates.get_or_insert_with(|| still(&slave.table));
+            for (&reference, &value) in references.iter().zip(values) {
+                if let (_, Access::Setting { set, .. }) = find(&slave.table, reference, real_access)? {
+                    set(rates, value);
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// `fmi2GetRealOutputDerivatives`: time derivatives of outputs at the present time.
+    pub fn get_output_derivatives(&mut self, references: &[u32], orders: &[i32], values: &mut [f64]) -> Status {
+        self.call("fmi2GetRealOutputDerivatives", |slave| {
+            slave.allow(Call::GetOutputDerivatives)?;
+            for (&reference, &order) in references.iter().zip(orders) {
+                let (variable, _) = find(&slave.table, reference, real_access)?;
+                let name = &variable.name;
+                if variable.causality != Causality::Output {
+                    return refused(format!("{name} is no output"));
+                }
+                if order != 1 {
+                    return refused(format!(
+                        "{name}: derivatives of outputs have order 1 (maxOutputDerivativeOrder), not {order}"
+                    ));
+                }
+            }
+            let Some(unit) = &mut slave.now.unit else {
+                return refused("there are no calculated values after a failed start");
+            };
+            if references.is_empty() {
+                return Ok(());
+            }
+            let moment = unit.moment();
+            for (&reference, value) in references.iter().zip(values) {
+                let (_, access) = find(&slave.table, reference, real_access)?;
+                let change = match access {
+                    Access::Reading(get) => get(&moment.after) - get(&moment.before),
+                    Access::Element(get, at) => get(&moment.after, *at) - get(&moment.before, *at),
+                    Access::Setting { .. } => 0.0,
+                };
+                *value = change / moment.span;
+            }
+            Ok(())
+        })
+    }
+
     /// `fmi2GetRealStatus`: the time reached, s.
     pub fn real_status(&mut self, kind: StatusKind, value: &mut f64) -> Status {
         self.status("fmi2GetRealStatus", |slave| match (kind, &slave.now.unit) {
@@ -352,7 +422,7 @@ impl<U: Unit> Slave<U> {
                 "the step starts at {current} s, but the last one ended at {reached} s"
             ));
         }
-        let to = current + step;
+        let to = communication_point(current + step, step);
         if to <= reached {
             return refused(format!(
                 "the step of {step} s is lost in the rounding of the time {reached} s"
@@ -365,7 +435,8 @@ impl<U: Unit> Slave<U> {
             return refused(format!("the step to {to} s leads beyond the stop time {stop} s"));
         }
         let mut remarks = Vec::new();
-        let result = unit.advance(to, &self.now.settings, &mut remarks);
+        let rates = self.now.rates.take();
+        let result = unit.advance(to, &self.now.settings, rates.as_ref(), &mut remarks);
         self.pass_on(&remarks);
         match result {
             Ok(()) => {
@@ -529,12 +600,28 @@ impl<U: Unit> Slave<U> {
     }
 }
 
-/// Same communication point, up to the rounding of a master that sums up its steps: a billionth of the time, but never
-/// a noticeable part of the step.
+/// Same communication point, up to the rounding of a master that sums up its steps: a billionth of the time and a
+/// millionth of the step, but never a noticeable part of the step.
 fn same_time(a: f64, b: f64, step: f64) -> bool {
     let size = a.abs().max(b.abs());
-    let rounding = (1e-9 * size.max(step)).min(1e-3 * step);
+    let rounding = (1e-9 * size).clamp(1e-6 * step, 1e-3 * step);
     (a - b).abs() <= rounding.max(4.0 * f64::EPSILON * size)
+}
+
+/// The end of a step on a decimal grid of about a millionth of the step. Masters come to the same point by different
+/// sums, off by some 1e-12; where a belt slips through that grows to differences that a user sees, unless all masters
+/// get the same bits.
+fn communication_point(time: f64, step: f64) -> f64 {
+    #[expect(clippy::cast_possible_truncation, reason = "the exponent of a finite number")]
+    let digits = -((1e-6 * step).log10().floor()) as i32;
+    let grid = 10_f64.powi(digits.clamp(0, 22));
+    let count = (time * grid).round();
+    let exact = 1.0 / f64::EPSILON;
+    if digits <= 22 && count.abs() < exact {
+        count / grid
+    } else {
+        time
+    }
 }
 
 fn unknown_status(kind: StatusKind) -> Outcome {

@@ -19,6 +19,16 @@ pub enum State {
 }
 
 impl State {
+    /// All states, in the order of their numbers in stored states.
+    pub const ALL: [Self; 6] = [
+        Self::Instantiated,
+        Self::Initialisation,
+        Self::StepComplete,
+        Self::StepFailed,
+        Self::Terminated,
+        Self::Error,
+    ];
+
     /// Name for messages.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -46,10 +56,12 @@ pub enum Call {
     Terminate,
     /// `fmi2Reset`, `fmi2SetDebugLogging` and the FMU state functions.
     Always,
-    /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`, `fmi2GetString`.
+    /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`, `fmi2GetString`, `fmi2GetDirectionalDerivative`.
     Get,
-    /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`, `fmi2SetString`.
+    /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`, `fmi2SetString`, `fmi2SetRealInputDerivatives`.
     Set,
+    /// `fmi2GetRealOutputDerivatives`.
+    GetOutputDerivatives,
     /// `fmi2DoStep`.
     DoStep,
     /// `fmi2GetStatus` and its kin.
@@ -69,6 +81,7 @@ impl Call {
             Self::Terminate => matches!(state, StepComplete | StepFailed),
             Self::Always => true,
             Self::Get => matches!(state, Initialisation | StepComplete | StepFailed | Terminated | Error),
+            Self::GetOutputDerivatives => matches!(state, StepComplete | StepFailed | Terminated | Error),
             // After a discarded step the standard knows only rollback and the end. This slave stands at its last
             // successful time, so it also lets the master change inputs and go on from there.
             Self::Set => matches!(state, Instantiated | Initialisation | StepComplete | StepFailed),

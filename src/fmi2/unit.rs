@@ -1,6 +1,7 @@
 //! What a model has to offer to become an FMU.
 
 use super::table::Table;
+use crate::tape::Tape;
 
 /// What the master says about the run before it starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +67,17 @@ pub enum StepFailure {
     Discarded(String),
 }
 
+/// Readings a moment before and after the present, if the inputs go on as they did: for time derivatives.
+#[derive(Debug)]
+pub struct Moment<R> {
+    /// A moment before.
+    pub before: R,
+    /// A moment after.
+    pub after: R,
+    /// Time between the two, s.
+    pub span: f64,
+}
+
 /// A model that can live in an FMU. It holds its whole dynamic state, solver history included, so that a clone
 /// continues exactly as the original would.
 pub trait Unit: Clone + Sized {
@@ -92,15 +104,34 @@ pub trait Unit: Clone + Sized {
     /// A sentence that says what is wrong.
     fn start(settings: &Self::Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String>;
 
-    /// Advances to time `to` with the settings held.
+    /// Advances to time `to` with the settings held. `rates`, if there are any, hold the time derivatives of the real
+    /// inputs, which then change in proportion to time.
     ///
     /// # Errors
     /// See [`StepFailure`].
-    fn advance(&mut self, to: f64, settings: &Self::Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure>;
+    fn advance(
+        &mut self,
+        to: f64,
+        settings: &Self::Settings,
+        rates: Option<&Self::Settings>,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure>;
+
+    /// The model as it is before [`Unit::pass`] reads a state into it.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong with the settings.
+    fn blank(settings: &Self::Settings, experiment: &Experiment) -> Result<Self, String>;
+
+    /// Passes by a tape the whole dynamic state, solver history included: what is read from it continues bit for bit.
+    fn pass(&mut self, tape: &mut Tape<'_>);
 
     /// Present time, s.
     fn time(&self) -> f64;
 
     /// Readings at the present time.
     fn readings(&mut self) -> &Self::Readings;
+
+    /// Readings around the present time.
+    fn moment(&mut self) -> Moment<Self::Readings>;
 }

@@ -18,6 +18,8 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, MatMut, MatRef, Par};
 
+use crate::tape::Tape;
+
 /// Sizes of an [`Arrow`] matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
@@ -267,6 +269,11 @@ impl DenseLu {
         })
     }
 
+    fn pass(&mut self, tape: &mut Tape<'_>) {
+        tape.reals(&mut self.factors);
+        tape.indices(&mut self.rows, self.size);
+    }
+
     fn view(&self) -> MatRef<'_, f64> {
         MatRef::from_column_major_slice(&self.factors, self.size, self.size)
     }
@@ -383,6 +390,17 @@ impl ArrowLu {
             tail: vec![0.0; w],
             scratch: Scratch::new(w),
         }
+    }
+
+    /// Passes the factors by a tape.
+    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+        for pivot in &mut self.pivots {
+            pivot.pass(tape);
+        }
+        for part in [&mut self.lower, &mut self.solved, &mut self.rows] {
+            tape.reals(part);
+        }
+        self.border.pass(tape);
     }
 
     /// Factors `a`.

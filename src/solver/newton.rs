@@ -2,6 +2,7 @@
 
 use super::arrow::{Arrow, ArrowLu};
 use super::{System, View};
+use crate::tape::Tape;
 
 /// Most Jacobians in a stage.
 const FRESH_ITERATIONS: usize = 15;
@@ -125,6 +126,23 @@ impl Newton {
             best: vec![0.0; shape.len()],
             rate: 1.0,
             counts: Counts::default(),
+        }
+    }
+
+    /// Passes by a tape all that later solutions depend on: the factored Jacobian is used again.
+    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+        self.factors.pass(tape);
+        tape.real(&mut self.alpha);
+        tape.real(&mut self.rate);
+        let Counts {
+            steps,
+            rejected,
+            failed,
+            residuals,
+            factorizations,
+        } = &mut self.counts;
+        for count in [steps, rejected, failed, residuals, factorizations] {
+            tape.counter(count);
         }
     }
 

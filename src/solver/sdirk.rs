@@ -6,6 +6,7 @@
 
 use super::newton::{Newton, Stage};
 use super::{System, View};
+use crate::tape::Tape;
 
 /// γ = 1 − 1/√2.
 pub const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -21,6 +22,9 @@ fn error_weights() -> [f64; 3] {
 pub trait Evolution: System {
     /// Error of a step relative to what is tolerated: accepted up to 1.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64;
+
+    /// Called with the time of each stage before it is solved, s: for loads that change within a step.
+    fn set_time(&mut self, _time: f64) {}
 
     /// Called for each accepted step of size `h`, s: to integrate what is not part of the state, by the trapezoidal rule.
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64);
@@ -48,6 +52,8 @@ pub struct Sdirk {
     pub max_step: f64,
     /// Newton tolerance as a fraction of the system's Newton scale.
     pub newton_tolerance: f64,
+    /// Size of the step whose stages are kept; none after an attempt that failed, s.
+    kept: Option<f64>,
     stages: [Buffers; 2],
     base: Vec<f64>,
     position: Vec<f64>,
@@ -80,6 +86,7 @@ impl Sdirk {
             step: first_step,
             max_step,
             newton_tolerance: 20.0,
+            kept: None,
             stages: [buffers(), buffers()],
             base: vec![0.0; n],
             position: vec![0.0; n],
@@ -88,8 +95,31 @@ impl Sdirk {
         }
     }
 
-    /// Tries one step of size `h` from (y, ẏ, q); the result stands in the second stage.
-    fn attempt<S: Evolution>(&mut self, system: &mut S, y: &[f64], y_dot: &[f64], q: &[f64], h: f64) -> Option<f64> {
+    /// ÿ of an unknown at the end of the last step, of first order: from the slopes of its two stages. 0 if there is no
+    /// last step.
+    #[must_use]
+    pub fn slope_rate(&self, unknown: usize) -> f64 {
+        let [first, second] = &self.stages;
+        self.kept.map_or(0.0, |h| {
+            (second.y_dot[unknown] - first.y_dot[unknown]) / ((1.0 - GAMMA) * h)
+        })
+    }
+
+    /// Passes by a tape all that later steps depend on.
+    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+        self.newton.pass(tape);
+        tape.real(&mut self.step);
+        tape.option(&mut self.kept);
+        for stage in &mut self.stages {
+            tape.reals(&mut stage.y_dot);
+        }
+    }
+
+    /// Tries one step of size `h` from (y, ẏ, q) at `time`; the result stands in the second stage.
+    fn attempt<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<f64> {
+        let View { y, y_dot, q } = view;
+        self.kept = None;
+        system.set_time(time + GAMMA * h);
         let alpha = 1.0 / (h * GAMMA);
         let n = y.len();
         let [first, second] = &mut self.stages;
@@ -114,6 +144,7 @@ impl Sdirk {
             second.y[i] = self.base[i] + h * GAMMA * first.y_dot[i];
         }
         second.q.copy_from_slice(q);
+        system.set_time(time + h);
         let mut stage = Stage {
             alpha,
             base: &self.base,
@@ -159,7 +190,7 @@ impl Sdirk {
             // Whole steps to the end: never a sliver.
             let h = rest / (rest / preferred * (1.0 - 1e-9)).ceil().max(1.0);
             let last = h >= rest;
-            let outcome = self.attempt(system, y, y_dot, q, h);
+            let outcome = self.attempt(system, View { y, y_dot, q }, time + done, h);
             match outcome {
                 Some(error) if error <= 1.0 => {
                     let end = &self.stages[1];
@@ -173,6 +204,8 @@ impl Sdirk {
                     y_dot.copy_from_slice(&end.y_dot);
                     q.copy_from_slice(&end.q);
                     self.newton.counts.steps += 1;
+                    // Slopes over less than this differ by rounding only.
+                    self.kept = (h >= MIN_STEP).then_some(h);
                     done = if last { span } else { done + h };
                     let factor = (0.85 * error.max(1e-9).powf(-1.0 / 3.0)).clamp(0.3, 3.0);
                     // A step shortened to meet `to` says nothing against the longer one.

@@ -7,7 +7,8 @@ mod table;
 mod types;
 
 use crate::fmi2::Table;
-use crate::fmi2::unit::{Experiment, Identity, Remark, StepFailure, Unit};
+use crate::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::tape::Tape;
 use crate::variator::instance::{StepError, Variator};
 use crate::variator::parameters::Parameters;
 use crate::variator::signals::{Inputs, Outputs};
@@ -41,6 +42,15 @@ pub fn model_identifier() -> &'static str {
 }
 
 impl VariatorUnit {
+    fn build(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+        let mut parameters = settings.parameters.clone();
+        if let Some(tolerance) = experiment.tolerance {
+            parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
+        }
+        let variator = Variator::new(parameters).map_err(|error| error.to_string())?;
+        Ok(Self { variator })
+    }
+
     fn pass_messages(&mut self, remarks: &mut Vec<Remark>) {
         let messages = self.variator.take_messages();
         remarks.extend(messages.into_iter().map(|message| Remark {
@@ -77,26 +87,28 @@ impl Unit for VariatorUnit {
     }
 
     fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
-        let mut parameters = settings.parameters.clone();
-        if let Some(tolerance) = experiment.tolerance {
-            parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
-        }
-        let variator = Variator::new(parameters).map_err(|error| error.to_string())?;
-        let mut unit = Self { variator };
+        let mut unit = Self::build(settings, experiment, remarks)?;
         let started = unit.variator.initialise(experiment.start, &settings.inputs);
         unit.pass_messages(remarks);
         started.map_err(|error| error.to_string())?;
         Ok(unit)
     }
 
-    fn advance(&mut self, to: f64, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
+    fn advance(
+        &mut self,
+        to: f64,
+        settings: &Settings,
+        rates: Option<&Settings>,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure> {
         let wanted = &settings.parameters.friction;
         let present = &self.variator.parameters().friction;
         if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
             let changed = self.variator.set_friction(wanted.pulley, wanted.ring);
             changed.map_err(|error| StepFailure::Setting(error.to_string()))?;
         }
-        let advanced = self.variator.advance(to, &settings.inputs);
+        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
+        let advanced = self.variator.advance_along(to, &settings.inputs, &rates);
         self.pass_messages(remarks);
         advanced.map_err(|error| match error {
             StepError::Input(error) => StepFailure::Setting(error.to_string()),
@@ -108,8 +120,25 @@ impl Unit for VariatorUnit {
         self.variator.time()
     }
 
+    fn blank(settings: &Settings, experiment: &Experiment) -> Result<Self, String> {
+        Self::build(settings, experiment, &mut Vec::new())
+    }
+
+    fn pass(&mut self, tape: &mut Tape<'_>) {
+        self.variator.pass(tape);
+    }
+
     fn readings(&mut self) -> &Outputs {
         self.variator.outputs()
+    }
+
+    fn moment(&mut self) -> Moment<Outputs> {
+        let moment = self.variator.moment();
+        Moment {
+            before: *moment.before,
+            after: *moment.after,
+            span: moment.span,
+        }
     }
 }
 

@@ -54,8 +54,15 @@ impl Evolution for VariatorSystem {
         if norm.is_finite() { norm } else { f64::MAX }
     }
 
+    fn set_time(&mut self, time: f64) {
+        self.move_loads(time);
+    }
+
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64) {
+        let end = self.load_time();
+        self.move_loads(end - h);
         let first = self.rates(before, &self.ledger.last);
+        self.move_loads(end);
         let sums = self.belt_sums::<false>(after);
         let second = self.rates(after, &sums);
         let half = 0.5 * h;

@@ -7,10 +7,11 @@ use super::parameters::{Axial, Drive, Parameters};
 use super::signals::{Inputs, Outputs, PulleyInputs};
 use super::start::{Start, kinematic_state};
 use super::steady::{self, RatioTask, SteadyTask};
-use super::system::{Boundary, SheaveMode, SpeedMode, State, VariatorSystem};
+use super::system::{Boundary, LoadRates, SheaveMode, SpeedMode, State, VariatorSystem};
 use super::validation::ParameterError;
 use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Sdirk;
+use crate::tape::Tape;
 
 /// Time over which the loads ramp in when a run starts from the kinematic state, s.
 pub const LOAD_RAMP: f64 = 2.0e-3;
@@ -23,6 +24,10 @@ const COLD_STEP: f64 = 1.0e-6;
 
 /// First step from a steady state, s.
 const WARM_STEP: f64 = 1.0e-4;
+
+/// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and
+/// it leaves nine digits of a difference.
+const MOMENT: f64 = 1.0e-6;
 
 /// Most Newton solves for a steady state.
 const STEADY_SOLVES: usize = 400;
@@ -93,10 +98,31 @@ pub struct Variator {
     buckling: bool,
     initial_energy: f64,
     external_torque: [f64; 2],
+    /// Inputs in force, the time at which they were given, and how they change from then on.
+    held: Held,
     observer: Observer,
     outputs: Box<Outputs>,
     stale: bool,
     messages: Vec<Message>,
+}
+
+/// Inputs from a point of time on.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    from: f64,
+    inputs: Inputs,
+    rates: Inputs,
+}
+
+/// Outputs a moment before and after the present, along the tangent of the state.
+#[derive(Debug)]
+pub struct Moment {
+    /// A moment before.
+    pub before: Box<Outputs>,
+    /// A moment after.
+    pub after: Box<Outputs>,
+    /// Time between the two, s.
+    pub span: f64,
 }
 
 impl Variator {
@@ -124,6 +150,11 @@ impl Variator {
             buckling: false,
             initial_energy: 0.0,
             external_torque: [0.0; 2],
+            held: Held {
+                from: 0.0,
+                inputs: Inputs::default(),
+                rates: Inputs::ZERO,
+            },
             observer: Observer::default(),
             outputs: Box::default(),
             stale: true,
@@ -185,9 +216,14 @@ impl Variator {
             self.state.y[i] = inputs.secondary.speed_setpoint;
         }
         self.state.y_dot.fill(0.0);
-        self.apply(inputs);
+        self.held = Held {
+            from: time,
+            inputs: *inputs,
+            rates: Inputs::ZERO,
+        };
+        self.apply();
         self.system.open_ledger(self.state.view());
-        self.hold_external(inputs);
+        self.hold_external();
         let sums = self.system.belt_sums::<true>(self.state.view());
         self.initial_energy = sums.energy + self.system.pulley_energy(self.state.view());
         self.stale = true;
@@ -355,10 +391,11 @@ impl Variator {
         }
     }
 
-    /// Boundary conditions from inputs; loads are those in the middle of the ramp's piece.
-    fn apply(&mut self, inputs: &Inputs) {
+    /// Boundary conditions from the inputs; a load ramp's share is that in the middle of its piece.
+    fn apply(&mut self) {
         let share = self.ramp(self.time + 0.5 * RAMP_PIECE);
         let p = &self.parameters;
+        let Held { from, inputs, rates } = &self.held;
         let speed = |drive: Drive, input: &PulleyInputs| match drive {
             Drive::Torque => SpeedMode::Torque(share * input.torque),
             Drive::Speed => SpeedMode::Setpoint(input.speed_setpoint),
@@ -366,6 +403,10 @@ impl Variator {
         let sheave = |axial: Axial, input: &PulleyInputs| match axial {
             Axial::Force => SheaveMode::Force(share * input.clamping_force),
             Axial::Held => SheaveMode::Held,
+        };
+        let speed_rate = |drive: Drive, rate: &PulleyInputs| match drive {
+            Drive::Torque => share * rate.torque,
+            Drive::Speed => rate.speed_setpoint,
         };
         let boundary = Boundary {
             sheave: [
@@ -377,10 +418,21 @@ impl Variator {
                 speed(p.primary.drive, &inputs.primary),
             ],
         };
-        self.system.change_boundary(boundary, &mut self.state.y_dot);
+        let rates = LoadRates {
+            force: [
+                share * rates.secondary.clamping_force,
+                share * rates.primary.clamping_force,
+            ],
+            speed: [
+                speed_rate(p.secondary.drive, &rates.secondary),
+                speed_rate(p.primary.drive, &rates.primary),
+            ],
+        };
+        self.system
+            .change_loads(*from, boundary, rates, self.time, &mut self.state.y_dot);
     }
 
-    fn hold_external(&mut self, _inputs: &Inputs) {
+    fn hold_external(&mut self) {
         let sums = self.system.belt_sums::<false>(self.state.view());
         self.external_torque = [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
     }
@@ -390,8 +442,22 @@ impl Variator {
     /// # Errors
     /// Inputs out of range, or a step that can't be done.
     pub fn advance(&mut self, to: f64, inputs: &Inputs) -> Result<(), StepError> {
+        self.advance_along(to, inputs, &Inputs::ZERO)
+    }
+
+    /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the time derivatives
+    /// `rates`. A clamping force that falls ends at zero.
+    ///
+    /// # Errors
+    /// Inputs out of range, or a step that can't be done.
+    pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         inputs.validate()?;
         let from = self.time;
+        self.held = Held {
+            from,
+            inputs: *inputs,
+            rates: *rates,
+        };
         self.stale = true;
         while self.time < to {
             let end = if self.time < self.ramp_end {
@@ -399,11 +465,12 @@ impl Variator {
             } else {
                 to
             };
-            self.apply(inputs);
+            self.apply();
             let State { y, y_dot, q } = &mut self.state;
             let outcome = self.integrator.advance(&mut self.system, y, y_dot, q, self.time, end);
             if let Err(stalled) = outcome {
                 self.time = stalled.time;
+                self.system.move_loads(self.time);
                 let cause = if stalled.newton {
                     "Newton's method found no solution"
                 } else {
@@ -430,8 +497,76 @@ impl Variator {
         }
         // Cleared with a margin, so that a strand at the limit does not fill the log.
         self.buckling = buckling || self.buckling && sums.strand_force < 50.0;
+        self.system.move_loads(to);
         self.external_torque = [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
         Ok(())
+    }
+
+    /// Outputs on both sides of the present, for their time derivatives: the state moves along y' = ẏ, q' = y, and ẏ as
+    /// it did between the stages of the last step. Allocates.
+    pub fn moment(&mut self) -> Moment {
+        let [before, after] = [-MOMENT, MOMENT].map(|after| {
+            let mut state = self.state.clone();
+            for i in 0..state.y.len() {
+                state.q[i] += after * state.y[i];
+                state.y[i] += after * state.y_dot[i];
+                state.y_dot[i] += after * self.integrator.slope_rate(i);
+            }
+            self.system.move_loads(self.time + after);
+            let sums = self.system.belt_sums::<false>(state.view());
+            let context = Context {
+                external_torque: [S, P].map(|j| self.system.external_torque(j, state.view(), sums.torque[j])),
+                macro_slip: self.macro_slip,
+                initial_energy: self.initial_energy,
+            };
+            let mut outputs = Box::<Outputs>::default();
+            self.observer
+                .observe(&self.system, state.view(), &context, &mut outputs);
+            outputs
+        });
+        self.system.move_loads(self.time);
+        Moment {
+            before,
+            after,
+            span: 2.0 * MOMENT,
+        }
+    }
+
+    /// Passes by a tape all that later steps and outputs depend on. To read, build a variator from the same parameters.
+    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+        if tape.is_reading() {
+            // For the kinds of boundary conditions: the loads themselves are on the tape.
+            self.apply();
+        }
+        let State { y, y_dot, q } = &mut self.state;
+        for values in [y, y_dot, q] {
+            tape.reals(values);
+        }
+        self.integrator.pass(tape);
+        self.system.pass_loads(tape);
+        let ledger = &mut self.system.ledger;
+        let [torque_s, torque_p] = &mut self.external_torque;
+        for value in [
+            &mut self.time,
+            &mut self.ramp_end,
+            &mut self.initial_energy,
+            &mut ledger.supplied,
+            &mut ledger.lost,
+            &mut ledger.moved,
+            torque_s,
+            torque_p,
+            &mut self.parameters.friction.pulley,
+            &mut self.parameters.friction.ring,
+        ] {
+            tape.real(value);
+        }
+        tape.flag(&mut self.macro_slip);
+        tape.flag(&mut self.buckling);
+        if tape.is_reading() {
+            self.system.law.parameters.friction = self.parameters.friction.clone();
+            self.system.ledger.last = self.system.belt_sums::<false>(self.state.view());
+            self.stale = true;
+        }
     }
 
     /// Present time, s.

@@ -23,6 +23,21 @@ pub struct Inputs {
     pub secondary: PulleyInputs,
 }
 
+impl Inputs {
+    /// No load at all; as rates: nothing changes.
+    pub const ZERO: Self = {
+        let none = PulleyInputs {
+            torque: 0.0,
+            clamping_force: 0.0,
+            speed_setpoint: 0.0,
+        };
+        Self {
+            primary: none,
+            secondary: none,
+        }
+    };
+}
+
 impl Default for Inputs {
     fn default() -> Self {
         let pulley = |torque, clamping_force| PulleyInputs {

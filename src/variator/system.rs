@@ -12,6 +12,7 @@ use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
+use crate::tape::Tape;
 use nalgebra::Vector2;
 use num_traits::Zero;
 
@@ -130,6 +131,56 @@ pub struct Boundary {
     pub speed: [SpeedMode; 2],
 }
 
+impl Boundary {
+    fn pass(&mut self, tape: &mut Tape<'_>) {
+        for sheave in &mut self.sheave {
+            if let SheaveMode::Force(force) = sheave {
+                tape.real(force);
+            }
+        }
+        for speed in &mut self.speed {
+            if let SpeedMode::Torque(load) | SpeedMode::Setpoint(load) = speed {
+                tape.real(load);
+            }
+        }
+    }
+}
+
+/// How fast the loads of a [`Boundary`] change, over pulleys [`S`], [`P`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadRates {
+    /// Of clamping forces, N/s.
+    pub force: [f64; 2],
+    /// Of external torques, N·m/s, or of speed set points, rad/s².
+    pub speed: [f64; 2],
+}
+
+/// Loads that change in proportion to time.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    /// Time at which the loads are those of `start`, s.
+    from: f64,
+    start: Boundary,
+    rates: LoadRates,
+}
+
+impl Course {
+    fn at(&self, time: f64) -> Boundary {
+        let after = time - self.from;
+        let mut boundary = self.start;
+        for j in [S, P] {
+            if let SheaveMode::Force(force) = &mut boundary.sheave[j] {
+                // A falling force ends at zero: sheaves are pushed, never pulled.
+                *force = (*force + after * self.rates.force[j]).max(0.0);
+            }
+            if let SpeedMode::Torque(load) | SpeedMode::Setpoint(load) = &mut boundary.speed[j] {
+                *load += after * self.rates.speed[j];
+            }
+        }
+        boundary
+    }
+}
+
 /// The whole dynamic state: unknowns, their rates, positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
@@ -176,6 +227,10 @@ pub struct VariatorSystem {
     pub travel: [Travel; 2],
     /// Boundary conditions in force.
     pub boundary: Boundary,
+    /// What they follow while loads change.
+    course: Option<Course>,
+    /// Time of the boundary conditions while loads change, s.
+    clock: f64,
     /// Factor on the pulleys' inertia, 1 in a run. A steady solution takes more, so that speeds follow the belt instead of
     /// running ahead of it.
     pub inertia_factor: f64,
@@ -244,6 +299,8 @@ impl VariatorSystem {
                 sheave: [SheaveMode::Held; 2],
                 speed: [SpeedMode::Fixed; 2],
             },
+            course: None,
+            clock: 0.0,
             inertia_factor: 1.0,
             ledger: Ledger::default(),
             has_position,
@@ -255,6 +312,52 @@ impl VariatorSystem {
         };
         system.pack();
         system
+    }
+
+    /// Puts boundary conditions in force that hold at time `from` and whose loads change at `rates`, as they are at `time`.
+    /// Of `y_dot` see [`Self::change_boundary`].
+    pub fn change_loads(&mut self, from: f64, boundary: Boundary, rates: LoadRates, time: f64, y_dot: &mut [f64]) {
+        let course = Course {
+            from,
+            start: boundary,
+            rates,
+        };
+        self.course = (rates != LoadRates::default()).then_some(course);
+        self.clock = time;
+        self.change_boundary(self.course.map_or(boundary, |course| course.at(time)), y_dot);
+    }
+
+    /// Passes by a tape the loads and how they change. To read, boundary conditions of the same kinds must be in force.
+    pub fn pass_loads(&mut self, tape: &mut Tape<'_>) {
+        self.boundary.pass(tape);
+        let mut changes = self.course.is_some();
+        tape.flag(&mut changes);
+        if changes {
+            let course = self.course.get_or_insert(Course {
+                from: 0.0,
+                start: self.boundary,
+                rates: LoadRates::default(),
+            });
+            tape.real(&mut course.from);
+            course.start.pass(tape);
+            tape.reals(&mut course.rates.force);
+            tape.reals(&mut course.rates.speed);
+        } else {
+            self.course = None;
+        }
+    }
+
+    /// Moves loads that change with time on, or back, to `time`.
+    pub fn move_loads(&mut self, time: f64) {
+        if let Some(course) = &self.course {
+            self.boundary = course.at(time);
+            self.clock = time;
+        }
+    }
+
+    /// Time for which the loads stand while they change, s.
+    pub(super) fn load_time(&self) -> f64 {
+        self.clock
     }
 
     /// Packs neighbours, and finds the places of their derivatives.

@@ -5,24 +5,37 @@ use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use clap::Args;
 
 use crate::archive::Archive;
 use crate::description::Description;
 use crate::platform::Platform;
 use crate::workspace::{MODEL_IDENTIFIER, Workspace};
-use crate::{cargo, licenses, progress};
+use crate::{cargo, image, licenses, portable, progress};
 
 /// The documentation in the FMU; its marks are filled in from the model description.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
+
+/// What to build for.
+#[derive(Args, Clone, Copy, Default)]
+pub struct Arguments {
+    /// For linux64 with glibc 2.17 or newer and for win64, instead of for this machine only
+    #[arg(long)]
+    pub portable: bool,
+}
 
 /// Builds the FMU and returns its path.
 ///
 /// # Errors
 /// The library doesn't compile, or a file can't be read or written.
-pub fn run(workspace: &Workspace) -> anyhow::Result<PathBuf> {
-    progress::headline("Compiling the FMU's binary");
-    let library = cargo::build_library(workspace)?;
-    let archive = collect(workspace, &library)?;
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathBuf> {
+    let binaries = if arguments.portable {
+        portable::build(workspace)?
+    } else {
+        progress::headline("Compiling the FMU's binary");
+        vec![(Platform::host()?, cargo::build_library(workspace)?)]
+    };
+    let archive = collect(workspace, &binaries)?;
 
     let path = workspace.fmu();
     // Written beside its place and moved there, so that a half-written FMU is never found.
@@ -40,10 +53,12 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     Ok(path)
 }
 
-fn collect(workspace: &Workspace, library: &Path) -> anyhow::Result<Archive> {
+fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::Result<Archive> {
     let mut archive = Archive::default();
-    let binary = Platform::host()?.binary(MODEL_IDENTIFIER);
-    archive.add(binary, read(library)?)?;
+    for (platform, library) in binaries {
+        archive.add(platform.binary(MODEL_IDENTIFIER), read(library)?)?;
+    }
+    archive.add("model.png", image::variator()?)?;
 
     let xml = read(&workspace.model_description())?;
     let description = Description::parse(std::str::from_utf8(&xml)?)?;

@@ -5,7 +5,7 @@ use clap::Args;
 use crate::cargo;
 use crate::commands::build;
 use crate::progress;
-use crate::python::Environment;
+use crate::python::{Environment, RUNNING};
 use crate::workspace::Workspace;
 
 /// How to run the demo.
@@ -21,8 +21,8 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, or the demo fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let fmu = build::run(workspace)?;
-    let environment = Environment::prepare(workspace)?;
+    let fmu = build::run(workspace, &build::Arguments::default())?;
+    let environment = Environment::prepare(workspace, &RUNNING)?;
     progress::headline("Simulating");
     let mut demo = environment.command();
     demo.args(["-m", "pushbelt_demo", "--fmu"])

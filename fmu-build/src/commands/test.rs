@@ -6,7 +6,7 @@ use clap::Args;
 use crate::cargo;
 use crate::commands::build;
 use crate::progress;
-use crate::python::Environment;
+use crate::python::{Environment, RUNNING};
 use crate::workspace::Workspace;
 
 /// What to test.
@@ -18,6 +18,8 @@ pub struct Arguments {
     /// Only the Python tests
     #[arg(long)]
     python: bool,
+    #[command(flatten)]
+    build: build::Arguments,
     /// Passed on to `cargo test` (with --rust) or to pytest (with --python)
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
@@ -33,7 +35,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         "say with --rust or --python where `{}` is to go",
         arguments.passed_on.join(" ")
     );
-    build::run(workspace)?;
+    build::run(workspace, &arguments.build)?;
     if !arguments.python {
         progress::headline("Rust tests");
         let mut tests = cargo::command(workspace);
@@ -41,7 +43,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         cargo::run(&mut tests)?;
     }
     if !arguments.rust {
-        let environment = Environment::prepare(workspace)?;
+        let environment = Environment::prepare(workspace, &RUNNING)?;
         progress::headline("Python tests");
         let mut tests = environment.command();
         tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--durations=5"]);

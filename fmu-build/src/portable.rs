@@ -1,0 +1,116 @@
+//! Binaries that load on machines other than this one: linux64 with an old glibc, win64.
+//!
+//! Zig brings linker and C library of both (PyPI package `ziglang`, started by `cargo-zigbuild`), rustup brings Rust's
+//! standard library.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, ensure};
+
+use crate::platform::Platform;
+use crate::python::{BUILDING, Environment};
+use crate::workspace::Workspace;
+use crate::{binary, cargo, progress};
+
+/// Oldest glibc that the Linux binary loads with.
+pub const GLIBC: (u32, u32) = (2, 17);
+
+/// A target of the portable build.
+struct Target {
+    platform: Platform,
+    triple: &'static str,
+    /// What `cargo zigbuild` takes for it.
+    zig: &'static str,
+}
+
+const TARGETS: [Target; 2] = [
+    Target {
+        platform: Platform::LINUX64,
+        triple: "x86_64-unknown-linux-gnu",
+        zig: "x86_64-unknown-linux-gnu.2.17",
+    },
+    Target {
+        platform: Platform::WIN64,
+        triple: "x86_64-pc-windows-gnu",
+        zig: "x86_64-pc-windows-gnu",
+    },
+];
+
+/// Compiles the binary for every target that can be had; says in one line which can't.
+///
+/// # Errors
+/// The tools can't be installed, a compilation fails, or a binary needs more than it may.
+pub fn build(workspace: &Workspace) -> anyhow::Result<Vec<(Platform, PathBuf)>> {
+    let tools = Environment::prepare(workspace, &BUILDING)?;
+    let mut binaries = Vec::new();
+    for target in &TARGETS {
+        let folder = target.platform.folder;
+        if let Err(why) = provide(target.triple) {
+            eprintln!("  {folder} is left out: {why:#}");
+            continue;
+        }
+        progress::headline(&format!("Compiling the FMU's binary for {folder}"));
+        let mut command = cargo::command(workspace);
+        command
+            .arg("zigbuild")
+            .args(["--target", target.zig])
+            .env("PATH", tools.path()?)
+            .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace));
+        let library = cargo::library(&mut command)?;
+        check(&library)?;
+        binaries.push((target.platform, library));
+    }
+    ensure!(!binaries.is_empty(), "there is no target to build for");
+    Ok(binaries)
+}
+
+/// Makes sure that Rust's standard library for a target is there.
+fn provide(triple: &str) -> anyhow::Result<()> {
+    let output = Command::new("rustc")
+        .args(["--print", "target-libdir", "--target", triple])
+        .output()
+        .context("can't start rustc")?;
+    let folder = String::from_utf8_lossy(&output.stdout);
+    if output.status.success() && Path::new(folder.trim()).is_dir() {
+        return Ok(());
+    }
+    let added = Command::new("rustup")
+        .args(["target", "add", triple])
+        .output()
+        .with_context(|| format!("the Rust target {triple} is not installed, and there is no rustup to install it"))?;
+    let said = String::from_utf8_lossy(&added.stderr);
+    let last = said.trim().lines().last().unwrap_or_default().to_owned();
+    ensure!(added.status.success(), "the Rust target {triple} can't be had: {last}");
+    Ok(())
+}
+
+/// Compiler flags: those of the environment, and the paths of this machine taken out of messages. So the bytes don't
+/// depend on where the sources lie.
+fn flags(workspace: &Workspace) -> OsString {
+    let given = std::env::var("RUSTFLAGS").unwrap_or_default();
+    let mut flags: Vec<String> = given.split_whitespace().map(str::to_owned).collect();
+    let cargo_home = std::env::var_os("CARGO_HOME")
+        .map(PathBuf::from)
+        .or_else(|| Some(std::env::home_dir()?.join(".cargo")));
+    if let Some(home) = cargo_home {
+        flags.push(format!("--remap-path-prefix={}=cargo", home.display()));
+    }
+    flags.push(format!("--remap-path-prefix={}=pushbelt", workspace.root().display()));
+    flags.join("\x1f").into()
+}
+
+fn check(library: &Path) -> anyhow::Result<()> {
+    let bytes = std::fs::read(library).with_context(|| format!("can't read {}", library.display()))?;
+    if let Some((major, minor)) = binary::newest_glibc(&bytes)? {
+        ensure!(
+            (major, minor) <= GLIBC,
+            "{} needs glibc {major}.{minor}: it would not load with {}.{}",
+            library.display(),
+            GLIBC.0,
+            GLIBC.1
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,99 @@
+//! A stored state as bytes, for `fmi2SerializeFMUstate` and back.
+//!
+//! ```text
+//! "FMUstate"  version  GUID hash  length of the content  content            checksum
+//! 8 bytes     4        16         8                      length             16
+//! ```
+//! Numbers are little-endian. The GUID stands for the variable table and so for the meaning of the settings. The
+//! checksum is over all before it. Whatever does not fit is refused with a sentence that says what.
+
+use super::hash::Fnv;
+
+/// How stored states begin.
+const MAGIC: &[u8; 8] = b"FMUstate";
+/// Version of the layout, to be raised with every change of what is stored.
+const VERSION: u32 = 1;
+/// Bytes before the content.
+const HEAD: usize = 8 + 4 + 16 + 8;
+/// Bytes of the checksum.
+const CHECKSUM: usize = 16;
+
+/// Wraps a content.
+pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEAD + content.len() + CHECKSUM);
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&Fnv::of(guid.as_bytes()).to_le_bytes());
+    bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(content);
+    let checksum = Fnv::of(&bytes);
+    bytes.extend_from_slice(&checksum.to_le_bytes());
+    bytes
+}
+
+/// The content, if the bytes are whole and meant for this FMU.
+///
+/// # Errors
+/// A sentence that says what is wrong.
+pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
+    let too_short = || format!("{} bytes are no stored state: they end too early", bytes.len());
+    let (magic, rest) = bytes.split_first_chunk::<8>().ok_or_else(too_short)?;
+    if magic != MAGIC {
+        return Err("these bytes are no stored state of an FMU of this kind".into());
+    }
+    let (version, rest) = rest.split_first_chunk().ok_or_else(too_short)?;
+    let version = u32::from_le_bytes(*version);
+    if version != VERSION {
+        return Err(format!(
+            "the stored state has version {version} of the layout, this FMU reads version {VERSION}"
+        ));
+    }
+    let (owner, rest) = rest.split_first_chunk().ok_or_else(too_short)?;
+    if u128::from_le_bytes(*owner) != Fnv::of(guid.as_bytes()) {
+        return Err(format!(
+            "the stored state is that of an FMU with another GUID than {guid}"
+        ));
+    }
+    let (length, rest) = rest.split_first_chunk().ok_or_else(too_short)?;
+    let expected = u64::from_le_bytes(*length).checked_add(CHECKSUM as u64);
+    if expected != Some(rest.len() as u64) {
+        return Err(format!(
+            "the stored state is incomplete or followed by something else: {} bytes",
+            bytes.len()
+        ));
+    }
+    let (content, checksum) = rest.split_last_chunk().ok_or_else(too_short)?;
+    if u128::from_le_bytes(*checksum) != Fnv::of(&bytes[..HEAD + content.len()]) {
+        return Err("the stored state is damaged: its checksum is wrong".into());
+    }
+    Ok(content)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{open, seal};
+
+    #[test]
+    fn what_was_sealed_is_opened() {
+        for content in [&b""[..], b"x", &[7; 1000]] {
+            assert_eq!(open("{a}", &seal("{a}", content)), Ok(content));
+        }
+    }
+
+    #[test]
+    fn every_damage_is_found() {
+        let bytes = seal("{a}", b"content");
+        for end in 0..bytes.len() {
+            assert!(open("{a}", &bytes[..end]).is_err(), "{end} bytes");
+        }
+        assert!(open("{a}", &[&bytes[..], b" "].concat()).is_err());
+        for at in 0..bytes.len() {
+            for bit in 0..8 {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= 1 << bit;
+                assert!(open("{a}", &damaged).is_err(), "byte {at}, bit {bit}");
+            }
+        }
+        assert!(open("{b}", &bytes).unwrap_err().contains("GUID"));
+    }
+}

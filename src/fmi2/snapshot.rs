@@ -1,0 +1,153 @@
+//! The whole dynamic state of an instance: kept, brought back, and turned into bytes.
+
+use super::bytes;
+use super::description::guid;
+use super::state::State;
+use super::table::{Access, Causality, Kind, Table, Variable};
+use super::unit::{Experiment, Unit};
+use crate::tape::{Mismatch, Tape};
+
+/// The whole dynamic state of an instance: what `Slave::save` keeps and `Slave::restore` brings back.
+#[derive(Clone)]
+pub struct Snapshot<U: Unit> {
+    pub(super) state: State,
+    pub(super) settings: U::Settings,
+    /// Time derivatives of the real inputs for the next step, in the inputs' fields; none if all are zero.
+    pub(super) rates: Option<U::Settings>,
+    pub(super) experiment: Experiment,
+    /// Present from the first calculated reading in initialisation mode on. Settings changed in that mode drop it.
+    pub(super) unit: Option<U>,
+}
+
+impl<U: Unit> Snapshot<U> {
+    pub(super) fn new() -> Self {
+        Self {
+            state: State::Instantiated,
+            settings: U::Settings::default(),
+            rates: None,
+            experiment: Experiment::default(),
+            unit: None,
+        }
+    }
+
+    /// The state as bytes.
+    ///
+    /// # Errors
+    /// A sentence that says why there are none.
+    pub(super) fn to_bytes(&self, table: &Table<U::Settings, U::Readings>) -> Result<Vec<u8>, String> {
+        let mut tape = Tape::writer();
+        self.clone().pass(table, &mut tape)?;
+        Ok(bytes::seal(&guid::<U>(), &tape.into_bytes()))
+    }
+
+    /// The state that bytes hold.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong with them.
+    pub(super) fn from_bytes(table: &Table<U::Settings, U::Readings>, sealed: &[u8]) -> Result<Self, String> {
+        let mut tape = Tape::reader(bytes::open(&guid::<U>(), sealed)?);
+        let mut snapshot = Self::new();
+        snapshot.pass(table, &mut tape)?;
+        let fits = tape.finish();
+        fits.map_err(|Mismatch| "the stored state does not fit this version of the model".to_string())?;
+        Ok(snapshot)
+    }
+
+    /// Passes by a tape everything, on reading into a new snapshot.
+    fn pass(&mut self, table: &Table<U::Settings, U::Readings>, tape: &mut Tape<'_>) -> Result<(), String> {
+        let mut state = self.state as i32;
+        tape.integer(&mut state);
+        match State::ALL.into_iter().find(|known| *known as i32 == state) {
+            Some(state) => self.state = state,
+            None => tape.reject(),
+        }
+        let Experiment { tolerance, start, stop } = &mut self.experiment;
+        tape.option(tolerance);
+        tape.real(start);
+        tape.option(stop);
+        pass_settings(table, &mut self.settings, tape, |variable| {
+            variable.causality.is_setting()
+        });
+        let mut moving = self.rates.is_some();
+        tape.flag(&mut moving);
+        if moving {
+            let rates = self.rates.get_or_insert_with(|| still(table));
+            pass_settings(table, rates, tape, is_real_input);
+        }
+        let mut started = self.unit.is_some();
+        tape.flag(&mut started);
+        if started {
+            let mut unit = match self.unit.take() {
+                Some(unit) => unit,
+                None => U::blank(&self.settings, &self.experiment)?,
+            };
+            unit.pass(tape);
+            self.unit = Some(unit);
+        }
+        Ok(())
+    }
+}
+
+fn is_real_input<S, R>(variable: &Variable<S, R>) -> bool {
+    variable.causality == Causality::Input && matches!(variable.kind, Kind::Real { .. })
+}
+
+/// Settings whose real inputs are zero: rates of inputs that don't change.
+pub(super) fn still<S: Default, R>(table: &Table<S, R>) -> S {
+    let mut rates = S::default();
+    for variable in table.variables().iter().filter(|variable| is_real_input(variable)) {
+        if let Kind::Real {
+            access: Access::Setting { set, .. },
+            ..
+        } = &variable.kind
+        {
+            set(&mut rates, 0.0);
+        }
+    }
+    rates
+}
+
+/// Passes by a tape the settings of some variables.
+fn pass_settings<S, R>(
+    table: &Table<S, R>,
+    settings: &mut S,
+    tape: &mut Tape<'_>,
+    which: impl Fn(&Variable<S, R>) -> bool,
+) {
+    for variable in table.variables().iter().filter(|variable| which(variable)) {
+        match &variable.kind {
+            Kind::Real {
+                access: Access::Setting { get, set },
+                ..
+            } => {
+                let mut value = get(settings);
+                tape.real(&mut value);
+                set(settings, value);
+            }
+            Kind::Integer {
+                access: Access::Setting { get, set },
+                ..
+            }
+            | Kind::Enumeration {
+                access: Access::Setting { get, set },
+                ..
+            } => {
+                let mut value = get(settings);
+                tape.integer(&mut value);
+                if variable.check_integer(value).is_ok() {
+                    set(settings, value);
+                } else {
+                    tape.reject();
+                }
+            }
+            Kind::Boolean {
+                access: Access::Setting { get, set },
+            } => {
+                let mut value = get(settings);
+                tape.flag(&mut value);
+                set(settings, value);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! What a host process sees of the loaded library: memory, threads, other instances, unloading.
+//!
+//! `PUSHBELT_STEPS=1000000 PUSHBELT_CYCLES=1000 cargo test --test hosting` is the long run.
+
+mod library;
+
+use std::path::Path;
+
+use library::{Functions, Library, count};
+
+/// Bytes of memory of this process that are in use.
+fn resident() -> u64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").expect("Linux");
+    let resident = pages
+        .split_whitespace()
+        .nth(1)
+        .and_then(|number| number.parse::<u64>().ok());
+    resident.expect("a number of pages") * 4096
+}
+
+fn threads() -> usize {
+    std::fs::read_dir("/proc/self/task").expect("Linux").count()
+}
+
+fn is_mapped(path: &Path) -> bool {
+    let maps = std::fs::read_to_string("/proc/self/maps").expect("Linux");
+    maps.contains(&*path.to_string_lossy())
+}
+
+/// Memory stops growing once everything has been used once.
+fn assert_steady(what: &str, before: u64) {
+    let grown = resident().saturating_sub(before);
+    assert!(grown < 1 << 20, "{what}: {grown} bytes more");
+}
+
+fn cycle(f: &Functions, steps: u32) {
+    let c = f.instantiate();
+    f.make_cheap(c);
+    f.start(c);
+    f.run(c, 1.0, steps);
+    // SAFETY: the instance is not used any more.
+    unsafe { (f.fmi2FreeInstance)(c) };
+}
+
+/// One test, for memory is that of the process.
+#[cfg(target_os = "linux")]
+#[test]
+fn neither_instances_nor_steps_nor_loading_leave_anything() {
+    let before_loading = threads();
+    let library = Library::load();
+    let f = &library.functions;
+
+    (0..20).for_each(|_| cycle(f, 2));
+    let before = resident();
+    (0..count("PUSHBELT_CYCLES", 200)).for_each(|_| cycle(f, 2));
+    assert_steady("instances", before);
+
+    let c = f.instantiate();
+    f.make_cheap(c);
+    f.start(c);
+    f.run(c, 0.0, 1);
+    let mut done = 1_u32;
+    let mut go_on = |count: u32| {
+        for _ in 0..count {
+            // SAFETY: an instance.
+            let status = unsafe { (f.fmi2DoStep)(c, f64::from(done) * 1e-3, 1e-3, 1) };
+            assert_eq!(status, library::OK);
+            done += 1;
+        }
+    };
+    go_on(1000);
+    let before = resident();
+    go_on(count("PUSHBELT_STEPS", 20_000));
+    assert_steady("steps", before);
+    // SAFETY: the instance is not used any more.
+    unsafe { (f.fmi2FreeInstance)(c) };
+
+    let path = library::path();
+    assert!(is_mapped(&path));
+    drop(library);
+    let reload = || {
+        let library = Library::load();
+        cycle(&library.functions, 1);
+        assert_eq!(threads(), before_loading, "the library has no thread");
+    };
+    (0..5).for_each(|_| reload());
+    let before = resident();
+    (0..50).for_each(|_| reload());
+    assert_steady("loading", before);
+    assert!(!is_mapped(&path), "the library is still there");
+}

@@ -1,0 +1,161 @@
+"""What lies in the archive, and what its binaries ask of the machine that loads them."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zipfile
+import zlib
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+GLIBC = (2, 17)
+"""Oldest C library that the portable Linux binary loads with."""
+
+WINDOWS = re.compile(
+    r"(kernel32|ntdll|userenv|ws2_32|advapi32|bcrypt|bcryptprimitives|msvcrt|ucrtbase|api-ms-win-[a-z0-9-]+)\.dll"
+)
+"""Libraries that come with Windows."""
+
+
+@pytest.fixture(scope="module")
+def archive(fmu: Path):
+    with zipfile.ZipFile(fmu) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def names(archive: zipfile.ZipFile) -> list[str]:
+    return archive.namelist()
+
+
+def portable(names: list[str]) -> None:
+    if "binaries/win64/PushbeltVariator.dll" not in names:
+        pytest.skip("not the portable FMU: `cargo fmu test --portable`")
+
+
+def test_everything_has_its_place(names: list[str]) -> None:
+    for name in (
+        "modelDescription.xml",
+        "model.png",
+        "documentation/index.html",
+        "licenses/LICENSE-MIT.txt",
+        "licenses/LICENSE-APACHE.txt",
+        "licenses/third-party.txt",
+        "resources/bench168.json",
+        "resources/belt155.json",
+    ):
+        assert name in names
+    assert any(name.startswith("binaries/") for name in names)
+
+
+def test_the_zip_is_one_that_every_importer_reads(archive: zipfile.ZipFile) -> None:
+    """Deflated, forward slashes, no data descriptors, one fixed time."""
+    for entry in archive.infolist():
+        assert entry.compress_type == zipfile.ZIP_DEFLATED
+        assert "\\" not in entry.filename
+        assert not entry.flag_bits & 0x8, "a data descriptor"
+        assert entry.date_time == (1980, 1, 1, 0, 0, 0)
+    assert archive.namelist() == sorted(archive.namelist())
+
+
+def test_it_is_small(fmu: Path) -> None:
+    assert fmu.stat().st_size < 4 << 20
+
+
+def test_the_picture_is_a_picture(archive: zipfile.ZipFile) -> None:
+    picture = archive.read("model.png")
+    assert picture.startswith(b"\x89PNG\r\n\x1a\n")
+    width, height = struct.unpack(">II", picture[16:24])
+    assert 200 <= width <= 1000 and 200 <= height <= 1000
+    data, at = b"", 8
+    while at < len(picture):
+        length, kind = struct.unpack(">I4s", picture[at : at + 8])
+        data += picture[at + 8 : at + 8 + length] if kind == b"IDAT" else b""
+        at += 12 + length
+    assert len(set(zlib.decompress(data))) > 20, "more than a few shades"
+
+
+class _Text(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.text: list[str] = []
+        self.open: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs) -> None:
+        if tag not in ("meta", "link", "br", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.text.append(data)
+
+
+def test_the_documentation_is_complete(archive: zipfile.ZipFile, description) -> None:
+    page = archive.read("documentation/index.html").decode()
+    parser = _Text()
+    parser.feed(page)
+    assert parser.open == [], "every element is closed"
+    text = "".join(parser.text)
+    for heading in ("What it models", "Equations", "How to wire it", "Limits", "Licence", "Variables", "FMI"):
+        assert heading in text, heading
+    assert "{{" not in page
+    for variable in description.modelVariables:
+        name = re.sub(r"\[\d+\]", "[1…72]", variable.name)
+        assert name in text, name
+
+
+def _glibc_versions(library: bytes) -> set[tuple[int, ...]]:
+    """Versions of glibc in the table of needed symbol versions (section `.gnu.version_r`) of a 64-bit ELF file."""
+    sections, entry_size, count = struct.unpack_from("<Q", library, 0x28)[0], *struct.unpack_from("<HH", library, 0x3A)
+    headers = [struct.unpack_from("<IIQQQQIIQQ", library, sections + k * entry_size) for k in range(count)]
+    found = set()
+    for _, kind, _, _, offset, _, link, info, _, _ in headers:
+        if kind != 0x6FFFFFFE:  # SHT_GNU_verneed
+            continue
+        strings = headers[link][4]
+        need = offset
+        for _ in range(info):
+            _, versions, _, first, following = struct.unpack_from("<HHIII", library, need)
+            version = need + first
+            for _ in range(versions):
+                _, _, _, name, after = struct.unpack_from("<IHHII", library, version)
+                text = library[strings + name :].split(b"\0", 1)[0].decode()
+                if text.startswith("GLIBC_"):
+                    found.add(tuple(int(part) for part in text[6:].split(".")))
+                version += after
+            need += following
+    return found
+
+
+def test_the_linux_binary_needs_no_new_glibc(archive: zipfile.ZipFile, names: list[str]) -> None:
+    portable(names)
+    versions = _glibc_versions(archive.read("binaries/linux64/PushbeltVariator.so"))
+    assert versions, "it does need some"
+    assert max(versions)[:2] <= GLIBC, sorted(versions)
+
+
+def test_the_windows_binary_needs_windows_only(archive: zipfile.ZipFile, names: list[str]) -> None:
+    portable(names)
+    library = archive.read("binaries/win64/PushbeltVariator.dll")
+    assert library[:2] == b"MZ"
+    needed = {name.decode().lower() for name in re.findall(rb"[A-Za-z0-9_-]+\.dll(?=\0)", library)}
+    needed -= {"pushbelt.dll", "pushbeltvariator.dll"}
+    assert "kernel32.dll" in needed
+    assert all(WINDOWS.fullmatch(name) for name in needed), needed
+    for function in ("fmi2Instantiate", "fmi2DoStep", "fmi2DeSerializeFMUstate"):
+        assert function.encode() in library
+
+
+def test_symbols_are_stripped_and_no_path_of_the_builder_is_left(archive: zipfile.ZipFile, names: list[str]) -> None:
+    portable(names)
+    for name in names:
+        if name.startswith("binaries/"):
+            library = archive.read(name)
+            assert b".debug_info" not in library
+            assert b"/.cargo/registry" not in library
+            assert str(Path.home()).encode() + b"/" not in library

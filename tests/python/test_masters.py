@@ -1,0 +1,93 @@
+"""The same runs in several masters, and the checkers' verdicts."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import masters
+import numpy as np
+import pytest
+from conftest import ROOT
+
+pytest.importorskip("fmpy")
+
+OUTPUTS = (
+    "thrustRatio",
+    "belt.speed",
+    "ring.speed",
+    "primary.speed",
+    "secondary.speed",
+    "ratio.geometric",
+    "slip",
+    "loss.total",
+    "primary.axialForce",
+    "secondary.shaftTorque",
+    "pushForce.max",
+    "spiral.secondary",
+)
+
+MANOEUVRE_START = {"secondary.inertia": 4.0, "initial.ratio": 2.2, "initial.primarySpeed": 0.0}
+"""The vehicle as an inertia on the secondary shaft; standstill in underdrive."""
+
+OTHERS = [
+    pytest.param("libcosimpy", masters.with_libcosim, id="libcosim"),
+    pytest.param("ecospy", masters.with_ecos, id="ecos"),
+]
+
+
+def unwired(_time: float) -> dict[str, float]:
+    return {}
+
+
+def wired(time: float) -> dict[str, float]:
+    """Inputs of the manoeuvre."""
+    return {name: float(np.interp(time, TABLE["time"], TABLE[name])) for name in TABLE if name != "time"}
+
+
+def table() -> dict[str, np.ndarray]:
+    path = ROOT / "resources" / "manoeuvre.csv"
+    names = path.read_text().splitlines()[0].split(",")
+    return dict(zip(names, np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)))
+
+
+TABLE = table()
+
+RUNS = {
+    "default experiment": ({}, unwired, 1000),
+    "manoeuvre": (MANOEUVRE_START, wired, 10_000),
+}
+
+
+@pytest.fixture(scope="module")
+def expected(fmu: Path) -> dict[str, np.ndarray]:
+    """What fmpy finds."""
+    return {
+        name: masters.with_fmpy(fmu, start, inputs, steps, OUTPUTS) for name, (start, inputs, steps) in RUNS.items()
+    }
+
+
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(("package", "run"), OTHERS)
+def test_other_masters_find_the_same(fmu: Path, expected, package: str, run: masters.Run, name: str) -> None:
+    """To 1e-9 of each output's range; the rest is how they add up their steps."""
+    if importlib.util.find_spec(package) is None:
+        pytest.skip(f"{package} has no wheel for this Python and machine")
+    start, inputs, steps = RUNS[name]
+    found, reference = run(fmu, start, inputs, steps, OUTPUTS)[1:], expected[name][1:]
+    assert np.all(np.isfinite(found))
+    size = np.max(np.abs(reference), axis=0)
+    error = np.max(np.abs(found - reference), axis=0) / size
+    assert np.all(error < 1e-9), dict(zip(OUTPUTS, error))
+
+
+def test_the_checker_of_the_manipulation_toolbox_finds_nothing(fmu: Path) -> None:
+    pytest.importorskip("fmu_manipulation_toolbox")
+    tool = Path(sys.executable).with_name("fmutool")
+    checked = subprocess.run([tool, "-input", fmu, "-check"], capture_output=True, text=True, check=True)
+    said = checked.stdout + checked.stderr
+    assert "compliant with FMI-2.0" in said
+    assert "No semantic error" in said
+    assert "ERROR" not in said and "WARNING" not in said, said

@@ -1,0 +1,34 @@
+//! Many instances in one process, on several threads.
+
+mod library;
+
+use std::thread;
+
+use library::Library;
+
+#[test]
+fn sixteen_instances_on_eight_threads_give_the_sequential_bits() {
+    let library = Library::load();
+    let f = library.functions;
+    let run = move |number: u32| {
+        let c = f.instantiate();
+        f.make_cheap(c);
+        f.start(c);
+        let result = f.run(c, f64::from(number), 40);
+        // SAFETY: the instance is not used any more.
+        unsafe { (f.fmi2FreeInstance)(c) };
+        result
+    };
+    let alone: Vec<_> = (0..16).map(run).collect();
+    assert_ne!(alone[0], alone[1], "the instances differ");
+    let together: Vec<_> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..8)
+            .map(|worker| scope.spawn(move || [run(2 * worker), run(2 * worker + 1)]))
+            .collect();
+        workers
+            .into_iter()
+            .flat_map(|worker| worker.join().expect("no panic"))
+            .collect()
+    });
+    assert_eq!(together, alone);
+}
