@@ -214,6 +214,7 @@ impl<C: ReferenceCurve> AleRing<C> {
 
 impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
     const BLOCK: usize = BLOCK;
+    const LAGRANGIAN: bool = false;
 
     type Frame<T: Real> = C::Frame<T>;
 

@@ -13,6 +13,9 @@ use crate::reference_curve::ReferenceCurve;
 use crate::scalar::Real;
 use std::ops::Mul;
 
+/// Most quadrature points of an element.
+const MOST_POINTS: usize = 5;
+
 /// A Lagrangian beam element of unstretched length l.
 pub trait LagrangianElement: Clone + std::fmt::Debug + 'static {
     /// Unknowns in a block.
@@ -119,6 +122,7 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
 
 impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for LagrangianRing<E, C> {
     const BLOCK: usize = E::BLOCK;
+    const LAGRANGIAN: bool = true;
 
     type Frame<T: Real> = ();
 
@@ -210,30 +214,30 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for La
         motion: &Coordinates<T>,
     ) -> [T; DIRECTIONS] {
         let element = self.motion(motion);
-        let tension = |strain: T, rate: T| beam::tension(&self.ring, strain, rate);
-        let mean = if E::MEAN_STRAIN {
-            tension(
-                self.mean(&element, Particle::strain),
-                self.mean(&element, Particle::strain_rate),
-            )
-        } else {
-            T::zero()
-        };
+        let mut particles = [None; MOST_POINTS];
+        let (mut strain, mut rate) = (T::zero(), T::zero());
+        let share = self.element_length().recip();
+        for (slot, (shape, particle, weight)) in particles.iter_mut().zip(self.particles(&element)) {
+            strain += particle.strain() * (weight * share);
+            rate += particle.strain_rate() * (weight * share);
+            *slot = Some((shape, particle, weight));
+        }
+        let mean = beam::tension(&self.ring, strain, rate);
         let mut force = E::no_force();
         let mut drift = T::zero();
-        for (shape, particle, weight) in self.particles(&element) {
+        for (shape, particle, weight) in particles.iter().flatten() {
             let mut load = ParticleLoad::zero();
-            beam::add_inertia(&self.ring, &particle, &mut load);
-            beam::add_bending(&self.ring, &particle, &mut load);
-            let pull = if E::MEAN_STRAIN {
+            beam::add_inertia(&self.ring, particle, &mut load);
+            beam::add_bending(&self.ring, particle, &mut load);
+            let tension = if E::MEAN_STRAIN {
                 mean
             } else {
-                tension(particle.strain(), particle.strain_rate())
+                beam::tension(&self.ring, particle.strain(), particle.strain_rate())
             };
-            beam::add_tension(pull, &particle, &mut load);
-            E::add(&element, shape, &load, weight, &mut force);
+            beam::add_tension(tension, particle, &mut load);
+            E::add(&element, shape, &load, *weight, &mut force);
             let rest = particle.slope * motion[DRIFT].rate - particle.velocity;
-            drift += rest.dot(&particle.slope) * weight;
+            drift += rest.dot(&particle.slope) * *weight;
         }
         let rows = E::conjugates(&element, &force);
         std::array::from_fn(|k| match k {

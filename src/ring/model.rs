@@ -65,6 +65,10 @@ pub trait RingModel: Clone + std::fmt::Debug {
     /// Unknowns in a block.
     const BLOCK: usize;
 
+    /// Whether the mesh travels with the ring. Its unknowns are positions then, s follows from the mean drift and Θ is held;
+    /// otherwise s and Θ are coordinates of the motion.
+    const LAGRANGIAN: bool;
+
     /// What depends on Θ alone, computed once for all elements.
     type Frame<T: Real>: Clone;
 

@@ -9,9 +9,9 @@
 //! The rest is this project's own, because the source's frame (at the middle of the element, its halves along the end
 //! tangents) gives the same beam at much longer formulas. With x = x̄/l ∈ [0, 1] and ⊥ the right turn (inwards):
 //!
-//! - frame: the chord g = (r₂ − r₁)/l; its length is the axial stretch,
-//! - bending: w(x) = l Σ p_k N_k(x) with N_k quintic, p = (θ₁, θ₂, c_L/l, c_R/l); end slopes θ_i = t(φ_i)·g⊥, the sine of the
-//!   angle between tangent and chord up to the strain,
+//! - frame: the chord g = (r₂ − r₁)/l; lengths along and across it are counted in units of |g|, c_L and c_R too,
+//! - bending: w(x) = l Σ p_k N_k(x) with N_k quintic, p = (θ₁, θ₂, c_L/l, c_R/l); end slopes θ_i = t(φ_i)·g⊥/g², so that
+//!   g⊥ w' across the chord is the sine of the angle between tangent and chord (up to the strain),
 //! - the deflection shortens its projection: u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²] keeps |r'| even to the order of w'⁴,
 //! - r = r₁ + g (x̄ + u) + g⊥ w.
 //!
@@ -66,6 +66,8 @@ pub struct RcmMotion<T: Real> {
     g: Motion<Vector2<T>>,
     p: Motion<[T; 4]>,
     tangent: [Vector2<T>; 2],
+    /// 1/g².
+    inverse: T,
 }
 
 /// Generalised forces on an element.
@@ -155,8 +157,8 @@ impl LagrangianElement for RcmElement {
 
     fn lay(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
         let [r, slope] = shape(start);
-        let chord = (shape(start + length)[0] - r).normalize();
-        let deflection = |x: f64| (shape(start + x * length)[0] - r).dot(&turn_right(chord));
+        let g = (shape(start + length)[0] - r) / length;
+        let deflection = |x: f64| (shape(start + x * length)[0] - r).dot(&turn_right(g)) / g.norm_squared();
         block.copy_from_slice(&[r.x, r.y, slope.x.atan2(slope.y), deflection(0.25), deflection(0.75)]);
     }
 
@@ -177,15 +179,22 @@ impl LagrangianElement for RcmElement {
         };
         let (left, right) = (&unknowns[2], &unknowns[7]);
         let tangent = [tangent(left.value), tangent(right.value)];
+        let inverse = g.value.dot(&g.value).recip();
+        let square_rate = g.value.dot(&g.rate) * 2.0;
+        let square_acceleration = (g.rate.dot(&g.rate) + g.value.dot(&g.acceleration)) * 2.0;
         let slope = |t: &Vector2<T>, phi: &Motion<T>| {
             let normal = turn_right(*t);
             let (along, over) = (t.dot(&across.value), normal.dot(&across.value));
+            let along_rate = phi.rate * over + t.dot(&across.rate);
+            let along_acceleration = phi.acceleration * over - phi.rate * phi.rate * along
+                + phi.rate * normal.dot(&across.rate) * 2.0
+                + t.dot(&across.acceleration);
+            let value = along * inverse;
+            let rate = (along_rate - value * square_rate) * inverse;
             Motion {
-                value: along,
-                rate: phi.rate * over + t.dot(&across.rate),
-                acceleration: phi.acceleration * over - phi.rate * phi.rate * along
-                    + phi.rate * normal.dot(&across.rate) * 2.0
-                    + t.dot(&across.acceleration),
+                value,
+                rate,
+                acceleration: (along_acceleration - rate * square_rate * 2.0 - value * square_acceleration) * inverse,
             }
         };
         let ends = [slope(&tangent[0], left), slope(&tangent[1], right)];
@@ -204,6 +213,7 @@ impl LagrangianElement for RcmElement {
                 acceleration: p(|m| m.acceleration),
             },
             tangent,
+            inverse,
         }
     }
 
@@ -294,8 +304,9 @@ impl LagrangianElement for RcmElement {
         let mut g = force.g;
         let mut turn = [T::zero(); 2];
         for (k, t) in motion.tangent.iter().enumerate() {
-            g -= turn_right(*t) * force.p[k];
-            turn[k] = turn_right(*t).dot(&normal) * force.p[k];
+            let slope = force.p[k] * motion.inverse;
+            g -= (turn_right(*t) + motion.g.value * (motion.p.value[k] * 2.0)) * slope;
+            turn[k] = turn_right(*t).dot(&normal) * slope;
         }
         let end = g * scale;
         let start = force.start - end;

@@ -8,7 +8,7 @@ use super::model::{Coordinates, DIRECTIONS, Energy, NODAL, RingModel, Shape};
 use super::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
 use crate::solver::arrow::{Arrow, ArrowLu, Shape as MatrixShape, Singular};
-use crate::solver::sdirk::Evolution;
+use crate::solver::sdirk::{Evolution, Sdirk, Stalled};
 use crate::solver::{System, View};
 use nalgebra::{DMatrix, SVector, Vector2};
 use num_dual::{Derivative, DualSVec64};
@@ -94,6 +94,12 @@ impl<M: RingModel> RingSystem<M> {
         self.drift() + 1
     }
 
+    /// Number of degrees of freedom: unknowns that are neither held nor follow from the others.
+    #[must_use]
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.shape().len() - self.held.len() - usize::from(M::LAGRANGIAN)
+    }
+
     /// At rest on the reference curve at Θ.
     #[must_use]
     pub fn rest(&self, theta: f64) -> State {
@@ -152,6 +158,24 @@ impl<M: RingModel> RingSystem<M> {
         self.held.iter().for_each(|&i| momentum[i] = 0.0);
         factors.solve(&mut momentum);
         state.y.copy_from_slice(&momentum);
+        Ok(())
+    }
+
+    /// Lets a ring at rest that is nearly in balance find it: `count` implicit steps of size `step`, s, whose velocities are
+    /// forgotten. What is stiff against `step` settles, what is soft hardly moves: so the stretch goes that cubic elements
+    /// have when they are laid on a shape.
+    ///
+    /// # Errors
+    /// The step size fell below the integrator's smallest.
+    pub fn settle(&self, state: &mut State, step: f64, count: usize) -> Result<(), Stalled> {
+        let mut system = self.clone();
+        system.tolerance = f64::INFINITY;
+        let mut integrator = Sdirk::new(&system, step, step);
+        for _ in 0..count {
+            integrator.advance(&mut system, &mut state.y, &mut state.y_dot, &mut state.q, 0.0, step)?;
+            state.y.fill(0.0);
+            state.y_dot.fill(0.0);
+        }
         Ok(())
     }
 

@@ -1,0 +1,5 @@
+//! The ring alone: kinematics, inertia and elasticity against differences, and motions with known answers. Every check runs
+//! for every ring model ([`models`]); what only one of them has is in [`ale`].
+
+mod common;
+mod models;
