@@ -102,7 +102,9 @@ fn start<M: RingModel>(system: &mut RingSystem<M>, shape: Shape) -> Result<State
                 [point.r - shift, point.t]
             });
             // Cubic elements across an arc's border are stretched. That goes before the bending moves.
-            system.settle(&mut state, 1.0e-5, 20).map_err(|stalled| format!("{stalled:?}"))?;
+            system
+                .settle(&mut state, 1.0e-5, 20)
+                .map_err(|stalled| format!("{stalled:?}"))?;
             Ok(state)
         }
     }
@@ -136,8 +138,15 @@ fn swing<M: RingModel>(model: M, arguments: &Arguments) -> Result<(), Box<dyn Er
     if crossings.len() < 2 {
         return Err(STEADY.into());
     }
-    println!("elements {}, degrees of freedom {}", system.model.elements(), system.degrees_of_freedom());
-    println!("frequency {:.4} Hz", 0.5 * (crossings.len() - 1) as f64 / (last - first));
+    println!(
+        "elements {}, degrees of freedom {}",
+        system.model.elements(),
+        system.degrees_of_freedom()
+    );
+    println!(
+        "frequency {:.4} Hz",
+        0.5 * (crossings.len() - 1) as f64 / (last - first)
+    );
     println!("energy drift {drift:.2e} of {energy:.6} J");
     println!("work {:?}", integrator.newton.counts);
     println!("CPU time {:.3} s", clock.elapsed().as_secs_f64());

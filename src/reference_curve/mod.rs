@@ -6,10 +6,14 @@
 //! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), turning angle χ growing, t' = κ n, n' = −κ t.
 
 mod circle;
+mod drive;
 mod two_pulley;
+mod unaligned;
 
 pub use circle::Circle;
+pub use drive::{Drive, DriveError, DriveFrame, Pulley, Tensioner};
 pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame, TwoPulleyShape, ratio_of_theta};
+pub use unaligned::{Unaligned, UnalignedFrame};
 
 use crate::scalar::Real;
 use nalgebra::Vector2;

@@ -5,13 +5,13 @@
 //! curve without a ratio needs the first lock only; a second would hold the free ring. `ALE0` locks every node: the ring
 //! then has s and Θ alone.
 
+use super::Ring;
 use super::ale;
 use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
 use super::mesh::{RingMesh, Station};
 use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, RingModel, Shape, THETA};
 use super::particle::{Particle, ParticleLoad};
 use super::turning::{TurningElement, rotated_load, rotated_point};
-use super::Ring;
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
 use crate::scalar::Real;
 use nalgebra::Vector2;
@@ -89,12 +89,7 @@ impl<C: ReferenceCurve> AleRing<C> {
         }
     }
 
-    fn parts<T: Real<Constant = f64>>(
-        &self,
-        frame: &C::Frame<T>,
-        element: usize,
-        motion: &Coordinates<T>,
-    ) -> Parts<T> {
+    fn parts<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, motion: &Coordinates<T>) -> Parts<T> {
         let reference = ReferenceMotion {
             theta: motion[THETA],
             s_dot: motion[DRIFT].rate,
@@ -170,7 +165,15 @@ impl<C: ReferenceCurve> AleRing<C> {
         if parts.turning.is_none() {
             sum.add(load, point, &station.shape, &parts.element, weight);
         } else {
-            rotated_load(load, point, &station.shape, &parts.element, &parts.reference, weight, sum);
+            rotated_load(
+                load,
+                point,
+                &station.shape,
+                &parts.element,
+                &parts.reference,
+                weight,
+                sum,
+            );
         }
     }
 
@@ -319,7 +322,14 @@ impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
         let parts = self.parts(frame, element, motion);
         let point = self.point(frame, element, &station, &parts);
         let mut sum = ElementLoad::zero();
-        Self::add(&station, &parts, &point, &Load::of_particle(load, &point), T::one(), &mut sum);
+        Self::add(
+            &station,
+            &parts,
+            &point,
+            &Load::of_particle(load, &point),
+            T::one(),
+            &mut sum,
+        );
         Self::rows(&sum, &parts)
     }
 

@@ -46,10 +46,8 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + 'static {
     fn motion<T: Real>(length: f64, unknowns: &[Motion<T>]) -> Self::Motion<T>;
 
     /// The particle at a place.
-    fn particle<T: Real + Mul<W, Output = T>, W: Real>(
-        motion: &Self::Motion<T>,
-        shape: &Self::Shape<W>,
-    ) -> Particle<T>;
+    fn particle<T: Real + Mul<W, Output = T>, W: Real>(motion: &Self::Motion<T>, shape: &Self::Shape<W>)
+    -> Particle<T>;
 
     /// No force.
     fn no_force<T: Real>() -> Self::Force<T>;
@@ -115,8 +113,9 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     /// Mean over an element.
     fn mean<T: Real<Constant = f64>>(&self, motion: &E::Motion<T>, of: impl Fn(&Particle<T>) -> T) -> T {
         let share = self.element_length().recip();
-        self.particles(motion)
-            .fold(T::zero(), |sum, (_, particle, weight)| sum + of(&particle) * (weight * share))
+        self.particles(motion).fold(T::zero(), |sum, (_, particle, weight)| {
+            sum + of(&particle) * (weight * share)
+        })
     }
 }
 
@@ -207,12 +206,7 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for La
     }
 
     #[inline(always)]
-    fn balance<T: Real<Constant = f64>>(
-        &self,
-        (): &(),
-        _element: usize,
-        motion: &Coordinates<T>,
-    ) -> [T; DIRECTIONS] {
+    fn balance<T: Real<Constant = f64>>(&self, (): &(), _element: usize, motion: &Coordinates<T>) -> [T; DIRECTIONS] {
         let element = self.motion(motion);
         let mut particles = [None; MOST_POINTS];
         let (mut strain, mut rate) = (T::zero(), T::zero());

@@ -198,7 +198,14 @@ impl LagrangianElement for RcmElement {
             }
         };
         let ends = [slope(&tangent[0], left), slope(&tangent[1], right)];
-        let p = |of: fn(&Motion<T>) -> T| [of(&ends[0]), of(&ends[1]), of(&unknowns[3]) * scale, of(&unknowns[4]) * scale];
+        let p = |of: fn(&Motion<T>) -> T| {
+            [
+                of(&ends[0]),
+                of(&ends[1]),
+                of(&unknowns[3]) * scale,
+                of(&unknowns[4]) * scale,
+            ]
+        };
         RcmMotion {
             length,
             start: Motion {
@@ -230,7 +237,11 @@ impl LagrangianElement for RcmElement {
         let [n, dn, ddn] = &shape.n;
         // Along and across the chord, in units of g: place, slope, bend.
         let x = T::from(l) * shape.x;
-        let along = [x - dot(&s, p) * (0.5 * l), -(dot(&ds, p) * 0.5) + 1.0, -(dot(&dds, p) * (0.5 / l))];
+        let along = [
+            x - dot(&s, p) * (0.5 * l),
+            -(dot(&ds, p) * 0.5) + 1.0,
+            -(dot(&dds, p) * (0.5 / l)),
+        ];
         let across = [sum(n, p) * l, sum(dn, p), sum(ddn, p) * l.recip()];
         let along_dot = [-(dot(&s, p_dot) * l), -dot(&ds, p_dot)];
         let across_dot = [sum(n, p_dot) * l, sum(dn, p_dot)];
@@ -246,7 +257,9 @@ impl LagrangianElement for RcmElement {
             r: motion.start.value + in_frame(g, along[0], across[0]),
             slope: in_frame(g, along[1], across[1]),
             bend: in_frame(g, along[2], across[2]),
-            velocity: motion.start.rate + in_frame(g_dot, along[0], across[0]) + in_frame(g, along_dot[0], across_dot[0]),
+            velocity: motion.start.rate
+                + in_frame(g_dot, along[0], across[0])
+                + in_frame(g, along_dot[0], across_dot[0]),
             velocity_slope: in_frame(g_dot, along[1], across[1]) + in_frame(g, along_dot[1], across_dot[1]),
             acceleration: motion.start.acceleration
                 + in_frame(g_ddot, along[0], across[0])

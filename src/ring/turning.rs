@@ -90,8 +90,8 @@ pub fn rotated_point<T: Real>(
     let mut point = RingPoint::new(reference, shape, &rigid, motion);
     point.r += a(d.r);
     point.r_dot += a(d.r_dot - turn_right(d.r) * chi_dot);
-    point.r_ddot += a(d.r_ddot - turn_right(d.r_dot) * (chi_dot * 2.0) - turn_right(d.r) * chi_ddot
-        - d.r * (chi_dot * chi_dot));
+    point.r_ddot +=
+        a(d.r_ddot - turn_right(d.r_dot) * (chi_dot * 2.0) - turn_right(d.r) * chi_ddot - d.r * (chi_dot * chi_dot));
     point.slope += a(e);
     point.slope_dot += a(e_dot - turn_right(e) * chi_dot);
     point.bend += a(d.bend - turn_right(d.slope) * (kappa * 2.0) - d.r * (kappa * kappa));

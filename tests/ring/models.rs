@@ -20,7 +20,11 @@ fn waving<M: RingModel>(system: &RingSystem<M>, theta: f64, amplitude: f64) -> S
     let length = system.model.length();
     let mut random = noise(11);
     for i in 0..system.drift() {
-        let length = if system.model.is_length(i % M::BLOCK) { length } else { 1.0 };
+        let length = if system.model.is_length(i % M::BLOCK) {
+            length
+        } else {
+            1.0
+        };
         let step = length * amplitude / system.model.elements() as f64;
         state.q[i] += 0.05 * step * random();
         state.y[i] = 5.0 * step * random();
@@ -42,7 +46,11 @@ fn lagrangian<M: RingModel>(_: &RingSystem<M>) -> bool {
 
 /// Unknowns whose rows are balances of force: without s and Θ on a mesh that travels.
 fn forces<M: RingModel>(system: &RingSystem<M>) -> usize {
-    if M::LAGRANGIAN { system.drift() } else { system.theta() + 1 }
+    if M::LAGRANGIAN {
+        system.drift()
+    } else {
+        system.theta() + 1
+    }
 }
 
 const PLACES: [f64; 8] = [0.01, 0.093, 0.2, 0.31, 0.505, 0.62, 0.81, 0.97];
@@ -99,11 +107,27 @@ fn acceleration_follows_the_particle<S: Case>() {
         let now = system.particle_at(state.view(), xi);
         let (before, after) = (particle(-h), particle(h));
         let near = [-0.2 * h, 0.2 * h].map(particle);
-        close(now.acceleration, (before.r - now.r * 2.0 + after.r) / (h * h), 2e-5, "Dv/Dt", xi);
+        close(
+            now.acceleration,
+            (before.r - now.r * 2.0 + after.r) / (h * h),
+            2e-5,
+            "Dv/Dt",
+            xi,
+        );
         close(now.velocity, (after.r - before.r) / (2.0 * h), 1e-6, "v", xi);
-        close(now.velocity_slope, (after.slope - before.slope) / (2.0 * h), 1e-5, "v'", xi);
+        close(
+            now.velocity_slope,
+            (after.slope - before.slope) / (2.0 * h),
+            1e-5,
+            "v'",
+            xi,
+        );
         let rate = (near[1].strain() - near[0].strain()) / (0.4 * h);
-        assert!((now.strain_rate() - rate).abs() < 1e-5 * rate.abs().max(1.0), "{} {rate}", now.strain_rate());
+        assert!(
+            (now.strain_rate() - rate).abs() < 1e-5 * rate.abs().max(1.0),
+            "{} {rate}",
+            now.strain_rate()
+        );
     }
 }
 
@@ -115,7 +139,11 @@ fn primes_are_derivatives<S: Case>() {
     let h = 1.0e-5;
     for element in 0..system.model.elements() {
         for x in [-0.7, 0.1, 0.6] {
-            let at = |x: f64| system.model.particle(&frame, element, x, &system.values(state.view(), element));
+            let at = |x: f64| {
+                system
+                    .model
+                    .particle(&frame, element, x, &system.values(state.view(), element))
+            };
             let (now, scale) = at(x);
             let (before, after) = (at(x - h).0, at(x + h).0);
             let along = |a: Vector2<f64>, b: Vector2<f64>| (a - b) / (2.0 * h * scale);
@@ -146,7 +174,10 @@ fn projection_is_the_transpose<S: Case>() {
             let rows = system.model.project(&frame, element, x, &motion, &load);
             let power: f64 = rows.iter().zip(&motion).map(|(row, m)| row * m.rate).sum();
             let expected = load.position.dot(&particle.velocity) + load.slope.dot(&particle.velocity_slope);
-            assert!((power - expected).abs() < 1e-10 * expected.abs().max(1.0), "{power} {expected}");
+            assert!(
+                (power - expected).abs() < 1e-10 * expected.abs().max(1.0),
+                "{power} {expected}"
+            );
             assert!(!lagrangian(&system) || rows[NODAL..].iter().all(|&row| row == 0.0));
         }
     }
@@ -218,7 +249,13 @@ fn deformable_ring<S: Case>(tolerance: f64) -> (Vec<f64>, f64) {
     let curve = solid_curve();
     let frame = curve.frame::<f64>(0.4);
     let places: Vec<[f64; 3]> = [1, 3]
-        .map(|segment| [0.0, 0.5, 1.0].map(|f| pushbelt::reference_curve::TwoPulley::point::<f64>(&frame, segment, f).xi.v))
+        .map(|segment| {
+            [0.0, 0.5, 1.0].map(|f| {
+                pushbelt::reference_curve::TwoPulley::point::<f64>(&frame, segment, f)
+                    .xi
+                    .v
+            })
+        })
         .to_vec();
     let start = system.energy(state.view()).total();
     let mut integrator = Sdirk::new(&system, 1.0e-6, 1.0e-3);
@@ -249,13 +286,16 @@ fn deformable_ring<S: Case>(tolerance: f64) -> (Vec<f64>, f64) {
 fn deformable_ring_bulges_and_conserves_energy<S: Case>() {
     let runs = [1.0e-5, 1.0e-6, 1.0e-7].map(deformable_ring::<S>);
     let bulges = &runs[2].0;
-    assert!(bulges[1..].windows(2).all(|b| b[1] > b[0]) && bulges[3] > 2.0e-3, "{bulges:?}");
+    assert!(
+        bulges[1..].windows(2).all(|b| b[1] > b[0]) && bulges[3] > 2.0e-3,
+        "{bulges:?}"
+    );
     assert!(runs[2].1 < 1e-4 && runs.windows(2).all(|pair| pair[1].1 < 0.4 * pair[0].1));
 }
 
 /// A ring that runs on a circle carries EAγ = m_r ṡ²(1 + γ) and keeps its shape where stations see it. Error of the shape
-/// after one turn, relative to the radius; steps 0: as many as a tolerance of 1e-5 asks for.
-fn running_ring<S: Case>(elements: usize, steps: usize) -> f64 {
+/// after one turn, relative to the radius, and of its drift rate; steps 0: as many as a tolerance of 1e-5 asks for.
+fn running_ring<S: Case>(elements: usize, steps: usize) -> (f64, f64) {
     let ring = band(0.185e-3);
     let radius = BAND_LENGTH / TAU;
     let speed = 100.0;
@@ -281,25 +321,30 @@ fn running_ring<S: Case>(elements: usize, steps: usize) -> f64 {
         strain += p.strain() / gamma / (4 * elements) as f64;
         round = round.max((p.r.norm() / radius / (1.0 + gamma) - 1.0).abs());
     }
+    let drift = (state.y[system.drift()] / speed - 1.0).abs();
     println!(
-        "{}, {elements} elements: γ = {gamma:.3e}, mean off by {:.2e}, shape off by {round:.2e}, ṡ off by {:.2e}, {:?}",
+        "{}, {elements} elements: γ = {gamma:.3e}, mean off by {:.2e}, shape off by {round:.2e}, ṡ off by {drift:.2e}, {:?}",
         S::NAME,
         strain - 1.0,
-        state.y[system.drift()] / speed - 1.0,
         integrator.newton.counts
     );
-    round
+    (round, drift)
 }
 
 fn running_ring_stays_round<S: Case>() {
     if lagrangian(&S::system(solid(), band_circle(), FEW)) {
-        // Every node runs around: the steps decide.
-        let errors = [200, 400, 800].map(|steps| running_ring::<S>(40, steps));
-        assert!(errors[2] < 2e-6 && errors.windows(2).all(|e| e[1] < 0.3 * e[0]), "{errors:?}");
+        // Every node runs around: what slows it down is the integrator's damping of a turn, of order 3.
+        let errors = [400, 800, 1600].map(|steps| running_ring::<S>(40, steps));
+        let observed = orders(&errors.map(|(_, drift)| drift), 2.0);
+        assert!(observed.iter().all(|&order| order > 2.5), "{observed:?}");
+        assert!(errors[2].0 < 2e-6, "{errors:?}");
     } else {
         // Nothing moves on this mesh.
-        let errors = [10, 20, 40].map(|elements| running_ring::<S>(elements, 0));
-        assert!(errors[2] < 1e-9 && errors.windows(2).all(|e| e[1] < 0.07 * e[0] || e[1] < 1e-13), "{errors:?}");
+        let errors = [10, 20, 40].map(|elements| running_ring::<S>(elements, 0).0);
+        assert!(
+            errors[2] < 1e-9 && errors.windows(2).all(|e| e[1] < 0.07 * e[0] || e[1] < 1e-13),
+            "{errors:?}"
+        );
     }
 }
 
@@ -409,7 +454,8 @@ fn free_ring_swings_at_its_frequency<S: Case>() {
     let quarter = nodes(&system, state.view());
     run(&mut system, &mut integrator, &mut state, 0.25 * period, 3.0 * period);
     let after = nodes(&system, state.view());
-    let largest = |a: &[Vector2<f64>], b: &[Vector2<f64>]| a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).norm()));
+    let largest =
+        |a: &[Vector2<f64>], b: &[Vector2<f64>]| a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).norm()));
     let off = largest(&start, &after) / largest(&start, &quarter);
     println!("{}: after three periods {off:.2e} of the amplitude is off", S::NAME);
     assert!(off < 5e-3);
@@ -424,7 +470,12 @@ fn order_in_space<S: Case>() {
         ..thin
     };
     let near = 0.9 * TAU * thin_ring_frequency(&ring, radius);
-    frequencies_converge::<S>(&ring, near, [12, 24, 48].map(|n| if S::ORDER < 3.0 { 2 * n } else { n }), S::ORDER);
+    frequencies_converge::<S>(
+        &ring,
+        near,
+        [12, 24, 48].map(|n| if S::ORDER < 3.0 { 2 * n } else { n }),
+        S::ORDER,
+    );
 }
 
 fn frequencies_converge<S: Case>(ring: &Ring, near: f64, ladder: [usize; 3], order: f64) {
