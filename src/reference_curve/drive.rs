@@ -296,6 +296,10 @@ impl ReferenceCurve for Drive {
                 push(strands[j].1, chi, zero, f64::INFINITY, place);
             }
         }
+        // The belt has left a pulley: no frame.
+        if segments.iter().any(|s| s.length.v.re() <= 0.0) {
+            segments.iter_mut().for_each(|s| s.length = Jet::constant(f64::NAN));
+        }
         DriveFrame { segments }
     }
 

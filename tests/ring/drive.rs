@@ -9,8 +9,12 @@ use pushbelt::ring::model::RingModel;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::sdirk::Sdirk;
 
+fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
+    Pulley { center: [x, y], radius }
+}
+
+/// An idler on the back of the lower strand.
 fn fixed() -> Drive {
-    let pulley = |x: f64, y: f64, radius: f64| Pulley { center: [x, y], radius };
     Drive::new(vec![
         pulley(0.0, 0.0, 0.04),
         pulley(0.25, 0.02, 0.06),
@@ -19,31 +23,48 @@ fn fixed() -> Drive {
     .expect("a belt runs around them")
 }
 
+/// An idler inside the upper strand, on an arm that stands upright.
 fn tensioned() -> Drive {
-    fixed()
-        .with_tensioner(Tensioner {
-            pulley: 2,
-            pivot: [0.17, -0.12],
+    Drive::new(vec![
+        pulley(0.0, 0.0, 0.05),
+        pulley(0.13, 0.1, 0.02),
+        pulley(0.26, 0.0, 0.05),
+    ])
+    .and_then(|drive| {
+        drive.with_tensioner(Tensioner {
+            pulley: 1,
+            pivot: [0.13, -0.05],
         })
-        .expect("the arm can move")
+    })
+    .expect("the arm can move")
 }
 
-/// Arcs and strands in the order of the curve: arc, strand, arc, strand, arc (idler), strand, arc.
+/// Arcs and strands in the order of the curve: arc, strand, arc, strand, arc, strand, arc.
 fn mesh(refinement: usize, points: usize) -> RingMesh {
-    RingMesh::even(&[2, 3, 4, 2, 1, 2, 2].map(|n| n * refinement), points)
+    RingMesh::even(&[2, 3, 2, 3, 2, 4, 2].map(|n| n * refinement), points)
+}
+
+/// A ring soft enough for differences.
+fn soft() -> Ring {
+    Ring {
+        mass_per_length: 0.24,
+        axial_stiffness: 5.57e3,
+        bending_stiffness: 0.5,
+        damping: 0.0,
+    }
 }
 
 /// Force and inertia on a drive whose arm moves: gradient of V, differences of M.
 #[test]
 fn the_laws_hold() {
     for mut system in [
-        RingSystem::new(AleRing::flexible(solid(), tensioned(), mesh(1, 3))),
-        RingSystem::new(AleRing::rigid(solid(), tensioned(), mesh(1, 3))),
+        RingSystem::new(AleRing::flexible(soft(), tensioned(), mesh(1, 3))),
+        RingSystem::new(AleRing::rigid(soft(), tensioned(), mesh(1, 3))),
     ] {
         system.held.clear();
         let rest = system.rest(0.1);
         let force = residual(&mut system, rest.view());
-        let h = 1.0e-6;
+        let h = 1.0e-7;
         for i in 0..rest.q.len() {
             let energy = |h: f64| {
                 let mut moved = rest.clone();
@@ -52,7 +73,7 @@ fn the_laws_hold() {
             };
             let difference = (energy(h) - energy(-h)) / (2.0 * h);
             assert!(
-                (force[i] - difference).abs() < 1e-7 * force.amax(),
+                (force[i] - difference).abs() < 1e-6 * force.amax(),
                 "{i}: {} {difference}",
                 force[i]
             );
@@ -68,7 +89,7 @@ fn the_laws_hold() {
     }
 }
 
-/// The arm swings on the bending energy of the belt and conserves the energy.
+/// The belt bends least at the small idler when the arm is upright: about that it swings, and conserves the energy.
 #[test]
 fn the_arm_swings() {
     let mut system = RingSystem::new(AleRing::rigid(solid(), tensioned(), mesh(1, 3)));
@@ -76,22 +97,21 @@ fn the_arm_swings() {
     assert_eq!(system.degrees_of_freedom(), 2);
     let (s, theta) = (system.drift(), system.theta());
     let mut state = system.rest(0.0);
-    state.y[theta] = 2.0;
+    state.y[theta] = 200.0;
     let start = system.energy(state.view());
     let mut integrator = Sdirk::new(&system, 1.0e-5, 1.0e-3);
     let (mut drift, mut low, mut high) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for k in 0..40 {
-        let t = f64::from(k) * 5.0e-4;
-        run(&mut system, &mut integrator, &mut state, t, t + 5.0e-4);
+    for k in 0..200 {
+        let t = f64::from(k) * 5.0e-5;
+        run(&mut system, &mut integrator, &mut state, t, t + 5.0e-5);
         drift = drift.max((system.energy(state.view()).total() - start.total()).abs() / start.kinetic);
         (low, high) = (low.min(state.q[theta]), high.max(state.q[theta]));
-        assert!(high < 1.0 && low > -1.0, "Θ from {low} to {high}");
     }
     println!(
         "Θ from {low:.3} to {high:.3}, s = {:.1e} m, energy drift {drift:.1e} of the first kinetic energy",
         state.q[s]
     );
-    assert!(drift < 1e-3);
+    assert!(drift < 1e-3 && (low + high).abs() < 0.02 * high && high < 0.3);
 }
 
 /// A string that runs is in balance on every closed curve if it carries EAγ = m ṡ²(1 + γ): on this one too, back bend included.
