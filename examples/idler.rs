@@ -24,22 +24,17 @@ fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
 }
 
 /// Clockwise: driver, driven, idler on the back of the lower strand.
-fn drive() -> Result<Drive, DriveError> {
-    Drive::new(vec![
+fn drive() -> Result<Drive<3>, DriveError> {
+    Drive::new([
         pulley(0.0, 0.0, 0.04),
         pulley(0.25, 0.02, 0.06),
-        pulley(0.12, -0.05, -0.02),
+        pulley(0.12, -0.03, -0.02),
     ])
 }
 
 /// Driver, idler inside the upper strand on an upright arm, driven.
-fn tensioned() -> Result<Drive, DriveError> {
-    Drive::new(vec![
-        pulley(0.0, 0.0, 0.05),
-        pulley(0.13, 0.1, 0.02),
-        pulley(0.26, 0.0, 0.05),
-    ])?
-    .with_tensioner(Tensioner {
+fn tensioned() -> Result<Drive<3>, DriveError> {
+    Drive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])?.with_tensioner(Tensioner {
         pulley: 1,
         pivot: [0.13, -0.05],
     })
@@ -68,7 +63,7 @@ fn advance<M: RingModel>(
 }
 
 /// Runs a string through half the drive and prints how far it leaves its shape.
-fn run<M: RingModel>(name: &str, model: M, drive: &Drive) -> Result<(), Box<dyn Error>> {
+fn run<M: RingModel>(name: &str, model: M, drive: &Drive<3>) -> Result<(), Box<dyn Error>> {
     let mut system = RingSystem::new(model);
     system.tolerance = 1.0e-7;
     let ring = system.model.ring().clone();
@@ -97,7 +92,7 @@ fn run<M: RingModel>(name: &str, model: M, drive: &Drive) -> Result<(), Box<dyn 
 }
 
 /// Swings the arm and prints its period.
-fn swing(drive: Drive) -> Result<(), Box<dyn Error>> {
+fn swing(drive: Drive<3>) -> Result<(), Box<dyn Error>> {
     let mesh = RingMesh::even(&[2, 3, 2, 3, 2, 4, 2], 3);
     let mut system = RingSystem::new(AleRing::rigid(belt(false), drive, mesh));
     system.tolerance = 1.0e-8;
@@ -133,14 +128,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let frame = drive.frame::<f64>(0.0);
     println!("belt {:.4} m", drive.length());
     for segment in 0..drive.segments() {
-        let point = Drive::point::<f64>(&frame, segment, 0.5);
-        let length = Drive::segment_length(&frame, segment).v;
+        let point = Drive::<3>::point::<f64>(&frame, segment, 0.5);
+        let length = Drive::<3>::segment_length(&frame, segment).v;
         let kind = if point.kappa == 0.0 { "strand" } else { "arc" };
         let turn = (point.kappa * length).to_degrees();
         println!("{kind:>6} {:7.2} mm, turns {turn:7.2}°", 1.0e3 * length);
     }
     let ring = belt(true);
-    let mesh = RingMesh::even(&[4, 6, 8, 4, 2, 4, 4], 3);
+    let mesh = RingMesh::even(&[4, 6, 8, 4, 3, 4, 3], 3);
     run("ALE", AleRing::flexible(ring.clone(), drive.clone(), mesh), &drive)?;
     run("RCM", Rcm::new(ring.clone(), drive.clone(), 64, 5), &drive)?;
     run("ANCF", Ancf::new(ring, drive.clone(), 64, 3), &drive)?;

@@ -18,6 +18,7 @@ use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
+use std::array::from_fn;
 use std::f64::consts::TAU;
 
 /// A pulley, as the belt's centre line sees it.
@@ -55,10 +56,10 @@ pub enum DriveError {
     Tensioner,
 }
 
-/// A belt drive.
+/// A belt drive with N pulleys.
 #[derive(Clone, Debug)]
-pub struct Drive {
-    pulleys: Vec<Pulley>,
+pub struct Drive<const N: usize> {
+    pulleys: [Pulley; N],
     length: f64,
     tensioner: Option<Arm>,
 }
@@ -73,7 +74,7 @@ struct Arm {
 }
 
 /// Axes with derivatives.
-type Centers<D> = Vec<[D; 2]>;
+type Centers<D, const N: usize> = [[D; 2]; N];
 
 /// atan2(x, y) whose derivatives hold in every direction.
 fn direction<D: DualNum<Primitive = f64> + Copy>(x: D, y: D) -> D {
@@ -83,71 +84,67 @@ fn direction<D: DualNum<Primitive = f64> + Copy>(x: D, y: D) -> D {
 }
 
 /// χ of the strand behind each pulley, turning on along the belt, and its length b.
-fn strands<D: DualNum<Primitive = f64> + Copy>(pulleys: &[Pulley], centers: &Centers<D>) -> Vec<(D, D)> {
-    let count = pulleys.len();
+fn strands<D: DualNum<Primitive = f64> + Copy, const N: usize>(
+    pulleys: &[Pulley; N],
+    centers: &Centers<D, N>,
+) -> [(D, D); N] {
     let mut before: Option<f64> = None;
-    (0..count)
-        .map(|j| {
-            let next = (j + 1) % count;
-            let [dx, dy] = [0, 1].map(|k| centers[next][k] - centers[j][k]);
-            let difference = pulleys[next].radius - pulleys[j].radius;
-            let square = dx * dx + dy * dy;
-            let b = (square - difference * difference).sqrt();
-            let chi = direction(dx, dy) - (square.sqrt().recip() * difference).asin();
-            // The sense of a pulley says which way the belt turns from strand to strand.
-            let turns = before.map_or_else(
-                || (chi.re() / TAU).floor(),
-                |before| {
-                    let least = if pulleys[j].radius > 0.0 { before } else { before - TAU };
-                    ((chi.re() - least) / TAU).floor()
-                },
-            );
-            let chi = chi - turns * TAU;
-            before = Some(chi.re());
-            (chi, b)
-        })
-        .collect()
+    from_fn(|j| {
+        let next = (j + 1) % N;
+        let [dx, dy] = [0, 1].map(|k| centers[next][k] - centers[j][k]);
+        let difference = pulleys[next].radius - pulleys[j].radius;
+        let square = dx * dx + dy * dy;
+        let b = (square - difference * difference).sqrt();
+        let chi = direction(dx, dy) - (square.sqrt().recip() * difference).asin();
+        // The sense of a pulley says which way the belt turns from strand to strand.
+        let least = match before {
+            None => 0.0,
+            Some(before) if pulleys[j].radius > 0.0 => before,
+            Some(before) => before - TAU,
+        };
+        let chi = chi - ((chi.re() - least) / TAU).floor() * TAU;
+        before = Some(chi.re());
+        (chi, b)
+    })
 }
 
 /// Length of the belt, m.
-fn belt_length<D: DualNum<Primitive = f64> + Copy>(pulleys: &[Pulley], centers: &Centers<D>) -> D {
+fn belt_length<D: DualNum<Primitive = f64> + Copy, const N: usize>(
+    pulleys: &[Pulley; N],
+    centers: &Centers<D, N>,
+) -> D {
     let strands = strands(pulleys, centers);
-    let last = strands.len() - 1;
     let mut length = D::from(0.0);
-    for (j, &(chi, b)) in strands.iter().enumerate() {
-        let arc = if j == 0 {
-            chi - strands[last].0 + TAU
-        } else {
-            chi - strands[j - 1].0
-        };
-        length += b + arc * pulleys[j].radius;
+    let mut before = strands[N - 1].0 - TAU;
+    for (pulley, (chi, b)) in pulleys.iter().zip(strands) {
+        length += b + (chi - before) * pulley.radius;
+        before = chi;
     }
     length
 }
 
-impl Drive {
+impl<const N: usize> Drive<N> {
     /// A drive with fixed axes, around which the belt just fits.
     ///
     /// # Errors
     /// No belt runs around these pulleys.
-    pub fn new(pulleys: Vec<Pulley>) -> Result<Self, DriveError> {
-        if pulleys.len() < 2 {
+    pub fn new(pulleys: [Pulley; N]) -> Result<Self, DriveError> {
+        if N < 2 {
             return Err(DriveError::TooFew);
         }
-        let centers: Centers<f64> = pulleys.iter().map(|p| p.center).collect();
+        let centers = pulleys.map(|p| p.center);
         let strands = strands(&pulleys, &centers);
-        let last = strands.len() - 1;
         for (j, &(_, b)) in strands.iter().enumerate() {
             if !(b > 0.0) {
                 return Err(DriveError::Wrap(j));
             }
         }
-        let (first, end) = (strands[0].0, strands[last].0);
+        let (first, end) = (strands[0].0, strands[N - 1].0);
         // Once around, and the arc of pulley 0 holds χ = 0.
         if pulleys[0].radius <= 0.0 || !(0.0..TAU).contains(&first) || !(0.0..=TAU).contains(&end) {
             return Err(DriveError::Start);
         }
-        for j in 1..strands.len() {
+        for j in 1..N {
             if (strands[j].0 - strands[j - 1].0).abs() > 0.75 * TAU {
                 return Err(DriveError::Wrap(j));
             }
@@ -180,8 +177,8 @@ impl Drive {
     }
 
     /// Axes with the arm at the angle Θ and of the length `a`.
-    fn centers<D: DualNum<Primitive = f64> + Copy>(&self, theta: D, a: D) -> Centers<D> {
-        let mut centers: Centers<D> = self.pulleys.iter().map(|p| p.center.map(D::from)).collect();
+    fn centers<D: DualNum<Primitive = f64> + Copy>(&self, theta: D, a: D) -> Centers<D, N> {
+        let mut centers = self.pulleys.map(|p| p.center.map(D::from));
         if let Some(arm) = &self.tensioner {
             let (sin, cos) = (theta + arm.angle).sin_cos();
             centers[arm.pulley] = [a * sin + arm.pivot[0], a * cos + arm.pivot[1]];
@@ -190,7 +187,7 @@ impl Drive {
     }
 
     /// Axes at Θ for which the belt fits, with derivatives; NaN if there are none.
-    fn fitting_centers(&self, theta: f64) -> Centers<Dual3_64> {
+    fn fitting_centers(&self, theta: f64) -> Centers<Dual3_64, N> {
         let variable = Dual3_64::from_re(theta).derivative();
         let Some(arm) = &self.tensioner else {
             return self.centers(variable, Dual3_64::from_re(0.0));
@@ -238,77 +235,93 @@ struct Segment<T> {
 }
 
 /// [`Drive`] at one Θ.
-#[derive(Clone, Debug)]
-pub struct DriveFrame<T: Real> {
-    segments: Vec<Segment<T>>,
+#[derive(Clone, Copy, Debug)]
+pub struct DriveFrame<T: Real, const N: usize> {
+    /// Arcs in the order of the belt, the first from χ = 0 on.
+    arcs: [Segment<T>; N],
+    strands: [Segment<T>; N],
+    /// The beginning of the first arc, up to χ = 2π.
+    closing: Segment<T>,
 }
 
-impl ReferenceCurve for Drive {
-    type Frame<T: Real> = DriveFrame<T>;
+impl<T: Real, const N: usize> DriveFrame<T, N> {
+    fn segment(&self, segment: usize) -> &Segment<T> {
+        match (segment / 2, segment % 2) {
+            (j, 0) if j < N => &self.arcs[j],
+            (j, 1) => &self.strands[j],
+            _ => &self.closing,
+        }
+    }
+}
+
+impl<const N: usize> ReferenceCurve for Drive<N> {
+    type Frame<T: Real> = DriveFrame<T, N>;
 
     fn length(&self) -> f64 {
         self.length
     }
 
     fn segments(&self) -> usize {
-        2 * self.pulleys.len() + 1
+        2 * N + 1
     }
 
     fn has_ratio(&self) -> bool {
         self.tensioner.is_some()
     }
 
-    fn frame<T: Real>(&self, theta: T) -> DriveFrame<T> {
+    fn frame<T: Real>(&self, theta: T) -> DriveFrame<T, N> {
         let value = theta.re();
         let rest = theta - value;
         let centers = self.fitting_centers(value);
-        let strands = strands(&self.pulleys, &centers);
+        let behind = strands(&self.pulleys, &centers);
         let lift = |x: Dual3_64| Jet::lift(x, rest);
-        let count = self.pulleys.len();
         let zero = Dual3_64::from_re(0.0);
-        let mut segments = Vec::with_capacity(self.segments());
-        let mut start = zero;
-        let mut push = |length: Dual3_64, chi: Dual3_64, sweep: Dual3_64, radius: f64, place: [Dual3_64; 2]| {
-            segments.push(Segment {
+        let (mut start, mut fits) = (zero, true);
+        let mut segment = |length: Dual3_64, chi: Dual3_64, sweep: Dual3_64, radius: f64, place: [Dual3_64; 2]| {
+            let segment = Segment {
                 start: lift(start),
                 length: lift(length),
                 chi: lift(chi),
                 sweep: lift(sweep),
                 radius,
                 place: place.map(lift),
-            });
+            };
             start += length;
+            fits &= length.re > 0.0;
+            segment
         };
         let mut chi = zero;
-        for j in 0..=count {
-            let Pulley { radius, .. } = self.pulleys[j % count];
-            let center = centers[j % count];
-            let out = if j < count {
-                strands[j].0
-            } else {
-                Dual3_64::from_re(TAU)
-            };
-            push((out - chi) * radius, chi, out - chi, radius, center);
+        let both: [_; N] = from_fn(|j| {
+            let radius = self.pulleys[j].radius;
+            let (out, b) = behind[j];
+            let [x, y] = centers[j];
+            let arc = segment((out - chi) * radius, chi, out - chi, radius, [x, y]);
+            let (sin, cos) = out.sin_cos();
+            let strand = segment(b, out, zero, f64::INFINITY, [x - cos * radius, y + sin * radius]);
             chi = out;
-            if j < count {
-                let (sin, cos) = chi.sin_cos();
-                let place = [center[0] - cos * radius, center[1] + sin * radius];
-                push(strands[j].1, chi, zero, f64::INFINITY, place);
-            }
+            (arc, strand)
+        });
+        let left = -chi + TAU;
+        let radius = self.pulleys[0].radius;
+        let closing = segment(left * radius, chi, left, radius, centers[0]);
+        let mut frame = DriveFrame {
+            arcs: both.map(|(arc, _)| arc),
+            strands: both.map(|(_, strand)| strand),
+            closing,
+        };
+        if !fits {
+            // The belt has left a pulley.
+            frame.closing.length = Jet::constant(f64::NAN);
         }
-        // The belt has left a pulley: no frame.
-        if segments.iter().any(|s| s.length.v.re() <= 0.0) {
-            segments.iter_mut().for_each(|s| s.length = Jet::constant(f64::NAN));
-        }
-        DriveFrame { segments }
+        frame
     }
 
-    fn segment_length<T: Real>(frame: &DriveFrame<T>, segment: usize) -> Jet<T> {
-        frame.segments[segment].length
+    fn segment_length<T: Real>(frame: &DriveFrame<T, N>, segment: usize) -> Jet<T> {
+        frame.segment(segment).length
     }
 
-    fn point<T: Real>(frame: &DriveFrame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
-        let s = &frame.segments[segment];
+    fn point<T: Real>(frame: &DriveFrame<T, N>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+        let s = frame.segment(segment);
         let xi = s.start.plus_scaled(s.length, fraction);
         let chi = s.chi.plus_scaled(s.sweep, fraction);
         let (sin, cos) = chi.v.sin_cos();
@@ -346,8 +359,8 @@ impl ReferenceCurve for Drive {
         }
     }
 
-    fn turning<T: Real>(frame: &DriveFrame<T>, segment: usize, fraction: T::Constant) -> Turning<T> {
-        let s = &frame.segments[segment];
+    fn turning<T: Real>(frame: &DriveFrame<T, N>, segment: usize, fraction: T::Constant) -> Turning<T> {
+        let s = frame.segment(segment);
         Turning {
             chi: s.chi.plus_scaled(s.sweep, fraction),
             kappa: Jet::constant(s.radius.recip()),
@@ -364,8 +377,8 @@ mod tests {
     }
 
     /// Two pulleys and a back-side idler on the lower strand.
-    fn idler() -> Drive {
-        Drive::new(vec![
+    fn idler() -> Drive<3> {
+        Drive::new([
             pulley(0.0, 0.0, 0.04),
             pulley(0.25, 0.02, 0.06),
             pulley(0.12, -0.05, -0.02),
@@ -373,7 +386,7 @@ mod tests {
         .unwrap()
     }
 
-    fn tensioned() -> Drive {
+    fn tensioned() -> Drive<3> {
         idler()
             .with_tensioner(Tensioner {
                 pulley: 2,
@@ -387,7 +400,7 @@ mod tests {
         use crate::reference_curve::TwoPulley;
         let curve = TwoPulley::new(0.168, 0.703);
         let (r_p, r_s) = curve.radii(0.6).unwrap();
-        let drive = Drive::new(vec![pulley(0.0, 0.0, r_s), pulley(0.168, 0.0, r_p)]).unwrap();
+        let drive = Drive::new([pulley(0.0, 0.0, r_s), pulley(0.168, 0.0, r_p)]).unwrap();
         assert!((drive.length() - 0.703).abs() < 1e-14);
         let theta = (1.0 - 0.6) / (1.0 + 0.6);
         for xi in [0.0, 0.03, 0.1, 0.3, 0.45, 0.69] {
@@ -407,18 +420,18 @@ mod tests {
             let count = drive.segments();
             for k in 0..count {
                 let (end, start) = (
-                    Drive::point::<f64>(&frame, k, 1.0),
-                    Drive::point::<f64>(&frame, (k + 1) % count, 0.0),
+                    Drive::<3>::point::<f64>(&frame, k, 1.0),
+                    Drive::<3>::point::<f64>(&frame, (k + 1) % count, 0.0),
                 );
                 assert!(
                     (end.r - start.r).norm() < 1e-14 && (end.t - start.t).norm() < 1e-14,
                     "segment {k}"
                 );
-                assert!(Drive::segment_length(&frame, k).v > 0.0);
+                assert!(Drive::<3>::segment_length(&frame, k).v > 0.0);
             }
-            assert!((Drive::turning::<f64>(&frame, count - 1, 1.0).chi.v - TAU).abs() < 1e-14);
+            assert!((Drive::<3>::turning::<f64>(&frame, count - 1, 1.0).chi.v - TAU).abs() < 1e-14);
             // The idler bends the belt backwards.
-            assert!(Drive::point::<f64>(&frame, 4, 0.5).kappa < 0.0);
+            assert!(Drive::<3>::point::<f64>(&frame, 4, 0.5).kappa < 0.0);
         }
     }
 
@@ -429,13 +442,13 @@ mod tests {
         let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
         for theta in [-0.15, 0.0, 0.2] {
             let sum: f64 = (0..drive.segments())
-                .map(|k| Drive::segment_length(&drive.frame::<f64>(theta), k).v)
+                .map(|k| Drive::<3>::segment_length(&drive.frame::<f64>(theta), k).v)
                 .sum();
             assert!((sum - drive.length()).abs() < 1e-14);
             for segment in 0..drive.segments() {
                 for f in [0.0, 0.3, 1.0] {
-                    let at = |theta: f64, f: f64| Drive::point::<f64>(&drive.frame(theta), segment, f);
-                    let turning = |theta: f64| Drive::turning::<f64>(&drive.frame(theta), segment, f).chi;
+                    let at = |theta: f64, f: f64| Drive::<3>::point::<f64>(&drive.frame(theta), segment, f);
+                    let turning = |theta: f64| Drive::<3>::turning::<f64>(&drive.frame(theta), segment, f).chi;
                     let (p, plus, minus) = (at(theta, f), at(theta + h, f), at(theta - h, f));
                     close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
                     close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-6);
@@ -457,14 +470,10 @@ mod tests {
 
     #[test]
     fn impossible_drives_are_refused() {
-        assert_eq!(Drive::new(vec![pulley(0.0, 0.0, 0.1)]).unwrap_err(), DriveError::TooFew);
-        let inside = Drive::new(vec![pulley(0.0, 0.0, 0.1), pulley(0.01, 0.0, 0.05)]);
+        assert_eq!(Drive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(), DriveError::TooFew);
+        let inside = Drive::new([pulley(0.0, 0.0, 0.1), pulley(0.01, 0.0, 0.05)]);
         assert_eq!(inside.unwrap_err(), DriveError::Wrap(0));
-        let backwards = Drive::new(vec![
-            pulley(0.3, 0.0, 0.05),
-            pulley(0.0, 0.0, 0.05),
-            pulley(0.15, 0.1, 0.02),
-        ]);
+        let backwards = Drive::new([pulley(0.3, 0.0, 0.05), pulley(0.0, 0.0, 0.05), pulley(0.15, 0.1, 0.02)]);
         assert!(backwards.is_err());
         let fixed = Tensioner {
             pulley: 0,

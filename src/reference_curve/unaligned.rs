@@ -17,32 +17,31 @@ pub struct Unaligned<C> {
 
 /// [`Unaligned`] at one Θ.
 #[derive(Clone, Debug)]
-pub struct UnalignedFrame<F, T: Real> {
+pub struct UnalignedFrame<F> {
     frame: F,
     length: f64,
-    /// End of each segment.
-    ends: Vec<Jet<T>>,
+    segments: usize,
 }
 
-impl<F, T: Real> UnalignedFrame<F, T> {
-    /// Segment at fixed ξ, and the fraction of it: its value, and what derivatives of Θ add to it.
-    fn place(&self, xi: f64) -> (usize, f64, T) {
-        let last = self.ends.len() - 1;
-        let segment = self.ends[..last].iter().take_while(|end| end.v.re() <= xi).count();
-        let start = if segment == 0 {
-            T::zero()
-        } else {
-            self.ends[segment - 1].v
-        };
-        let fraction = (T::from(xi) - start) / (self.ends[segment].v - start);
-        let value = fraction.re();
-        (segment, value, fraction - value)
+/// Segment at fixed ξ, and the fraction of it: its value, and what derivatives of Θ add to it.
+fn place<C: ReferenceCurve, T: Real>(frame: &UnalignedFrame<C::Frame<T>>, xi: f64) -> (usize, f64, T) {
+    let mut rest = T::from(xi);
+    let mut segment = 0;
+    loop {
+        let length = C::segment_length(&frame.frame, segment).v;
+        if segment + 1 == frame.segments || rest.re() < length.re() {
+            let fraction = rest / length;
+            let value = fraction.re();
+            return (segment, value, fraction - value);
+        }
+        rest = rest - length;
+        segment += 1;
     }
 }
 
 /// Scalars that carry derivatives carry first ones. Not for packs of numbers: their lanes would lie on different segments.
 impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
-    type Frame<T: Real> = UnalignedFrame<C::Frame<T>, T>;
+    type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
 
     fn length(&self) -> f64 {
         self.curve.length()
@@ -57,18 +56,10 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
     }
 
     fn frame<T: Real>(&self, theta: T) -> Self::Frame<T> {
-        let frame = self.curve.frame(theta);
-        let mut end = Jet::constant(0.0);
-        let ends = (0..self.curve.segments())
-            .map(|segment| {
-                end = end.plus_scaled(C::segment_length(&frame, segment), 1.0);
-                end
-            })
-            .collect();
         UnalignedFrame {
-            frame,
+            frame: self.curve.frame(theta),
             length: self.curve.length(),
-            ends,
+            segments: self.curve.segments(),
         }
     }
 
@@ -78,7 +69,7 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
 
     fn point<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
         let xi = fraction.re() * frame.length;
-        let (segment, f, df) = frame.place(xi);
+        let (segment, f, df) = place::<C, T>(frame, xi);
         let f = T::Constant::from(f);
         let p = C::point(&frame.frame, segment, f);
         let chi = C::turning(&frame.frame, segment, f).chi;
@@ -109,7 +100,7 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
 
     fn turning<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> Turning<T> {
         let xi = fraction.re() * frame.length;
-        let (segment, f, df) = frame.place(xi);
+        let (segment, f, df) = place::<C, T>(frame, xi);
         let f = T::Constant::from(f);
         let Turning { chi, kappa } = C::turning(&frame.frame, segment, f);
         let length = C::segment_length(&frame.frame, segment);

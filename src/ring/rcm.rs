@@ -1,16 +1,17 @@
 //! `RCM`: the planar co-rotational ring in redundant coordinates.
 //!
 //! Source (the paper's [13, 14, 41, 43]; Zander and Ulbrich 2006, "Reference-free mixed FE-MBS approach for beam
-//! structures with constraints", Nonlinear Dyn. 46): an element knows the positions and angles of its two nodes and two
-//! bending deflections at its quarter points, (x₁, y₁, φ₁, c_L, c_R, x₂, y₂, φ₂), five unknowns an element of a ring; from
-//! them follow a rigid-body motion of the element, one axial strain, and a small bending deflection of order five; nodes
-//! share position and tangent.
+//! structures with constraints", Nonlinear Dyn. 46, as the paper's program MBSim has it in `FiniteElement1s21RCM`): the
+//! coordinates of an element are the positions and angles of its two nodes and two inner bending coordinates,
+//! (x₁, y₁, φ₁, c_L, c_R, x₂, y₂, φ₂), five unknowns an element of a ring; from them follow a rigid-body motion of the
+//! element, one axial strain, and a small bending deflection; neighbours share position and tangent of their node.
 //!
 //! The rest is this project's own, because the source's frame (at the middle of the element, its halves along the end
-//! tangents) gives the same beam at much longer formulas. With x = x̄/l ∈ [0, 1] and ⊥ the right turn (inwards):
+//! tangents) needs much longer formulas for the same beam. With x = x̄/l ∈ [0, 1] and ⊥ the right turn (inwards):
 //!
 //! - frame: the chord g = (r₂ − r₁)/l; lengths along and across it are counted in units of |g|, c_L and c_R too,
-//! - bending: w(x) = l Σ p_k N_k(x) with N_k quintic, p = (θ₁, θ₂, c_L/l, c_R/l); end slopes θ_i = t(φ_i)·g⊥/g², so that
+//! - bending: w(x) = l Σ p_k N_k(x) with N_k quintic, p = (θ₁, θ₂, c_L/l, c_R/l), so c_L and c_R are the deflections
+//!   at the quarter points; end slopes θ_i = t(φ_i)·g⊥/g², so that
 //!   g⊥ w' across the chord is the sine of the angle between tangent and chord (up to the strain),
 //! - the deflection shortens its projection: u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²] keeps |r'| even to the order of w'⁴,
 //! - r = r₁ + g (x̄ + u) + g⊥ w.

@@ -14,8 +14,8 @@ fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
 }
 
 /// An idler on the back of the lower strand.
-fn fixed() -> Drive {
-    Drive::new(vec![
+fn fixed() -> Drive<3> {
+    Drive::new([
         pulley(0.0, 0.0, 0.04),
         pulley(0.25, 0.02, 0.06),
         pulley(0.12, -0.05, -0.02),
@@ -24,19 +24,15 @@ fn fixed() -> Drive {
 }
 
 /// An idler inside the upper strand, on an arm that stands upright.
-fn tensioned() -> Drive {
-    Drive::new(vec![
-        pulley(0.0, 0.0, 0.05),
-        pulley(0.13, 0.1, 0.02),
-        pulley(0.26, 0.0, 0.05),
-    ])
-    .and_then(|drive| {
-        drive.with_tensioner(Tensioner {
-            pulley: 1,
-            pivot: [0.13, -0.05],
+fn tensioned() -> Drive<3> {
+    Drive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])
+        .and_then(|drive| {
+            drive.with_tensioner(Tensioner {
+                pulley: 1,
+                pivot: [0.13, -0.05],
+            })
         })
-    })
-    .expect("the arm can move")
+        .expect("the arm can move")
 }
 
 /// Arcs and strands in the order of the curve: arc, strand, arc, strand, arc, strand, arc.
