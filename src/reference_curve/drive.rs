@@ -135,7 +135,7 @@ impl<const N: usize> Drive<N> {
         let centers = pulleys.map(|p| p.center);
         let strands = strands(&pulleys, &centers);
         for (j, &(_, b)) in strands.iter().enumerate() {
-            if !(b > 0.0) {
+            if b.is_nan() || b <= 0.0 {
                 return Err(DriveError::Wrap(j));
             }
         }

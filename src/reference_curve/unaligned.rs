@@ -34,7 +34,7 @@ fn place<C: ReferenceCurve, T: Real>(frame: &UnalignedFrame<C::Frame<T>>, xi: f6
             let value = fraction.re();
             return (segment, value, fraction - value);
         }
-        rest = rest - length;
+        rest -= length;
         segment += 1;
     }
 }

@@ -94,8 +94,29 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
         self.curve.length() / self.elements as f64
     }
 
-    fn motion<T: Real>(&self, motion: &Coordinates<T>) -> E::Motion<T> {
+    fn motion<T: Real>(&self, motion: &[Motion<T>]) -> E::Motion<T> {
         E::motion(self.element_length(), &motion[..NODAL])
+    }
+
+    /// The particle at the local coordinate x of an element with these unknowns. x may carry derivatives: a station that
+    /// stands in space meets x̄ = ξ(Θ) − s, so x moves with s and Θ.
+    #[inline(always)]
+    pub fn passing<T: Real + Mul<W, Output = T>, W: Real>(&self, unknowns: &[Motion<T>], x: W) -> Particle<T> {
+        E::particle(&self.motion(unknowns), &E::shape(x))
+    }
+
+    /// Generalised forces on those unknowns of a load on the particle at x, N.
+    #[inline(always)]
+    pub fn force<T: Real + Mul<W, Output = T>, W: Real>(
+        &self,
+        unknowns: &[Motion<T>],
+        x: W,
+        load: &ParticleLoad<T>,
+    ) -> [T; NODAL] {
+        let motion = self.motion(unknowns);
+        let mut force = E::no_force();
+        E::add(&motion, &E::shape(x), load, 1.0, &mut force);
+        E::conjugates(&motion, &force)
     }
 
     /// Particles at the quadrature points, and the length that each stands for.
@@ -186,8 +207,7 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for La
         x: f64,
         motion: &Coordinates<T>,
     ) -> (Particle<T>, T) {
-        let particle = E::particle(&self.motion(motion), &E::shape(x));
-        (particle, T::from(0.5 * self.element_length()))
+        (self.passing(motion, x), T::from(0.5 * self.element_length()))
     }
 
     fn project<T: Real<Constant = f64>>(
@@ -198,10 +218,7 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for La
         motion: &Coordinates<T>,
         load: &ParticleLoad<T>,
     ) -> [T; DIRECTIONS] {
-        let motion = self.motion(motion);
-        let mut force = E::no_force();
-        E::add(&motion, &E::shape(x), load, 1.0, &mut force);
-        let rows = E::conjugates(&motion, &force);
+        let rows = self.force(motion, x, load);
         std::array::from_fn(|k| if k < NODAL { rows[k] } else { T::zero() })
     }
 

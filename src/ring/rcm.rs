@@ -18,7 +18,7 @@
 //!
 //! Angles enter by sine and cosine of φ only, so the ring may turn without end. Energy is that of [`super::beam`] with the
 //! mean strain of the element: the deflection of an inextensible arc then costs no membrane energy (no locking). Limits: an
-//! element may turn by less than about 1 rad, the error of u is w'⁴/8 of the length.
+//! element may turn by less than about 1 rad; inside an element the stretch is even up to w'⁴/8.
 
 use super::kinematics::Motion;
 use super::lagrangian::{LagrangianElement, LagrangianRing};
@@ -97,22 +97,36 @@ fn dot<T: Real>(a: &[T; 4], b: &[T; 4]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
 
-/// A number per unit vector of the plane's scalars, scaled.
-#[inline(always)]
-fn scaled<T: Real>(v: Vector2<T>, factor: T) -> Vector2<T> {
-    v * factor
-}
-
 /// ∫₀ˣ N_j'N_k' dx as coefficients of x¹ to x⁹.
-fn product(j: usize, k: usize) -> [f64; 9] {
-    let mut out = [0.0; 9];
-    for (a, left) in BENDING[j].iter().enumerate() {
-        for (b, right) in BENDING[k].iter().enumerate() {
-            let (da, db) = ((a + 1) as f64, (b + 1) as f64);
-            out[a + b] += left * da * right * db / (a + b + 1) as f64;
-        }
+const PRODUCTS: [[[f64; 9]; 4]; 4] = {
+    let mut out = [[[0.0; 9]; 4]; 4];
+    let mut at = 0;
+    // j, k and the powers of N_j and N_k.
+    while at < 4 * 4 * 5 * 5 {
+        let (j, k, a, b) = (at / 100, at / 25 % 4, at / 5 % 5, at % 5);
+        let slopes = BENDING[j][a] * (a + 1) as f64 * BENDING[k][b] * (b + 1) as f64;
+        out[j][k][a + b] += slopes / (a + b + 1) as f64;
+        at += 1;
     }
     out
+};
+
+/// ∫₀¹ N_j'N_k' dx.
+const WHOLE: [[f64; 4]; 4] = {
+    let mut out = [[0.0; 4]; 4];
+    let mut at = 0;
+    while at < 4 * 4 * 9 {
+        let (j, k, i) = (at / 36, at / 9 % 4, at % 9);
+        out[j][k] += PRODUCTS[j][k][i];
+        at += 1;
+    }
+    out
+};
+
+/// A symmetric table.
+fn symmetric<W: Real>(of: impl Fn(usize, usize) -> W) -> [[W; 4]; 4] {
+    let half: [[W; 4]; 4] = from_fn(|j| from_fn(|k| if k <= j { of(j, k) } else { W::zero() }));
+    from_fn(|j| from_fn(|k| half[j.max(k)][j.min(k)]))
 }
 
 /// Σ cᵢ xⁱ⁺¹.
@@ -143,15 +157,13 @@ impl LagrangianElement for RcmElement {
             let [_, b, c, d, e] = BENDING[k];
             polynomial(&[6.0 * c, 12.0 * d, 20.0 * e], x) + 2.0 * b
         });
-        let whole = |j: usize, k: usize| product(j, k).iter().sum::<f64>();
-        let table = |of: &dyn Fn(usize, usize) -> W| from_fn(|j| from_fn(|k| of(j, k)));
         RcmShape {
             x,
             n: [n, dn, ddn],
             s: [
-                table(&|j, k| polynomial(&product(j, k), x) - x * whole(j, k)),
-                table(&|j, k| dn[j] * dn[k] - whole(j, k)),
-                table(&|j, k| ddn[j] * dn[k] + dn[j] * ddn[k]),
+                symmetric(|j, k| polynomial(&PRODUCTS[j][k], x) - x * WHOLE[j][k]),
+                symmetric(|j, k| dn[j] * dn[k] - WHOLE[j][k]),
+                symmetric(|j, k| ddn[j] * dn[k] + dn[j] * ddn[k]),
             ],
         }
     }
@@ -253,7 +265,7 @@ impl LagrangianElement for RcmElement {
             rate: g_dot,
             acceleration: g_ddot,
         } = motion.g;
-        let in_frame = |g: Vector2<T>, along: T, across: T| scaled(g, along) + scaled(turn_right(g), across);
+        let in_frame = |g: Vector2<T>, along: T, across: T| g * along + turn_right(g) * across;
         Particle {
             r: motion.start.value + in_frame(g, along[0], across[0]),
             slope: in_frame(g, along[1], across[1]),
@@ -307,7 +319,7 @@ impl LagrangianElement for RcmElement {
         force.start += loads[0];
         for (f, (along, across)) in loads.iter().zip(places) {
             // Transpose of g ↦ g along + g⊥ across.
-            force.g += scaled(*f, along) - scaled(turn_right(*f), across);
+            force.g += *f * along - turn_right(*f) * across;
         }
     }
 

@@ -4,8 +4,10 @@ use crate::common::*;
 use nalgebra::DVector;
 use pushbelt::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
 use pushbelt::ring::ale_ring::{AleRing, Inertia};
+use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::RingModel;
+use pushbelt::ring::particle::Particle;
 use pushbelt::ring::system::{RingSystem, State};
 use pushbelt::solver::sdirk::Sdirk;
 use std::f64::consts::TAU;
@@ -303,4 +305,36 @@ fn evenly_spaced_inertia_is_lagranges() {
     let curve = Unaligned { curve: solid_curve() };
     let off = inertia_error(flexible(curve, RingMesh::even(&[8], 3)), Inertia::Conservative, 1.0);
     assert!(off < 1e-8, "{off}");
+}
+
+/// A mesh point that follows its arc sees of its particle what the kinematics says, with Θ in motion.
+#[test]
+fn mesh_points_see_their_particles() {
+    let system = flexible(solid_curve(), RingMesh::even(&[2, 3, 4, 3, 2], 3));
+    let state = waving(&system, 0.25, 1.0);
+    let frame = system.frame(state.view());
+    let theta = system.theta();
+    for element in 0..system.model.elements() {
+        let motion = system.values(state.view(), element);
+        let point = system.model.mesh_point(&frame, element, 0.4, &motion);
+        let reference = ReferenceMotion {
+            theta: Motion {
+                value: state.q[theta],
+                rate: state.y[theta],
+                acceleration: state.y_dot[theta],
+            },
+            s_dot: state.y[system.drift()],
+            s_ddot: state.y_dot[system.drift()],
+        };
+        let seen = Particle::from(&point).at_station(point.reference, &reference);
+        for (a, b) in [
+            (seen.r_dot, point.r_dot),
+            (seen.r_ddot, point.r_ddot),
+            (seen.slope_dot, point.slope_dot),
+            (seen.velocity(), point.velocity()),
+        ] {
+            assert!((a - b).norm() < 1e-12 * b.norm().max(1.0), "{a} {b}");
+        }
+        assert!((seen.w - point.w).abs() < 1e-14 && (seen.w_dot - point.w_dot).abs() < 1e-12);
+    }
 }

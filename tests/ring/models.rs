@@ -2,10 +2,15 @@
 
 use crate::common::*;
 use nalgebra::Vector2;
+use num_dual::Dual64;
 use pushbelt::reference_curve::ReferenceCurve;
 use pushbelt::ring::Ring;
+use pushbelt::ring::ancf::AncfElement;
+use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
+use pushbelt::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use pushbelt::ring::model::{NODAL, RingModel};
 use pushbelt::ring::particle::ParticleLoad;
+use pushbelt::ring::rcm::RcmElement;
 use pushbelt::ring::system::{RingSystem, State};
 use pushbelt::solver::View;
 use pushbelt::solver::sdirk::Sdirk;
@@ -152,6 +157,46 @@ fn primes_are_derivatives<S: Case>() {
             let gradient = along(after.velocity, before.velocity);
             assert!((now.velocity_slope - gradient).norm() < 1e-6 * gradient.norm().max(1.0));
         }
+    }
+}
+
+/// What a station in space sees of the passing particle: differences in time of place and slope at fixed ξ.
+fn a_station_sees_the_particle_pass<S: Case>() {
+    let system = S::system(solid(), solid_curve(), FEW);
+    let mut state = waving(&system, 0.25, 1.0);
+    // Stations at fixed ξ, so Θ stands still.
+    let theta = system.theta();
+    (state.y[theta], state.y_dot[theta]) = (0.0, 0.0);
+    let s = system.drift();
+    let motion = ReferenceMotion {
+        theta: Motion {
+            value: 0.25,
+            rate: 0.0,
+            acceleration: 0.0,
+        },
+        s_dot: state.y[s],
+        s_ddot: state.y_dot[s],
+    };
+    let curve = solid_curve();
+    for xi in PLACES {
+        let at = |t: f64| {
+            let mut moved = state.clone();
+            for i in 0..state.q.len() {
+                moved.q[i] += t * (state.y[i] + 0.5 * t * state.y_dot[i]);
+            }
+            system.particle_at(moved.view(), xi)
+        };
+        let point = at(0.0).at_station(curve.at(&curve.frame::<f64>(0.25), xi), &motion);
+        let h = 1.0e-5;
+        let (before, after) = (at(-h), at(h));
+        let close = |a: Vector2<f64>, b: Vector2<f64>, tolerance: f64| {
+            assert!((a - b).norm() < tolerance * b.norm(), "{a} {b}")
+        };
+        close(point.r_dot, (after.r - before.r) / (2.0 * h), 1e-5);
+        close(point.slope_dot, (after.slope - before.slope) / (2.0 * h), 1e-5);
+        close(point.r_ddot, (after.r - point.r * 2.0 + before.r) / (h * h), 5e-5);
+        close(point.velocity(), at(0.0).velocity, 1e-12);
+        close(point.acceleration(), at(0.0).acceleration, 1e-12);
     }
 }
 
@@ -510,11 +555,37 @@ fn order_in_time<S: Case>() {
     }
 }
 
+/// Places that move with the unknowns: derivatives through x of a Lagrangian element.
+fn places_may_carry_derivatives<E: LagrangianElement>() {
+    let ring = LagrangianRing::<E, _>::new(solid(), solid_curve(), FEW, 5);
+    let system = RingSystem::new(ring);
+    let state = waving(&system, 0.25, 1.0);
+    let scale = 0.5 * system.model.length() / FEW as f64;
+    for element in 0..FEW {
+        let motion = system.values(state.view(), element).map(|m| Motion {
+            value: Dual64::from_re(m.value),
+            rate: Dual64::from_re(m.rate),
+            acceleration: Dual64::from_re(m.acceleration),
+        });
+        let p = system.model.passing(&motion, Dual64::new(0.3, 1.0));
+        let plain = system.particle(state.view(), element, 0.3);
+        let (re, eps) = (p.r.map(|v| v.re), p.r.map(|v| v.eps));
+        assert!((re - plain.r).norm() < 1e-15 && (eps - plain.slope * scale).norm() < 1e-14);
+        assert!((p.velocity.map(|v| v.eps) - plain.velocity_slope * scale).norm() < 1e-11);
+    }
+}
+
+#[test]
+fn places_on_lagrangian_elements_may_carry_derivatives() {
+    places_may_carry_derivatives::<AncfElement>();
+    places_may_carry_derivatives::<RcmElement>();
+}
+
 macro_rules! suite {
     ($($name:ident: $case:ty),*) => {$(
         mod $name {
             suite!(@tests $case: velocity_follows_the_particle, acceleration_follows_the_particle,
-                primes_are_derivatives, projection_is_the_transpose, elastic_force_is_the_gradient_of_the_energy,
+                primes_are_derivatives, a_station_sees_the_particle_pass, projection_is_the_transpose, elastic_force_is_the_gradient_of_the_energy,
                 damping_takes_what_it_says, inertia_is_lagranges, deformable_ring_bulges_and_conserves_energy,
                 running_ring_stays_round, free_ring_frequency, two_arc_oscillation, free_ring_swings_at_its_frequency,
                 order_in_space, order_in_time);
