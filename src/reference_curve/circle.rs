@@ -1,6 +1,6 @@
 //! A fixed circle: the reference curve of a free or spinning ring. Θ has no effect.
 
-use super::{Jet, ReferenceCurve, ReferencePoint};
+use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -51,6 +51,16 @@ impl ReferenceCurve for Circle {
                 v: T::constant(fraction * (TAU * radius)),
                 ..Jet::constant(0.0)
             },
+        }
+    }
+
+    fn turning<T: Real>(radius: &f64, _segment: usize, fraction: T::Constant) -> Turning<T> {
+        Turning {
+            chi: Jet {
+                v: T::constant(fraction * TAU),
+                ..Jet::constant(0.0)
+            },
+            kappa: Jet::constant(1.0 / radius),
         }
     }
 }

@@ -6,10 +6,14 @@
 //! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), turning angle χ growing, t' = κ n, n' = −κ t.
 
 mod circle;
+mod drive;
 mod two_pulley;
+mod unaligned;
 
 pub use circle::Circle;
+pub use drive::{Drive, DriveError, DriveFrame, Pulley, Tensioner};
 pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame, TwoPulleyShape, ratio_of_theta};
+pub use unaligned::{Unaligned, UnalignedFrame};
 
 use crate::scalar::Real;
 use nalgebra::Vector2;
@@ -45,6 +49,18 @@ impl<T: Real> Jet<T> {
             v: dtheta * x.v1 + x.re,
             d: dtheta * x.v2 + x.v1,
             dd: dtheta * x.v3 + x.v2,
+        }
+    }
+
+    /// 1/x.
+    #[inline(always)]
+    pub fn recip(self) -> Self {
+        let v = self.v.recip();
+        let d = -(self.d * v * v);
+        Self {
+            v,
+            d,
+            dd: -(self.dd * v * v) - self.d * d * v * 2.0,
         }
     }
 
@@ -85,6 +101,15 @@ pub struct ReferencePoint<T: Real> {
     pub xi: Jet<T>,
 }
 
+/// How the tangent of the reference curve turns with Θ.
+#[derive(Clone, Copy, Debug)]
+pub struct Turning<T> {
+    /// Turning angle χ at fixed η, rad.
+    pub chi: Jet<T>,
+    /// Curvature κ at fixed η, 1/m.
+    pub kappa: Jet<T>,
+}
+
 /// A closed curve with one ratio coordinate. Another belt system is another implementation (paper section 7).
 pub trait ReferenceCurve: Clone + Send + 'static {
     /// Everything that depends on Θ alone, computed once for all mesh points.
@@ -109,4 +134,27 @@ pub trait ReferenceCurve: Clone + Send + 'static {
 
     /// The curve at fraction `fraction` of `segment`.
     fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T>;
+
+    /// Turning angle and curvature there with two derivatives.
+    fn turning<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> Turning<T>;
+
+    /// Segment and fraction at the place ξ, m, taken around the loop.
+    fn locate(&self, frame: &Self::Frame<f64>, xi: f64) -> (usize, f64) {
+        let mut rest = xi.rem_euclid(self.length());
+        let last = self.segments() - 1;
+        for segment in 0..last {
+            let length = Self::segment_length(frame, segment).v;
+            if rest < length {
+                return (segment, rest / length);
+            }
+            rest -= length;
+        }
+        (last, (rest / Self::segment_length(frame, last).v).min(1.0))
+    }
+
+    /// The curve at the place ξ, m, taken around the loop.
+    fn at(&self, frame: &Self::Frame<f64>, xi: f64) -> ReferencePoint<f64> {
+        let (segment, fraction) = self.locate(frame, xi);
+        Self::point(frame, segment, fraction)
+    }
 }

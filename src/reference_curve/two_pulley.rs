@@ -5,7 +5,7 @@
 //! φ_P = φ + ξ_P/r_P; (29) mirrors at L − ξ. Written with the turning angle χ the whole loop is one formula:
 //! arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on P, 2π−φ to 2π on S.
 
-use super::{Jet, ReferenceCurve, ReferencePoint};
+use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
@@ -287,6 +287,23 @@ impl ReferenceCurve for TwoPulley {
             kappa,
             kappa_theta: -(rho.d * kappa * kappa),
             xi,
+        }
+    }
+
+    fn turning<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> Turning<T> {
+        let end = Jet::constant(2.0 * PI).plus_scaled(frame.phi, -1.0);
+        if segment == 1 || segment == 3 {
+            return Turning {
+                chi: if segment == 1 { frame.phi } else { end },
+                kappa: Jet::constant(0.0),
+            };
+        }
+        let (pulley, start, sweep) = arc_angles(segment);
+        let mut chi = Jet::constant(0.0).plus_scaled(frame.phi, fraction * sweep[1] + start[1]);
+        chi.v += T::constant(fraction * sweep[0] + start[0]);
+        Turning {
+            chi,
+            kappa: frame.radius[pulley].recip(),
         }
     }
 }

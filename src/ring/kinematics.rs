@@ -10,9 +10,11 @@
 //! where a dot is ∂/∂t at fixed η. The nodal degrees of freedom are the deflection `a` and its slope `b` = ∂/∂ξ; the
 //! element works with d = (a₁, l b₁, a₂, l b₂), whose shape functions do not depend on the element length l(Θ).
 
+use super::particle::ParticleLoad;
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
+use std::ops::Mul;
 
 /// Cubic Hermite functions of the element at a local coordinate x ∈ [−1, 1] (paper 5.2), and their x derivatives.
 #[derive(Clone, Copy, Debug)]
@@ -25,24 +27,24 @@ pub struct Hermite<L = f64> {
     pub ddn: [L; 4],
 }
 
-impl Hermite {
+impl<L: Real> Hermite<L> {
     /// Functions N₁, N₂/l, N₃, N₄/l at `x`. The paper prints N₄ with the opposite sign.
     #[must_use]
-    pub fn at(x: f64) -> Self {
+    pub fn at(x: L) -> Self {
         Self {
             n: [
-                0.25 * (2.0 - 3.0 * x + x * x * x),
-                0.125 * (1.0 - x - x * x + x * x * x),
-                0.25 * (2.0 + 3.0 * x - x * x * x),
-                0.125 * (-1.0 - x + x * x + x * x * x),
+                (-(x * 3.0) + 2.0 + x * x * x) * 0.25,
+                (-x + 1.0 - x * x + x * x * x) * 0.125,
+                (x * 3.0 + 2.0 - x * x * x) * 0.25,
+                (-x - 1.0 + x * x + x * x * x) * 0.125,
             ],
             dn: [
-                0.75 * (x * x - 1.0),
-                0.125 * (-1.0 - 2.0 * x + 3.0 * x * x),
-                0.75 * (1.0 - x * x),
-                0.125 * (-1.0 + 2.0 * x + 3.0 * x * x),
+                (x * x - 1.0) * 0.75,
+                (-(x * 2.0) - 1.0 + x * 3.0 * x) * 0.125,
+                (-(x * x) + 1.0) * 0.75,
+                (x * 2.0 - 1.0 + x * 3.0 * x) * 0.125,
             ],
-            ddn: [1.5 * x, 0.25 * (-1.0 + 3.0 * x), -1.5 * x, 0.25 * (1.0 + 3.0 * x)],
+            ddn: [x * 1.5, (x * 3.0 - 1.0) * 0.25, -(x * 1.5), (x * 3.0 + 1.0) * 0.25],
         }
     }
 }
@@ -129,8 +131,9 @@ impl<T: Real> ElementMotion<T> {
     }
 }
 
+/// Σ weights·d; the weights are mesh constants or, where the mesh moves under the place, numbers like d.
 #[inline(always)]
-fn combine<T: Real>(weights: &[T::Constant; 4], d: &[Vector2<T>; 4]) -> Vector2<T> {
+pub(super) fn combine<T: Real + Mul<W, Output = T>, W: Copy>(weights: &[W; 4], d: &[Vector2<T>; 4]) -> Vector2<T> {
     let sum = |f: fn(&Vector2<T>) -> T| {
         f(&d[0]) * weights[0] + f(&d[1]) * weights[1] + f(&d[2]) * weights[2] + f(&d[3]) * weights[3]
     };
@@ -265,6 +268,19 @@ impl<T: Real> Load<T> {
             slope: Vector2::zeros(),
             bend: Vector2::zeros(),
             drift: T::zero(),
+            theta: T::zero(),
+        }
+    }
+
+    /// A load on the particle that passes a mesh point: virtual displacements at fixed x̄ are δr|_η + r' δσ, δσ the
+    /// drift through the mesh. Of a load k on r'' the part in δσ is left out: a mesh point does not know r'''.
+    #[inline(always)]
+    pub fn of_particle(load: &ParticleLoad<T>, point: &RingPoint<T>) -> Self {
+        Self {
+            position: load.position,
+            slope: load.slope,
+            bend: load.bend,
+            drift: load.position.dot(&point.slope) + load.slope.dot(&point.bend),
             theta: T::zero(),
         }
     }

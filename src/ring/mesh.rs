@@ -137,6 +137,8 @@ pub struct RingMesh {
     pub elements: Vec<Element>,
     /// Quadrature points of each element.
     pub stations: Vec<Vec<Station>>,
+    /// Their local coordinates x ∈ [−1, 1] and weights.
+    pub quadrature: &'static [(f64, f64)],
 }
 
 impl RingMesh {
@@ -154,7 +156,11 @@ impl RingMesh {
             .flat_map(|element| parts(element, 1, points))
             .map(|(_, stations)| stations)
             .collect();
-        Self { elements, stations }
+        Self {
+            elements,
+            stations,
+            quadrature: gauss(points),
+        }
     }
 
     /// Divides each segment evenly.

@@ -1,9 +1,18 @@
-//! The ring (paper 3, 4): mesh, kinematics with its virtual power, the beam law, and the ring alone as a system.
+//! The ring (paper 3, 4): mesh, kinematics with its virtual power, the beam law, and the ring alone as a system. Three
+//! models stand behind [`model::RingModel`]: [`ale_ring::AleRing`], [`ancf::Ancf`] and [`rcm::Rcm`].
 
 pub mod ale;
+pub mod ale_ring;
+pub mod ancf;
+pub mod beam;
 pub mod kinematics;
+pub mod lagrangian;
 pub mod mesh;
+pub mod model;
+pub mod particle;
+pub mod rcm;
 pub mod system;
+mod turning;
 
 /// The ring sets, as one planar beam.
 #[derive(Clone, Debug, PartialEq)]

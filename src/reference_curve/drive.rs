@@ -1,0 +1,484 @@
+//! The reference curve of a belt drive with any number of pulleys, back-side idlers included (paper section 7).
+//!
+//! Pulleys stand in the order in which the belt meets them, clockwise. A pulley inside the loop has a positive radius ρ;
+//! one that presses on the back of the belt has a negative one. With t = (sin χ, cos χ), n = (cos χ, −sin χ) the belt on
+//! a pulley is at O − ρ n, so the strand from pulley j to the next has D = O' − O = b t + (ρ' − ρ) n:
+//!
+//! b = √(D² − (ρ'−ρ)²), χ = atan2(D_x, D_y) − asin((ρ'−ρ)/|D|),
+//!
+//! and the arc on a pulley measures ρ (χ_out − χ_in), with turning of the sign of ρ. All turnings add up to 2π. The curve
+//! starts at the leftmost point of pulley 0, χ = 0, which must lie on its arc: its segments are the rest of that arc,
+//! strand, arc, …, strand, and the beginning of that arc.
+//!
+//! Without a [`Tensioner`] all axes are fixed; the belt then has the length that fits, and no Θ. A tensioner carries one
+//! pulley on an arm about a pivot; Θ is the arm's angle, and the arm's length a(Θ) keeps the belt's length, as r_P(Θ) does
+//! in a variator.
+
+use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
+use crate::scalar::{Real, turn_right};
+use nalgebra::Vector2;
+use num_dual::{Dual3_64, DualNum};
+use std::array::from_fn;
+use std::f64::consts::TAU;
+
+/// A pulley, as the belt's centre line sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pulley {
+    /// Axis, m.
+    pub center: [f64; 2],
+    /// Radius of the belt's centre line, m; negative on the back of the belt.
+    pub radius: f64,
+}
+
+/// An arm that carries a pulley.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tensioner {
+    /// Which pulley; not 0. Its axis says where the arm stands for Θ = 0.
+    pub pulley: usize,
+    /// Pivot of the arm, m.
+    pub pivot: [f64; 2],
+}
+
+/// No belt runs around these pulleys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DriveError {
+    /// Fewer than two pulleys.
+    #[error("a belt drive needs two pulleys")]
+    TooFew,
+    /// Two pulleys that follow each other overlap, or the belt meets a pulley on the wrong side.
+    #[error("the belt does not wrap pulley {0} in the sense of its radius")]
+    Wrap(usize),
+    /// The leftmost point of pulley 0 is not on the belt.
+    #[error("the leftmost point of pulley 0 is not on its arc, so the curve cannot start there")]
+    Start,
+    /// The tensioner carries no pulley that may move.
+    #[error("a tensioner carries a pulley other than pulley 0 and does not have its axis for a pivot")]
+    Tensioner,
+}
+
+/// A belt drive with N pulleys.
+#[derive(Clone, Debug)]
+pub struct Drive<const N: usize> {
+    pulleys: [Pulley; N],
+    length: f64,
+    tensioner: Option<Arm>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Arm {
+    pulley: usize,
+    pivot: [f64; 2],
+    length: f64,
+    /// Direction for Θ = 0.
+    angle: f64,
+}
+
+/// Axes with derivatives.
+type Centers<D, const N: usize> = [[D; 2]; N];
+
+/// atan2(x, y) whose derivatives hold in every direction.
+fn direction<D: DualNum<Primitive = f64> + Copy>(x: D, y: D) -> D {
+    let value = x.re().atan2(y.re());
+    let (sin, cos) = value.sin_cos();
+    ((x * cos - y * sin) / (x * sin + y * cos)).atan() + value
+}
+
+/// χ of the strand behind each pulley, turning on along the belt, and its length b.
+fn strands<D: DualNum<Primitive = f64> + Copy, const N: usize>(
+    pulleys: &[Pulley; N],
+    centers: &Centers<D, N>,
+) -> [(D, D); N] {
+    let mut before: Option<f64> = None;
+    from_fn(|j| {
+        let next = (j + 1) % N;
+        let [dx, dy] = [0, 1].map(|k| centers[next][k] - centers[j][k]);
+        let difference = pulleys[next].radius - pulleys[j].radius;
+        let square = dx * dx + dy * dy;
+        let b = (square - difference * difference).sqrt();
+        let chi = direction(dx, dy) - (square.sqrt().recip() * difference).asin();
+        // The sense of a pulley says which way the belt turns from strand to strand.
+        let least = match before {
+            None => 0.0,
+            Some(before) if pulleys[j].radius > 0.0 => before,
+            Some(before) => before - TAU,
+        };
+        let chi = chi - ((chi.re() - least) / TAU).floor() * TAU;
+        before = Some(chi.re());
+        (chi, b)
+    })
+}
+
+/// Length of the belt, m.
+fn belt_length<D: DualNum<Primitive = f64> + Copy, const N: usize>(
+    pulleys: &[Pulley; N],
+    centers: &Centers<D, N>,
+) -> D {
+    let strands = strands(pulleys, centers);
+    let mut length = D::from(0.0);
+    let mut before = strands[N - 1].0 - TAU;
+    for (pulley, (chi, b)) in pulleys.iter().zip(strands) {
+        length += b + (chi - before) * pulley.radius;
+        before = chi;
+    }
+    length
+}
+
+impl<const N: usize> Drive<N> {
+    /// A drive with fixed axes, around which the belt just fits.
+    ///
+    /// # Errors
+    /// No belt runs around these pulleys.
+    pub fn new(pulleys: [Pulley; N]) -> Result<Self, DriveError> {
+        if N < 2 {
+            return Err(DriveError::TooFew);
+        }
+        let centers = pulleys.map(|p| p.center);
+        let strands = strands(&pulleys, &centers);
+        for (j, &(_, b)) in strands.iter().enumerate() {
+            if b.is_nan() || b <= 0.0 {
+                return Err(DriveError::Wrap(j));
+            }
+        }
+        let (first, end) = (strands[0].0, strands[N - 1].0);
+        // Once around, and the arc of pulley 0 holds χ = 0.
+        if pulleys[0].radius <= 0.0 || !(0.0..TAU).contains(&first) || !(0.0..=TAU).contains(&end) {
+            return Err(DriveError::Start);
+        }
+        for j in 1..N {
+            if (strands[j].0 - strands[j - 1].0).abs() > 0.75 * TAU {
+                return Err(DriveError::Wrap(j));
+            }
+        }
+        let length = belt_length(&pulleys, &centers);
+        Ok(Self {
+            pulleys,
+            length,
+            tensioner: None,
+        })
+    }
+
+    /// The same drive with a pulley on an arm. Θ is the angle of the arm, clockwise from where it stands, rad.
+    ///
+    /// # Errors
+    /// The tensioner carries no pulley that may move.
+    pub fn with_tensioner(mut self, tensioner: Tensioner) -> Result<Self, DriveError> {
+        let pulley = self.pulleys.get(tensioner.pulley).ok_or(DriveError::Tensioner)?;
+        let arm = Vector2::from(pulley.center) - Vector2::from(tensioner.pivot);
+        if tensioner.pulley == 0 || arm.norm() == 0.0 {
+            return Err(DriveError::Tensioner);
+        }
+        self.tensioner = Some(Arm {
+            pulley: tensioner.pulley,
+            pivot: tensioner.pivot,
+            length: arm.norm(),
+            angle: arm.x.atan2(arm.y),
+        });
+        Ok(self)
+    }
+
+    /// Axes with the arm at the angle Θ and of the length `a`.
+    fn centers<D: DualNum<Primitive = f64> + Copy>(&self, theta: D, a: D) -> Centers<D, N> {
+        let mut centers = self.pulleys.map(|p| p.center.map(D::from));
+        if let Some(arm) = &self.tensioner {
+            let (sin, cos) = (theta + arm.angle).sin_cos();
+            centers[arm.pulley] = [a * sin + arm.pivot[0], a * cos + arm.pivot[1]];
+        }
+        centers
+    }
+
+    /// Axes at Θ for which the belt fits, with derivatives; NaN if there are none.
+    fn fitting_centers(&self, theta: f64) -> Centers<Dual3_64, N> {
+        let variable = Dual3_64::from_re(theta).derivative();
+        let Some(arm) = &self.tensioner else {
+            return self.centers(variable, Dual3_64::from_re(0.0));
+        };
+        let fit = |theta: f64, a: f64| {
+            let by_arm = belt_length(
+                &self.pulleys,
+                &self.centers(Dual3_64::from_re(theta), Dual3_64::from_re(a).derivative()),
+            );
+            (by_arm.re - self.length, by_arm.v1)
+        };
+        let mut a = arm.length;
+        let mut slope = f64::NAN;
+        for _ in 0..50 {
+            let (off, by_arm) = fit(theta, a);
+            slope = by_arm;
+            let step = off / by_arm;
+            a -= step;
+            if step.abs() < 1e-16 * self.length {
+                break;
+            }
+        }
+        // The value is converged; each further Newton step makes one more derivative exact.
+        let mut jet = Dual3_64::from_re(a);
+        for _ in 0..3 {
+            jet -= (belt_length(&self.pulleys, &self.centers(variable, jet)) - self.length) / slope;
+        }
+        self.centers(variable, jet)
+    }
+}
+
+/// A segment at one Θ.
+#[derive(Clone, Copy, Debug)]
+struct Segment<T> {
+    start: Jet<T>,
+    length: Jet<T>,
+    /// χ at its start.
+    chi: Jet<T>,
+    /// Turning along it.
+    sweep: Jet<T>,
+    /// Signed radius; infinite on a strand.
+    radius: f64,
+    /// Axis of an arc, start of a strand.
+    place: [Jet<T>; 2],
+}
+
+/// [`Drive`] at one Θ.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveFrame<T: Real, const N: usize> {
+    /// Arcs in the order of the belt, the first from χ = 0 on.
+    arcs: [Segment<T>; N],
+    strands: [Segment<T>; N],
+    /// The beginning of the first arc, up to χ = 2π.
+    closing: Segment<T>,
+}
+
+impl<T: Real, const N: usize> DriveFrame<T, N> {
+    fn segment(&self, segment: usize) -> &Segment<T> {
+        match (segment / 2, segment % 2) {
+            (j, 0) if j < N => &self.arcs[j],
+            (j, 1) => &self.strands[j],
+            _ => &self.closing,
+        }
+    }
+}
+
+impl<const N: usize> ReferenceCurve for Drive<N> {
+    type Frame<T: Real> = DriveFrame<T, N>;
+
+    fn length(&self) -> f64 {
+        self.length
+    }
+
+    fn segments(&self) -> usize {
+        2 * N + 1
+    }
+
+    fn has_ratio(&self) -> bool {
+        self.tensioner.is_some()
+    }
+
+    fn frame<T: Real>(&self, theta: T) -> DriveFrame<T, N> {
+        let value = theta.re();
+        let rest = theta - value;
+        let centers = self.fitting_centers(value);
+        let behind = strands(&self.pulleys, &centers);
+        let lift = |x: Dual3_64| Jet::lift(x, rest);
+        let zero = Dual3_64::from_re(0.0);
+        let (mut start, mut fits) = (zero, true);
+        let mut segment = |length: Dual3_64, chi: Dual3_64, sweep: Dual3_64, radius: f64, place: [Dual3_64; 2]| {
+            let segment = Segment {
+                start: lift(start),
+                length: lift(length),
+                chi: lift(chi),
+                sweep: lift(sweep),
+                radius,
+                place: place.map(lift),
+            };
+            start += length;
+            fits &= length.re > 0.0;
+            segment
+        };
+        let mut chi = zero;
+        let both: [_; N] = from_fn(|j| {
+            let radius = self.pulleys[j].radius;
+            let (out, b) = behind[j];
+            let [x, y] = centers[j];
+            let arc = segment((out - chi) * radius, chi, out - chi, radius, [x, y]);
+            let (sin, cos) = out.sin_cos();
+            let strand = segment(b, out, zero, f64::INFINITY, [x - cos * radius, y + sin * radius]);
+            chi = out;
+            (arc, strand)
+        });
+        let left = -chi + TAU;
+        let radius = self.pulleys[0].radius;
+        let closing = segment(left * radius, chi, left, radius, centers[0]);
+        let mut frame = DriveFrame {
+            arcs: both.map(|(arc, _)| arc),
+            strands: both.map(|(_, strand)| strand),
+            closing,
+        };
+        if !fits {
+            // The belt has left a pulley.
+            frame.closing.length = Jet::constant(f64::NAN);
+        }
+        frame
+    }
+
+    fn segment_length<T: Real>(frame: &DriveFrame<T, N>, segment: usize) -> Jet<T> {
+        frame.segment(segment).length
+    }
+
+    fn point<T: Real>(frame: &DriveFrame<T, N>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+        let s = frame.segment(segment);
+        let xi = s.start.plus_scaled(s.length, fraction);
+        let chi = s.chi.plus_scaled(s.sweep, fraction);
+        let (sin, cos) = chi.v.sin_cos();
+        let t = Vector2::new(sin, cos);
+        let n = turn_right(t);
+        let place = [|j: &Jet<T>| j.v, |j: &Jet<T>| j.d, |j: &Jet<T>| j.dd]
+            .map(|of| Vector2::new(of(&s.place[0]), of(&s.place[1])));
+        let curved = s.radius.is_finite();
+        // From the place: −ρ n on an arc, x t on a strand; t_Θ = χ_Θ n, n_Θ = −χ_Θ t.
+        let [r, r_theta, r_theta2] = if curved {
+            let rho = T::from(s.radius);
+            [
+                place[0] - n * rho,
+                place[1] + t * (rho * chi.d),
+                place[2] + (t * chi.dd + n * (chi.d * chi.d)) * rho,
+            ]
+        } else {
+            let x = Jet::constant(0.0).plus_scaled(s.length, fraction);
+            [
+                place[0] + t * x.v,
+                place[1] + t * x.d + n * (x.v * chi.d),
+                place[2] + t * (x.dd - x.v * chi.d * chi.d) + n * (x.d * chi.d * 2.0 + x.v * chi.dd),
+            ]
+        };
+        ReferencePoint {
+            r,
+            r_theta,
+            r_theta2,
+            t,
+            n,
+            chi_theta: chi.d,
+            kappa: T::from(s.radius.recip()),
+            kappa_theta: T::zero(),
+            xi,
+        }
+    }
+
+    fn turning<T: Real>(frame: &DriveFrame<T, N>, segment: usize, fraction: T::Constant) -> Turning<T> {
+        let s = frame.segment(segment);
+        Turning {
+            chi: s.chi.plus_scaled(s.sweep, fraction),
+            kappa: Jet::constant(s.radius.recip()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
+        Pulley { center: [x, y], radius }
+    }
+
+    /// Two pulleys and a back-side idler on the lower strand.
+    fn idler() -> Drive<3> {
+        Drive::new([
+            pulley(0.0, 0.0, 0.04),
+            pulley(0.25, 0.02, 0.06),
+            pulley(0.12, -0.05, -0.02),
+        ])
+        .unwrap()
+    }
+
+    fn tensioned() -> Drive<3> {
+        idler()
+            .with_tensioner(Tensioner {
+                pulley: 2,
+                pivot: [0.17, -0.12],
+            })
+            .unwrap()
+    }
+
+    #[test]
+    fn two_pulleys_have_the_length_of_theirs() {
+        use crate::reference_curve::TwoPulley;
+        let curve = TwoPulley::new(0.168, 0.703);
+        let (r_p, r_s) = curve.radii(0.6).unwrap();
+        let drive = Drive::new([pulley(0.0, 0.0, r_s), pulley(0.168, 0.0, r_p)]).unwrap();
+        assert!((drive.length() - 0.703).abs() < 1e-14);
+        let theta = (1.0 - 0.6) / (1.0 + 0.6);
+        for xi in [0.0, 0.03, 0.1, 0.3, 0.45, 0.69] {
+            let (a, b) = (
+                drive.at(&drive.frame::<f64>(0.0), xi),
+                curve.at(&curve.frame::<f64>(theta), xi),
+            );
+            let off = [(a.r - b.r).norm(), (a.t - b.t).norm(), (a.kappa - b.kappa).abs()];
+            assert!(off[0] < 1e-13 && off[1] < 1e-12 && off[2] < 1e-9, "ξ = {xi}: {off:?}");
+        }
+    }
+
+    #[test]
+    fn the_loop_closes_and_turns_once() {
+        for drive in [idler(), tensioned()] {
+            let frame = drive.frame::<f64>(0.0);
+            let count = drive.segments();
+            for k in 0..count {
+                let (end, start) = (
+                    Drive::<3>::point::<f64>(&frame, k, 1.0),
+                    Drive::<3>::point::<f64>(&frame, (k + 1) % count, 0.0),
+                );
+                assert!(
+                    (end.r - start.r).norm() < 1e-14 && (end.t - start.t).norm() < 1e-14,
+                    "segment {k}"
+                );
+                assert!(Drive::<3>::segment_length(&frame, k).v > 0.0);
+            }
+            assert!((Drive::<3>::turning::<f64>(&frame, count - 1, 1.0).chi.v - TAU).abs() < 1e-14);
+            // The idler bends the belt backwards.
+            assert!(Drive::<3>::point::<f64>(&frame, 4, 0.5).kappa < 0.0);
+        }
+    }
+
+    #[test]
+    fn derivatives_match_differences() {
+        let drive = tensioned();
+        let h = 1e-5;
+        let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
+        for theta in [-0.15, 0.0, 0.2] {
+            let sum: f64 = (0..drive.segments())
+                .map(|k| Drive::<3>::segment_length(&drive.frame::<f64>(theta), k).v)
+                .sum();
+            assert!((sum - drive.length()).abs() < 1e-14);
+            for segment in 0..drive.segments() {
+                for f in [0.0, 0.3, 1.0] {
+                    let at = |theta: f64, f: f64| Drive::<3>::point::<f64>(&drive.frame(theta), segment, f);
+                    let turning = |theta: f64| Drive::<3>::turning::<f64>(&drive.frame(theta), segment, f).chi;
+                    let (p, plus, minus) = (at(theta, f), at(theta + h, f), at(theta - h, f));
+                    close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
+                    close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-6);
+                    close(p.n * p.chi_theta, (plus.t - minus.t) / (2.0 * h), 1e-8);
+                    assert!((p.xi.d - (plus.xi.v - minus.xi.v) / (2.0 * h)).abs() < 1e-8);
+                    assert!((p.xi.dd - (plus.xi.d - minus.xi.d) / (2.0 * h)).abs() < 1e-6);
+                    let chi_dd = (turning(theta + h).d - turning(theta - h).d) / (2.0 * h);
+                    assert!((turning(theta).dd - chi_dd).abs() < 1e-6);
+                    if f == 0.3 {
+                        let (a, b) = (at(theta, f - h), at(theta, f + h));
+                        let dxi = b.xi.v - a.xi.v;
+                        close(p.t, (b.r - a.r) / dxi, 1e-9);
+                        close(p.n * p.kappa, (b.t - a.t) / dxi, 1e-7);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn impossible_drives_are_refused() {
+        assert_eq!(Drive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(), DriveError::TooFew);
+        let inside = Drive::new([pulley(0.0, 0.0, 0.1), pulley(0.01, 0.0, 0.05)]);
+        assert_eq!(inside.unwrap_err(), DriveError::Wrap(0));
+        let backwards = Drive::new([pulley(0.3, 0.0, 0.05), pulley(0.0, 0.0, 0.05), pulley(0.15, 0.1, 0.02)]);
+        assert!(backwards.is_err());
+        let fixed = Tensioner {
+            pulley: 0,
+            pivot: [0.0, 0.1],
+        };
+        assert_eq!(idler().with_tensioner(fixed).unwrap_err(), DriveError::Tensioner);
+    }
+}

@@ -1,0 +1,163 @@
+//! A curve seen from a mesh that does not follow its arcs: mesh points stand at fixed ξ, as the paper's elements do, and
+//! arc borders move through them as Θ changes.
+//!
+//! With F(ξ, Θ) the curve and ξ(η, Θ) its own mesh: ∂F/∂Θ = ∂r/∂Θ|_η − ξ_Θ t, χ_Θ|_ξ = χ_Θ|_η − ξ_Θ κ, and so on; the
+//! curvature of an arc does not depend on ξ, so κ_Θ is the same. What is lost is what the paper's (18) loses: when a
+//! border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature misses ½EI\[κ²\] dξ_k/dΘ.
+
+use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
+use crate::scalar::Real;
+
+/// `curve` as one segment.
+#[derive(Clone, Debug)]
+pub struct Unaligned<C> {
+    /// The curve.
+    pub curve: C,
+}
+
+/// [`Unaligned`] at one Θ.
+#[derive(Clone, Debug)]
+pub struct UnalignedFrame<F> {
+    frame: F,
+    length: f64,
+    segments: usize,
+}
+
+/// Segment at fixed ξ, and the fraction of it: its value, and what derivatives of Θ add to it.
+fn place<C: ReferenceCurve, T: Real>(frame: &UnalignedFrame<C::Frame<T>>, xi: f64) -> (usize, f64, T) {
+    let mut rest = T::from(xi);
+    let mut segment = 0;
+    loop {
+        let length = C::segment_length(&frame.frame, segment).v;
+        if segment + 1 == frame.segments || rest.re() < length.re() {
+            let fraction = rest / length;
+            let value = fraction.re();
+            return (segment, value, fraction - value);
+        }
+        rest -= length;
+        segment += 1;
+    }
+}
+
+/// Scalars that carry derivatives carry first ones. Not for packs of numbers: their lanes would lie on different segments.
+impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
+    type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
+
+    fn length(&self) -> f64 {
+        self.curve.length()
+    }
+
+    fn segments(&self) -> usize {
+        1
+    }
+
+    fn has_ratio(&self) -> bool {
+        self.curve.has_ratio()
+    }
+
+    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T> {
+        UnalignedFrame {
+            frame: self.curve.frame(theta),
+            length: self.curve.length(),
+            segments: self.curve.segments(),
+        }
+    }
+
+    fn segment_length<T: Real>(frame: &Self::Frame<T>, _segment: usize) -> Jet<T> {
+        Jet::constant(frame.length)
+    }
+
+    fn point<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+        let xi = fraction.re() * frame.length;
+        let (segment, f, df) = place::<C, T>(frame, xi);
+        let f = T::Constant::from(f);
+        let p = C::point(&frame.frame, segment, f);
+        let chi = C::turning(&frame.frame, segment, f).chi;
+        let length = C::segment_length(&frame.frame, segment);
+        // To the place itself, df away: derivatives along the segment at fixed η.
+        let step = length.v * df;
+        let t = p.t + p.n * (p.kappa * step);
+        let n = p.n - p.t * (p.kappa * step);
+        let r_theta = p.r_theta + (p.t * length.d + p.n * (length.v * chi.d)) * df;
+        let r_theta2 = p.r_theta2
+            + (p.t * (length.dd - length.v * chi.d * chi.d) + p.n * (length.d * chi.d * 2.0 + length.v * chi.dd)) * df;
+        let chi_theta = chi.d + (length.d * p.kappa + length.v * p.kappa_theta) * df;
+        let (along, along2) = (p.xi.d + length.d * df, p.xi.dd + length.dd * df);
+        // From fixed η to fixed ξ.
+        let turn = chi_theta - along * p.kappa;
+        ReferencePoint {
+            r: p.r + p.t * step,
+            r_theta: r_theta - t * along,
+            r_theta2: r_theta2 - n * (along * turn * 2.0) - n * (along * along * p.kappa) - t * along2,
+            t,
+            n,
+            chi_theta: turn,
+            kappa: p.kappa,
+            kappa_theta: p.kappa_theta,
+            xi: Jet::constant(xi),
+        }
+    }
+
+    fn turning<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> Turning<T> {
+        let xi = fraction.re() * frame.length;
+        let (segment, f, df) = place::<C, T>(frame, xi);
+        let f = T::Constant::from(f);
+        let Turning { chi, kappa } = C::turning(&frame.frame, segment, f);
+        let length = C::segment_length(&frame.frame, segment);
+        let place = C::point(&frame.frame, segment, f).xi;
+        let (along, along2) = (place.d + length.d * df, place.dd + length.dd * df);
+        let by_fraction = [
+            length.v * kappa.v,
+            length.d * kappa.v + length.v * kappa.d,
+            length.dd * kappa.v + length.d * kappa.d * 2.0 + length.v * kappa.dd,
+        ];
+        let d = chi.d + by_fraction[1] * df - along * kappa.v;
+        let dd = chi.dd + by_fraction[2] * df - along * kappa.d * 2.0 - along2 * kappa.v;
+        Turning {
+            chi: Jet {
+                v: chi.v + by_fraction[0] * df,
+                d,
+                dd,
+            },
+            kappa,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference_curve::TwoPulley;
+    use nalgebra::Vector2;
+    use num_dual::Dual64;
+
+    /// Derivatives at fixed ξ, and their derivatives through the scalar, against differences.
+    #[test]
+    fn derivatives_match_differences() {
+        let curve = Unaligned {
+            curve: TwoPulley::new(0.168, 0.703),
+        };
+        let h = 1e-5;
+        let theta = 0.3;
+        let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
+        for k in 0..40 {
+            let f = (f64::from(k) + 0.35) / 40.0;
+            let at = |theta: f64| Unaligned::<TwoPulley>::point::<f64>(&curve.frame(theta), 0, f);
+            let turning = |theta: f64| Unaligned::<TwoPulley>::turning::<f64>(&curve.frame(theta), 0, f);
+            let (p, plus, minus) = (at(theta), at(theta + h), at(theta - h));
+            let (chi, chi_plus, chi_minus) = (turning(theta).chi, turning(theta + h).chi, turning(theta - h).chi);
+            assert!((p.xi.v - f * 0.703).abs() < 1e-15);
+            close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
+            close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-7);
+            close(p.n * p.chi_theta, (plus.t - minus.t) / (2.0 * h), 1e-7);
+            assert!((chi.d - (chi_plus.v - chi_minus.v) / (2.0 * h)).abs() < 1e-7);
+            assert!((chi.d - p.chi_theta).abs() < 1e-12);
+            assert!((chi.dd - (chi_plus.d - chi_minus.d) / (2.0 * h)).abs() < 1e-6);
+            let dual = Unaligned::<TwoPulley>::point(&curve.frame(Dual64::new(theta, 1.0)), 0, f);
+            close(dual.r.map(|x| x.eps), p.r_theta, 1e-12);
+            close(dual.r_theta.map(|x| x.eps), p.r_theta2, 1e-11);
+            close(dual.t.map(|x| x.eps), p.n * p.chi_theta, 1e-11);
+            assert!((dual.chi_theta.eps - chi.dd).abs() < 1e-10);
+        }
+    }
+}

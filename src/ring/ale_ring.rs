@@ -1,0 +1,384 @@
+//! `ALE` and `ALE0` as a ring model: the kinematics and the law that the variator uses, element by element.
+//!
+//! r = R(ξ, Θ) + Σ A_i S_i q_fi (10). A_i is the identity, or [t, n]_ref, see [`Directions`]. s and Θ repeat motions that
+//! q_f can make, so node 0 is locked to the reference curve: along the curve because of s, across it because of Θ. A
+//! curve without a ratio needs the first lock only; a second would hold the free ring. `ALE0` locks every node: the ring
+//! then has s and Θ alone.
+
+use super::Ring;
+use super::ale;
+use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
+use super::mesh::{RingMesh, Station};
+use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, RingModel, Shape, THETA};
+use super::particle::{Particle, ParticleLoad};
+use super::turning::{TurningElement, rotated_load, rotated_point};
+use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
+use crate::scalar::Real;
+use nalgebra::Vector2;
+
+/// Node unknowns.
+const BLOCK: usize = 4;
+
+/// Form of the inertia.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inertia {
+    /// [`ale::add_conservative_inertia`].
+    Conservative,
+    /// [`ale::add_inertia`].
+    Pointwise,
+}
+
+/// Directions in which the overlay is counted: the matrices A_i of (10).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Directions {
+    /// A_i = identity: x and y. The paper's choice for the variator, and the default.
+    #[default]
+    Fixed,
+    /// A_i = [t, n]_ref: along the reference curve and inwards. The deflection turns with the curve as Θ changes. Slopes of
+    /// nodes are those of the deflection itself, resolved in t and n, so that the ring has one tangent where an arc meets a
+    /// strand and A_i' jumps.
+    Reference,
+}
+
+/// A ring in the Eulerian view on a reference curve.
+#[derive(Clone, Debug)]
+pub struct AleRing<C> {
+    /// Beam.
+    pub ring: Ring,
+    /// Reference curve.
+    pub curve: C,
+    /// Elements.
+    pub mesh: RingMesh,
+    /// Form of the inertia; conservative unless changed.
+    pub inertia: Inertia,
+    /// Directions of the overlay; fixed unless changed.
+    pub directions: Directions,
+    flexible: bool,
+}
+
+/// Motion of an element.
+struct Parts<T: Real> {
+    /// Overlay: in x and y, or along t and n.
+    element: ElementMotion<T>,
+    reference: ReferenceMotion<T>,
+    /// Of [`Directions::Reference`].
+    turning: Option<TurningElement<T>>,
+}
+
+impl<C: ReferenceCurve> AleRing<C> {
+    /// A ring that deflects (`ALE`).
+    #[must_use]
+    pub fn flexible(ring: Ring, curve: C, mesh: RingMesh) -> Self {
+        Self::new(ring, curve, mesh, true)
+    }
+
+    /// A ring that keeps to the reference curve, `q_f` = 0 (`ALE0`).
+    #[must_use]
+    pub fn rigid(ring: Ring, curve: C, mesh: RingMesh) -> Self {
+        Self::new(ring, curve, mesh, false)
+    }
+
+    fn new(ring: Ring, curve: C, mesh: RingMesh, flexible: bool) -> Self {
+        Self {
+            ring,
+            curve,
+            mesh,
+            inertia: Inertia::Conservative,
+            directions: Directions::Fixed,
+            flexible,
+        }
+    }
+
+    fn parts<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, motion: &Coordinates<T>) -> Parts<T> {
+        let reference = ReferenceMotion {
+            theta: motion[THETA],
+            s_dot: motion[DRIFT].rate,
+            s_ddot: motion[DRIFT].acceleration,
+        };
+        let place = &self.mesh.elements[element];
+        let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
+        if !self.flexible {
+            return Parts {
+                element: ElementMotion::rigid(length),
+                reference,
+                turning: None,
+            };
+        }
+        let node = |i: usize, of: fn(&Motion<T>) -> T| Node {
+            a: Vector2::new(of(&motion[BLOCK * i]), of(&motion[BLOCK * i + 2])),
+            b: Vector2::new(of(&motion[BLOCK * i + 1]), of(&motion[BLOCK * i + 3])),
+        };
+        let mut nodes = [0, 1].map(|i| Motion {
+            value: node(i, |m| m.value),
+            rate: node(i, |m| m.rate),
+            acceleration: node(i, |m| m.acceleration),
+        });
+        let turning = match self.directions {
+            Directions::Fixed => None,
+            Directions::Reference => {
+                let curvature = [place.start, place.start + place.share]
+                    .map(|fraction| C::turning(frame, place.segment, fraction).kappa);
+                Some(TurningElement::new(curvature, &reference.theta, &mut nodes))
+            }
+        };
+        Parts {
+            element: ElementMotion::flexible(length, &reference.theta, &nodes),
+            reference,
+            turning,
+        }
+    }
+
+    fn reference_point<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        station: &Station,
+    ) -> ReferencePoint<T> {
+        C::point(frame, self.mesh.elements[element].segment, station.fraction)
+    }
+
+    fn point<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        station: &Station,
+        parts: &Parts<T>,
+    ) -> RingPoint<T> {
+        let reference = self.reference_point(frame, element, station);
+        if parts.turning.is_none() {
+            return RingPoint::new(reference, &station.shape, &parts.element, &parts.reference);
+        }
+        let segment = self.mesh.elements[element].segment;
+        let turning = C::turning(frame, segment, station.fraction);
+        rotated_point(reference, &turning, &station.shape, &parts.element, &parts.reference)
+    }
+
+    /// Adds a load over the length `weight`, m, on the ring at a station.
+    fn add<T: Real<Constant = f64>>(
+        station: &Station,
+        parts: &Parts<T>,
+        point: &RingPoint<T>,
+        load: &Load<T>,
+        weight: T,
+        sum: &mut ElementLoad<T>,
+    ) {
+        if parts.turning.is_none() {
+            sum.add(load, point, &station.shape, &parts.element, weight);
+        } else {
+            rotated_load(
+                load,
+                point,
+                &station.shape,
+                &parts.element,
+                &parts.reference,
+                weight,
+                sum,
+            );
+        }
+    }
+
+    fn rows<T: Real<Constant = f64>>(sum: &ElementLoad<T>, parts: &Parts<T>) -> [T; DIRECTIONS] {
+        let ([mut left, mut right], mut theta) = sum.nodes(&parts.element);
+        if let Some(turning) = &parts.turning {
+            turning.nodes([&mut left, &mut right], &mut theta);
+        }
+        [
+            left.a.x, left.b.x, left.a.y, left.b.y, right.a.x, right.b.x, right.a.y, right.b.y, sum.s, theta,
+        ]
+    }
+
+    /// The ring at the local coordinate x of an element as its mesh point sees it.
+    #[must_use]
+    pub fn mesh_point(
+        &self,
+        frame: &C::Frame<f64>,
+        element: usize,
+        x: f64,
+        motion: &Coordinates<f64>,
+    ) -> RingPoint<f64> {
+        let station = self.mesh.elements[element].station(x, 0.0, 0.0);
+        self.point(frame, element, &station, &self.parts(frame, element, motion))
+    }
+
+    fn integrate(
+        &self,
+        frame: &C::Frame<f64>,
+        element: usize,
+        motion: &Coordinates<f64>,
+        mut f: impl FnMut(&RingPoint<f64>, f64),
+    ) {
+        let parts = self.parts(frame, element, motion);
+        for station in &self.mesh.stations[element] {
+            let point = self.point(frame, element, station, &parts);
+            f(&point, parts.element.length.v * station.weight);
+        }
+    }
+}
+
+impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
+    const BLOCK: usize = BLOCK;
+    const LAGRANGIAN: bool = false;
+
+    type Frame<T: Real> = C::Frame<T>;
+
+    fn ring(&self) -> &Ring {
+        &self.ring
+    }
+
+    fn ring_mut(&mut self) -> &mut Ring {
+        &mut self.ring
+    }
+
+    fn length(&self) -> f64 {
+        self.curve.length()
+    }
+
+    fn elements(&self) -> usize {
+        self.mesh.elements.len()
+    }
+
+    fn quadrature(&self) -> &'static [(f64, f64)] {
+        self.mesh.quadrature
+    }
+
+    fn is_length(&self, k: usize) -> bool {
+        k.is_multiple_of(2)
+    }
+
+    fn held(&self) -> Vec<usize> {
+        let blocks = self.elements() * BLOCK;
+        let ratio = self.curve.has_ratio();
+        // At ξ = 0, the leftmost point, y is along the curve and x across it.
+        let (along, across) = match self.directions {
+            Directions::Fixed => (2, 0),
+            Directions::Reference => (0, 2),
+        };
+        let mut held = match (self.flexible, ratio) {
+            (false, _) => (0..blocks).collect(),
+            (true, true) => vec![along, across],
+            (true, false) => vec![along],
+        };
+        if !ratio {
+            held.push(blocks + 1);
+        }
+        held
+    }
+
+    fn frame<T: Real>(&self, theta: T) -> C::Frame<T> {
+        self.curve.frame(theta)
+    }
+
+    fn locate(&self, frame: &C::Frame<f64>, _s: f64, xi: f64) -> (usize, f64) {
+        let (segment, fraction) = self.curve.locate(frame, xi);
+        let elements = &self.mesh.elements;
+        let element = elements
+            .iter()
+            .rposition(|e| e.segment < segment || e.segment == segment && e.start <= fraction)
+            .unwrap_or(0);
+        let place = &elements[element];
+        (element, 2.0 * (fraction - place.start) / place.share - 1.0)
+    }
+
+    fn lay(&self, shape: Shape<'_>, q: &mut [f64]) {
+        let frame = self.curve.frame(q[self.elements() * BLOCK + 1]);
+        for (block, element) in q.chunks_exact_mut(BLOCK).zip(&self.mesh.elements) {
+            let point = C::point::<f64>(&frame, element.segment, element.start);
+            let [r, slope] = shape(point.xi.v);
+            let (a, b) = (r - point.r, slope - point.t);
+            let [a, b] = match self.directions {
+                Directions::Fixed => [a, b],
+                Directions::Reference => [a, b].map(|v| Vector2::new(v.dot(&point.t), v.dot(&point.n))),
+            };
+            block.copy_from_slice(&[a.x, b.x, a.y, b.y]);
+        }
+    }
+
+    fn lay_on_curve(&self, q: &mut [f64]) {
+        q[..self.elements() * BLOCK].fill(0.0);
+    }
+
+    fn particle<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        x: f64,
+        motion: &Coordinates<T>,
+    ) -> (Particle<T>, T) {
+        let station = self.mesh.elements[element].station(x, 0.0, 0.0);
+        let parts = self.parts(frame, element, motion);
+        let point = self.point(frame, element, &station, &parts);
+        (Particle::from(&point), parts.element.length.v * 0.5)
+    }
+
+    fn project<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        x: f64,
+        motion: &Coordinates<T>,
+        load: &ParticleLoad<T>,
+    ) -> [T; DIRECTIONS] {
+        let station = self.mesh.elements[element].station(x, 0.0, 0.0);
+        let parts = self.parts(frame, element, motion);
+        let point = self.point(frame, element, &station, &parts);
+        let mut sum = ElementLoad::zero();
+        Self::add(
+            &station,
+            &parts,
+            &point,
+            &Load::of_particle(load, &point),
+            T::one(),
+            &mut sum,
+        );
+        Self::rows(&sum, &parts)
+    }
+
+    fn balance<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        motion: &Coordinates<T>,
+    ) -> [T; DIRECTIONS] {
+        let parts = self.parts(frame, element, motion);
+        let length = parts.element.length;
+        let growth = length.d / length.v;
+        let mut sum = ElementLoad::zero();
+        for station in &self.mesh.stations[element] {
+            let point = self.point(frame, element, station, &parts);
+            let mut load = Load::zero();
+            match self.inertia {
+                Inertia::Pointwise => ale::add_inertia(&self.ring, &point, &mut load),
+                Inertia::Conservative => {
+                    let rate = parts.reference.theta.rate;
+                    ale::add_conservative_inertia(&self.ring, &point, growth, rate, &mut load);
+                }
+            }
+            ale::add_elasticity(&self.ring, &point, growth, &mut load);
+            Self::add(station, &parts, &point, &load, length.v * station.weight, &mut sum);
+        }
+        Self::rows(&sum, &parts)
+    }
+
+    fn energy(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64>) -> Energy {
+        let half = |stiffness: f64, measure: f64| 0.5 * stiffness * measure * measure;
+        let ring = &self.ring;
+        let mut sum = Energy::default();
+        self.integrate(frame, element, motion, |p, weight| {
+            sum += Energy {
+                kinetic: weight * half(ring.mass_per_length, p.velocity().norm()),
+                membrane: weight * half(ring.axial_stiffness, p.strain()),
+                bending: weight * half(ring.bending_stiffness, ale::curvature(p)),
+            };
+        });
+        sum
+    }
+
+    fn dissipation(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64>) -> f64 {
+        let viscosity = self.ring.axial_stiffness * self.ring.damping;
+        let mut sum = 0.0;
+        self.integrate(frame, element, motion, |p, weight| {
+            sum += weight * viscosity * p.strain_rate().powi(2);
+        });
+        sum
+    }
+}

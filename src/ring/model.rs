@@ -1,0 +1,149 @@
+//! What a ring model is: the law of one element in the unknowns it depends on.
+//!
+//! Unknowns stand in blocks around the loop, one a ring element: its left node, then what belongs to the element alone.
+//! The border holds the drift s and Θ. An element depends on ten of them: eight of its own block and the next one's node,
+//! s, and Θ. A model tells the ring's [`Particle`]s from their motion, takes forces on particles, and knows its balance
+//! of inertia and elasticity.
+//!
+//! | model | mesh | block | s | Θ |
+//! |---|---|---|---|---|
+//! | [`AleRing`](super::ale_ring::AleRing) | stands in space, material flows through | a_x, b_x, a_y, b_y: overlay and its slope | unknown of the motion | unknown of the motion |
+//! | the same with q_f = 0 (`ALE0`) | the same | locked | the same | the same |
+//! | [`Ancf`](super::ancf::Ancf) | travels with the ring | x, x', y, y' | follows: mean drift | held |
+//! | [`Rcm`](super::rcm::Rcm) | travels with the ring | x, y, φ, c_L, c_R | follows: mean drift | held |
+
+use super::Ring;
+use super::kinematics::Motion;
+use super::particle::{Particle, ParticleLoad};
+use crate::scalar::Real;
+use nalgebra::Vector2;
+
+/// Unknowns that an element depends on: eight of its block and the next node, then s and Θ.
+pub const DIRECTIONS: usize = 10;
+/// Those of blocks.
+pub const NODAL: usize = 8;
+/// Place of s among the [`DIRECTIONS`].
+pub const DRIFT: usize = 8;
+/// Place of Θ among the [`DIRECTIONS`].
+pub const THETA: usize = 9;
+
+/// Motion of the unknowns that an element depends on.
+pub type Coordinates<T> = [Motion<T>; DIRECTIONS];
+
+/// Energies of a ring or of a part of it, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// T (6).
+    pub kinetic: f64,
+    /// Membrane part of V (17).
+    pub membrane: f64,
+    /// Bending part of V (17).
+    pub bending: f64,
+}
+
+impl Energy {
+    /// T + V, J.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.membrane + self.bending
+    }
+}
+
+impl std::ops::AddAssign for Energy {
+    fn add_assign(&mut self, other: Self) {
+        self.kinetic += other.kinetic;
+        self.membrane += other.membrane;
+        self.bending += other.bending;
+    }
+}
+
+/// Where a ring runs and how it is sloped: (r, r') at ξ.
+pub type Shape<'a> = &'a dyn Fn(f64) -> [Vector2<f64>; 2];
+
+/// A ring model on its mesh.
+pub trait RingModel: Clone + std::fmt::Debug {
+    /// Unknowns in a block.
+    const BLOCK: usize;
+
+    /// Whether the mesh travels with the ring. Its unknowns are positions then, s follows from the mean drift and Θ is held;
+    /// otherwise s and Θ are coordinates of the motion.
+    const LAGRANGIAN: bool;
+
+    /// What depends on Θ alone, computed once for all elements.
+    type Frame<T: Real>: Clone;
+
+    /// The beam.
+    fn ring(&self) -> &Ring;
+
+    /// The beam, to be changed.
+    fn ring_mut(&mut self) -> &mut Ring;
+
+    /// Unstretched length L, m.
+    fn length(&self) -> f64;
+
+    /// Number of elements.
+    fn elements(&self) -> usize;
+
+    /// Quadrature points of an element: local coordinate x ∈ [−1, 1], weight (of sum 2).
+    fn quadrature(&self) -> &'static [(f64, f64)];
+
+    /// Whether unknown `k` of a block is a length, m; otherwise it is an angle or a slope.
+    fn is_length(&self, k: usize) -> bool;
+
+    /// Unknowns that are held, as indices of the vector.
+    fn held(&self) -> Vec<usize>;
+
+    /// The frame at Θ.
+    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
+
+    /// Element and local coordinate x of the particle that is at ξ when the ring has drifted by s.
+    fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> (usize, f64);
+
+    /// Lays the nodes of a ring that has not drifted on a shape; `q[Θ]` is given.
+    fn lay(&self, shape: Shape<'_>, q: &mut [f64]);
+
+    /// Lays the nodes on the reference curve; `q[Θ]` is given.
+    fn lay_on_curve(&self, q: &mut [f64]);
+
+    /// The particle at the local coordinate x of an element, and the unstretched length dξ per dx there, m.
+    fn particle<T: Real<Constant = f64>>(
+        &self,
+        frame: &Self::Frame<T>,
+        element: usize,
+        x: f64,
+        motion: &Coordinates<T>,
+    ) -> (Particle<T>, T);
+
+    /// Generalised forces of a load on the particle at x, N: the transpose of [`RingModel::particle`]'s velocities.
+    fn project<T: Real<Constant = f64>>(
+        &self,
+        frame: &Self::Frame<T>,
+        element: usize,
+        x: f64,
+        motion: &Coordinates<T>,
+        load: &ParticleLoad<T>,
+    ) -> [T; DIRECTIONS];
+
+    /// Balance of an element, inertia less forces, in the order of the directions.
+    fn balance<T: Real<Constant = f64>>(
+        &self,
+        frame: &Self::Frame<T>,
+        element: usize,
+        motion: &Coordinates<T>,
+    ) -> [T; DIRECTIONS];
+
+    /// Energies of an element.
+    fn energy(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64>) -> Energy;
+
+    /// Power that damping takes in an element, W.
+    fn dissipation(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64>) -> f64;
+
+    /// Indices of the vector of the unknowns that an element depends on.
+    fn directions(&self, element: usize) -> [usize; DIRECTIONS] {
+        let blocks = self.elements() * Self::BLOCK;
+        std::array::from_fn(|k| match k {
+            0..NODAL => (element * Self::BLOCK + k) % blocks,
+            _ => blocks + k - NODAL,
+        })
+    }
+}

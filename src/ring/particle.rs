@@ -1,0 +1,112 @@
+//! A ring particle: where the ring is at a place and how its material moves there. Every ring model tells this, and takes
+//! forces on it; how the place follows from unknowns is the model's own.
+//!
+//! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and velocities are those of the
+//! material. The mesh of chain and contact stands in space: [`Particle::at_station`] sees the particle that passes a
+//! mesh point η as the [`RingPoint`] which the chain needs,
+//!
+//! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
+
+use super::kinematics::{ReferenceMotion, RingPoint};
+use crate::reference_curve::ReferencePoint;
+use crate::scalar::{Real, turn_right};
+use nalgebra::Vector2;
+
+/// The ring at a place, and its material there.
+#[derive(Clone, Copy, Debug)]
+pub struct Particle<T: Real> {
+    /// Position r, m.
+    pub r: Vector2<T>,
+    /// r'.
+    pub slope: Vector2<T>,
+    /// r'', 1/m.
+    pub bend: Vector2<T>,
+    /// Velocity v, m/s.
+    pub velocity: Vector2<T>,
+    /// Velocity gradient v' = D(r')/Dt, 1/s.
+    pub velocity_slope: Vector2<T>,
+    /// Acceleration Dv/Dt, m/s².
+    pub acceleration: Vector2<T>,
+}
+
+impl<T: Real> Particle<T> {
+    /// Axial strain γ = |r'| − 1 (20).
+    #[inline(always)]
+    pub fn strain(&self) -> T {
+        self.slope.dot(&self.slope).sqrt() - 1.0
+    }
+
+    /// Dγ/Dt, 1/s.
+    #[inline(always)]
+    pub fn strain_rate(&self) -> T {
+        self.slope.dot(&self.velocity_slope) * self.slope.dot(&self.slope).sqrt().recip()
+    }
+
+    /// Turning of the tangent per unstretched length, (r' × r'')/|r'|², 1/m; positive inwards.
+    #[inline(always)]
+    pub fn curvature(&self) -> T {
+        turn_right(self.slope).dot(&self.bend) * self.slope.dot(&self.slope).recip()
+    }
+
+    /// As seen at a mesh point that is at `reference` now and follows its curve.
+    #[inline(always)]
+    pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T> {
+        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
+        let w = motion.s_dot - reference.xi.d * rate;
+        let w_dot = motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate;
+        let slope_dot = self.velocity_slope - self.bend * w;
+        let stretch = self.slope.dot(&self.slope).sqrt();
+        let t = self.slope * stretch.recip();
+        RingPoint {
+            reference,
+            r: self.r,
+            r_dot: self.velocity - self.slope * w,
+            r_ddot: self.acceleration - self.slope * w_dot - slope_dot * (w * 2.0) - self.bend * (w * w),
+            slope: self.slope,
+            slope_dot,
+            bend: self.bend,
+            stretch,
+            t,
+            n: turn_right(t),
+            w,
+            w_dot,
+        }
+    }
+}
+
+impl<T: Real> From<&RingPoint<T>> for Particle<T> {
+    #[inline(always)]
+    fn from(point: &RingPoint<T>) -> Self {
+        Self {
+            r: point.r,
+            slope: point.slope,
+            bend: point.bend,
+            velocity: point.velocity(),
+            velocity_slope: point.slope_dot + point.bend * point.w,
+            acceleration: point.acceleration(),
+        }
+    }
+}
+
+/// Forces per length on a particle, conjugate to its virtual displacement and to the primes of that.
+#[derive(Clone, Copy, Debug)]
+pub struct ParticleLoad<T: Real> {
+    /// Conjugate to δr, N/m.
+    pub position: Vector2<T>,
+    /// Conjugate to δr', N.
+    pub slope: Vector2<T>,
+    /// Conjugate to δr'', N·m.
+    pub bend: Vector2<T>,
+}
+
+impl<T: Real> ParticleLoad<T> {
+    /// No load.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self {
+            position: Vector2::zeros(),
+            slope: Vector2::zeros(),
+            bend: Vector2::zeros(),
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! The ring alone: kinematics, inertia and elasticity against differences, and motions with known answers. Every check runs
+//! for every ring model ([`models`]); what only one of them has is in [`ale`].
+
+mod ale;
+mod common;
+mod drive;
+mod models;
