@@ -39,7 +39,6 @@ struct Pack {
     face: Station<Lanes>,
     stations: Vec<Station<Lanes>>,
     axis: Lanes,
-    arc: bool,
     /// Unknowns of the directions.
     at: [[usize; LANES]; FLEXIBLE],
     /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
@@ -399,7 +398,6 @@ impl VariatorSystem {
                     .map(|i| Station::pack(member.map(|c| &c.stations[i])))
                     .collect(),
                 axis: Lanes::new(member.map(|c| self.law.axes[c.pulley])),
-                arc: member[0].arc,
                 at: std::array::from_fn(|k| at.map(|(at, _)| at[k])),
                 entries,
             });
@@ -412,8 +410,8 @@ impl VariatorSystem {
                 [cell, before].map(|of| {
                     let (at, count) = directions(of);
                     std::array::from_fn(|k| {
-                        // The density's dependence on the far node (ring stretch, 1e-4 of the rest, reverse flow only)
-                        // would leave the band.
+                        // With one cell in an element, its density's dependence on the far node (ring stretch, reverse
+                        // flow only) would leave the band.
                         rows.map(|row| {
                             if k < count {
                                 shape.index(row, at[k]).unwrap_or(NOWHERE)
@@ -579,7 +577,6 @@ impl VariatorSystem {
                 face: &cell.face,
                 stations: &cell.stations,
                 axis: self.law.axes[cell.pulley],
-                arc: cell.arc,
                 length: Jet::constant(0.0)
                     .plus_scaled(TwoPulley::segment_length(&frame, element.segment), element.share),
             };
@@ -612,7 +609,6 @@ impl VariatorSystem {
             face: &pack.face,
             stations: &pack.stations,
             axis: pack.axis,
-            arc: pack.arc,
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, pack.segment), pack.share),
         };
         let reference = |slot: usize| {
@@ -1070,6 +1066,7 @@ mod tests {
     #[test]
     fn jacobian_of_ale_matches_differences() {
         check_jacobian(RingModel::Ale, 200.0);
+        check_jacobian(RingModel::Ale, -200.0);
     }
 
     #[test]

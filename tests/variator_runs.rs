@@ -1,0 +1,194 @@
+//! Runs of the variator: the manoeuvre's books, tolerance, communication steps, repeatability, counts.
+
+mod common;
+
+use common::{MODELS, Manoeuvre, Run, assert_close, assert_pinned, coarse, inputs, variator};
+use pushbelt::variator::parameters::{Parameters, RingModel};
+use pushbelt::variator::signals::{Inputs, Outputs};
+
+/// Communication step of the manoeuvre, s.
+const STEP: f64 = 1e-2;
+
+/// The manoeuvre between two times of its clock.
+fn drive(parameters: Parameters, from: f64, to: f64, mut see: impl FnMut(f64, &Outputs)) -> Run {
+    let manoeuvre = Manoeuvre::read();
+    let mut run = Run::new(parameters, manoeuvre.at(from));
+    let steps = ((to - from) / STEP).round() as u32;
+    for k in 0..steps {
+        let clock = from + f64::from(k) * STEP;
+        run.inputs = manoeuvre.at(clock);
+        let outputs = run.go(STEP, STEP);
+        see(clock + STEP, &outputs);
+    }
+    println!(
+        "{:?} {from} to {to} s: residual {:.3} of what is allowed, {:.3} after a cold start; amount {:.1e}; {:?}",
+        run.variator.parameters().ring_model,
+        run.residual,
+        run.later_residual,
+        run.amount_change,
+        run.variator.counts()
+    );
+    run
+}
+
+/// Launch from standstill, shift to overdrive, torque steps, over-torque, recovery: at every output point energy is
+/// accounted for, |residual| ≤ 2e-3·∫|power| dt + 1e-3·(largest stored energy), and no element is lost.
+#[test]
+fn the_whole_manoeuvre_keeps_its_books_ale0() {
+    let (mut low, mut high, mut slipped) = (f64::INFINITY, 0.0_f64, false);
+    let mut run = drive(Manoeuvre::variator(variator(RingModel::Ale0)), 0.0, 10.0, |clock, o| {
+        low = low.min(o.ratio_geometric);
+        high = high.max(o.ratio_geometric);
+        slipped |= o.macro_slip && clock > 8.5;
+    });
+    let last = run.variator.outputs();
+    println!("ratio {low:.3} to {high:.3}, slip {:.4} at the end", last.slip);
+    assert!(low < 0.7 && high > 2.0 && slipped);
+    assert!(!last.macro_slip && last.slip.abs() < 0.03);
+    run.assert_books_from_cold();
+}
+
+/// The deflecting ring: launch.
+#[test]
+fn the_launch_keeps_its_books_ale() {
+    let mut run = drive(Manoeuvre::variator(variator(RingModel::Ale)), 0.0, 0.8, |_, _| {});
+    let o = run.variator.outputs();
+    assert!(
+        o.primary.speed > 20.0 && o.slip > 0.0 && o.slip < 0.03,
+        "{} rad/s, slip {}",
+        o.primary.speed,
+        o.slip
+    );
+    run.assert_books_from_cold();
+}
+
+/// The deflecting ring: over-torque, from the steady state near which the manoeuvre is by then, and recovery.
+#[test]
+fn the_over_torque_keeps_its_books_ale() {
+    let mut slipped = false;
+    let mut run = drive(
+        Manoeuvre::before_over_torque(variator(RingModel::Ale)),
+        8.45,
+        9.45,
+        |_, o| slipped |= o.macro_slip,
+    );
+    let o = run.variator.outputs();
+    assert!(slipped && !o.macro_slip && o.slip.abs() < 0.03, "slip {}", o.slip);
+    run.assert_books();
+}
+
+/// Outputs whose change a user would see: motions, then forces.
+fn watched(o: &Outputs) -> [f64; 7] {
+    [
+        o.ratio_geometric,
+        o.primary.speed,
+        o.secondary.speed,
+        o.belt_speed,
+        o.thrust_ratio,
+        o.primary.axial_force,
+        o.push_force_max,
+    ]
+}
+
+const MOTIONS: usize = 4;
+const NAMES: [&str; 7] = [
+    "ratio",
+    "primary speed",
+    "secondary speed",
+    "belt speed",
+    "thrust ratio",
+    "primary axial force",
+    "push force",
+];
+
+/// A tolerance ten times tighter changes launch and shift by less than 0.2 % of each output's range: motions at every
+/// output point, forces in the root mean square. (The moments at which elements stick and slip move with the tolerance, and
+/// with them single values of the push force, by up to 1.7 % of its range.)
+fn tighter_tolerance(model: RingModel, to: f64) {
+    let [a, b] = [1.0, 0.1].map(|factor| {
+        let mut parameters = Manoeuvre::variator(coarse(model));
+        parameters.solver.tolerance *= factor;
+        let mut rows = Vec::new();
+        drive(parameters, 0.0, to, |clock, o| rows.push((clock, watched(o))));
+        rows
+    });
+    for (k, name) in NAMES.iter().enumerate() {
+        let range = |f: fn(f64, f64) -> f64| a.iter().map(|row| row.1[k]).reduce(f).expect("rows");
+        let span = range(f64::max) - range(f64::min);
+        let off = a.iter().zip(&b).map(|(x, y)| ((x.1[k] - y.1[k]).abs() / span, x.0));
+        let square: f64 = off.clone().map(|d| d.0 * d.0).sum();
+        let mean = (square / a.len() as f64).sqrt();
+        let (most, clock) = off.fold((0.0, 0.0), |m, d| if d.0 > m.0 { d } else { m });
+        println!(
+            "{model:?} {name}: {:.3} % in the mean, {:.3} % at most, at {clock:.2} s",
+            100.0 * mean,
+            100.0 * most
+        );
+        assert!(mean < 2e-3, "{model:?} {name}: {mean} in the mean");
+        assert!(k >= MOTIONS || most < 2e-3, "{model:?} {name}: {most} at {clock} s");
+    }
+}
+
+#[test]
+fn a_tighter_tolerance_changes_little_ale0() {
+    tighter_tolerance(RingModel::Ale0, 3.0);
+}
+
+#[test]
+fn a_tighter_tolerance_changes_little_ale() {
+    tighter_tolerance(RingModel::Ale, 2.6);
+}
+
+/// The end of a run does not depend on how it is cut into communication steps.
+#[test]
+fn communication_steps_of_any_size() {
+    for model in MODELS {
+        let run = |step: f64| {
+            let mut run = Run::new(coarse(model), Inputs::default());
+            run.inputs.primary.clamping_force = 15e3;
+            run.go(0.03, step)
+        };
+        let reference = run(1e-3);
+        for step in [1e-4, 7.5e-3, 0.03] {
+            let o = run(step);
+            assert!((o.ratio_geometric - reference.ratio_geometric).abs() < 1e-4);
+            assert_close(o.primary.speed, reference.primary.speed, 1e-4, "primary speed");
+            assert_close(o.thrust_ratio, reference.thrust_ratio, 2e-3, "thrust ratio");
+        }
+    }
+}
+
+/// Two runs alike are alike to the last bit, and so is a snapshot that goes on.
+#[test]
+fn runs_and_snapshots_repeat_bit_for_bit() {
+    for model in MODELS {
+        let mut one = Run::new(coarse(model), Inputs::default());
+        let mut two = Run::new(coarse(model), Inputs::default());
+        one.go(0.01, 1e-3);
+        two.go(0.01, 1e-3);
+        let mut snapshot = one.clone();
+        for run in [&mut one, &mut two, &mut snapshot] {
+            run.go(0.01, 1e-3);
+        }
+        assert_eq!(one.variator.state(), two.variator.state());
+        assert_eq!(one.variator.state(), snapshot.variator.state());
+        assert_eq!(one.variator.outputs(), snapshot.variator.outputs());
+    }
+}
+
+/// What a short run takes, so that a solver that got slower shows without a clock: a step of F_P on the default variator.
+#[test]
+fn a_run_takes_its_usual_work() {
+    for (model, steps, residuals, factorizations) in [(RingModel::Ale0, 118, 947, 93), (RingModel::Ale, 116, 1485, 193)]
+    {
+        let mut run = Run::new(variator(model), inputs((50.0, 13e3), (-49.0, 10e3)));
+        run.go(0.05, 1e-3);
+        run.inputs.primary.clamping_force = 15e3;
+        run.go(0.05, 1e-3);
+        let counts = run.variator.counts();
+        println!("{model:?}: {counts:?}");
+        assert_pinned(counts.steps, steps, "steps");
+        assert_pinned(counts.residuals, residuals, "residuals");
+        assert_pinned(counts.factorizations, factorizations, "factorizations");
+    }
+}
