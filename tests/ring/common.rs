@@ -81,6 +81,8 @@ pub trait Case {
     const NAME: &'static str;
     /// Order of frequencies in the element length when stretch and bending both matter.
     const ORDER: f64;
+    /// Elements of 160 degrees of freedom, as in the paper.
+    const ELEMENTS: usize = 40;
     /// With about `elements` elements, with exactly so many on a circle.
     fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Self::Model<C>;
     fn system<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> RingSystem<Self::Model<C>> {
@@ -135,6 +137,7 @@ impl Case for AbsoluteNodal {
 impl Case for CoRotational {
     type Model<C: ReferenceCurve + Debug> = Rcm<C>;
     const NAME: &'static str = "RCM";
+    const ELEMENTS: usize = 32;
     // One strain an element. Bending alone has order 4.
     const ORDER: f64 = 2.0;
     fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Rcm<C> {
