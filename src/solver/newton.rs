@@ -12,6 +12,8 @@ const QUASI_ITERATIONS: usize = 16;
 const STALE: usize = 5;
 /// Growth of the step in one iteration at which Broyden's method is given up.
 const DIVERGED: f64 = 1.5;
+/// Contraction that the first iteration is trusted with at best: so the rate is measured again before it is stale.
+const BEST_RATE: f64 = 0.02;
 /// Damping factor at which a stage is given up.
 const MIN_DAMPING: f64 = 0.02;
 
@@ -227,7 +229,11 @@ impl Newton {
                 least = change;
                 self.best.copy_from_slice(stage.y);
             }
-            let rate = if iteration == 0 { self.rate } else { change / before };
+            let rate = if iteration == 0 {
+                self.rate.max(BEST_RATE)
+            } else {
+                change / before
+            };
             if iteration > 0 {
                 self.rate = if iteration == 1 { rate } else { self.rate.max(rate) };
                 if rate > DIVERGED && change > tolerance {
