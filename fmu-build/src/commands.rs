@@ -4,4 +4,5 @@ pub mod bench;
 pub mod build;
 pub mod demo;
 pub mod describe;
+pub mod linearize;
 pub mod test;

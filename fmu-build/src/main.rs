@@ -46,6 +46,8 @@ enum Command {
     Demo(commands::demo::Arguments),
     /// Measure the speed of the model
     Bench(commands::bench::Arguments),
+    /// Write A, B, C, D at a steady working point as JSON
+    Linearize(commands::linearize::Arguments),
     /// Write modelDescription.xml and docs/variables.md from the variable table
     Describe,
 }
@@ -67,6 +69,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Test(arguments) => commands::test::run(&workspace, arguments),
         Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
+        Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),
     }
 }

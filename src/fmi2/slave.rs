@@ -353,8 +353,8 @@ impl<U: Unit> Slave<U> {
     /// `fmi2GetRealStatus`: the time reached, s.
     pub fn real_status(&mut self, kind: StatusKind, value: &mut f64) -> Status {
         self.status("fmi2GetRealStatus", |slave| match (kind, &slave.now.unit) {
-            (StatusKind::LastSuccessfulTime, Some(unit)) => {
-                *value = unit.time();
+            (StatusKind::LastSuccessfulTime, Some(_)) => {
+                *value = slave.now.point;
                 Ok(())
             }
             _ => unknown_status(kind),
@@ -407,7 +407,7 @@ impl<U: Unit> Slave<U> {
         let Some(unit) = &mut self.now.unit else {
             return refused("the unit has not been initialised");
         };
-        let reached = unit.time();
+        let reached = self.now.point;
         let longest = U::IDENTITY.longest_step;
         if !(current.is_finite() && step.is_finite() && step > 0.0) {
             return refused(format!(
@@ -422,30 +422,33 @@ impl<U: Unit> Slave<U> {
                 "the step starts at {current} s, but the last one ended at {reached} s"
             ));
         }
-        let to = communication_point(current + step, step);
-        if to <= reached {
+        let end = current + step;
+        if end <= reached {
             return refused(format!(
                 "the step of {step} s is lost in the rounding of the time {reached} s"
             ));
         }
         if let Some(stop) = self.now.experiment.stop
-            && to > stop
-            && !same_time(to, stop, step)
+            && end > stop
+            && !same_time(end, stop, step)
         {
-            return refused(format!("the step to {to} s leads beyond the stop time {stop} s"));
+            return refused(format!("the step to {end} s leads beyond the stop time {stop} s"));
         }
+        // A longer step before may have ended on a coarser grid, just ahead.
+        let to = communication_point(end, step).max(unit.time());
         let mut remarks = Vec::new();
         let rates = self.now.rates.take();
         let result = unit.advance(to, &self.now.settings, rates.as_ref(), &mut remarks);
+        let came_to = unit.time();
         self.pass_on(&remarks);
         match result {
             Ok(()) => {
-                self.now.state = State::StepComplete;
+                (self.now.state, self.now.point) = (State::StepComplete, end);
                 Ok(())
             }
             Err(StepFailure::Setting(text)) => Err(Trouble::Failed(text)),
             Err(StepFailure::Discarded(text)) => {
-                self.now.state = State::StepFailed;
+                (self.now.state, self.now.point) = (State::StepFailed, came_to);
                 Err(Trouble::Discarded(text))
             }
         }
@@ -457,6 +460,7 @@ impl<U: Unit> Slave<U> {
             let started = U::start(&self.now.settings, &self.now.experiment, &mut remarks);
             self.pass_on(&remarks);
             self.now.unit = Some(started.map_err(Trouble::Failed)?);
+            self.now.point = self.now.experiment.start;
         }
         Ok(())
     }

@@ -15,6 +15,8 @@ pub struct Snapshot<U: Unit> {
     /// Time derivatives of the real inputs for the next step, in the inputs' fields; none if all are zero.
     pub(super) rates: Option<U::Settings>,
     pub(super) experiment: Experiment,
+    /// Communication point at which the next step begins, as the master counts, s.
+    pub(super) point: f64,
     /// Present from the first calculated reading in initialisation mode on. Settings changed in that mode drop it.
     pub(super) unit: Option<U>,
 }
@@ -26,6 +28,7 @@ impl<U: Unit> Snapshot<U> {
             settings: U::Settings::default(),
             rates: None,
             experiment: Experiment::default(),
+            point: 0.0,
             unit: None,
         }
     }
@@ -65,6 +68,7 @@ impl<U: Unit> Snapshot<U> {
         tape.option(tolerance);
         tape.real(start);
         tape.option(stop);
+        tape.real(&mut self.point);
         pass_settings(table, &mut self.settings, tape, |variable| {
             variable.causality.is_setting()
         });

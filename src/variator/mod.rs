@@ -5,6 +5,7 @@ pub mod cell;
 pub mod evolution;
 pub mod instance;
 pub mod layout;
+pub mod linear;
 pub mod mesh;
 pub mod observe;
 pub mod parameters;

@@ -1,0 +1,131 @@
+//! The linear model against the variator itself: small steps of each load.
+
+use nalgebra::DMatrix;
+use pushbelt::variator::instance::Variator;
+use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise};
+use pushbelt::variator::parameters::{Mesh, Parameters};
+use pushbelt::variator::signals::{Inputs, Outputs};
+
+type Read = fn(&Outputs) -> f64;
+
+/// Outputs, with what the solver leaves uncertain of each.
+const OUTPUTS: [(&str, f64, Read); 6] = [
+    ("primary.speed", 1e-6, |o| o.primary.speed),
+    ("secondary.speed", 1e-6, |o| o.secondary.speed),
+    ("ratio.geometric", 1e-8, |o| o.ratio_geometric),
+    ("belt.speed", 1e-6, |o| o.belt_speed),
+    ("primary.axialForce", 0.01, |o| o.primary.axial_force),
+    ("secondary.shaftTorque", 2e-4, |o| o.secondary.shaft_torque),
+];
+
+fn parameters() -> Parameters {
+    let mut parameters = Parameters::default();
+    parameters.mesh = Mesh {
+        primary_arc: 8,
+        secondary_arc: 8,
+        strand: 4,
+        cells_per_element: 2,
+    };
+    parameters.solver.tolerance = 1e-7;
+    parameters
+}
+
+fn model(frequency: f64) -> LinearModel {
+    let read: Vec<&dyn Fn(&Outputs) -> f64> = OUTPUTS
+        .iter()
+        .map(|(_, _, read)| read as &dyn Fn(&Outputs) -> f64)
+        .collect();
+    linearise(&parameters(), &Inputs::default(), frequency, &read).expect("a steady state")
+}
+
+/// Deviation of the outputs at `time` after a unit step of load `l`.
+fn response(model: &LinearModel, l: usize, time: f64) -> Vec<f64> {
+    let n = model.a.len();
+    let mut whole = DMatrix::<f64>::zeros(n + 1, n + 1);
+    for i in 0..n {
+        for j in 0..n {
+            whole[(i, j)] = model.a[i][j] * time;
+        }
+        whole[(i, n)] = model.b[i][l] * time;
+    }
+    let flow = whole.exp();
+    let output = |(c, d): (&Vec<f64>, &Vec<f64>)| d[l] + (0..n).map(|k| c[k] * flow[(k, n)]).sum::<f64>();
+    model.c.iter().zip(&model.d).map(output).collect()
+}
+
+fn run(inputs: &Inputs, start: &Variator, times: &[f64]) -> Vec<Vec<f64>> {
+    let mut variator = start.clone();
+    let row = |time: &f64| {
+        variator.advance(*time, inputs).expect("a small step");
+        let outputs = variator.outputs();
+        OUTPUTS.iter().map(|(_, _, read)| read(outputs)).collect()
+    };
+    times.iter().map(row).collect()
+}
+
+/// Small they must be: elements change between sticking and sliding, and a torque step of 0.2 N·m already moves the
+/// ratio 20 % less than the linear model says.
+#[test]
+fn small_steps_of_each_load_are_followed() {
+    let model = model(100.0);
+    let mut start = Variator::new(parameters()).expect("valid");
+    start.initialise(0.0, &Inputs::default()).expect("steady");
+    let times = [0.01, 0.02, 0.05, 0.1, 0.2];
+    let rest = run(&model.inputs, &start, &times);
+    assert_eq!(model.loads.len(), 4);
+    for (l, load) in model.loads.iter().enumerate() {
+        let size = match load {
+            Load::ClampingForce(_) => 5.0,
+            Load::Torque(_) => 0.01,
+            Load::SpeedSetpoint(_) => unreachable!("torque drive"),
+        };
+        let mut inputs = model.inputs;
+        *load.field(&mut inputs) += size;
+        let moved = run(&inputs, &start, &times);
+        let linear: Vec<Vec<f64>> = times.iter().map(|time| response(&model, l, *time)).collect();
+        for (i, (name, noise, _)) in OUTPUTS.iter().enumerate() {
+            let found: Vec<f64> = (0..times.len()).map(|k| (moved[k][i] - rest[k][i]) / size).collect();
+            let largest = found.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            for (k, time) in times.iter().enumerate() {
+                assert!(
+                    (found[k] - linear[k][i]).abs() < 0.05 * largest + noise / size,
+                    "{} → {name} at {time} s: {} against {} of the linear model",
+                    load.name(),
+                    found[k],
+                    linear[k][i]
+                );
+            }
+        }
+    }
+}
+
+/// More modes change what is fast only.
+#[test]
+fn slow_modes_do_not_depend_on_the_cut_off() {
+    let (few, many) = (model(20.0), model(200.0));
+    assert!(few.a.len() < many.a.len());
+    for pole in &few.poles {
+        let nearest = many
+            .poles
+            .iter()
+            .map(|other| (pole[0] - other[0]).hypot(pole[1] - other[1]));
+        let nearest = nearest.fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-5 + 1e-5 * pole[0].hypot(pole[1]), "{pole:?}: {nearest}");
+        assert!(pole[0] < 1.0, "{pole:?}: the working point is stable, or slowly left");
+    }
+}
+
+#[test]
+fn what_has_no_linear_model_says_why() {
+    let nothing: [&dyn Fn(&Outputs) -> f64; 0] = [];
+    let slow = linearise(&parameters(), &Inputs::default(), 1e-3, &nothing).err();
+    assert!(matches!(slow, Some(LinearError::NoMode(_))), "{slow:?}");
+    let mut overloaded = Inputs::default();
+    (overloaded.primary.torque, overloaded.secondary.torque) = (500.0, -490.0);
+    let unsteady = linearise(&parameters(), &overloaded, 50.0, &nothing).expect_err("it slips");
+    assert!(unsteady.to_string().contains("no steady"), "{unsteady}");
+    let mut wrong = parameters();
+    wrong.friction.pulley = -1.0;
+    let wrong = linearise(&wrong, &Inputs::default(), 50.0, &nothing).expect_err("no such friction");
+    assert!(wrong.to_string().contains("friction.pulley"), "{wrong}");
+}
