@@ -85,7 +85,7 @@ impl Sdirk {
             newton: Newton::new(system),
             step: first_step,
             max_step,
-            newton_tolerance: 20.0,
+            newton_tolerance: 1.0,
             kept: None,
             stages: [buffers(), buffers()],
             base: vec![0.0; n],

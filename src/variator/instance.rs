@@ -128,6 +128,17 @@ pub struct Moment {
     pub span: f64,
 }
 
+/// Newton's tolerance at the default solver tolerance, in units of the Newton scale: tenfold changes no output of the
+/// manoeuvre in the fourth digit.
+const NEWTON_TOLERANCE: f64 = 20.0;
+
+fn integrator(system: &VariatorSystem, parameters: &Parameters) -> Sdirk {
+    let solver = &parameters.solver;
+    let mut integrator = Sdirk::new(system, COLD_STEP, solver.max_step);
+    integrator.newton_tolerance = (NEWTON_TOLERANCE * solver.tolerance / 1.0e-4).clamp(0.05, 100.0);
+    integrator
+}
+
 impl Variator {
     /// Builds mesh and workspace.
     ///
@@ -137,7 +148,7 @@ impl Variator {
         parameters.validate()?;
         let system = VariatorSystem::new(&parameters);
         let n = system.layout.len();
-        let integrator = Sdirk::new(&system, COLD_STEP, parameters.solver.max_step);
+        let integrator = integrator(&system, &parameters);
         Ok(Self {
             parameters,
             integrator,
@@ -201,7 +212,7 @@ impl Variator {
         self.macro_slip = false;
         self.buckling = false;
         self.ramp_end = f64::NEG_INFINITY;
-        self.integrator = Sdirk::new(&self.system, COLD_STEP, parameters.solver.max_step);
+        self.integrator = integrator(&self.system, &parameters);
         let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
         if steady {
             self.state = cold(&self.system, &start)?;
