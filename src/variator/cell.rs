@@ -76,7 +76,7 @@ pub struct CellBalance<T: Real> {
     pub speed: [T; 2],
     /// Tension balance along the cell (`ALE0`), N.
     pub tension: T,
-    /// Conjugate of s; in `ALE0` the normal balance over the arcs, N.
+    /// Conjugate of s; in `ALE0` the normal balance around the loop, N.
     pub drift: T,
     /// Conjugate of Θ, N·m.
     pub theta: T,
@@ -150,8 +150,6 @@ pub struct Place<'a, T: Real> {
     pub stations: &'a [Station<T::Constant>],
     /// Pulley axis, x coordinate, m.
     pub axis: T::Constant,
-    /// Whether this is on an arc.
-    pub arc: bool,
     /// Length of the element.
     pub length: Jet<T>,
 }
@@ -345,7 +343,7 @@ pub fn balance<T: Real, S: Probe>(
         // δc = (δV − t̂·δr + e χ_Θ δΘ)/λ.
         let carried = flow / lambda;
         along += carried;
-        if !flexible && place.arc {
+        if !flexible {
             out.drift += (point_load.position.dot(&point.n) - tension * point.reference.kappa) * weight;
         }
         point_load.position -= point.t * carried;

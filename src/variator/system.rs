@@ -38,7 +38,6 @@ struct Pack {
     face: Station<Lanes>,
     stations: Vec<Station<Lanes>>,
     axis: Lanes,
-    arc: bool,
     /// Unknowns of the directions.
     at: [[usize; LANES]; FLEXIBLE],
     /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
@@ -296,7 +295,6 @@ impl VariatorSystem {
                     .map(|i| Station::pack(member.map(|c| &c.stations[i])))
                     .collect(),
                 axis: Lanes::new(member.map(|c| self.law.axes[c.pulley])),
-                arc: member[0].arc,
                 at: std::array::from_fn(|k| at.map(|(at, _)| at[k])),
                 entries,
             });
@@ -476,7 +474,6 @@ impl VariatorSystem {
                 face: &cell.face,
                 stations: &cell.stations,
                 axis: self.law.axes[cell.pulley],
-                arc: cell.arc,
                 length: Jet::constant(0.0)
                     .plus_scaled(TwoPulley::segment_length(&frame, element.segment), element.share),
             };
@@ -509,7 +506,6 @@ impl VariatorSystem {
             face: &pack.face,
             stations: &pack.stations,
             axis: pack.axis,
-            arc: pack.arc,
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, pack.segment), pack.share),
         };
         let reference = |slot: usize| {
