@@ -1,0 +1,241 @@
+//! Limits in which the variator obeys a closed law: no friction, full slip, small steps of the clamping force.
+
+mod common;
+
+use common::{MODELS, Run, SPEED, assert_close, coarse, full_slip_torque, given, inputs, refined, rigid, steady, variator};
+use pushbelt::variator::mesh::{P, S};
+use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
+use pushbelt::variator::signals::Outputs;
+
+/// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
+/// (F − σV²)α/(2 tan β).
+fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refinement: i32) -> [f64; 3] {
+    let mut parameters = rigid(variator(model));
+    parameters.friction.pulley = 1e-9;
+    parameters.friction.ring = 0.0;
+    parameters.contact.stiffness = contact_stiffness;
+    parameters.mesh = refined(&parameters.mesh, refinement);
+    // Bending's share of the strand force, EI/(F r²), is 0.5 % for this ring on the small pulley. The law has none.
+    parameters.ring.bending_stiffness = 1e-3;
+    let state = steady(&parameters, &given(ratio, P, 10.0e3, 0.0), [SPEED / ratio, SPEED]);
+    let stations = state.stations();
+    let strand: Vec<_> = stations.iter().filter(|at| at.segment == 1).collect();
+    let middle = &strand[strand.len() / 2].sample;
+    // σV²: elements and ring have masses and speeds of their own.
+    let elements = parameters.belt.mass_per_length * middle.density * middle.speed.powi(2);
+    let ring = parameters.ring.mass_per_length * state.outputs.ring_speed.powi(2);
+    let force = middle.tension - middle.push - elements - ring;
+    let wrap = state.wrap();
+    let law = |j: usize| force * wrap[j] / (2.0 * parameters.geometry.wedge_angle.tan());
+    let o = &state.outputs;
+    [
+        o.thrust_ratio * wrap[S] / wrap[P] - 1.0,
+        o.primary.axial_force / law(P) - 1.0,
+        o.secondary.axial_force / law(S) - 1.0,
+    ]
+}
+
+/// Without friction F_P/F_S = α_P/α_S and S = (F − σV²)α/(2 tan β). A flank that yields presses beside the arc too, over
+/// √(2 r g/tan β): the law's own limit is the stiff contact on a mesh that resolves this edge. Worst deviation of the
+/// thrust ratio and of S over three ratios, on each rung of the ladder.
+fn frictionless_ladder(model: RingModel) -> [[f64; 2]; 3] {
+    [(2.5e9, 1), (1e10, 2), (4e10, 2)].map(|(stiffness, refinement)| {
+        let mut worst = [0.0_f64; 2];
+        for ratio in [0.45, 1.0, 2.2] {
+            let off = off_frictionless(model, ratio, stiffness, refinement);
+            println!(
+                "{model:?} ratio {ratio} k_c {stiffness:e} mesh × {refinement}: thrust ratio {:+.2e}, S on P {:+.2e}, on S {:+.2e}",
+                off[0], off[1], off[2]
+            );
+            worst[0] = worst[0].max(off[0].abs());
+            worst[1] = worst[1].max(off[1].abs()).max(off[2].abs());
+        }
+        worst
+    })
+}
+
+#[test]
+fn without_friction_the_wrap_angles_share_the_thrust_ale0() {
+    let worst = frictionless_ladder(RingModel::Ale0);
+    assert!(worst.iter().all(|w| w[0] < 2e-3), "{worst:?}");
+    // The one tension of ALE0 balances the arcs alone, not what presses beside them: S is off in first order of the edge.
+    assert!(worst[2][1] < 5e-3 && worst[2][1] < worst[1][1] && worst[1][1] < worst[0][1], "{worst:?}");
+}
+
+#[test]
+fn without_friction_the_wrap_angles_share_the_thrust_ale() {
+    let worst = frictionless_ladder(RingModel::Ale);
+    for k in 0..2 {
+        assert!(worst[2][k] < 5e-4 && worst[2][k] < worst[1][k] && worst[1][k] < worst[0][k], "{worst:?}");
+    }
+}
+
+/// A pulley on which the whole belt slides tangentially transmits T = 2μSR/cos β, in the direction of sliding.
+#[test]
+fn a_pulley_that_slips_all_around_transmits_its_capacity() {
+    for model in MODELS {
+        // The smaller pulley slips; a slip far above the micro-slip leaves friction no radial share.
+        for (ratio, slip) in [(0.5, 0.5), (2.0, 0.5), (2.0, -0.5)] {
+            let parameters = variator(model);
+            let speeds = [SPEED / ratio * (1.0 - slip), SPEED];
+            let o = steady(&parameters, &given(ratio, P, 10.0e3, 0.0), speeds).outputs;
+            let (torque, law) = if ratio < 1.0 {
+                (o.secondary.shaft_torque, slip.signum() * full_slip_torque(&parameters, &o.secondary))
+            } else {
+                (o.primary.shaft_torque, -slip.signum() * full_slip_torque(&parameters, &o.primary))
+            };
+            println!("{model:?} ratio {ratio}, slip {slip}: {torque:.4} N·m, law {law:.4} N·m, {:+.1e}", torque / law - 1.0);
+            assert_close(torque, law, 2e-3, "torque at full slip");
+        }
+    }
+}
+
+/// Torque of a pulley that slips all around over 2μSR/cos β, if one does.
+fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
+    let system = run.variator.system();
+    let sliding = system.ledger.last.sliding;
+    [(P, &outputs.primary), (S, &outputs.secondary)].into_iter().find_map(|(j, pulley)| {
+        let one_way = sliding[j].forward / sliding[j].load;
+        let mean = (sliding[j].weighted / sliding[j].load).abs();
+        // Strand elements beside the arc hardly press, and slide as they like.
+        let full = one_way.max(1.0 - one_way) > 0.999 && mean > 1.0;
+        full.then(|| pulley.shaft_torque.abs() / full_slip_torque(run.variator.parameters(), pulley))
+    })
+}
+
+/// The secondary held by speed, the primary driven over capacity: while a pulley slips all around, it takes
+/// T = 2μSR/cos β; afterwards the belt grips again.
+#[test]
+fn over_torque_slips_at_capacity_and_recovers() {
+    for model in MODELS {
+        let mut parameters = coarse(model);
+        parameters.secondary.drive = Drive::Speed;
+        let normal = inputs((50.0, 12.0e3), (0.0, 9.0e3));
+        let mut run = Run::new(parameters, normal);
+        let before = run.go(0.02, 2e-3);
+        assert!(!before.macro_slip && before.slip < 0.03);
+        run.inputs.primary.torque = 150.0;
+        let (mut seen, mut worst, mut flagged) = (0, 0.0_f64, false);
+        for _ in 0..50 {
+            let o = run.go(2e-3, 2e-3);
+            flagged |= o.macro_slip;
+            if let Some(ratio) = slip_torque_ratio(&run, &o) {
+                seen += 1;
+                worst = worst.max((ratio - 1.0).abs());
+            }
+        }
+        let slipping = run.variator.outputs().slip;
+        run.inputs = normal;
+        let after = run.go(0.4, 2e-3);
+        println!(
+            "{model:?}: slip {:.4} before, {slipping:.3}, {:.4} after; {seen} times full slip, torque off by {worst:.1e} at most",
+            before.slip, after.slip
+        );
+        assert!(flagged && seen > 10, "{model:?} did not slip");
+        assert!(worst < 0.02, "{model:?}: torque off by {worst}");
+        assert!(!after.macro_slip && after.slip > 0.0 && after.slip < 0.01, "{model:?}: slip {}", after.slip);
+        run.assert_books();
+    }
+}
+
+/// Both speeds prescribed: pulled a third apart, one pulley slips at capacity; brought together, the belt grips again.
+#[test]
+fn speeds_pulled_apart_slip_at_capacity_and_recover() {
+    for model in MODELS {
+        let mut parameters = coarse(model);
+        parameters.primary.drive = Drive::Speed;
+        parameters.secondary.drive = Drive::Speed;
+        let mut run = Run::new(parameters, inputs((0.0, 12.0e3), (0.0, 9.0e3)));
+        let gripping = run.go(0.01, 2e-3);
+        run.inputs.secondary.speed_setpoint = 0.67 * SPEED;
+        run.go(0.02, 2e-3);
+        let o = run.go(0.01, 2e-3);
+        let ratio = slip_torque_ratio(&run, &o).expect("full slip");
+        run.inputs.secondary.speed_setpoint = SPEED / o.ratio_geometric;
+        let after = run.go(0.1, 2e-3);
+        println!(
+            "{model:?}: slip {:.3}, torque over 2μSR/cos β {ratio:.5}; then slip {:.4}",
+            o.slip, after.slip
+        );
+        assert!(!gripping.macro_slip && o.macro_slip && !after.macro_slip);
+        assert_close(ratio, 1.0, 0.02, "torque at full slip");
+        assert!(after.slip.abs() < 0.03);
+        run.assert_books();
+    }
+}
+
+/// Factors on F_P.
+const STEPS: [f64; 4] = [0.98, 0.99, 1.01, 1.02];
+
+/// A run at ratio 1 whose clamping forces balance: what a step of F_P starts from.
+fn balanced(model: RingModel, omega: f64) -> Run {
+    let mut parameters: Parameters = coarse(model);
+    parameters.primary.drive = Drive::Speed;
+    // A step moves the ratio by 1e-4 to 1e-2 in the time observed.
+    parameters.solver.tolerance = 1e-6;
+    parameters.primary.sheave_damping = 0.0;
+    parameters.secondary.sheave_damping = 0.0;
+    let mut start = inputs((0.0, 10.0e3), (-40.0, 8.0e3));
+    start.primary.speed_setpoint = omega;
+    let mut run = Run::new(parameters, start);
+    run.inputs.primary.clamping_force = run.variator.outputs().primary.axial_force;
+    run.go(0.02, 0.02);
+    run
+}
+
+/// d ln i_g/dt and ln i_F, two to four belt turns after a step of F_P by `factor`. (The belt finds its new distribution
+/// of sliding within two turns; then the rate is steady.)
+fn shift(balanced: &Run, omega: f64, factor: f64) -> (f64, f64) {
+    let mut run = balanced.clone();
+    run.inputs.primary.clamping_force *= factor;
+    let turns = 2.0 * 0.7 / (0.058 * omega);
+    let from = run.go(turns, turns);
+    let to = run.go(turns, turns);
+    let rate = (to.ratio_geometric / from.ratio_geometric).ln() / turns;
+    (rate, to.thrust_ratio.ln())
+}
+
+/// Coefficients c of d ln i_g/dt = c ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq) for small steps of either sign, in ascending
+/// order of F_P. Equilibrium is what the run does without a step.
+fn shift_coefficients(model: RingModel, omega: f64) -> [f64; 4] {
+    let run = balanced(model, omega);
+    let (rest, equilibrium) = shift(&run, omega, 1.0);
+    println!("{model:?} ω_P {omega:.1}: d ln i/dt = {rest:+.6}/s without a step");
+    STEPS.map(|factor| {
+        let (rate, thrust) = shift(&run, omega, factor);
+        let (rate, drive) = (rate - rest, thrust - equilibrium);
+        let coefficient = rate / (omega * drive);
+        println!("{model:?} ω_P {omega:.1} F_P·{factor}: d ln i/dt = {rate:+.6}/s at Δln = {drive:+.5}: {coefficient:+.6}");
+        // More primary force shifts towards overdrive: i_g falls.
+        assert!(coefficient < 0.0, "{model:?}: shifts against the force");
+        coefficient
+    })
+}
+
+/// Rate ∝ Δln for small steps: opposite steps of either size have the same mean coefficient, and what separates them is
+/// of second order, twice as much for twice the step.
+fn assert_linear(c: &[f64; 4]) {
+    assert_close(c[0] + c[3], c[1] + c[2], 0.02, "mean coefficient");
+    let growth = (c[3] - c[0]) / (c[2] - c[1]);
+    assert!((growth - 2.0).abs() < 0.4, "{c:?}: the second order grows by {growth}");
+    assert_close(c[2], c[1], 0.12, "opposite steps");
+}
+
+/// Carbone, Mangialardi, Mantriota 2005: in creep mode di/dt ∝ ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq). It comes out of the
+/// sliding that the tilted sheaves force on the belt at every turn.
+#[test]
+fn shift_speed_is_proportional_to_pulley_speed_and_logarithm_of_the_thrust_ale() {
+    let [slow, fast] = [0.5, 1.0].map(|share| shift_coefficients(RingModel::Ale, share * SPEED));
+    assert_linear(&slow);
+    assert_linear(&fast);
+    for (a, b) in slow.iter().zip(&fast) {
+        assert_close(*a, *b, 0.05, "half the pulley speed");
+    }
+}
+
+/// A belt that stays on its circle slides radially only as fast as it shifts, far slower than with spiral running and
+/// at speeds of the order of v₀: linear in the logarithm, but no longer proportional to ω_P.
+#[test]
+fn shift_speed_is_proportional_to_the_logarithm_of_the_thrust_ale0() {
+    assert_linear(&shift_coefficients(RingModel::Ale0, SPEED));
+}

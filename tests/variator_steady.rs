@@ -1,0 +1,288 @@
+//! Steady states of the variator: load cases, power balance, symmetry, what mesh and regularisation are worth.
+
+mod common;
+
+use common::{
+    LoadCase, MODELS, SPEED, Steady, assert_close, assert_pinned, coarse, given, load_case, mesh, ratio, refined,
+    steady, variator,
+};
+use pushbelt::variator::mesh::{P, S};
+use pushbelt::variator::parameters::RingModel;
+use pushbelt::variator::steady::SteadyTask;
+use pushbelt::variator::system::SpeedMode;
+
+/// Smallest and largest.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
+}
+
+/// Push force builds up in the primary arc, is constant in the push strand, decays in the secondary arc and is gone in
+/// the pulling strand. Against its trend it goes no further than ring friction carries it, μ_r T over the angle passed.
+fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
+    let stations = state.stations();
+    let push = |segments: &[usize]| -> Vec<(f64, f64)> {
+        segments
+            .iter()
+            .flat_map(|&segment| stations.iter().filter(move |at| at.segment == segment))
+            .map(|at| (at.sample.push, at.sample.weight / at.sample.pitch_radius))
+            .collect()
+    };
+    let o = &state.outputs;
+    let per_angle = state.system.law.parameters.friction.ring * o.ring_tension_max;
+    let assert_trend = |course: &[(f64, f64)], sign: f64, arc: &str| {
+        let (mut best, mut angle) = (f64::NEG_INFINITY, 0.0);
+        for &(q, step) in course {
+            angle += step;
+            if sign * q > best {
+                (best, angle) = (sign * q, 0.0);
+            }
+            assert!(
+                sign * q >= best - per_angle * angle - 0.01 * o.push_force_max,
+                "{name}: {q} N after {} N in the {arc} arc",
+                best.abs()
+            );
+        }
+        let half = course.len() / 2;
+        let sum = |part: &[(f64, f64)]| part.iter().map(|x| x.0 * x.1).sum::<f64>();
+        assert!(sign * (sum(&course[half..]) - sum(&course[..half])) > 0.0, "{name}: {arc} arc");
+    };
+    assert_trend(&push(&[2]), 1.0, "primary");
+    assert_trend(&push(&[4, 0]), -1.0, "secondary");
+    let (low, high) = range(push(&[3]).into_iter().map(|x| x.0));
+    assert!(high - low <= 0.01 * high, "{name}: {low} to {high} N in the push strand");
+    let (_, left) = range(push(&[1]).into_iter().map(|x| x.0));
+    assert!(left <= 0.05 * high, "{name}: {left} N left in the pulling strand of {high} N");
+}
+
+/// Nine load cases: supplied power is lost power, the drive slips forward and loses less than a whole measured
+/// transmission, the push force runs its course, the thrust ratio rises from underdrive to overdrive.
+fn nine_load_cases(model: RingModel) {
+    let parameters = variator(model);
+    for torque in [30.0, 50.0, 100.0] {
+        let mut thrust = Vec::new();
+        // Efficiencies of a whole transmission at 41 or 81 N·m (NREL ADVISOR, TX_CVT50_SUBARU).
+        for (case, measured) in LoadCase::three(&parameters, torque).iter().zip([0.851, 0.924, 0.947]) {
+            let state = load_case(&parameters, case);
+            let o = &state.outputs;
+            let name = format!("{model:?} {} {torque} N·m", case.name);
+            println!(
+                "{name}: i_F {:.4} efficiency {:.4} slip {:.4} spiral {:.3}/{:.3} mm power defect {:.1e}",
+                o.thrust_ratio,
+                o.efficiency,
+                o.slip,
+                1e3 * o.primary.spiral,
+                1e3 * o.secondary.spiral,
+                state.power_defect()
+            );
+            assert_close(-o.primary.shaft_torque, torque, 1e-4, "torque on P");
+            assert_close(o.ratio_geometric, ratio(case.theta), 1e-4, "ratio");
+            assert!(state.power_defect().abs() < 2e-3, "{name}");
+            assert!(o.slip > 0.0 && o.slip < 0.03, "{name}");
+            assert!(o.efficiency > measured && o.efficiency < 1.0, "{name}");
+            assert!(o.losses.sheaves > 0.0 && o.losses.ring > 0.0 && o.losses.other >= 0.0, "{name}");
+            if model == RingModel::Ale {
+                // Tilt alone spreads the radius by R aΔ on a wrap of half a turn: 1.1 mm at 21 kN on the large pulley.
+                for spiral in [o.primary.spiral, o.secondary.spiral] {
+                    assert!(spiral > 5e-5 && spiral < 1.2e-3, "{name}");
+                }
+            }
+            assert_push_force_runs_its_course(&state, &name);
+            thrust.push(o.thrust_ratio);
+        }
+        assert!(thrust[0] < thrust[1] && thrust[1] < thrust[2], "{model:?}: {thrust:?}");
+    }
+}
+
+#[test]
+fn nine_load_cases_balance_their_power_ale() {
+    nine_load_cases(RingModel::Ale);
+}
+
+#[test]
+fn nine_load_cases_balance_their_power_ale0() {
+    nine_load_cases(RingModel::Ale0);
+}
+
+/// The paper's 5.4: belt speed has a minor influence, once the ratio has been taken out.
+#[test]
+fn belt_speed_moves_the_thrust_ratio_by_less_than_five_percent() {
+    let parameters = variator(RingModel::Ale);
+    let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
+    let [half, full, more] = [0.5, 1.0, 1.5].map(|share| {
+        let speed = share * SPEED;
+        steady(&parameters, &case.task(), [speed, speed]).outputs.thrust_ratio
+    });
+    println!("thrust ratio at 1000, 2000, 3000 rpm: {half:.4}, {full:.4}, {more:.4}");
+    assert_close(half, full, 0.05, "1000 rpm");
+    assert_close(more, full, 0.05, "3000 rpm");
+}
+
+/// Four times the cells close the power balance to 5e-4.
+#[test]
+fn four_times_the_cells_close_the_power_balance_to_5e_4() {
+    for model in MODELS {
+        let mut parameters = variator(model);
+        parameters.mesh = refined(&parameters.mesh, 4);
+        for torque in [30.0, 50.0, 100.0] {
+            for case in LoadCase::three(&parameters, torque) {
+                let defect = load_case(&parameters, &case).power_defect();
+                println!("{model:?} {} {torque} N·m: {defect:+.1e}", case.name);
+                assert!(defect.abs() <= 5e-4, "{model:?} {} {torque} N·m: {defect:e}", case.name);
+            }
+        }
+    }
+}
+
+/// Twice the elements: thrust ratio within 1 %, spiral running within 5 %.
+fn doubling_the_mesh(case: usize, bound: f64) {
+    let parameters = variator(RingModel::Ale);
+    let mut fine = parameters.clone();
+    fine.mesh = refined(&parameters.mesh, 2);
+    let case = LoadCase::three(&parameters, 50.0)[case];
+    let [a, b] = [&parameters, &fine].map(|p| load_case(p, &case).outputs);
+    for (a, b, bound, what) in [
+        (a.thrust_ratio, b.thrust_ratio, bound, "thrust ratio"),
+        (a.primary.spiral, b.primary.spiral, 0.05, "spiral running on P"),
+        (a.secondary.spiral, b.secondary.spiral, 0.05, "spiral running on S"),
+    ] {
+        println!("{}: {what} {:+.2} %", case.name, 100.0 * (a / b - 1.0));
+        assert_close(a, b, bound, what);
+    }
+}
+
+#[test]
+fn the_mesh_is_fine_enough_in_underdrive() {
+    doubling_the_mesh(0, 0.01);
+}
+
+#[test]
+fn the_mesh_is_fine_enough_in_medium() {
+    doubling_the_mesh(1, 0.01);
+}
+
+/// The contact edge on the small pulley is not resolved yet: 1.9 % instead of 1 %.
+#[test]
+fn the_mesh_is_nearly_fine_enough_in_overdrive() {
+    doubling_the_mesh(2, 0.025);
+}
+
+/// Half the friction velocity: thrust ratio within 0.5 %.
+#[test]
+fn the_friction_velocity_is_small_enough() {
+    let parameters = variator(RingModel::Ale);
+    let mut sharp = parameters.clone();
+    sharp.friction.velocity *= 0.5;
+    for case in LoadCase::three(&parameters, 50.0) {
+        let [a, b] = [&parameters, &sharp].map(|p| load_case(p, &case).outputs.thrust_ratio);
+        println!("{}: {:+.3} %", case.name, 100.0 * (a / b - 1.0));
+        assert_close(a, b, 5e-3, case.name);
+    }
+}
+
+/// Nothing pulls along a ring without friction: its tension is the same all around, outside the elements that touch an
+/// arc border. Returns the extremes of stations and of element means over the mean, less one.
+fn tension_ripple(state: &Steady) -> [(f64, f64); 2] {
+    let elements = &state.system.mesh.elements;
+    let n = elements.len();
+    let inner = |element: usize| {
+        [1, n - 1]
+            .iter()
+            .all(|k| elements[(element + k) % n].segment % 2 == elements[element].segment % 2)
+    };
+    let stations = state.stations();
+    let mean = |of: &dyn Fn(usize) -> bool| {
+        let (force, length) = stations.iter().filter(|at| of(at.element)).fold((0.0, 0.0), |(f, l), at| {
+            (f + at.sample.tension * at.sample.weight, l + at.sample.weight)
+        });
+        force / length
+    };
+    let whole = mean(&|_| true);
+    let (low, high) = range(stations.iter().filter(|at| inner(at.element)).map(|at| at.sample.tension));
+    let (least, most) = range((0..n).filter(|&i| inner(i)).map(|i| mean(&|element| element == i)));
+    [(low, high), (least, most)].map(|(a, b)| (a / whole - 1.0, b / whole - 1.0))
+}
+
+#[test]
+fn ring_tension_is_constant_without_ring_friction() {
+    let mut parameters = variator(RingModel::Ale);
+    parameters.friction.ring = 0.0;
+    for case in LoadCase::three(&parameters, 50.0) {
+        let [points, means] = tension_ripple(&load_case(&parameters, &case));
+        println!(
+            "{}: stations {:+.2} % to {:+.2} %, element means {:+.2} % to {:+.2} %",
+            case.name,
+            100.0 * points.0,
+            100.0 * points.1,
+            100.0 * means.0,
+            100.0 * means.1
+        );
+        for ripple in [means.0, means.1, points.0, points.1] {
+            assert!(ripple.abs() < 0.05, "{}: ring tension off by {ripple}", case.name);
+        }
+    }
+}
+
+/// Half a turn about the middle between the axes swaps the pulleys: i_F(i; P drives)·i_F(1/i; S drives) = 1.
+#[test]
+fn swapped_pulleys_mirror_each_other() {
+    for model in MODELS {
+        let mut parameters = coarse(model);
+        parameters.mesh = mesh(12, 8);
+        let i = ratio(0.2);
+        let task = SteadyTask {
+            speed: [SpeedMode::Transmit(50.0), SpeedMode::Fixed],
+            ..given(i, P, 9000.0, 0.01)
+        };
+        let direct = steady(&parameters, &task, [SPEED / i, SPEED]).outputs;
+        let task = SteadyTask {
+            speed: [SpeedMode::Fixed, SpeedMode::Torque(-direct.secondary.shaft_torque)],
+            ..given(1.0 / i, S, 9000.0, -0.01)
+        };
+        let mirrored = steady(&parameters, &task, [SPEED, SPEED * i]).outputs;
+        let product = direct.thrust_ratio * mirrored.thrust_ratio;
+        println!(
+            "{model:?}: {} · {} = {product}",
+            direct.thrust_ratio, mirrored.thrust_ratio
+        );
+        // The overlay of ALE is measured from the reference curve through the locked node on S: that choice is no
+        // symmetry of the mesh, and its trace falls with the element size.
+        let tolerance = if model == RingModel::Ale0 { 1e-6 } else { 1e-2 };
+        assert!((product - 1.0).abs() < tolerance);
+    }
+}
+
+/// Reverse running is the picture in the mirror of the line of the axes: speeds and torques change sign, forces do not.
+#[test]
+fn reverse_running_mirrors_the_steady_state() {
+    for model in MODELS {
+        let parameters = variator(model);
+        let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
+        let forward = load_case(&parameters, &case).outputs;
+        let task = SteadyTask {
+            speed: [SpeedMode::Transmit(-case.torque), SpeedMode::Fixed],
+            ..case.task()
+        };
+        let reverse = steady(&parameters, &task, [-SPEED; 2]).outputs;
+        for (a, b, what) in [
+            (reverse.thrust_ratio, forward.thrust_ratio, "thrust ratio"),
+            (reverse.secondary.speed, -forward.secondary.speed, "secondary speed"),
+            (reverse.secondary.shaft_torque, -forward.secondary.shaft_torque, "secondary torque"),
+            (reverse.belt_speed, -forward.belt_speed, "belt speed"),
+            (reverse.push_force_max, forward.push_force_max, "push force"),
+            (reverse.losses.total(), forward.losses.total(), "losses"),
+        ] {
+            println!("{model:?} {what}: {a:.6} and {b:.6}");
+            assert_close(a, b, 2e-3, what);
+        }
+    }
+}
+
+/// What a steady state takes, so that a solver that got slower shows without a clock.
+#[test]
+fn a_steady_state_takes_its_usual_work() {
+    let parameters = variator(RingModel::Ale);
+    let counts = load_case(&parameters, &LoadCase::new(&parameters, "medium", 0.0, 50.0)).counts;
+    println!("{counts:?}");
+    assert_pinned(counts.residuals, 100, "residuals");
+    assert_pinned(counts.factorizations, 25, "factorizations");
+}
