@@ -4,7 +4,7 @@ mod common;
 
 use common::{MODELS, Run, SPEED, assert_close, coarse, full_slip_torque, given, inputs, refined, rigid, steady, variator};
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
+use pushbelt::variator::parameters::{Drive, RingModel};
 use pushbelt::variator::signals::Outputs;
 
 /// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
@@ -55,18 +55,15 @@ fn frictionless_ladder(model: RingModel) -> [[f64; 2]; 3] {
 }
 
 #[test]
-fn without_friction_the_wrap_angles_share_the_thrust_ale0() {
-    let worst = frictionless_ladder(RingModel::Ale0);
-    assert!(worst.iter().all(|w| w[0] < 2e-3), "{worst:?}");
-    // The one tension of ALE0 balances the arcs alone, not what presses beside them: S is off in first order of the edge.
-    assert!(worst[2][1] < 5e-3 && worst[2][1] < worst[1][1] && worst[1][1] < worst[0][1], "{worst:?}");
-}
-
-#[test]
-fn without_friction_the_wrap_angles_share_the_thrust_ale() {
-    let worst = frictionless_ladder(RingModel::Ale);
-    for k in 0..2 {
-        assert!(worst[2][k] < 5e-4 && worst[2][k] < worst[1][k] && worst[1][k] < worst[0][k], "{worst:?}");
+fn without_friction_the_wrap_angles_share_the_thrust() {
+    for model in MODELS {
+        let worst = frictionless_ladder(model);
+        for k in 0..2 {
+            assert!(
+                worst[2][k] < 3e-4 && worst[2][k] < 0.5 * worst[1][k] && worst[1][k] < 0.5 * worst[0][k],
+                "{model:?}: {worst:?}"
+            );
+        }
     }
 }
 
@@ -90,17 +87,20 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
     }
 }
 
-/// Torque of a pulley that slips all around over 2μSR/cos β, if one does.
+/// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one elements may have
+/// spread out before the entry: they ride along with the sheave until they meet the pushing stack.)
 fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
-    let system = run.variator.system();
-    let sliding = system.ledger.last.sliding;
-    [(P, &outputs.primary), (S, &outputs.secondary)].into_iter().find_map(|(j, pulley)| {
-        let one_way = sliding[j].forward / sliding[j].load;
-        let mean = (sliding[j].weighted / sliding[j].load).abs();
-        // Strand elements beside the arc hardly press, and slide as they like.
-        let full = one_way.max(1.0 - one_way) > 0.999 && mean > 1.0;
-        full.then(|| pulley.shaft_torque.abs() / full_slip_torque(run.variator.parameters(), pulley))
-    })
+    let sliding = run.variator.system().ledger.last.sliding;
+    let mean = sliding.map(|s| (s.weighted / s.load).abs());
+    let (j, pulley) = if mean[P] > mean[S] {
+        (P, &outputs.primary)
+    } else {
+        (S, &outputs.secondary)
+    };
+    let forward = sliding[j].forward / sliding[j].load;
+    // Strand elements beside the arc hardly press, and slide as they like.
+    let full = forward.max(1.0 - forward) > 0.999 && mean[j] > 1.0;
+    full.then(|| pulley.shaft_torque.abs() / full_slip_torque(run.variator.parameters(), pulley))
 }
 
 /// The secondary held by speed, the primary driven over capacity: while a pulley slips all around, it takes
@@ -132,7 +132,7 @@ fn over_torque_slips_at_capacity_and_recovers() {
             before.slip, after.slip
         );
         assert!(flagged && seen > 10, "{model:?} did not slip");
-        assert!(worst < 0.02, "{model:?}: torque off by {worst}");
+        assert!(worst < 5e-3, "{model:?}: torque off by {worst}");
         assert!(!after.macro_slip && after.slip > 0.0 && after.slip < 0.01, "{model:?}: slip {}", after.slip);
         run.assert_books();
     }
@@ -158,7 +158,7 @@ fn speeds_pulled_apart_slip_at_capacity_and_recover() {
             o.slip, after.slip
         );
         assert!(!gripping.macro_slip && o.macro_slip && !after.macro_slip);
-        assert_close(ratio, 1.0, 0.02, "torque at full slip");
+        assert_close(ratio, 1.0, 5e-3, "torque at full slip");
         assert!(after.slip.abs() < 0.03);
         run.assert_books();
     }
@@ -169,7 +169,7 @@ const STEPS: [f64; 4] = [0.98, 0.99, 1.01, 1.02];
 
 /// A run at ratio 1 whose clamping forces balance: what a step of F_P starts from.
 fn balanced(model: RingModel, omega: f64) -> Run {
-    let mut parameters: Parameters = coarse(model);
+    let mut parameters = coarse(model);
     parameters.primary.drive = Drive::Speed;
     // A step moves the ratio by 1e-4 to 1e-2 in the time observed.
     parameters.solver.tolerance = 1e-6;
@@ -212,30 +212,21 @@ fn shift_coefficients(model: RingModel, omega: f64) -> [f64; 4] {
     })
 }
 
-/// Rate ∝ Δln for small steps: opposite steps of either size have the same mean coefficient, and what separates them is
-/// of second order, twice as much for twice the step.
-fn assert_linear(c: &[f64; 4]) {
-    assert_close(c[0] + c[3], c[1] + c[2], 0.02, "mean coefficient");
-    let growth = (c[3] - c[0]) / (c[2] - c[1]);
-    assert!((growth - 2.0).abs() < 0.4, "{c:?}: the second order grows by {growth}");
-    assert_close(c[2], c[1], 0.12, "opposite steps");
-}
-
 /// Carbone, Mangialardi, Mantriota 2005: in creep mode di/dt ∝ ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq). It comes out of the
-/// sliding that the tilted sheaves force on the belt at every turn.
+/// sliding that the tilted sheaves force on the belt at every turn. A belt that stays on its circle (`ALE0`) has no such
+/// sliding to share: it shifts some fifty times slower, held by sticking.
 #[test]
-fn shift_speed_is_proportional_to_pulley_speed_and_logarithm_of_the_thrust_ale() {
+fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrust() {
     let [slow, fast] = [0.5, 1.0].map(|share| shift_coefficients(RingModel::Ale, share * SPEED));
-    assert_linear(&slow);
-    assert_linear(&fast);
-    for (a, b) in slow.iter().zip(&fast) {
-        assert_close(*a, *b, 0.05, "half the pulley speed");
+    for c in [slow, fast] {
+        let mean = 0.5 * (c[1] + c[2]);
+        // What separates opposite steps is of the order of the step.
+        for (k, bound) in [(0, 0.04), (1, 0.02), (2, 0.02), (3, 0.04)] {
+            assert_close(c[k], mean, bound, "coefficient of a step");
+        }
+        assert_close(c[0] + c[3], c[1] + c[2], 5e-3, "mean of opposite steps");
     }
-}
-
-/// A belt that stays on its circle slides radially only as fast as it shifts, far slower than with spiral running and
-/// at speeds of the order of v₀: linear in the logarithm, but no longer proportional to ω_P.
-#[test]
-fn shift_speed_is_proportional_to_the_logarithm_of_the_thrust_ale0() {
-    assert_linear(&shift_coefficients(RingModel::Ale0, SPEED));
+    for (a, b) in slow.iter().zip(&fast) {
+        assert_close(*a, *b, 0.06, "half the pulley speed");
+    }
 }

@@ -7,7 +7,7 @@ use common::{
     steady, variator,
 };
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::RingModel;
+use pushbelt::variator::parameters::{Parameters, RingModel};
 use pushbelt::variator::steady::SteadyTask;
 use pushbelt::variator::system::SpeedMode;
 
@@ -54,6 +54,24 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
     assert!(left <= 0.05 * high, "{name}: {left} N left in the pulling strand of {high} N");
 }
 
+/// Whether the belt carries less than the case's torque at any slip, its clamping force given. A belt without spiral
+/// running has less thrust on the small primary pulley than on the secondary: in underdrive two load cases, clamped 1.3
+/// times as hard as equal thrusts need, are beyond it.
+fn beyond_capacity(parameters: &Parameters, case: &LoadCase) -> bool {
+    if case.theta >= 0.0 {
+        return false;
+    }
+    let i = ratio(case.theta);
+    let torques = [0.01, 0.02, 0.03, 0.05, 0.1, 0.2].map(|slip| {
+        let task = given(i, P, case.clamping, 0.0);
+        let o = steady(parameters, &task, [SPEED / i * (1.0 - slip), SPEED]).outputs;
+        o.primary.shaft_torque.abs()
+    });
+    let (_, most) = range(torques.into_iter());
+    println!("{} {} N·m: the belt carries {most:.2} N·m at most", case.name, case.torque);
+    most < case.torque
+}
+
 /// Nine load cases: supplied power is lost power, the drive slips forward and loses less than a whole measured
 /// transmission, the push force runs its course, the thrust ratio rises from underdrive to overdrive.
 fn nine_load_cases(model: RingModel) {
@@ -62,6 +80,9 @@ fn nine_load_cases(model: RingModel) {
         let mut thrust = Vec::new();
         // Efficiencies of a whole transmission at 41 or 81 N·m (NREL ADVISOR, TX_CVT50_SUBARU).
         for (case, measured) in LoadCase::three(&parameters, torque).iter().zip([0.851, 0.924, 0.947]) {
+            if model == RingModel::Ale0 && beyond_capacity(&parameters, case) {
+                continue;
+            }
             let state = load_case(&parameters, case);
             let o = &state.outputs;
             let name = format!("{model:?} {} {torque} N·m", case.name);
@@ -89,7 +110,7 @@ fn nine_load_cases(model: RingModel) {
             assert_push_force_runs_its_course(&state, &name);
             thrust.push(o.thrust_ratio);
         }
-        assert!(thrust[0] < thrust[1] && thrust[1] < thrust[2], "{model:?}: {thrust:?}");
+        assert!(thrust.windows(2).all(|w| w[0] < w[1]), "{model:?}: {thrust:?}");
     }
 }
 
@@ -125,6 +146,9 @@ fn four_times_the_cells_close_the_power_balance_to_5e_4() {
         parameters.mesh = refined(&parameters.mesh, 4);
         for torque in [30.0, 50.0, 100.0] {
             for case in LoadCase::three(&parameters, torque) {
+                if model == RingModel::Ale0 && beyond_capacity(&parameters, &case) {
+                    continue;
+                }
                 let defect = load_case(&parameters, &case).power_defect();
                 println!("{model:?} {} {torque} N·m: {defect:+.1e}", case.name);
                 assert!(defect.abs() <= 5e-4, "{model:?} {} {torque} N·m: {defect:e}", case.name);

@@ -1,7 +1,6 @@
 //! What the variator's tests share: load cases, steady solutions, fields along the belt, runs with their books.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
-use pushbelt::reference_curve::ReferenceCurve;
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::variator::cell::Sample;
 use pushbelt::variator::instance::{Message, Variator};
