@@ -16,60 +16,60 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
 }
 
-/// Push force builds up in the primary arc, is constant in the push strand, decays in the secondary arc and is gone in
-/// the pulling strand. Against its trend it goes no further than ring friction carries it, μ_r T over the angle passed.
+/// Push force builds up in the primary arc, is constant in the push strand, is taken down in the secondary arc and is
+/// gone in the pulling strand. Against this trend it goes no further than two frictions carry it: the ring's, μ_r T over
+/// the angle passed, and the sheaves' where the belt slides the other way.
 fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
     let stations = state.stations();
-    let push = |segments: &[usize]| -> Vec<(f64, f64)> {
-        segments
+    // Strand elements that press beside an arc belong to it.
+    let strand = |segment: usize| {
+        let free = stations.iter().filter(move |at| at.segment == segment && at.sample.normal < 100.0);
+        range(free.map(|at| at.sample.push))
+    };
+    let (low, high) = strand(3);
+    assert!(high - low <= 0.01 * high, "{name}: {low} to {high} N in the push strand");
+    let (_, left) = strand(1);
+    assert!(left <= 0.05 * high, "{name}: {left} N left in the pulling strand of {high} N");
+    let friction = &state.system.law.parameters.friction;
+    for (segments, sign, arc) in [(&[2][..], 1.0, "primary"), (&[4, 0], -1.0, "secondary")] {
+        let course = segments
             .iter()
             .flat_map(|&segment| stations.iter().filter(move |at| at.segment == segment))
-            .map(|at| (at.sample.push, at.sample.weight / at.sample.pitch_radius))
-            .collect()
-    };
-    let o = &state.outputs;
-    let per_angle = state.system.law.parameters.friction.ring * o.ring_tension_max;
-    let assert_trend = |course: &[(f64, f64)], sign: f64, arc: &str| {
-        let (mut best, mut angle) = (f64::NEG_INFINITY, 0.0);
-        for &(q, step) in course {
-            angle += step;
-            if sign * q > best {
-                (best, angle) = (sign * q, 0.0);
+            .map(|at| &at.sample);
+        let (mut best, mut carried) = (f64::NEG_INFINITY, 0.0);
+        for s in course.clone() {
+            carried += friction.ring * state.outputs.ring_tension_max * s.weight / s.pitch_radius;
+            if sign * s.sliding > 0.0 {
+                carried += 2.0 * friction.pulley * s.normal * s.weight;
             }
+            if sign * s.push > best {
+                (best, carried) = (sign * s.push, 0.0);
+            }
+            let slack = 0.02 * state.outputs.push_force_max;
             assert!(
-                sign * q >= best - per_angle * angle - 0.01 * o.push_force_max,
-                "{name}: {q} N after {} N in the {arc} arc",
+                sign * s.push >= best - carried - slack,
+                "{name}: {} N after {} N in the {arc} arc, friction carries {carried} N",
+                s.push,
                 best.abs()
             );
         }
-        let half = course.len() / 2;
-        let sum = |part: &[(f64, f64)]| part.iter().map(|x| x.0 * x.1).sum::<f64>();
-        assert!(sign * (sum(&course[half..]) - sum(&course[..half])) > 0.0, "{name}: {arc} arc");
-    };
-    assert_trend(&push(&[2]), 1.0, "primary");
-    assert_trend(&push(&[4, 0]), -1.0, "secondary");
-    let (low, high) = range(push(&[3]).into_iter().map(|x| x.0));
-    assert!(high - low <= 0.01 * high, "{name}: {low} to {high} N in the push strand");
-    let (_, left) = range(push(&[1]).into_iter().map(|x| x.0));
-    assert!(left <= 0.05 * high, "{name}: {left} N left in the pulling strand of {high} N");
+        let ends = [course.clone().next(), course.last()].map(|s| sign * s.expect("a station").push);
+        assert!(ends[1] - ends[0] > 0.75 * high, "{name}: by {} N of {high} N on the {arc} arc", ends[1] - ends[0]);
+    }
 }
 
-/// Whether the belt carries less than the case's torque at any slip, its clamping force given. A belt without spiral
-/// running has less thrust on the small primary pulley than on the secondary: in underdrive two load cases, clamped 1.3
-/// times as hard as equal thrusts need, are beyond it.
-fn beyond_capacity(parameters: &Parameters, case: &LoadCase) -> bool {
-    if case.theta >= 0.0 {
-        return false;
+/// The steady state of a load case. A belt without spiral running has less thrust on the small pulley, and in underdrive
+/// carries 98 to 102 % of the load cases' torques at most: there its slip is given, not its torque.
+fn load_case_of_either_model(parameters: &Parameters, case: &LoadCase) -> Steady {
+    if parameters.ring_model == RingModel::Ale || case.theta >= 0.0 {
+        let state = load_case(parameters, case);
+        assert_close(-state.outputs.primary.shaft_torque, case.torque, 1e-4, "torque on P");
+        return state;
     }
     let i = ratio(case.theta);
-    let torques = [0.01, 0.02, 0.03, 0.05, 0.1, 0.2].map(|slip| {
-        let task = given(i, P, case.clamping, 0.0);
-        let o = steady(parameters, &task, [SPEED / i * (1.0 - slip), SPEED]).outputs;
-        o.primary.shaft_torque.abs()
-    });
-    let (_, most) = range(torques.into_iter());
-    println!("{} {} N·m: the belt carries {most:.2} N·m at most", case.name, case.torque);
-    most < case.torque
+    let state = steady(parameters, &given(i, P, case.clamping, 0.0), [SPEED / i * (1.0 - 0.028), SPEED]);
+    assert_close(-state.outputs.primary.shaft_torque, case.torque, 0.03, "torque on P");
+    state
 }
 
 /// Nine load cases: supplied power is lost power, the drive slips forward and loses less than a whole measured
@@ -80,10 +80,7 @@ fn nine_load_cases(model: RingModel) {
         let mut thrust = Vec::new();
         // Efficiencies of a whole transmission at 41 or 81 N·m (NREL ADVISOR, TX_CVT50_SUBARU).
         for (case, measured) in LoadCase::three(&parameters, torque).iter().zip([0.851, 0.924, 0.947]) {
-            if model == RingModel::Ale0 && beyond_capacity(&parameters, case) {
-                continue;
-            }
-            let state = load_case(&parameters, case);
+            let state = load_case_of_either_model(&parameters, case);
             let o = &state.outputs;
             let name = format!("{model:?} {} {torque} N·m", case.name);
             println!(
@@ -95,7 +92,6 @@ fn nine_load_cases(model: RingModel) {
                 1e3 * o.secondary.spiral,
                 state.power_defect()
             );
-            assert_close(-o.primary.shaft_torque, torque, 1e-4, "torque on P");
             assert_close(o.ratio_geometric, ratio(case.theta), 1e-4, "ratio");
             assert!(state.power_defect().abs() < 2e-3, "{name}");
             assert!(o.slip > 0.0 && o.slip < 0.03, "{name}");
@@ -110,7 +106,7 @@ fn nine_load_cases(model: RingModel) {
             assert_push_force_runs_its_course(&state, &name);
             thrust.push(o.thrust_ratio);
         }
-        assert!(thrust.windows(2).all(|w| w[0] < w[1]), "{model:?}: {thrust:?}");
+        assert!(thrust[0] < thrust[1] && thrust[1] < thrust[2], "{model:?}: {thrust:?}");
     }
 }
 
@@ -146,10 +142,7 @@ fn four_times_the_cells_close_the_power_balance_to_5e_4() {
         parameters.mesh = refined(&parameters.mesh, 4);
         for torque in [30.0, 50.0, 100.0] {
             for case in LoadCase::three(&parameters, torque) {
-                if model == RingModel::Ale0 && beyond_capacity(&parameters, &case) {
-                    continue;
-                }
-                let defect = load_case(&parameters, &case).power_defect();
+                let defect = load_case_of_either_model(&parameters, &case).power_defect();
                 println!("{model:?} {} {torque} N·m: {defect:+.1e}", case.name);
                 assert!(defect.abs() <= 5e-4, "{model:?} {} {torque} N·m: {defect:e}", case.name);
             }
@@ -158,14 +151,14 @@ fn four_times_the_cells_close_the_power_balance_to_5e_4() {
 }
 
 /// Twice the elements: thrust ratio within 1 %, spiral running within 5 %.
-fn doubling_the_mesh(case: usize, bound: f64) {
+fn doubling_the_mesh(case: usize) {
     let parameters = variator(RingModel::Ale);
     let mut fine = parameters.clone();
     fine.mesh = refined(&parameters.mesh, 2);
     let case = LoadCase::three(&parameters, 50.0)[case];
     let [a, b] = [&parameters, &fine].map(|p| load_case(p, &case).outputs);
     for (a, b, bound, what) in [
-        (a.thrust_ratio, b.thrust_ratio, bound, "thrust ratio"),
+        (a.thrust_ratio, b.thrust_ratio, 0.01, "thrust ratio"),
         (a.primary.spiral, b.primary.spiral, 0.05, "spiral running on P"),
         (a.secondary.spiral, b.secondary.spiral, 0.05, "spiral running on S"),
     ] {
@@ -176,18 +169,17 @@ fn doubling_the_mesh(case: usize, bound: f64) {
 
 #[test]
 fn the_mesh_is_fine_enough_in_underdrive() {
-    doubling_the_mesh(0, 0.01);
+    doubling_the_mesh(0);
 }
 
 #[test]
 fn the_mesh_is_fine_enough_in_medium() {
-    doubling_the_mesh(1, 0.01);
+    doubling_the_mesh(1);
 }
 
-/// The contact edge on the small pulley is not resolved yet: 1.9 % instead of 1 %.
 #[test]
-fn the_mesh_is_nearly_fine_enough_in_overdrive() {
-    doubling_the_mesh(2, 0.025);
+fn the_mesh_is_fine_enough_in_overdrive() {
+    doubling_the_mesh(2);
 }
 
 /// Half the friction velocity: thrust ratio within 0.5 %.
@@ -204,45 +196,49 @@ fn the_friction_velocity_is_small_enough() {
 }
 
 /// Nothing pulls along a ring without friction: its tension is the same all around, outside the elements that touch an
-/// arc border. Returns the extremes of stations and of element means over the mean, less one.
-fn tension_ripple(state: &Steady) -> [(f64, f64); 2] {
+/// arc border. Largest deviation from the mean, of stations and of element means.
+fn tension_ripple(state: &Steady) -> [f64; 2] {
     let elements = &state.system.mesh.elements;
     let n = elements.len();
     let inner = |element: usize| {
-        [1, n - 1]
-            .iter()
-            .all(|k| elements[(element + k) % n].segment % 2 == elements[element].segment % 2)
+        let on_arc = |element: usize| elements[element % n].segment % 2 == 0;
+        on_arc(element + 1) == on_arc(element) && on_arc(element + n - 1) == on_arc(element)
     };
     let stations = state.stations();
     let mean = |of: &dyn Fn(usize) -> bool| {
-        let (force, length) = stations.iter().filter(|at| of(at.element)).fold((0.0, 0.0), |(f, l), at| {
-            (f + at.sample.tension * at.sample.weight, l + at.sample.weight)
-        });
+        let (force, length) = stations
+            .iter()
+            .filter(|at| of(at.element))
+            .fold((0.0, 0.0), |(f, l), at| (f + at.sample.tension * at.sample.weight, l + at.sample.weight));
         force / length
     };
     let whole = mean(&|_| true);
-    let (low, high) = range(stations.iter().filter(|at| inner(at.element)).map(|at| at.sample.tension));
-    let (least, most) = range((0..n).filter(|&i| inner(i)).map(|i| mean(&|element| element == i)));
-    [(low, high), (least, most)].map(|(a, b)| (a / whole - 1.0, b / whole - 1.0))
+    let off = |tension: f64| (tension / whole - 1.0).abs();
+    let stations = stations.iter().filter(|at| inner(at.element));
+    let points = stations.map(|at| off(at.sample.tension)).fold(0.0, f64::max);
+    let means = (0..n).filter(|&i| inner(i)).map(|i| off(mean(&|element| element == i)));
+    [points, means.fold(0.0, f64::max)]
 }
 
+/// At the default mesh the tension of each element (its mean, as in the outputs) is constant; within the second element
+/// from an arc border the cubic shape still ripples beyond 5 %, on twice the elements no longer.
 #[test]
 fn ring_tension_is_constant_without_ring_friction() {
     let mut parameters = variator(RingModel::Ale);
     parameters.friction.ring = 0.0;
+    let mut fine = parameters.clone();
+    fine.mesh = refined(&parameters.mesh, 2);
     for case in LoadCase::three(&parameters, 50.0) {
         let [points, means] = tension_ripple(&load_case(&parameters, &case));
+        let [fine_points, _] = tension_ripple(&load_case(&fine, &case));
         println!(
-            "{}: stations {:+.2} % to {:+.2} %, element means {:+.2} % to {:+.2} %",
+            "{}: stations within {:.2} %, element means within {:.2} %; mesh doubled: stations within {:.2} %",
             case.name,
-            100.0 * points.0,
-            100.0 * points.1,
-            100.0 * means.0,
-            100.0 * means.1
+            100.0 * points,
+            100.0 * means,
+            100.0 * fine_points
         );
-        for ripple in [means.0, means.1, points.0, points.1] {
-            assert!(ripple.abs() < 0.05, "{}: ring tension off by {ripple}", case.name);
-        }
+        assert!(means < 0.05 && points < 0.1 && fine_points < 0.05, "{}", case.name);
     }
 }
 
