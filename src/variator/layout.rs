@@ -1,7 +1,8 @@
 //! Where each unknown stands. The unknowns are velocities and first-order states; positions follow from q̇ = y.
 //!
 //! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y), then for each cell the speed V of its
-//! left face, its element amount N, and (`ALE0`) the ring tension T at its left face. The border holds the globals.
+//! left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left face. The border holds
+//! the globals.
 
 use super::mesh::BeltMesh;
 use crate::solver::arrow::Shape;
@@ -96,10 +97,12 @@ impl Layout {
         self.cell(cell)
     }
 
-    /// Amount N of `cell`.
+    /// Amount N of `cell`. It stands with the cell after it: then what flows into a cell, from either side, depends on
+    /// nodes of neighbouring blocks only. (One cell an element can't have that for both directions of flow.)
     #[must_use]
     pub fn amount(&self, cell: usize) -> usize {
-        self.cell(cell) + 1
+        let with = if self.cells_per_element > 1 { cell + 1 } else { cell };
+        self.cell(with) + 1
     }
 
     /// Ring tension at the left face of `cell` (`ALE0`).

@@ -307,8 +307,8 @@ impl VariatorSystem {
                 [cell, before].map(|of| {
                     let (at, count) = directions(of);
                     std::array::from_fn(|k| {
-                        // The density's dependence on the far node (ring stretch, 1e-4 of the rest, reverse flow only)
-                        // would leave the band.
+                        // With one cell in an element, its density's dependence on the far node (ring stretch, reverse
+                        // flow only) would leave the band.
                         rows.map(|row| {
                             if k < count {
                                 shape.index(row, at[k]).unwrap_or(NOWHERE)
@@ -963,6 +963,7 @@ mod tests {
     #[test]
     fn jacobian_of_ale_matches_differences() {
         check_jacobian(RingModel::Ale, 200.0);
+        check_jacobian(RingModel::Ale, -200.0);
     }
 
     #[test]
