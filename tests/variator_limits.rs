@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{MODELS, Run, SPEED, assert_close, coarse, full_slip_torque, given, inputs, refined, rigid, steady, variator};
+use common::{
+    MODELS, Run, SPEED, assert_close, coarse, full_slip_torque, given, inputs, refined, rigid, steady, variator,
+};
 use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::parameters::{Drive, RingModel};
 use pushbelt::variator::signals::Outputs;
@@ -77,11 +79,20 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
             let speeds = [SPEED / ratio * (1.0 - slip), SPEED];
             let o = steady(&parameters, &given(ratio, P, 10.0e3, 0.0), speeds).outputs;
             let (torque, law) = if ratio < 1.0 {
-                (o.secondary.shaft_torque, slip.signum() * full_slip_torque(&parameters, &o.secondary))
+                (
+                    o.secondary.shaft_torque,
+                    slip.signum() * full_slip_torque(&parameters, &o.secondary),
+                )
             } else {
-                (o.primary.shaft_torque, -slip.signum() * full_slip_torque(&parameters, &o.primary))
+                (
+                    o.primary.shaft_torque,
+                    -slip.signum() * full_slip_torque(&parameters, &o.primary),
+                )
             };
-            println!("{model:?} ratio {ratio}, slip {slip}: {torque:.4} N·m, law {law:.4} N·m, {:+.1e}", torque / law - 1.0);
+            println!(
+                "{model:?} ratio {ratio}, slip {slip}: {torque:.4} N·m, law {law:.4} N·m, {:+.1e}",
+                torque / law - 1.0
+            );
             assert_close(torque, law, 2e-3, "torque at full slip");
         }
     }
@@ -133,7 +144,11 @@ fn over_torque_slips_at_capacity_and_recovers() {
         );
         assert!(flagged && seen > 10, "{model:?} did not slip");
         assert!(worst < 5e-3, "{model:?}: torque off by {worst}");
-        assert!(!after.macro_slip && after.slip > 0.0 && after.slip < 0.01, "{model:?}: slip {}", after.slip);
+        assert!(
+            !after.macro_slip && after.slip > 0.0 && after.slip < 0.01,
+            "{model:?}: slip {}",
+            after.slip
+        );
         run.assert_books();
     }
 }
@@ -205,7 +220,9 @@ fn shift_coefficients(model: RingModel, omega: f64) -> [f64; 4] {
         let (rate, thrust) = shift(&run, omega, factor);
         let (rate, drive) = (rate - rest, thrust - equilibrium);
         let coefficient = rate / (omega * drive);
-        println!("{model:?} ω_P {omega:.1} F_P·{factor}: d ln i/dt = {rate:+.6}/s at Δln = {drive:+.5}: {coefficient:+.6}");
+        println!(
+            "{model:?} ω_P {omega:.1} F_P·{factor}: d ln i/dt = {rate:+.6}/s at Δln = {drive:+.5}: {coefficient:+.6}"
+        );
         // More primary force shifts towards overdrive: i_g falls.
         assert!(coefficient < 0.0, "{model:?}: shifts against the force");
         coefficient

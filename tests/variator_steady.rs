@@ -23,13 +23,21 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
     let stations = state.stations();
     // Strand elements that press beside an arc belong to it.
     let strand = |segment: usize| {
-        let free = stations.iter().filter(move |at| at.segment == segment && at.sample.normal < 100.0);
+        let free = stations
+            .iter()
+            .filter(move |at| at.segment == segment && at.sample.normal < 100.0);
         range(free.map(|at| at.sample.push))
     };
     let (low, high) = strand(3);
-    assert!(high - low <= 0.01 * high, "{name}: {low} to {high} N in the push strand");
+    assert!(
+        high - low <= 0.01 * high,
+        "{name}: {low} to {high} N in the push strand"
+    );
     let (_, left) = strand(1);
-    assert!(left <= 0.05 * high, "{name}: {left} N left in the pulling strand of {high} N");
+    assert!(
+        left <= 0.05 * high,
+        "{name}: {left} N left in the pulling strand of {high} N"
+    );
     let friction = &state.system.law.parameters.friction;
     for (segments, sign, arc) in [(&[2][..], 1.0, "primary"), (&[4, 0], -1.0, "secondary")] {
         let course = segments
@@ -54,7 +62,11 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
             );
         }
         let ends = [course.clone().next(), course.last()].map(|s| sign * s.expect("a station").push);
-        assert!(ends[1] - ends[0] > 0.75 * high, "{name}: by {} N of {high} N on the {arc} arc", ends[1] - ends[0]);
+        assert!(
+            ends[1] - ends[0] > 0.75 * high,
+            "{name}: by {} N of {high} N on the {arc} arc",
+            ends[1] - ends[0]
+        );
     }
 }
 
@@ -67,7 +79,11 @@ fn load_case_of_either_model(parameters: &Parameters, case: &LoadCase) -> Steady
         return state;
     }
     let i = ratio(case.theta);
-    let state = steady(parameters, &given(i, P, case.clamping, 0.0), [SPEED / i * (1.0 - 0.028), SPEED]);
+    let state = steady(
+        parameters,
+        &given(i, P, case.clamping, 0.0),
+        [SPEED / i * (1.0 - 0.028), SPEED],
+    );
     assert_close(-state.outputs.primary.shaft_torque, case.torque, 0.03, "torque on P");
     state
 }
@@ -96,7 +112,10 @@ fn nine_load_cases(model: RingModel) {
             assert!(state.power_defect().abs() < 2e-3, "{name}");
             assert!(o.slip > 0.0 && o.slip < 0.03, "{name}");
             assert!(o.efficiency > measured && o.efficiency < 1.0, "{name}");
-            assert!(o.losses.sheaves > 0.0 && o.losses.ring > 0.0 && o.losses.other >= 0.0, "{name}");
+            assert!(
+                o.losses.sheaves > 0.0 && o.losses.ring > 0.0 && o.losses.other >= 0.0,
+                "{name}"
+            );
             if model == RingModel::Ale {
                 // Tilt alone spreads the radius by R aΔ on a wrap of half a turn: 1.1 mm at 21 kN on the large pulley.
                 for spiral in [o.primary.spiral, o.secondary.spiral] {
@@ -209,7 +228,9 @@ fn tension_ripple(state: &Steady) -> [f64; 2] {
         let (force, length) = stations
             .iter()
             .filter(|at| of(at.element))
-            .fold((0.0, 0.0), |(f, l), at| (f + at.sample.tension * at.sample.weight, l + at.sample.weight));
+            .fold((0.0, 0.0), |(f, l), at| {
+                (f + at.sample.tension * at.sample.weight, l + at.sample.weight)
+            });
         force / length
     };
     let whole = mean(&|_| true);
@@ -286,7 +307,11 @@ fn reverse_running_mirrors_the_steady_state() {
         for (a, b, what) in [
             (reverse.thrust_ratio, forward.thrust_ratio, "thrust ratio"),
             (reverse.secondary.speed, -forward.secondary.speed, "secondary speed"),
-            (reverse.secondary.shaft_torque, -forward.secondary.shaft_torque, "secondary torque"),
+            (
+                reverse.secondary.shaft_torque,
+                -forward.secondary.shaft_torque,
+                "secondary torque",
+            ),
             (reverse.belt_speed, -forward.belt_speed, "belt speed"),
             (reverse.push_force_max, forward.push_force_max, "push force"),
             (reverse.losses.total(), forward.losses.total(), "losses"),

@@ -386,7 +386,10 @@ impl Manoeuvre {
 
     /// Inputs at time `t`.
     pub fn at(&self, t: f64) -> Inputs {
-        let right = self.rows.partition_point(|row| row[0] <= t).clamp(1, self.rows.len() - 1);
+        let right = self
+            .rows
+            .partition_point(|row| row[0] <= t)
+            .clamp(1, self.rows.len() - 1);
         let (a, b) = (&self.rows[right - 1], &self.rows[right]);
         let share = ((t - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0);
         let value = |k: usize| a[k] + share * (b[k] - a[k]);
