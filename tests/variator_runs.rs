@@ -45,7 +45,11 @@ fn the_whole_manoeuvre_keeps_its_books_ale0() {
         run.variator.counts()
     );
     assert!(fastest > 100.0 && slipped);
-    assert!(!last.macro_slip && last.slip.abs() < 0.03, "slip {} at the end", last.slip);
+    assert!(
+        !last.macro_slip && last.slip.abs() < 0.03,
+        "slip {} at the end",
+        last.slip
+    );
     run.assert_books();
 }
 
@@ -114,7 +118,11 @@ fn tighter_tolerance(model: RingModel, spans: &[(f64, f64)]) {
         rows
     });
     for (name, (mean, most)) in NAMES.iter().zip(differences(&a, &b)) {
-        println!("{model:?} {name}: {:.3} % in the mean, {:.3} % at most", 100.0 * mean, 100.0 * most);
+        println!(
+            "{model:?} {name}: {:.3} % in the mean, {:.3} % at most",
+            100.0 * mean,
+            100.0 * most
+        );
         assert!(mean < 2e-3, "{model:?} {name}: {mean}");
     }
 }
@@ -169,7 +177,8 @@ fn runs_and_snapshots_repeat_bit_for_bit() {
 /// What a short run takes, so that a solver that got slower shows without a clock: a step of F_P on the default variator.
 #[test]
 fn a_run_takes_its_usual_work() {
-    for (model, steps, residuals, factorizations) in [(RingModel::Ale0, 100, 100, 100), (RingModel::Ale, 100, 100, 100)] {
+    for (model, steps, residuals, factorizations) in [(RingModel::Ale0, 100, 100, 100), (RingModel::Ale, 100, 100, 100)]
+    {
         let mut run = Run::new(variator(model), inputs((50.0, 13e3), (-49.0, 10e3)));
         run.go(0.05, 1e-3);
         run.inputs.primary.clamping_force = 15e3;

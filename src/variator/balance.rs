@@ -150,14 +150,13 @@ impl VariatorSystem {
         }
     }
 
-    /// Power supplied from outside, W; `torques` are the belt's on the pulleys.
+    /// Power supplied at the shafts, W; `torques` are the belt's on the pulleys.
     #[must_use]
-    pub fn supplied_power(&self, view: View<'_>, torques: [f64; 2]) -> f64 {
+    pub fn shaft_power(&self, view: View<'_>, torques: [f64; 2]) -> f64 {
         [S, P]
             .map(|j| {
                 let omega = view.y[self.layout.global(Global::Speed, j)];
-                let rate = view.y[self.layout.global(Global::Sheave, j)];
-                self.external_torque(j, view, torques[j]) * omega + self.external_force(j) * rate
+                self.external_torque(j, view, torques[j]) * omega
             })
             .iter()
             .sum()
