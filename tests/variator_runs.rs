@@ -9,19 +9,25 @@ use pushbelt::variator::signals::{Inputs, Outputs};
 /// Communication step of the manoeuvre, s.
 const STEP: f64 = 1e-2;
 
-/// A run of the manoeuvre over the given spans of its clock. Between spans the clock jumps.
-fn drive(parameters: Parameters, spans: &[(f64, f64)], mut see: impl FnMut(f64, &Outputs)) -> Run {
+/// The manoeuvre between two times of its clock.
+fn drive(parameters: Parameters, from: f64, to: f64, mut see: impl FnMut(f64, &Outputs)) -> Run {
     let manoeuvre = Manoeuvre::read();
-    let mut run = Run::new(Manoeuvre::variator(parameters), manoeuvre.at(spans[0].0));
-    for &(from, to) in spans {
-        let steps = ((to - from) / STEP).round() as u32;
-        for k in 0..steps {
-            let clock = from + f64::from(k) * STEP;
-            run.inputs = manoeuvre.at(clock);
-            let outputs = run.go(STEP, STEP);
-            see(clock + STEP, &outputs);
-        }
+    let mut run = Run::new(parameters, manoeuvre.at(from));
+    let steps = ((to - from) / STEP).round() as u32;
+    for k in 0..steps {
+        let clock = from + f64::from(k) * STEP;
+        run.inputs = manoeuvre.at(clock);
+        let outputs = run.go(STEP, STEP);
+        see(clock + STEP, &outputs);
     }
+    println!(
+        "{:?} {from} to {to} s: residual {:.3} of what is allowed, {:.3} after a cold start; amount {:.1e}; {:?}",
+        run.variator.parameters().ring_model,
+        run.residual,
+        run.later_residual,
+        run.amount_change,
+        run.variator.counts()
+    );
     run
 }
 
@@ -29,51 +35,39 @@ fn drive(parameters: Parameters, spans: &[(f64, f64)], mut see: impl FnMut(f64, 
 /// accounted for, |residual| ≤ 2e-3·∫|power| dt + 1e-3·(largest stored energy), and no element is lost.
 #[test]
 fn the_whole_manoeuvre_keeps_its_books_ale0() {
-    let (mut fastest, mut slipped, mut last) = (0.0_f64, false, Outputs::default());
-    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-    let run = drive(variator(RingModel::Ale0), &[(0.0, 10.0)], |clock, o| {
-        fastest = fastest.max(o.primary.speed);
-        slipped |= o.macro_slip && clock > 8.5;
+    let (mut low, mut high, mut slipped) = (f64::INFINITY, 0.0_f64, false);
+    let mut run = drive(Manoeuvre::variator(variator(RingModel::Ale0)), 0.0, 10.0, |clock, o| {
         low = low.min(o.ratio_geometric);
         high = high.max(o.ratio_geometric);
-        last = o.clone();
-    });
-    println!(
-        "ratio {low:.3} to {high:.3}, {fastest:.0} rad/s at most; residual {:.3} of what is allowed, amount {:.1e}; {:?}",
-        run.residual,
-        run.amount_change,
-        run.variator.counts()
-    );
-    assert!(fastest > 100.0 && slipped);
-    assert!(
-        !last.macro_slip && last.slip.abs() < 0.03,
-        "slip {} at the end",
-        last.slip
-    );
-    run.assert_books();
-}
-
-/// The same for the deflecting ring over launch and over-torque.
-#[test]
-fn launch_and_over_torque_keep_their_books_ale() {
-    let (mut slipped, mut last) = (false, Outputs::default());
-    let run = drive(variator(RingModel::Ale), &[(0.0, 0.6), (8.4, 9.2)], |clock, o| {
         slipped |= o.macro_slip && clock > 8.5;
-        last = o.clone();
     });
-    println!(
-        "{:.0} rad/s, slip {:.4} at the end; residual {:.3} of what is allowed, amount {:.1e}; {:?}",
-        last.primary.speed,
-        last.slip,
-        run.residual,
-        run.amount_change,
-        run.variator.counts()
-    );
-    assert!(slipped && !last.macro_slip && last.slip.abs() < 0.03);
+    let last = run.variator.outputs();
+    println!("ratio {low:.3} to {high:.3}, slip {:.4} at the end", last.slip);
+    assert!(low < 0.7 && high > 2.0 && slipped);
+    assert!(!last.macro_slip && last.slip.abs() < 0.03);
+    run.assert_books_from_cold();
+}
+
+/// The deflecting ring: launch.
+#[test]
+fn the_launch_keeps_its_books_ale() {
+    let mut run = drive(Manoeuvre::variator(variator(RingModel::Ale)), 0.0, 0.8, |_, _| {});
+    let o = run.variator.outputs();
+    assert!(o.primary.speed > 20.0 && o.slip > 0.0 && o.slip < 0.03, "{} rad/s, slip {}", o.primary.speed, o.slip);
+    run.assert_books_from_cold();
+}
+
+/// The deflecting ring: over-torque, from the steady state near which the manoeuvre is by then, and recovery.
+#[test]
+fn the_over_torque_keeps_its_books_ale() {
+    let mut slipped = false;
+    let mut run = drive(Manoeuvre::before_over_torque(variator(RingModel::Ale)), 8.45, 9.45, |_, o| slipped |= o.macro_slip);
+    let o = run.variator.outputs();
+    assert!(slipped && !o.macro_slip && o.slip.abs() < 0.03, "slip {}", o.slip);
     run.assert_books();
 }
 
-/// Outputs whose change a user would see.
+/// Outputs whose change a user would see: motions, then forces.
 fn watched(o: &Outputs) -> [f64; 7] {
     [
         o.ratio_geometric,
@@ -86,6 +80,7 @@ fn watched(o: &Outputs) -> [f64; 7] {
     ]
 }
 
+const MOTIONS: usize = 4;
 const NAMES: [&str; 7] = [
     "ratio",
     "primary speed",
@@ -96,45 +91,42 @@ const NAMES: [&str; 7] = [
     "push force",
 ];
 
-/// Differences of two records as shares of each output's range: root mean square, and the largest.
-fn differences(a: &[[f64; 7]], b: &[[f64; 7]]) -> [(f64, f64); 7] {
-    std::array::from_fn(|k| {
-        let range = |f: fn(f64, f64) -> f64| a.iter().map(|row| row[k]).reduce(f).expect("rows");
-        let span = range(f64::max) - range(f64::min);
-        let off = a.iter().zip(b).map(|(x, y)| (x[k] - y[k]).abs() / span);
-        let square: f64 = off.clone().map(|d| d * d).sum();
-        ((square / a.len() as f64).sqrt(), off.fold(0.0, f64::max))
-    })
-}
-
-/// A tolerance ten times tighter changes outputs of launch and shift by less than 0.2 % of their range.
-fn tighter_tolerance(model: RingModel, spans: &[(f64, f64)]) {
+/// A tolerance ten times tighter changes launch and shift by less than 0.2 % of each output's range: motions at every
+/// output point, forces in the root mean square. (While a belt at rest is loaded, the moment at which elements stick
+/// moves with the tolerance, and with it single values of the push force, by up to 2 % of its range.)
+fn tighter_tolerance(model: RingModel, to: f64) {
     let [a, b] = [1.0, 0.1].map(|factor| {
-        let mut parameters = coarse(model);
+        let mut parameters = Manoeuvre::variator(coarse(model));
         parameters.solver.tolerance *= factor;
         let mut rows = Vec::new();
-        let run = drive(parameters, spans, |_, o| rows.push(watched(o)));
-        println!("{model:?} tolerance × {factor}: {:?}", run.variator.counts());
+        drive(parameters, 0.0, to, |clock, o| rows.push((clock, watched(o))));
         rows
     });
-    for (name, (mean, most)) in NAMES.iter().zip(differences(&a, &b)) {
+    for (k, name) in NAMES.iter().enumerate() {
+        let range = |f: fn(f64, f64) -> f64| a.iter().map(|row| row.1[k]).reduce(f).expect("rows");
+        let span = range(f64::max) - range(f64::min);
+        let off = a.iter().zip(&b).map(|(x, y)| ((x.1[k] - y.1[k]).abs() / span, x.0));
+        let square: f64 = off.clone().map(|d| d.0 * d.0).sum();
+        let mean = (square / a.len() as f64).sqrt();
+        let (most, clock) = off.fold((0.0, 0.0), |m, d| if d.0 > m.0 { d } else { m });
         println!(
-            "{model:?} {name}: {:.3} % in the mean, {:.3} % at most",
+            "{model:?} {name}: {:.3} % in the mean, {:.3} % at most, at {clock:.2} s",
             100.0 * mean,
             100.0 * most
         );
-        assert!(mean < 2e-3, "{model:?} {name}: {mean}");
+        assert!(mean < 2e-3, "{model:?} {name}: {mean} in the mean");
+        assert!(k >= MOTIONS || most < 2e-3, "{model:?} {name}: {most} at {clock} s");
     }
 }
 
 #[test]
 fn a_tighter_tolerance_changes_little_ale0() {
-    tighter_tolerance(RingModel::Ale0, &[(0.0, 3.0)]);
+    tighter_tolerance(RingModel::Ale0, 3.0);
 }
 
 #[test]
 fn a_tighter_tolerance_changes_little_ale() {
-    tighter_tolerance(RingModel::Ale, &[(0.0, 0.5), (2.0, 2.8)]);
+    tighter_tolerance(RingModel::Ale, 2.6);
 }
 
 /// The end of a run does not depend on how it is cut into communication steps.

@@ -1,0 +1,318 @@
+//! Whatever a master connects to shafts and sheaves, and whatever it does with them, the run goes on.
+
+mod common;
+
+use common::{MODELS, Run, SPEED, assert_close, coarse, inputs, variator};
+use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
+use pushbelt::variator::signals::{Inputs, Outputs};
+
+/// At a standstill, at a ratio, with a flywheel on the secondary shaft.
+fn at_rest(model: RingModel, ratio: f64) -> Parameters {
+    let mut parameters = coarse(model);
+    parameters.initial.primary_speed = 0.0;
+    parameters.initial.ratio = ratio;
+    parameters.secondary.inertia = 0.3;
+    parameters
+}
+
+#[test]
+fn torque_or_speed_at_either_shaft() {
+    for model in MODELS {
+        for primary in [Drive::Torque, Drive::Speed] {
+            for secondary in [Drive::Torque, Drive::Speed] {
+                let mut parameters = coarse(model);
+                parameters.primary.drive = primary;
+                parameters.secondary.drive = secondary;
+                let mut given = inputs((50.0, 11e3), (-49.0, 9e3));
+                // Half a percent of slip where both speeds are given.
+                given.secondary.speed_setpoint = 0.995 * SPEED;
+                let mut run = Run::new(parameters, given);
+                let o = run.go(0.05, 5e-3);
+                println!(
+                    "{model:?} {primary:?} {secondary:?}: speeds {:.3} {:.3}, belt torques {:.3} {:.3}, external {:.3} {:.3}",
+                    o.primary.speed,
+                    o.secondary.speed,
+                    o.primary.shaft_torque,
+                    o.secondary.shaft_torque,
+                    o.primary.external_torque,
+                    o.secondary.external_torque
+                );
+                for (drive, pulley, torque, speed) in [
+                    (primary, &o.primary, 50.0, SPEED),
+                    (secondary, &o.secondary, -49.0, 0.995 * SPEED),
+                ] {
+                    match drive {
+                        Drive::Torque => assert_eq!(pulley.external_torque, torque),
+                        Drive::Speed => {
+                            assert_close(pulley.speed, speed, 1e-6, "prescribed speed");
+                            // Nothing accelerates: the shaft delivers what the belt takes.
+                            assert_close(pulley.external_torque, -pulley.shaft_torque, 1e-3, "reaction");
+                        }
+                    }
+                }
+                assert!(o.primary.shaft_torque < 0.0 && o.secondary.shaft_torque > 0.0, "power goes from P to S");
+                run.assert_books();
+            }
+        }
+    }
+}
+
+#[test]
+fn clamping_force_or_held_sheave_at_either_pulley() {
+    for model in MODELS {
+        for primary in [Axial::Force, Axial::Held] {
+            for secondary in [Axial::Force, Axial::Held] {
+                let mut parameters = coarse(model);
+                parameters.primary.drive = Drive::Speed;
+                parameters.primary.axial = primary;
+                parameters.secondary.axial = secondary;
+                let mut run = Run::new(parameters, inputs((0.0, 11e3), (-49.0, 9e3)));
+                let start = run.variator.outputs().clone();
+                let o = run.go(0.1, 5e-3);
+                println!(
+                    "{model:?} {primary:?} {secondary:?}: forces {:.1} {:.1} N, ratio {:.5} from {:.5}",
+                    o.primary.axial_force, o.secondary.axial_force, o.ratio_geometric, start.ratio_geometric
+                );
+                assert_close(start.ratio_geometric, 1.0, 1e-4, "the run starts at the initial ratio");
+                for (axial, pulley, before, force) in [
+                    (primary, &o.primary, &start.primary, 11e3),
+                    (secondary, &o.secondary, &start.secondary, 9e3),
+                ] {
+                    match axial {
+                        Axial::Held => assert!((pulley.position - before.position).abs() < 1e-12, "a held sheave moves"),
+                        // What the damper takes while the ratio shifts is left out of the belt's force.
+                        Axial::Force => assert_close(pulley.axial_force, force, 0.05, "clamping force"),
+                    }
+                }
+                if primary == Axial::Held || secondary == Axial::Held {
+                    assert_close(o.ratio_geometric, 1.0, 2e-3, "a held sheave holds the ratio");
+                }
+                assert_eq!(
+                    run.warned("both sheaves are held"),
+                    primary == Axial::Held && secondary == Axial::Held
+                );
+                run.assert_books();
+            }
+        }
+    }
+}
+
+/// Clamping forces that drive a pulley open or shut bring it to its end stop, no further; the other force leads away.
+#[test]
+fn end_stops_hold_and_are_left_again() {
+    for model in MODELS {
+        for towards_overdrive in [true, false] {
+            let mut parameters = coarse(model);
+            parameters.primary.drive = Drive::Speed;
+            // Stops near by, so that the way there is short.
+            parameters.primary.min_radius = 0.0560;
+            parameters.primary.max_radius = 0.0585;
+            let (into, away) = if towards_overdrive {
+                (inputs((0.0, 20e3), (-30.0, 6e3)), inputs((0.0, 5e3), (-30.0, 12e3)))
+            } else {
+                (inputs((0.0, 5e3), (-30.0, 12e3)), inputs((0.0, 20e3), (-30.0, 6e3)))
+            };
+            let mut run = Run::new(parameters.clone(), into);
+            let mut travel = (f64::INFINITY, 0.0_f64);
+            run.watch(0.8, 5e-3, |_, o| travel = (travel.0.min(o.primary.radius), travel.1.max(o.primary.radius)));
+            let stopped = run.variator.outputs().clone();
+            let again = run.go(0.1, 5e-3);
+            run.inputs = away;
+            let left = run.go(0.3, 5e-3);
+            println!(
+                "{model:?}: radius {:.5} to {:.5} m, ratio {:.5} then {:.5}, F_P on the belt {:.0} N; left to {:.5}",
+                travel.0,
+                travel.1,
+                stopped.ratio_geometric,
+                again.ratio_geometric,
+                again.primary.axial_force,
+                left.ratio_geometric
+            );
+            // The stop is for the sheave; the belt sinks into the flanks by some 20 µm/tan β.
+            assert!(travel.0 > parameters.primary.min_radius - 3e-4, "{} m", travel.0);
+            assert!(travel.1 < parameters.primary.max_radius + 3e-4, "{} m", travel.1);
+            assert_close(again.ratio_geometric, stopped.ratio_geometric, 1e-3, "the ratio at the stop");
+            let carried = into.primary.clamping_force - again.primary.axial_force;
+            assert!(carried.abs() > 500.0 && (carried > 0.0) == towards_overdrive, "the stop carries {carried} N");
+            assert!((left.ratio_geometric > again.ratio_geometric + 5e-3) == towards_overdrive);
+            assert!((left.ratio_geometric - again.ratio_geometric).abs() > 5e-3, "the stop is not left");
+            run.assert_books();
+        }
+    }
+}
+
+/// The picture in the mirror of the line of the axes: speeds and torques change sign, everything else stays.
+#[test]
+fn a_launch_in_reverse_mirrors_a_launch_forward() {
+    for model in MODELS {
+        let at = |sign: f64| -> Outputs {
+            let mut run = Run::new(at_rest(model, 1.5), inputs((sign * 40.0, 9e3), (sign * -5.0, 10e3)));
+            let outputs = run.go(0.2, 2e-3);
+            run.assert_books_from_cold();
+            outputs
+        };
+        let (forward, reverse) = (at(1.0), at(-1.0));
+        assert!(forward.primary.speed > 20.0 && forward.belt_speed > 1.0);
+        for (a, b, what) in [
+            (reverse.primary.speed, -forward.primary.speed, "primary speed"),
+            (reverse.secondary.speed, -forward.secondary.speed, "secondary speed"),
+            (reverse.belt_speed, -forward.belt_speed, "belt speed"),
+            (reverse.ring_speed, -forward.ring_speed, "ring speed"),
+            (reverse.primary.shaft_torque, -forward.primary.shaft_torque, "shaft torque"),
+            (reverse.thrust_ratio, forward.thrust_ratio, "thrust ratio"),
+            (reverse.ratio_geometric, forward.ratio_geometric, "ratio"),
+            (reverse.push_force_max, forward.push_force_max, "push force"),
+            (reverse.losses.total(), forward.losses.total(), "losses"),
+        ] {
+            println!("{model:?} {what}: {a:.6} and {b:.6}");
+            assert_close(a, b, 1e-3, what);
+        }
+    }
+}
+
+/// A clamped belt at a standstill holds opposite torques below its capacity.
+#[test]
+fn at_standstill_the_clamped_belt_holds_the_torque() {
+    for model in MODELS {
+        let mut run = Run::new(at_rest(model, 1.0), inputs((20.0, 8e3), (-20.0, 8e3)));
+        let o = run.go(0.2, 5e-3);
+        println!(
+            "{model:?}: speeds {:.2e} and {:.2e} rad/s, F_S {:.1} N, slip {}",
+            o.primary.speed, o.secondary.speed, o.secondary.axial_force, o.slip
+        );
+        assert!(o.primary.speed.abs() < 0.1 && o.secondary.speed.abs() < 0.1, "the drive creeps away");
+        assert_close(o.secondary.axial_force, 8e3, 0.02, "secondary force");
+        run.assert_amount();
+    }
+}
+
+/// Clamping forces go to zero at speed: the belt carries next to nothing and slips. They come back: it grips.
+#[test]
+fn clamping_forces_gone_and_back() {
+    for model in MODELS {
+        for both in [false, true] {
+            let mut parameters = coarse(model);
+            parameters.primary.drive = Drive::Speed;
+            parameters.secondary.inertia = 0.3;
+            let normal = inputs((0.0, 11e3), (-20.0, 9e3));
+            let mut run = Run::new(parameters, normal);
+            run.go(0.02, 2e-3);
+            run.inputs.secondary.clamping_force = 0.0;
+            if both {
+                run.inputs.primary.clamping_force = 0.0;
+            }
+            // A speed-up that the load does not follow without a belt.
+            run.inputs.primary.speed_setpoint = 1.3 * SPEED;
+            let open = run.go(0.1, 2e-3);
+            run.inputs = normal;
+            let closed = run.go(0.5, 2e-3);
+            println!(
+                "{model:?}: open F_P {:.1} F_S {:.1} N, belt torque {:.3} N·m, slip {:.3}; closed F_S {:.1} N, slip {:.4}; residual {:.2}",
+                open.primary.axial_force,
+                open.secondary.axial_force,
+                open.primary.shaft_torque,
+                open.slip,
+                closed.secondary.axial_force,
+                closed.slip,
+                run.residual
+            );
+            if both {
+                assert!(open.primary.axial_force < 1e3 && open.ring_tension_max < 5e3);
+                assert!(open.primary.shaft_torque.abs() < 5.0 && open.slip > 0.1);
+            }
+            assert_close(closed.secondary.axial_force, 9e3, 0.05, "secondary force");
+            assert!(closed.slip.abs() < 0.03 && !closed.macro_slip, "slip {}", closed.slip);
+            run.assert_books();
+        }
+    }
+}
+
+/// A strand under net compression, Q > T, would buckle: told once.
+#[test]
+fn a_push_strand_in_net_compression_is_told() {
+    let mut run = Run::new(coarse(RingModel::Ale0), inputs((40.0, 11e3), (-39.0, 9e3)));
+    assert!(!run.warned("buckle"));
+    // So little clamping that the push force exceeds the ring tension before the belt slips away.
+    run.inputs = inputs((100.0, 3e3), (-99.0, 3e3));
+    run.go(0.05, 1e-3);
+    for message in &run.messages {
+        println!("{}", message.text);
+    }
+    assert!(run.warned("buckle") && run.warned("N"));
+}
+
+/// The solved equilibrium is one: a run at its forces keeps its ratio.
+#[test]
+fn a_start_in_equilibrium_stays_there() {
+    for model in MODELS {
+        let mut parameters = coarse(model);
+        parameters.primary.drive = Drive::Speed;
+        parameters.initial.equilibrium = true;
+        let mut run = Run::new(parameters, inputs((0.0, 12e3), (-49.0, 8.5e3)));
+        assert!(run.messages.iter().all(|m| !m.warning), "{:?}", run.messages);
+        let before = run.variator.outputs().clone();
+        let after = run.go(0.2, 5e-3);
+        println!(
+            "{model:?}: ratio {:.6} then {:.6}, forces {:.1} {:.1} N",
+            before.ratio_geometric, after.ratio_geometric, before.primary.axial_force, before.secondary.axial_force
+        );
+        assert_close(before.primary.axial_force, 12e3, 1e-3, "primary force");
+        assert_close(before.secondary.axial_force, 8.5e3, 1e-3, "secondary force");
+        assert_close(after.ratio_geometric, before.ratio_geometric, 1e-3, "ratio");
+    }
+}
+
+/// A start from the steady state at held ratio is at rest from the first step on.
+#[test]
+fn a_steady_start_does_not_bang() {
+    for model in MODELS {
+        let mut parameters = variator(model);
+        parameters.primary.drive = Drive::Speed;
+        parameters.primary.axial = Axial::Held;
+        let mut run = Run::new(parameters, inputs((0.0, 0.0), (-49.0, 8.5e3)));
+        let start = run.variator.outputs().clone();
+        let mut worst = 0.0_f64;
+        run.watch(0.05, 1e-3, |_, o| {
+            for (a, b) in [
+                (o.thrust_ratio, start.thrust_ratio),
+                (o.secondary.speed, start.secondary.speed),
+                (o.push_force_max, start.push_force_max),
+            ] {
+                worst = worst.max((a / b - 1.0).abs());
+            }
+        });
+        println!("{model:?}: largest relative change {worst:.1e}");
+        assert!(worst < 1e-3, "{model:?}: {worst}");
+    }
+}
+
+/// Torque beyond capacity has no steady state: the run starts from the nearest one, and says which and why.
+#[test]
+fn torque_beyond_capacity_starts_from_the_nearest_state() {
+    for model in MODELS {
+        let mut run = Run::new(coarse(model), inputs((400.0, 13e3), (-400.0, 10e3)));
+        for message in &run.messages {
+            println!("{model:?}: {}", message.text);
+        }
+        let o = run.variator.outputs().clone();
+        assert!(run.warned("no steady state") && run.warned("capacity") && run.warned("% of them"));
+        assert!(o.torque_utilisation > 0.5 && o.torque_utilisation < 1.0, "{}", o.torque_utilisation);
+        assert!(!o.macro_slip && o.slip < 0.03);
+        run.go(0.02, 1e-3);
+        run.assert_books();
+    }
+}
+
+/// Inputs may jump at every communication step.
+#[test]
+fn inputs_that_jump_at_every_step() {
+    for model in MODELS {
+        let mut run = Run::new(coarse(model), Inputs::default());
+        for k in 0..20 {
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            run.inputs = inputs((sign * 60.0, 12e3 + sign * 3e3), (-sign * 60.0, 12e3 - sign * 3e3));
+            run.go(5e-3, 5e-3);
+        }
+        run.assert_books();
+    }
+}
