@@ -50,7 +50,10 @@ fn torque_or_speed_at_either_shaft() {
                         }
                     }
                 }
-                assert!(o.primary.shaft_torque < 0.0 && o.secondary.shaft_torque > 0.0, "power goes from P to S");
+                assert!(
+                    o.primary.shaft_torque < 0.0 && o.secondary.shaft_torque > 0.0,
+                    "power goes from P to S"
+                );
                 run.assert_books();
             }
         }
@@ -79,7 +82,9 @@ fn clamping_force_or_held_sheave_at_either_pulley() {
                     (secondary, &o.secondary, &start.secondary, 9e3),
                 ] {
                     match axial {
-                        Axial::Held => assert!((pulley.position - before.position).abs() < 1e-12, "a held sheave moves"),
+                        Axial::Held => {
+                            assert!((pulley.position - before.position).abs() < 1e-12, "a held sheave moves")
+                        }
                         // What the damper takes while the ratio shifts is left out of the belt's force.
                         Axial::Force => assert_close(pulley.axial_force, force, 0.05, "clamping force"),
                     }
@@ -114,7 +119,9 @@ fn end_stops_hold_and_are_left_again() {
             };
             let mut run = Run::new(parameters.clone(), into);
             let mut travel = (f64::INFINITY, 0.0_f64);
-            run.watch(0.8, 5e-3, |_, o| travel = (travel.0.min(o.primary.radius), travel.1.max(o.primary.radius)));
+            run.watch(0.8, 5e-3, |_, o| {
+                travel = (travel.0.min(o.primary.radius), travel.1.max(o.primary.radius))
+            });
             let stopped = run.variator.outputs().clone();
             let again = run.go(0.1, 5e-3);
             run.inputs = away;
@@ -131,11 +138,22 @@ fn end_stops_hold_and_are_left_again() {
             // The stop is for the sheave; the belt sinks into the flanks by some 20 µm/tan β.
             assert!(travel.0 > parameters.primary.min_radius - 3e-4, "{} m", travel.0);
             assert!(travel.1 < parameters.primary.max_radius + 3e-4, "{} m", travel.1);
-            assert_close(again.ratio_geometric, stopped.ratio_geometric, 1e-3, "the ratio at the stop");
+            assert_close(
+                again.ratio_geometric,
+                stopped.ratio_geometric,
+                1e-3,
+                "the ratio at the stop",
+            );
             let carried = into.primary.clamping_force - again.primary.axial_force;
-            assert!(carried.abs() > 500.0 && (carried > 0.0) == towards_overdrive, "the stop carries {carried} N");
+            assert!(
+                carried.abs() > 500.0 && (carried > 0.0) == towards_overdrive,
+                "the stop carries {carried} N"
+            );
             assert!((left.ratio_geometric > again.ratio_geometric + 5e-3) == towards_overdrive);
-            assert!((left.ratio_geometric - again.ratio_geometric).abs() > 5e-3, "the stop is not left");
+            assert!(
+                (left.ratio_geometric - again.ratio_geometric).abs() > 5e-3,
+                "the stop is not left"
+            );
             run.assert_books();
         }
     }
@@ -158,7 +176,11 @@ fn a_launch_in_reverse_mirrors_a_launch_forward() {
             (reverse.secondary.speed, -forward.secondary.speed, "secondary speed"),
             (reverse.belt_speed, -forward.belt_speed, "belt speed"),
             (reverse.ring_speed, -forward.ring_speed, "ring speed"),
-            (reverse.primary.shaft_torque, -forward.primary.shaft_torque, "shaft torque"),
+            (
+                reverse.primary.shaft_torque,
+                -forward.primary.shaft_torque,
+                "shaft torque",
+            ),
             (reverse.thrust_ratio, forward.thrust_ratio, "thrust ratio"),
             (reverse.ratio_geometric, forward.ratio_geometric, "ratio"),
             (reverse.push_force_max, forward.push_force_max, "push force"),
@@ -180,7 +202,10 @@ fn at_standstill_the_clamped_belt_holds_the_torque() {
             "{model:?}: speeds {:.2e} and {:.2e} rad/s, F_S {:.1} N, slip {}",
             o.primary.speed, o.secondary.speed, o.secondary.axial_force, o.slip
         );
-        assert!(o.primary.speed.abs() < 0.1 && o.secondary.speed.abs() < 0.1, "the drive creeps away");
+        assert!(
+            o.primary.speed.abs() < 0.1 && o.secondary.speed.abs() < 0.1,
+            "the drive creeps away"
+        );
         assert_close(o.secondary.axial_force, 8e3, 0.02, "secondary force");
         run.assert_amount();
     }
@@ -190,65 +215,67 @@ fn at_standstill_the_clamped_belt_holds_the_torque() {
 #[test]
 fn clamping_forces_gone_and_back() {
     for model in MODELS {
-        for both in [false, true] {
-            let mut parameters = coarse(model);
-            parameters.primary.drive = Drive::Speed;
-            parameters.secondary.inertia = 0.3;
-            let normal = inputs((0.0, 11e3), (-20.0, 9e3));
-            let mut run = Run::new(parameters, normal);
-            run.go(0.02, 2e-3);
-            run.inputs.secondary.clamping_force = 0.0;
-            if both {
-                run.inputs.primary.clamping_force = 0.0;
-            }
-            // A speed-up that the load does not follow without a belt.
-            run.inputs.primary.speed_setpoint = 1.3 * SPEED;
-            let open = run.go(0.1, 2e-3);
-            run.inputs = normal;
-            let closed = run.go(0.5, 2e-3);
-            println!(
-                "{model:?}: open F_P {:.1} F_S {:.1} N, belt torque {:.3} N·m, slip {:.3}; closed F_S {:.1} N, slip {:.4}; residual {:.2}",
-                open.primary.axial_force,
-                open.secondary.axial_force,
-                open.primary.shaft_torque,
-                open.slip,
-                closed.secondary.axial_force,
-                closed.slip,
-                run.residual
-            );
-            if both {
-                assert!(open.primary.axial_force < 1e3 && open.ring_tension_max < 5e3);
-                assert!(open.primary.shaft_torque.abs() < 5.0 && open.slip > 0.1);
-            }
-            assert_close(closed.secondary.axial_force, 9e3, 0.05, "secondary force");
-            assert!(closed.slip.abs() < 0.03 && !closed.macro_slip, "slip {}", closed.slip);
-            run.assert_books();
-        }
+        let mut parameters = coarse(model);
+        parameters.primary.drive = Drive::Speed;
+        parameters.secondary.inertia = 0.3;
+        let normal = inputs((0.0, 11e3), (-20.0, 9e3));
+        let mut run = Run::new(parameters, normal);
+        run.go(0.02, 2e-3);
+        run.inputs.primary.clamping_force = 0.0;
+        run.inputs.secondary.clamping_force = 0.0;
+        // A speed-up that the load does not follow without a belt.
+        run.inputs.primary.speed_setpoint = 1.3 * SPEED;
+        let open = run.go(0.1, 2e-3);
+        run.inputs = normal;
+        let closed = run.go(0.5, 2e-3);
+        println!(
+            "{model:?}: open F_P {:.1} F_S {:.1} N, belt torque {:.3} N·m, slip {:.3}; closed F_S {:.1} N, slip {:.4}",
+            open.primary.axial_force,
+            open.secondary.axial_force,
+            open.primary.shaft_torque,
+            open.slip,
+            closed.secondary.axial_force,
+            closed.slip
+        );
+        assert!(open.primary.axial_force < 1e3 && open.ring_tension_max < 5e3);
+        assert!(open.primary.shaft_torque.abs() < 5.0 && open.slip > 0.1);
+        assert_close(closed.secondary.axial_force, 9e3, 0.05, "secondary force");
+        assert!(closed.slip.abs() < 0.03 && !closed.macro_slip, "slip {}", closed.slip);
+        run.assert_books();
     }
 }
 
-/// A strand under net compression, Q > T, would buckle: told once.
+/// A strand under net compression, Q > T, would buckle: told. Friction alone keeps T − Q above σV², so it takes a load
+/// that turns round while the clamping force goes, at a low speed.
 #[test]
 fn a_push_strand_in_net_compression_is_told() {
-    let mut run = Run::new(coarse(RingModel::Ale0), inputs((40.0, 11e3), (-39.0, 9e3)));
-    assert!(!run.warned("buckle"));
-    // So little clamping that the push force exceeds the ring tension before the belt slips away.
-    run.inputs = inputs((100.0, 3e3), (-99.0, 3e3));
-    run.go(0.05, 1e-3);
-    for message in &run.messages {
-        println!("{}", message.text);
+    for model in MODELS {
+        let mut parameters = coarse(model);
+        parameters.initial.primary_speed = 20.0;
+        let mut run = Run::new(parameters, inputs((40.0, 11e3), (-39.0, 9e3)));
+        run.go(5e-3, 1e-3);
+        assert!(!run.warned("buckle"), "{model:?}: told without cause");
+        run.inputs = inputs((-300.0, 2e3), (300.0, 2e3));
+        run.go(0.02, 1e-3);
+        let force = run.variator.system().ledger.last.strand_force;
+        for message in run.messages.iter().filter(|m| m.warning) {
+            println!("{model:?}: {} (now {force:.0} N)", message.text);
+        }
+        assert!(
+            run.warned("the net force in a strand is -") && run.warned("buckle"),
+            "{model:?}"
+        );
     }
-    assert!(run.warned("buckle") && run.warned("N"));
 }
 
 /// The solved equilibrium is one: a run at its forces keeps its ratio.
 #[test]
 fn a_start_in_equilibrium_stays_there() {
-    for model in MODELS {
-        let mut parameters = coarse(model);
+    for (mut parameters, force) in [(coarse(RingModel::Ale0), 10.1e3), (variator(RingModel::Ale), 12e3)] {
+        let model = parameters.ring_model;
         parameters.primary.drive = Drive::Speed;
         parameters.initial.equilibrium = true;
-        let mut run = Run::new(parameters, inputs((0.0, 12e3), (-49.0, 8.5e3)));
+        let mut run = Run::new(parameters, inputs((0.0, force), (-49.0, 8.5e3)));
         assert!(run.messages.iter().all(|m| !m.warning), "{:?}", run.messages);
         let before = run.variator.outputs().clone();
         let after = run.go(0.2, 5e-3);
@@ -256,9 +283,11 @@ fn a_start_in_equilibrium_stays_there() {
             "{model:?}: ratio {:.6} then {:.6}, forces {:.1} {:.1} N",
             before.ratio_geometric, after.ratio_geometric, before.primary.axial_force, before.secondary.axial_force
         );
-        assert_close(before.primary.axial_force, 12e3, 1e-3, "primary force");
+        assert_close(before.primary.axial_force, force, 1e-3, "primary force");
         assert_close(before.secondary.axial_force, 8.5e3, 1e-3, "secondary force");
         assert_close(after.ratio_geometric, before.ratio_geometric, 1e-3, "ratio");
+        // It is the ratio that changed, not the start that was kept.
+        assert!((before.ratio_geometric - 1.0).abs() > 5e-3);
     }
 }
 
@@ -296,7 +325,11 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
         }
         let o = run.variator.outputs().clone();
         assert!(run.warned("no steady state") && run.warned("capacity") && run.warned("% of them"));
-        assert!(o.torque_utilisation > 0.5 && o.torque_utilisation < 1.0, "{}", o.torque_utilisation);
+        assert!(
+            o.torque_utilisation > 0.5 && o.torque_utilisation < 1.0,
+            "{}",
+            o.torque_utilisation
+        );
         assert!(!o.macro_slip && o.slip < 0.03);
         run.go(0.02, 1e-3);
         run.assert_books();

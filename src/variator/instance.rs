@@ -313,7 +313,7 @@ impl Variator {
                 false,
                 format!(
                     "steady start: primary clamping force less axial belt force is {:.1} N",
-                    inputs.primary.clamping_force - self.system.belt_load(P).0
+                    inputs.primary.clamping_force - self.system.belt_sums::<false>(self.state.view()).axial[P]
                 ),
             );
         }
