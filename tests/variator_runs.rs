@@ -102,8 +102,8 @@ const NAMES: [&str; 7] = [
 ];
 
 /// A tolerance ten times tighter changes launch and shift by less than 0.2 % of each output's range: motions at every
-/// output point, forces in the root mean square. (While a belt at rest is loaded, the moment at which elements stick
-/// moves with the tolerance, and with it single values of the push force, by up to 2 % of its range.)
+/// output point, forces in the root mean square. (The moments at which elements stick and slip move with the tolerance, and
+/// with them single values of the push force, by up to 1.7 % of its range.)
 fn tighter_tolerance(model: RingModel, to: f64) {
     let [a, b] = [1.0, 0.1].map(|factor| {
         let mut parameters = Manoeuvre::variator(coarse(model));
