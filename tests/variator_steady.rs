@@ -154,19 +154,26 @@ fn belt_speed_moves_the_thrust_ratio_by_less_than_five_percent() {
 }
 
 /// Four times the cells close the power balance to 5e-4.
-#[test]
-fn four_times_the_cells_close_the_power_balance_to_5e_4() {
-    for model in MODELS {
-        let mut parameters = variator(model);
-        parameters.mesh = refined(&parameters.mesh, 4);
-        for torque in [30.0, 50.0, 100.0] {
-            for case in LoadCase::three(&parameters, torque) {
-                let defect = load_case_of_either_model(&parameters, &case).power_defect();
-                println!("{model:?} {} {torque} N·m: {defect:+.1e}", case.name);
-                assert!(defect.abs() <= 5e-4, "{model:?} {} {torque} N·m: {defect:e}", case.name);
-            }
+fn four_times_the_cells(model: RingModel) {
+    let mut parameters = variator(model);
+    parameters.mesh = refined(&parameters.mesh, 4);
+    for torque in [30.0, 50.0, 100.0] {
+        for case in LoadCase::three(&parameters, torque) {
+            let defect = load_case_of_either_model(&parameters, &case).power_defect();
+            println!("{model:?} {} {torque} N·m: {defect:+.1e}", case.name);
+            assert!(defect.abs() <= 5e-4, "{model:?} {} {torque} N·m: {defect:e}", case.name);
         }
     }
+}
+
+#[test]
+fn four_times_the_cells_close_the_power_balance_to_5e_4_ale() {
+    four_times_the_cells(RingModel::Ale);
+}
+
+#[test]
+fn four_times_the_cells_close_the_power_balance_to_5e_4_ale0() {
+    four_times_the_cells(RingModel::Ale0);
 }
 
 /// Twice the elements: thrust ratio within 1 %, spiral running within 5 %.
@@ -272,26 +279,43 @@ fn swapped_pulleys_mirror_each_other() {
     for model in MODELS {
         let mut parameters = coarse(model);
         parameters.mesh = mesh(12, 8);
-        let i = ratio(0.2);
-        let task = SteadyTask {
-            speed: [SpeedMode::Transmit(50.0), SpeedMode::Fixed],
-            ..given(i, P, 9000.0, 0.01)
-        };
-        let direct = steady(&parameters, &task, [SPEED / i, SPEED]).outputs;
-        let task = SteadyTask {
-            speed: [SpeedMode::Fixed, SpeedMode::Torque(-direct.secondary.shaft_torque)],
-            ..given(1.0 / i, S, 9000.0, -0.01)
-        };
-        let mirrored = steady(&parameters, &task, [SPEED, SPEED * i]).outputs;
-        let product = direct.thrust_ratio * mirrored.thrust_ratio;
+        for i in [0.5, ratio(0.2), 1.0, 1.6] {
+            let task = SteadyTask {
+                speed: [SpeedMode::Transmit(50.0), SpeedMode::Fixed],
+                ..given(i, P, 9000.0, 0.01)
+            };
+            let direct = steady(&parameters, &task, [SPEED / i, SPEED]).outputs;
+            let task = SteadyTask {
+                speed: [SpeedMode::Fixed, SpeedMode::Torque(-direct.secondary.shaft_torque)],
+                ..given(1.0 / i, S, 9000.0, -0.01)
+            };
+            let mirrored = steady(&parameters, &task, [SPEED, SPEED * i]).outputs;
+            let product = direct.thrust_ratio * mirrored.thrust_ratio;
+            println!(
+                "{model:?}: {} · {} − 1 = {:.1e}",
+                direct.thrust_ratio,
+                mirrored.thrust_ratio,
+                product - 1.0
+            );
+            assert!((product - 1.0).abs() < 1e-6);
+        }
+    }
+}
+
+/// At ratio 1 and one speed both shafts deliver half of the losses, and neither pulley is distinguished.
+#[test]
+fn equal_pulleys_with_equal_torques_share_the_thrust() {
+    for model in MODELS {
+        let o = steady(&variator(model), &given(1.0, P, 10e3, 0.0), [SPEED; 2]).outputs;
         println!(
-            "{model:?}: {} · {} = {product}",
-            direct.thrust_ratio, mirrored.thrust_ratio
+            "{model:?}: thrust ratio − 1 = {:.1e}, torques {:.6} and {:.6} N·m",
+            o.thrust_ratio - 1.0,
+            o.primary.shaft_torque,
+            o.secondary.shaft_torque
         );
-        // The overlay of ALE is measured from the reference curve through the locked node on S: that choice is no
-        // symmetry of the mesh, and its trace falls with the element size.
-        let tolerance = if model == RingModel::Ale0 { 1e-6 } else { 1e-2 };
-        assert!((product - 1.0).abs() < tolerance);
+        assert!((o.thrust_ratio - 1.0).abs() < 1e-6);
+        assert!(o.primary.shaft_torque < 0.0, "losses must be supplied");
+        assert_close(o.primary.shaft_torque, o.secondary.shaft_torque, 1e-4, "shaft torques");
     }
 }
 
@@ -331,6 +355,6 @@ fn a_steady_state_takes_its_usual_work() {
     let parameters = variator(RingModel::Ale);
     let counts = load_case(&parameters, &LoadCase::new(&parameters, "medium", 0.0, 50.0)).counts;
     println!("{counts:?}");
-    assert_pinned(counts.residuals, 100, "residuals");
-    assert_pinned(counts.factorizations, 25, "factorizations");
+    assert_pinned(counts.residuals, 496, "residuals");
+    assert_pinned(counts.factorizations, 117, "factorizations");
 }
