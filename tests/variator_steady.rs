@@ -204,7 +204,7 @@ fn the_mesh_is_fine_enough_in_medium() {
 }
 
 /// Beyond that it is not converged: the front on the primary arc at which the gaps between elements close travels towards
-/// the entry on finer meshes, and the thrust ratio with it, by 2.4 % at 4 times the elements and 4.7 % at 8 times. (Without
+/// the entry on finer meshes, and the thrust ratio with it, by 2.0 % at 4 times the elements and 4.3 % at 8 times. (Without
 /// play: 0.4 %.)
 #[test]
 fn the_mesh_is_fine_enough_in_overdrive() {
