@@ -61,7 +61,7 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
                 best.abs()
             );
         }
-        let ends = [course.clone().next(), course.last()].map(|s| sign * s.expect("a station").push);
+        let ends = [course.clone().next(), course.clone().next_back()].map(|s| sign * s.expect("a station").push);
         assert!(
             ends[1] - ends[0] > 0.75 * high,
             "{name}: by {} N of {high} N on the {arc} arc",
@@ -230,7 +230,7 @@ fn tension_ripple(state: &Steady) -> [f64; 2] {
     let elements = &state.system.mesh.elements;
     let n = elements.len();
     let inner = |element: usize| {
-        let on_arc = |element: usize| elements[element % n].segment % 2 == 0;
+        let on_arc = |element: usize| elements[element % n].segment.is_multiple_of(2);
         on_arc(element + 1) == on_arc(element) && on_arc(element + n - 1) == on_arc(element)
     };
     let stations = state.stations();
