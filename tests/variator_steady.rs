@@ -204,8 +204,7 @@ fn the_mesh_is_fine_enough_in_medium() {
 }
 
 /// Beyond that it is not converged: the front on the primary arc at which the gaps between elements close travels towards
-/// the entry on finer meshes, and the thrust ratio with it, by 2.0 % at 4 times the elements and 4.3 % at 8 times. (Without
-/// play: 0.4 %.)
+/// the entry on finer meshes, and the thrust ratio with it, by 3.0 % at 4 times the elements (`docs/sensitivity.md`).
 #[test]
 fn the_mesh_is_fine_enough_in_overdrive() {
     doubling_the_mesh(2);
@@ -355,6 +354,6 @@ fn a_steady_state_takes_its_usual_work() {
     let parameters = variator(RingModel::Ale);
     let counts = load_case(&parameters, &LoadCase::new(&parameters, "medium", 0.0, 50.0)).counts;
     println!("{counts:?}");
-    assert_pinned(counts.residuals, 496, "residuals");
-    assert_pinned(counts.factorizations, 117, "factorizations");
+    assert_pinned(counts.residuals, 457, "residuals");
+    assert_pinned(counts.factorizations, 109, "factorizations");
 }
