@@ -366,7 +366,7 @@ impl Run {
     }
 
     /// The books of a run that starts unloaded at a standstill. The loads close the flanks within 10 ms and leave the belt
-    /// ringing; there the residual is time integration's at the default tolerance, up to 1 % of the 2 J stored: 1.4
+    /// ringing; there the residual is time integration's at the default tolerance, up to 1 % of the 2 J stored: 1.7
     /// times what is allowed from [`COLD`] on. (A tolerance ten times tighter keeps it to 0.5 times.)
     #[track_caller]
     pub fn assert_books_from_cold(&self) {
