@@ -2,6 +2,7 @@
 //!
 //! `PUSHBELT_STEPS=1000000 PUSHBELT_CYCLES=1000 cargo test --test hosting` is the long run.
 
+#[allow(dead_code, reason = "each test needs a part of it")]
 mod library;
 
 use std::path::Path;

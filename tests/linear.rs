@@ -19,12 +19,14 @@ const OUTPUTS: [(&str, f64, Read); 6] = [
 ];
 
 fn parameters() -> Parameters {
-    let mut parameters = Parameters::default();
-    parameters.mesh = Mesh {
-        primary_arc: 8,
-        secondary_arc: 8,
-        strand: 4,
-        cells_per_element: 2,
+    let mut parameters = Parameters {
+        mesh: Mesh {
+            primary_arc: 8,
+            secondary_arc: 8,
+            strand: 4,
+            cells_per_element: 2,
+        },
+        ..Parameters::default()
     };
     parameters.solver.tolerance = 1e-7;
     parameters

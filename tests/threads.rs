@@ -1,5 +1,6 @@
 //! Many instances in one process, on several threads.
 
+#[allow(dead_code, reason = "each test needs a part of it")]
 mod library;
 
 use std::thread;

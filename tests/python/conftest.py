@@ -101,12 +101,13 @@ class Slave:
 
     def run(self, steps: int = 20, step: float = 1e-3) -> list[list[float]]:
         """Steps with a load that grows; the readings after each."""
-        rows = []
-        for k in range(steps):
-            self.set_all({"secondary.torque": -49.0 - k})
-            self.fmu.doStep(currentCommunicationPoint=k * step, communicationStepSize=step)
-            rows.append(self.readings())
-        return rows
+        return [self.step(k, step) for k in range(steps)]
+
+    def step(self, k: int, step: float = 1e-3) -> list[float]:
+        """Step number `k`; the readings after it."""
+        self.set_all({"secondary.torque": -49.0 - k})
+        self.fmu.doStep(currentCommunicationPoint=k * step, communicationStepSize=step)
+        return self.readings()
 
 
 @pytest.fixture
