@@ -1,4 +1,4 @@
-//! What a shared library asks of the machine that loads it.
+//! What a shared library asks of the machine that loads it, and when it says it was made.
 
 use anyhow::Context;
 use object::endian::Endianness;
@@ -30,6 +30,19 @@ pub fn newest_glibc(library: &[u8]) -> anyhow::Result<Option<(u32, u32)>> {
     Ok(newest)
 }
 
+/// Sets the time stamp in the head of a Windows library to zero, so that the same code gives the same bytes.
+pub fn forget_time(library: &mut [u8]) {
+    if !library.starts_with(b"MZ") {
+        return;
+    }
+    // The head begins with "PE\0\0", machine and number of sections; its place stands at 0x3c.
+    let place = library.get(0x3c..0x40).and_then(|bytes| bytes.try_into().ok());
+    let head = place.map(|bytes| u32::from_le_bytes(bytes) as usize);
+    if let Some(stamp) = head.and_then(|head| library.get_mut(head + 8..head + 12)) {
+        stamp.fill(0);
+    }
+}
+
 /// Major and minor number of `GLIBC_x.y` or `GLIBC_x.y.z`.
 fn glibc_version(name: &str) -> Option<(u32, u32)> {
     let mut numbers = name.strip_prefix("GLIBC_")?.split('.');
@@ -45,6 +58,18 @@ mod tests {
         assert_eq!(glibc_version("GLIBC_2.2.5"), Some((2, 2)));
         assert_eq!(glibc_version("GLIBC_2.34"), Some((2, 34)));
         assert_eq!(glibc_version("GCC_3.0"), None);
+    }
+
+    #[test]
+    fn a_windows_library_forgets_its_time() {
+        let mut library = vec![0xff_u8; 0x100];
+        library[..2].copy_from_slice(b"MZ");
+        library[0x3c..0x40].copy_from_slice(&0x80_u32.to_le_bytes());
+        let before = library.clone();
+        forget_time(&mut library);
+        let changed: Vec<_> = (0..library.len()).filter(|&i| library[i] != before[i]).collect();
+        assert_eq!(changed, [0x88, 0x89, 0x8a, 0x8b]);
+        forget_time(&mut b"MZ".to_vec());
     }
 
     #[cfg(target_os = "linux")]

@@ -11,7 +11,7 @@ use crate::archive::Archive;
 use crate::description::Description;
 use crate::platform::Platform;
 use crate::workspace::{MODEL_IDENTIFIER, Workspace};
-use crate::{cargo, image, licenses, portable, progress};
+use crate::{binary, cargo, image, licenses, portable, progress};
 
 /// The documentation in the FMU; its marks are filled in from the model description.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
@@ -56,7 +56,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathB
 fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::Result<Archive> {
     let mut archive = Archive::default();
     for (platform, library) in binaries {
-        archive.add(platform.binary(MODEL_IDENTIFIER), read(library)?)?;
+        let mut bytes = read(library)?;
+        binary::forget_time(&mut bytes);
+        archive.add(platform.binary(MODEL_IDENTIFIER), bytes)?;
     }
     archive.add("model.png", image::variator()?)?;
 
