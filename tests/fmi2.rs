@@ -693,12 +693,14 @@ fn check_output_derivatives(model: c_int) {
     assert!(exact >= 12, "{exact} outputs agree within 2 %");
 }
 
-/// A thousandfold clamping force at once, which the tightest tolerance can't follow.
+/// Every load at the end of its range at once, with the tightest tolerance and the sharpest friction: too much for the
+/// error control.
 #[test]
 fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
     let importer = Importer::new(c"discard");
     importer.make_cheap();
     assert_eq!(importer.set_real("solver.tolerance", 1e-10), Ok);
+    assert_eq!(importer.set_real("friction.velocity", 1e-6), Ok);
     importer.start();
     assert_eq!(importer.step(0.0, 1e-4), Ok, "{:?}", importer.heard);
     let (c, mut stored, mut reached, mut status) = (importer.c, null_mut(), f64::NAN, -1);
@@ -706,7 +708,14 @@ fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
     unsafe {
         assert_eq!(fmi2GetFMUstate(c, &mut stored), Ok);
         let discard = || {
-            assert_eq!(importer.set_real("secondary.clampingForce", 1e7), Ok);
+            for (name, load) in [
+                ("primary.clampingForce", 1e7),
+                ("secondary.clampingForce", 1e7),
+                ("primary.torque", 1e6),
+                ("secondary.torque", -1e6),
+            ] {
+                assert_eq!(importer.set_real(name, load), Ok);
+            }
             assert_eq!(importer.step(1e-4, 1e-3), Status::Discard);
             assert!(importer.last().contains("stalled at 0.000"), "{}", importer.last());
         };
@@ -716,9 +725,7 @@ fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
         assert_eq!(fmi2GetStatus(c, 0, &mut status), Ok);
         assert_eq!(status, Status::Discard as c_int);
         assert!(importer.real("primary.speed").is_finite());
-        // On from there.
-        assert_eq!(importer.step(reached, 2e-9), Ok, "{:?}", importer.heard);
-        // Or back, and smaller: the same bits as if nothing had been tried.
+        // Back, and smaller: the same bits as if nothing had been tried.
         assert_eq!(fmi2SetFMUstate(c, stored), Ok);
         assert_eq!(importer.step(1e-4, 2e-4), Ok);
         let expected = importer.readings();
