@@ -20,7 +20,7 @@ const SPEED: f64 = 209.44;
 
 type Change = (&'static str, fn(&mut Parameters));
 
-const CHANGES: [Change; 18] = [
+const CHANGES: [Change; 20] = [
     ("contact stiffness k_c × 0.5", |p| p.contact.stiffness *= 0.5),
     ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
     ("push stiffness k_e × 0.5", |p| p.belt.push_stiffness *= 0.5),
@@ -34,6 +34,8 @@ const CHANGES: [Change; 18] = [
     ("ring friction μ_r × 2", |p| p.friction.ring *= 2.0),
     ("play = 0", |p| p.belt.play = 0.0),
     ("play × 2", |p| p.belt.play *= 2.0),
+    ("contact strain × 1/3", |p| p.belt.contact_strain /= 3.0),
+    ("contact strain × 2", |p| p.belt.contact_strain *= 2.0),
     ("friction velocity v_0 × 0.5", |p| p.friction.velocity *= 0.5),
     ("friction velocity v_0 × 2", |p| p.friction.velocity *= 2.0),
     ("mesh × 0.5", |p| mesh(p, 1, 2)),

@@ -26,9 +26,6 @@ use crate::scalar::{Real, smooth_plus};
 use crate::variator::parameters::Belt;
 use nalgebra::Vector2;
 
-/// Smoothing width of the chain strain: small against a working strain of 1e-4 to 3e-4.
-pub const STRAIN_SMOOTHING: f64 = 3.0e-5;
-
 /// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
 pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 
@@ -105,7 +102,7 @@ pub struct Push<T> {
 /// Push force from element density `nu` and its material rate `nu_rate`, 1/s.
 #[inline(always)]
 pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
-    let (strain, contact) = smooth_plus(nu - 1.0, STRAIN_SMOOTHING);
+    let (strain, contact) = smooth_plus(nu - 1.0, belt.contact_strain);
     let viscous = contact * nu_rate * (belt.push_stiffness * belt.damping);
     Push {
         force: strain * belt.push_stiffness + viscous,
@@ -129,7 +126,7 @@ pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T) -> T
 #[must_use]
 pub fn energy_density(belt: &Belt, nu: f64) -> f64 {
     // 1/ν² is expanded about contact: ν − 1 is below 1e-2 wherever force acts.
-    belt.push_stiffness * crate::scalar::smooth_plus_energy(nu - 1.0, STRAIN_SMOOTHING, 0.1)
+    belt.push_stiffness * crate::scalar::smooth_plus_energy(nu - 1.0, belt.contact_strain, 0.1)
 }
 
 /// Amount per time through a face: J ν_upwind.

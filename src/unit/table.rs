@@ -305,6 +305,7 @@ fn parameters(t: &mut Rows) {
     t.set("belt.massPerLength", 1033, Parameter, "kg/m", "Mass of the elements alone per pitch-line length", set!(parameters.belt.mass_per_length));
     t.set("belt.pushStiffness", 1034, Parameter, "N", "Push force per strain of the element stack", set!(parameters.belt.push_stiffness));
     t.set("belt.damping", 1035, Parameter, "s", "Damping time of the element stack, in contact only", set!(parameters.belt.damping));
+    t.set("belt.contactStrain", 1036, Parameter, "1", "Strain of the stack over which neighbouring elements come into contact", set!(parameters.belt.contact_strain));
     t.set("ring.massPerLength", 1041, Parameter, "kg/m", "Mass of the ring sets per length", set!(parameters.ring.mass_per_length));
     t.set("ring.axialStiffness", 1042, Parameter, "N", "Axial stiffness EA of the ring sets", set!(parameters.ring.axial_stiffness));
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));

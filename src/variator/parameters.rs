@@ -89,6 +89,10 @@ pub struct Belt {
     pub push_stiffness: f64,
     /// Damping time of the stack, acting in contact only, s.
     pub damping: f64,
+    /// Strain of the stack over which neighbouring elements come into contact: the push force is k_e⟨ν − 1⟩₊ smoothed with
+    /// this width (asperities and squeezed oil; no stack is hard at the first touch). Small against a working strain of 1e-4
+    /// to 3e-4, but it decides how elements leave a pulley, so it moves slip and thrust ratio.
+    pub contact_strain: f64,
 }
 
 /// Friction.
@@ -195,6 +199,7 @@ impl Default for Parameters {
                 mass_per_length: 1.33,
                 push_stiffness: 1.0e7,
                 damping: 5.0e-6,
+                contact_strain: 3.0e-5,
             },
             ring: Ring {
                 mass_per_length: 0.24,

@@ -553,15 +553,18 @@ impl VariatorSystem {
     /// The gauge: s and Θ repeat motions that q_f can make, so two conditions hold the overlay, with multipliers in the
     /// border. They are even in the two pulleys, so swapping these is a symmetry of the discrete system: the deflections
     /// of node 0 and of the node opposite are equal outwards (which fixes what Θ means) and opposite along the curve
-    /// (which fixes s). In x and y: (condition, the two unknowns, their signs).
-    fn gauge(&self) -> Option<[(usize, [usize; 2], [f64; 2]); 2]> {
-        let layout = &self.layout;
-        layout.flexible.then(|| {
-            [(0, [1.0, 1.0]), (1, [1.0, -1.0])].map(|(k, signs)| {
-                let nodes = [0, layout.opposite].map(|node| layout.node(node, 2 * k));
-                (layout.global(Global::Gauge, k), nodes, signs)
+    /// (which fixes s).
+    fn gauge(&self) -> impl Iterator<Item = Condition> + use<> {
+        let layout = self.layout;
+        let in_x_and_y = [(0, [1.0, 1.0]), (1, [1.0, -1.0])];
+        in_x_and_y
+            .into_iter()
+            .filter(move |_| layout.flexible)
+            .map(move |(k, signs)| Condition {
+                multiplier: layout.global(Global::Gauge, k),
+                nodes: [0, layout.opposite].map(|node| layout.node(node, 2 * k)),
+                signs,
             })
-        })
     }
 
     /// Evaluates every station; `ENERGY` asks for the energies too.
@@ -886,6 +889,13 @@ impl VariatorSystem {
     }
 }
 
+/// A condition on the velocities of two nodes, a·`signs` = 0, with the unknown that is its multiplier.
+struct Condition {
+    multiplier: usize,
+    nodes: [usize; 2],
+    signs: [f64; 2],
+}
+
 /// Scale of rows that hold a quantity: of the order of the other entries of its row.
 const HOLD: f64 = 1.0e6;
 
@@ -927,10 +937,10 @@ impl System for VariatorSystem {
             out[from] += flux;
         }
         self.global_residual(view, out);
-        for (condition, nodes, signs) in self.gauge().into_iter().flatten() {
-            for (node, sign) in nodes.into_iter().zip(signs) {
-                out[condition] += HOLD * sign * view.y[node];
-                out[node] += HOLD * sign * view.y[condition];
+        for c in self.gauge() {
+            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
+                out[c.multiplier] += HOLD * sign * view.y[node];
+                out[node] += HOLD * sign * view.y[c.multiplier];
             }
         }
     }
@@ -943,10 +953,10 @@ impl System for VariatorSystem {
             self.assemble_jacobian::<false>(view, alpha, beta, out);
         }
         self.global_jacobian(view, alpha, beta, out);
-        for (condition, nodes, signs) in self.gauge().into_iter().flatten() {
-            for (node, sign) in nodes.into_iter().zip(signs) {
-                out.add(condition, node, HOLD * sign);
-                out.add(node, condition, HOLD * sign);
+        for c in self.gauge() {
+            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
+                out.add(c.multiplier, node, HOLD * sign);
+                out.add(node, c.multiplier, HOLD * sign);
             }
         }
     }

@@ -80,6 +80,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("belt.play", belt.play, 0.0, 10.0),
     limit!("belt.massPerLength", belt.mass_per_length, 1e-3, 1e3),
     limit!("belt.pushStiffness", belt.push_stiffness, 1e3, 1e13),
+    limit!("belt.contactStrain", belt.contact_strain, 1e-7, 1e-2),
     limit!("belt.damping", belt.damping, 0.0, 1e-2),
     limit!("ring.massPerLength", ring.mass_per_length, 1e-3, 1e3),
     limit!("ring.axialStiffness", ring.axial_stiffness, 1e3, 1e13),
