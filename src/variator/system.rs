@@ -211,6 +211,9 @@ struct PulleySum {
     torque: f64,
 }
 
+/// A condition of the gauge: its multiplier, two components of nodes and their signs.
+type Condition = (usize, [usize; 2], [f64; 2]);
+
 /// The assembled variator.
 #[derive(Clone, Debug)]
 pub struct VariatorSystem {
@@ -554,7 +557,7 @@ impl VariatorSystem {
     /// border. They are even in the two pulleys, so swapping these is a symmetry of the discrete system: the deflections
     /// of node 0 and of the node opposite are equal outwards (which fixes what Θ means) and opposite along the curve
     /// (which fixes s). In x and y: (condition, the two unknowns, their signs).
-    fn gauge(&self) -> Option<[(usize, [usize; 2], [f64; 2]); 2]> {
+    fn gauge(&self) -> Option<[Condition; 2]> {
         let layout = &self.layout;
         layout.flexible.then(|| {
             [(0, [1.0, 1.0]), (1, [1.0, -1.0])].map(|(k, signs)| {
