@@ -73,3 +73,13 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Describe => commands::describe::run(&workspace),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::Arguments::command().debug_assert();
+    }
+}

@@ -18,6 +18,7 @@ const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 
 /// What to build for.
 #[derive(Args, Clone, Copy, Default)]
+#[group(skip)]
 pub struct Arguments {
     /// For linux64 with glibc 2.17 or newer and for win64, instead of for this machine only
     #[arg(long)]
