@@ -3,21 +3,24 @@
 use super::Real;
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
-use wide::f64x2;
+#[cfg(not(target_feature = "avx"))]
+use wide::f64x2 as Pack;
+#[cfg(target_feature = "avx")]
+use wide::f64x4 as Pack;
 
-/// Numbers in a [`Lanes`].
-pub const LANES: usize = 2;
+/// Numbers in a [`Lanes`]: as many as a register of the processor holds that is compiled for.
+pub const LANES: usize = if cfg!(target_feature = "avx") { 4 } else { 2 };
 
 /// [`LANES`] numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lanes(f64x2);
+pub struct Lanes(Pack);
 
 impl Lanes {
     /// A pack of the given numbers.
     #[inline(always)]
     #[must_use]
     pub fn new(values: [f64; LANES]) -> Self {
-        Self(f64x2::new(values))
+        Self(Pack::new(values))
     }
 
     /// The numbers.
@@ -31,7 +34,7 @@ impl Lanes {
 impl From<f64> for Lanes {
     #[inline(always)]
     fn from(value: f64) -> Self {
-        Self(f64x2::splat(value))
+        Self(Pack::splat(value))
     }
 }
 
@@ -138,7 +141,7 @@ impl Real for Lanes {
         let root = (self * self + square).sqrt();
         let sum = root + Self(self.0.abs());
         let half = Self::from(0.5 * square);
-        let positive = self.0.simd_gt(f64x2::splat(0.0));
+        let positive = self.0.simd_gt(Pack::splat(0.0));
         let plus = Self(positive.select((sum * 0.5).0, (half / sum).0));
         [plus, plus / root, half / (root * root * root)]
     }

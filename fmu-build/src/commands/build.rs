@@ -23,6 +23,9 @@ pub struct Arguments {
     /// For linux64 with glibc 2.17 or newer and for win64, instead of for this machine only
     #[arg(long)]
     pub portable: bool,
+    /// For processors like this machine's only: faster, where it has wide registers
+    #[arg(long, conflicts_with = "portable")]
+    pub native: bool,
 }
 
 /// Builds the FMU and returns its path.
@@ -34,7 +37,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathB
         portable::build(workspace)?
     } else {
         progress::headline("Compiling the FMU's binary");
-        vec![(Platform::host()?, cargo::build_library(workspace)?)]
+        vec![(Platform::host()?, cargo::build_library(workspace, arguments.native)?)]
     };
     let archive = collect(workspace, &binaries)?;
 
