@@ -164,9 +164,12 @@ fn end_stops_hold_and_are_left_again() {
 fn a_launch_in_reverse_mirrors_a_launch_forward() {
     for model in MODELS {
         let at = |sign: f64| -> Outputs {
-            let mut run = Run::new(at_rest(model, 1.5), inputs((sign * 40.0, 9e3), (sign * -5.0, 10e3)));
+            // At the default tolerance the closing of the flanks leaves 1.7 times the residual that is allowed.
+            let mut parameters = at_rest(model, 1.5);
+            parameters.solver.tolerance = 1e-5;
+            let mut run = Run::new(parameters, inputs((sign * 40.0, 9e3), (sign * -5.0, 10e3)));
             let outputs = run.go(0.2, 2e-3);
-            run.assert_books_from_cold();
+            run.assert_books();
             outputs
         };
         let (forward, reverse) = (at(1.0), at(-1.0));
