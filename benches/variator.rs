@@ -10,13 +10,14 @@ use cpu_time::ThreadTime;
 use pushbelt::solver::System;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::newton::{Counts, Newton};
+use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::mesh::P;
 use pushbelt::variator::parameters::{Mesh, Parameters, RingModel};
 use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::start::{Start, kinematic_state};
 use pushbelt::variator::steady::{RatioTask, SteadyTask, solve};
-use pushbelt::variator::system::{SpeedMode, VariatorSystem};
+use pushbelt::variator::system::VariatorSystem;
 use serde_json::{Value, json};
 
 /// Primary speed of the load cases, rad/s.

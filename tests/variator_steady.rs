@@ -6,10 +6,10 @@ use common::{
     LoadCase, MODELS, SPEED, Steady, assert_close, assert_pinned, coarse, given, load_case, mesh, ratio, refined,
     steady, variator,
 };
+use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::parameters::{Parameters, RingModel};
 use pushbelt::variator::steady::SteadyTask;
-use pushbelt::variator::system::SpeedMode;
 
 /// Smallest and largest.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {

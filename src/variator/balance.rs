@@ -1,11 +1,12 @@
 //! Power, losses and stored energy of a state: each loss from its own law, never as a remainder.
 
+use super::boundary::SpeedMode;
 use super::cell::Sample;
 use super::layout::Global;
 use super::mesh::{P, S};
 use super::parameters::SPEED_LAG;
 use super::signals::Losses;
-use super::system::{SpeedMode, VariatorSystem};
+use super::system::VariatorSystem;
 use crate::reference_curve::ReferenceCurve;
 use crate::solver::View;
 
@@ -145,7 +146,7 @@ impl VariatorSystem {
     #[must_use]
     pub fn external_force(&self, j: usize) -> f64 {
         match self.boundary.sheave[j] {
-            super::system::SheaveMode::Force(force) => force,
+            super::boundary::SheaveMode::Force(force) => force,
             _ => 0.0,
         }
     }

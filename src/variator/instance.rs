@@ -1,5 +1,6 @@
 //! The variator as a user holds it: build from parameters, initialise, advance, read.
 
+use super::boundary::{Boundary, LoadRates, SheaveMode, SpeedMode};
 use super::layout::Global;
 use super::mesh::{P, S};
 use super::observe::{Context, Observer, macro_slip};
@@ -7,7 +8,7 @@ use super::parameters::{Axial, Drive, Parameters};
 use super::signals::{Inputs, Outputs, PulleyInputs};
 use super::start::{Start, kinematic_state};
 use super::steady::{self, RatioTask, SteadyTask};
-use super::system::{Boundary, LoadRates, SheaveMode, SpeedMode, State, VariatorSystem};
+use super::system::{State, VariatorSystem};
 use super::validation::ParameterError;
 use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Sdirk;

@@ -11,13 +11,14 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 
+use super::boundary::{Boundary, LoadRates, SheaveMode, SpeedMode};
 use super::instance::{InitialisationError, Variator};
 use super::layout::Global;
 use super::mesh::{P, S};
 use super::observe::{Context, Observer};
 use super::parameters::{Axial, Drive, Parameters, SPEED_LAG};
 use super::signals::{Inputs, Outputs};
-use super::system::{Boundary, LoadRates, SheaveMode, SpeedMode, State, VariatorSystem};
+use super::system::{State, VariatorSystem};
 use super::validation::ParameterError;
 use crate::solver::System;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};

@@ -1,6 +1,8 @@
 //! The variator: parameters, state, residual, outputs, energy balance.
 
+mod assembly;
 pub mod balance;
+pub mod boundary;
 pub mod cell;
 pub mod evolution;
 pub mod instance;

@@ -3,9 +3,10 @@
 //! Pseudo-transient continuation from the kinematic state. The ratio is held by a stiff spring on Θ whose force is moved
 //! to the reaction after each step, and its set point until the pressure-weighted radii have the wanted quotient.
 
+use super::boundary::{Boundary, SheaveMode, SpeedMode};
 use super::layout::Global;
 use super::mesh::{P, S};
-use super::system::{Boundary, SheaveMode, SpeedMode, State, VariatorSystem};
+use super::system::{State, VariatorSystem};
 use crate::reference_curve::ratio_of_theta;
 use crate::solver::View;
 use crate::solver::continuation::{Settled, Settling, Trial, settle};

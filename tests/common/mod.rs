@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 use pushbelt::solver::newton::{Counts, Newton};
+use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::cell::Sample;
 use pushbelt::variator::instance::{Message, Variator};
 use pushbelt::variator::layout::Global;
@@ -11,7 +12,7 @@ use pushbelt::variator::parameters::{Mesh, Parameters, RIGID_TILT_STIFFNESS, Rin
 use pushbelt::variator::signals::{Inputs, Outputs, PulleyInputs, PulleyOutputs};
 use pushbelt::variator::start::{Start, kinematic_state};
 use pushbelt::variator::steady::{self, RatioTask, SteadyTask};
-use pushbelt::variator::system::{SpeedMode, State, VariatorSystem};
+use pushbelt::variator::system::{State, VariatorSystem};
 
 /// 2000 rpm, rad/s.
 pub const SPEED: f64 = 209.44;

@@ -1,0 +1,465 @@
+//! Cells gathered into the residual and, with the exact Jacobian, into the matrix: several at once, one in each lane.
+
+use super::cell::{CellBalance, CellMotion, NoProbe, Place, PulleyMotion, Sample, Sampler, balance};
+use super::layout::Global;
+use super::mesh::Station;
+use super::system::VariatorSystem;
+use crate::chain;
+use crate::reference_curve::{Jet, ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
+use crate::scalar::{LANES, Lanes, Real, Tangent};
+use crate::solver::View;
+use crate::solver::arrow::Arrow;
+use nalgebra::Vector2;
+use num_traits::Zero;
+
+/// Derivative directions of a cell with a deflecting ring: 8 node motions, V, V, N, and six globals.
+pub(super) const FLEXIBLE: usize = 17;
+/// Derivative directions of a cell of `ALE0`: V, V, N, T, T, and six globals.
+const RIGID: usize = 11;
+/// Directions before the globals.
+const FLEXIBLE_LOCAL: usize = 11;
+const RIGID_LOCAL: usize = 5;
+
+/// Directions differentiated in one pass over a pack of cells.
+const PASS: usize = 2;
+
+/// Cells that are computed at once, one in each lane. They lie on the same segment, next to each other.
+#[derive(Clone, Debug)]
+pub(super) struct Pack {
+    /// Cells; the last one repeats where there are fewer than lanes.
+    cells: [usize; LANES],
+    /// Lanes in use.
+    used: usize,
+    segment: usize,
+    share: Lanes,
+    face: Station<Lanes>,
+    stations: Vec<Station<Lanes>>,
+    axis: Lanes,
+    /// Unknowns of the directions.
+    at: [[usize; LANES]; FLEXIBLE],
+    /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
+    entries: Vec<[usize; LANES]>,
+}
+
+/// Sums over the cells of a pulley.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PulleySum {
+    pub axial: f64,
+    pub tilting: [f64; 2],
+    pub torque: f64,
+}
+
+/// Positions, values and rates of the unknowns of a cell, or of one in each lane.
+struct Unknowns<L> {
+    position: [L; FLEXIBLE],
+    value: [L; FLEXIBLE],
+    rate: [L; FLEXIBLE],
+}
+
+impl<L: Copy> Unknowns<L> {
+    #[inline(always)]
+    fn gather(view: View<'_>, count: usize, zero: L, pick: impl Fn(&[f64], usize) -> L) -> Self {
+        let gather = |from: &[f64]| {
+            let mut to = [zero; FLEXIBLE];
+            for (k, x) in to[..count].iter_mut().enumerate() {
+                *x = pick(from, k);
+            }
+            to
+        };
+        Self {
+            position: gather(view.q),
+            value: gather(view.y),
+            rate: gather(view.y_dot),
+        }
+    }
+}
+
+impl Station<Lanes> {
+    pub(super) fn pack(stations: [&Station; LANES]) -> Self {
+        let each = |f: &dyn Fn(&Station) -> f64| Lanes::new(stations.map(f));
+        Self {
+            fraction: each(&|s| s.fraction),
+            shape: Hermite {
+                n: std::array::from_fn(|k| each(&|s| s.shape.n[k])),
+                dn: std::array::from_fn(|k| each(&|s| s.shape.dn[k])),
+                ddn: std::array::from_fn(|k| each(&|s| s.shape.ddn[k])),
+            },
+            weight: each(&|s| s.weight),
+            right: each(&|s| s.right),
+        }
+    }
+}
+
+/// Stands for a place outside the matrix.
+const NOWHERE: usize = usize::MAX;
+
+impl VariatorSystem {
+    /// Packs neighbours, and finds the places of their derivatives.
+    pub(super) fn pack(&mut self) {
+        let shape = self.layout.shape();
+        let cells = self.mesh.cells.len();
+        let segment = |cell: usize| self.mesh.elements[self.mesh.cells[cell].element].segment;
+        let directions = |cell: usize| {
+            let mut at = [0; FLEXIBLE];
+            let count = self.directions(cell, &mut at);
+            (at, count)
+        };
+        let amount = self.amount_direction();
+        let mut packs = Vec::new();
+        let mut first = 0;
+        while first < cells {
+            let used = (1..LANES)
+                .take_while(|&i| first + i < cells && segment(first + i) == segment(first))
+                .count()
+                + 1;
+            let cell: [usize; LANES] = std::array::from_fn(|lane| first + lane.min(used - 1));
+            let member = cell.map(|c| &self.mesh.cells[c]);
+            let at = cell.map(directions);
+            let count = at[0].1;
+            let mut entries = Vec::new();
+            for row in (0..count).filter(|&row| row != amount) {
+                for column in 0..count {
+                    entries
+                        .push(at.map(|(at, _)| shape.index(at[row], at[column]).expect("neighbours are in the band")));
+                }
+            }
+            packs.push(Pack {
+                cells: cell,
+                used,
+                segment: segment(first),
+                share: Lanes::new(member.map(|c| self.mesh.elements[c.element].share)),
+                face: Station::pack(member.map(|c| &c.face)),
+                stations: (0..member[0].stations.len())
+                    .map(|i| Station::pack(member.map(|c| &c.stations[i])))
+                    .collect(),
+                axis: Lanes::new(member.map(|c| self.law.axes[c.pulley])),
+                at: std::array::from_fn(|k| at.map(|(at, _)| at[k])),
+                entries,
+            });
+            first += used;
+        }
+        self.flux_entries = (0..cells)
+            .map(|cell| {
+                let before = (cell + cells - 1) % cells;
+                let rows = [self.layout.amount(before), self.layout.amount(cell)];
+                [cell, before].map(|of| {
+                    let (at, count) = directions(of);
+                    std::array::from_fn(|k| {
+                        // With one cell in an element, its density's dependence on the far node (ring stretch, reverse
+                        // flow only) would leave the band.
+                        rows.map(|row| {
+                            if k < count {
+                                shape.index(row, at[k]).unwrap_or(NOWHERE)
+                            } else {
+                                NOWHERE
+                            }
+                        })
+                    })
+                })
+            })
+            .collect();
+        self.packs = packs;
+    }
+
+    /// The direction that is the element amount, whose row the fluxes fill.
+    fn amount_direction(&self) -> usize {
+        if self.layout.flexible { 10 } else { 2 }
+    }
+
+    /// Global indices of a cell's directions: its own unknowns, then s, Θ, z, ψ_x, ψ_y, ω.
+    fn directions(&self, cell: usize, out: &mut [usize; FLEXIBLE]) -> usize {
+        let layout = &self.layout;
+        let place = &self.mesh.cells[cell];
+        let local = if layout.flexible {
+            for i in 0..2 {
+                for k in 0..4 {
+                    out[4 * i + k] = layout.node(place.element + i, k);
+                }
+            }
+            out[8] = layout.speed(cell);
+            out[9] = layout.speed(cell + 1);
+            out[10] = layout.amount(cell);
+            FLEXIBLE_LOCAL
+        } else {
+            out[0] = layout.speed(cell);
+            out[1] = layout.speed(cell + 1);
+            out[2] = layout.amount(cell);
+            out[3] = layout.tension(cell);
+            out[4] = layout.tension(cell + 1);
+            RIGID_LOCAL
+        };
+        let j = place.pulley;
+        out[local] = layout.global(Global::Drift, 0);
+        out[local + 1] = layout.global(Global::Theta, 0);
+        out[local + 2] = layout.global(Global::Sheave, j);
+        out[local + 3] = layout.global(Global::Tilt, 2 * j);
+        out[local + 4] = layout.global(Global::Tilt, 2 * j + 1);
+        out[local + 5] = layout.global(Global::Speed, j);
+        local + 6
+    }
+
+    /// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
+    #[inline(always)]
+    fn motion<T: Real>(
+        unknowns: &Unknowns<T::Constant>,
+        flexible: bool,
+        [alpha, beta]: [f64; 2],
+        seed: impl Fn(T::Constant, usize, f64) -> T,
+    ) -> CellMotion<T> {
+        let value = |k: usize| seed(unknowns.value[k], k, 1.0);
+        let rate = |k: usize| seed(unknowns.rate[k], k, alpha);
+        let position = |k: usize| seed(unknowns.position[k], k, beta);
+        let (nodes, own, g, tension) = if flexible {
+            let node = |i: usize| Motion {
+                value: node(i, position),
+                rate: node(i, value),
+                acceleration: node(i, rate),
+            };
+            (Some([node(0), node(1)]), 8, FLEXIBLE_LOCAL, [T::zero(); 2])
+        } else {
+            (None, 0, RIGID_LOCAL, [value(3), value(4)])
+        };
+        CellMotion {
+            nodes,
+            speed: [value(own), value(own + 1)],
+            speed_dot: [rate(own), rate(own + 1)],
+            amount: value(own + 2),
+            tension,
+            reference: ReferenceMotion {
+                theta: Motion {
+                    value: position(g + 1),
+                    rate: value(g + 1),
+                    acceleration: rate(g + 1),
+                },
+                s_dot: value(g),
+                s_ddot: rate(g),
+            },
+            pulley: PulleyMotion {
+                z: position(g + 2),
+                z_dot: value(g + 2),
+                psi: [value(g + 3), value(g + 4)],
+                psi_dot: [rate(g + 3), rate(g + 4)],
+                omega: value(g + 5),
+            },
+        }
+    }
+
+    /// Rows of the balance in the order of the directions; the amount has its own balance, the flux.
+    #[inline(always)]
+    fn rows<T: Real>(b: &CellBalance<T>, flexible: bool) -> [T; FLEXIBLE] {
+        let mut rows = [T::zero(); FLEXIBLE];
+        let g = if flexible {
+            for (i, node) in b.nodes.iter().enumerate() {
+                rows[4 * i] = node.a.x;
+                rows[4 * i + 1] = node.b.x;
+                rows[4 * i + 2] = node.a.y;
+                rows[4 * i + 3] = node.b.y;
+            }
+            rows[8] = b.speed[0];
+            rows[9] = b.speed[1];
+            FLEXIBLE_LOCAL
+        } else {
+            rows[0] = b.speed[0];
+            rows[1] = b.speed[1];
+            rows[3] = b.tension;
+            RIGID_LOCAL
+        };
+        rows[g] = b.drift;
+        rows[g + 1] = b.theta;
+        rows[g + 2] = b.axial;
+        rows[g + 3] = -b.tilting[0];
+        rows[g + 4] = -b.tilting[1];
+        rows[g + 5] = -b.torque;
+        rows
+    }
+
+    /// Evaluates every station; `ENERGY` asks for the energies too.
+    pub fn probe<const ENERGY: bool>(&self, view: View<'_>, mut probe: impl FnMut(usize, &Sample)) {
+        let frame = self.curve.frame(self.theta(view));
+        let mut at = [0; FLEXIBLE];
+        for (i, cell) in self.mesh.cells.iter().enumerate() {
+            let count = self.directions(i, &mut at);
+            let unknowns = Unknowns::gather(view, count, 0.0, |from, k| from[at[k]]);
+            let motion = Self::motion(&unknowns, self.layout.flexible, [0.0; 2], |value, _, _| value);
+            let element = &self.mesh.elements[cell.element];
+            let place = Place {
+                face: &cell.face,
+                stations: &cell.stations,
+                axis: self.law.axes[cell.pulley],
+                length: Jet::constant(0.0)
+                    .plus_scaled(TwoPulley::segment_length(&frame, element.segment), element.share),
+            };
+            let reference = |slot: usize| {
+                let station = if slot == 0 {
+                    &cell.face
+                } else {
+                    &cell.stations[slot - 1]
+                };
+                TwoPulley::point(&frame, element.segment, station.fraction)
+            };
+            let mut sampler = Sampler::<_, ENERGY>(|s: &Sample| probe(i, s));
+            balance(&self.law, &place, &motion, reference, &mut sampler);
+        }
+    }
+
+    /// The balance of a pack of cells.
+    #[inline(always)]
+    fn pack_balance<T: Real<Constant = Lanes>>(
+        &self,
+        pack: &Pack,
+        frame: &TwoPulleyFrame<T>,
+        motion: &CellMotion<T>,
+    ) -> CellBalance<T> {
+        let place = Place {
+            face: &pack.face,
+            stations: &pack.stations,
+            axis: pack.axis,
+            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, pack.segment), pack.share),
+        };
+        let reference = |slot: usize| {
+            let station = if slot == 0 {
+                &pack.face
+            } else {
+                &pack.stations[slot - 1]
+            };
+            TwoPulley::point(frame, pack.segment, station.fraction)
+        };
+        balance(&self.law, &place, motion, reference, &mut NoProbe)
+    }
+
+    #[inline(always)]
+    fn gather(&self, view: View<'_>, pack: &Pack, count: usize) -> Unknowns<Lanes> {
+        Unknowns::gather(view, count, Lanes::zero(), |from, k| {
+            Lanes::new(pack.at[k].map(|i| from[i]))
+        })
+    }
+
+    /// One pass over a pack: derivatives in the directions `first` and on.
+    #[inline(never)]
+    fn pack_pass<const FLEX: bool>(
+        &self,
+        pack: &Pack,
+        frame: &TwoPulleyFrame<Tangent<PASS>>,
+        unknowns: &Unknowns<Lanes>,
+        slopes: [f64; 2],
+        first: usize,
+    ) -> ([Tangent<PASS>; FLEXIBLE], Tangent<PASS>, Tangent<PASS>) {
+        let seed =
+            |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
+        let motion = Self::motion(unknowns, FLEX, slopes, seed);
+        let b = self.pack_balance(pack, frame, &motion);
+        (Self::rows(&b, FLEX), b.flow, b.density)
+    }
+
+    pub(super) fn assemble_residual<const FLEX: bool>(&mut self, view: View<'_>, out: &mut [f64]) {
+        let count = if FLEX { FLEXIBLE } else { RIGID };
+        let amount = self.amount_direction();
+        let first_global = if FLEX { FLEXIBLE_LOCAL } else { RIGID_LOCAL } + 2;
+        let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
+        for pack in &self.packs {
+            let unknowns = self.gather(view, pack, count);
+            let motion = Self::motion(&unknowns, FLEX, [0.0; 2], |value, _, _| value);
+            let b = self.pack_balance(pack, &frame, &motion);
+            // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
+            for (k, (row, at)) in Self::rows(&b, FLEX)[..first_global].iter().zip(&pack.at).enumerate() {
+                if k != amount {
+                    let row = row.to_array();
+                    for lane in 0..pack.used {
+                        out[at[lane]] += row[lane];
+                    }
+                }
+            }
+            let [axial, torque, x, y, flow, density] =
+                [b.axial, b.torque, b.tilting[0], b.tilting[1], b.flow, b.density].map(Lanes::to_array);
+            for lane in 0..pack.used {
+                let cell = pack.cells[lane];
+                let sum = &mut self.sums[self.mesh.cells[cell].pulley];
+                sum.axial += axial[lane];
+                sum.torque += torque[lane];
+                sum.tilting[0] += x[lane];
+                sum.tilting[1] += y[lane];
+                self.flows[cell] = (flow[lane], density[lane]);
+            }
+        }
+    }
+
+    pub(super) fn assemble_jacobian<const FLEX: bool>(
+        &mut self,
+        view: View<'_>,
+        alpha: f64,
+        beta: f64,
+        out: &mut Arrow,
+    ) {
+        let (count, theta) = if FLEX {
+            (FLEXIBLE, FLEXIBLE_LOCAL + 1)
+        } else {
+            (RIGID, RIGID_LOCAL + 1)
+        };
+        let amount = self.amount_direction();
+        let shape = self.curve.shape(self.theta(view));
+        let still = shape.frame(Tangent::zero());
+        let moving = shape.frame(Tangent::seed(Lanes::zero(), theta % PASS, beta));
+        for pack in &self.packs {
+            let unknowns = self.gather(view, pack, count);
+            for first in (0..count).step_by(PASS) {
+                let frame = if first == theta / PASS * PASS { &moving } else { &still };
+                let pass = first..(first + PASS).min(count);
+                let (rows, flow, density) = self.pack_pass::<FLEX>(pack, frame, &unknowns, [alpha, beta], first);
+                let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
+                for ((_, row), entries) in rows.zip(pack.entries.chunks_exact(count)) {
+                    for (eps, entry) in row.eps.iter().zip(&entries[pass.clone()]) {
+                        let eps = eps.to_array();
+                        for lane in 0..pack.used {
+                            out.add_at(entry[lane], eps[lane]);
+                        }
+                    }
+                }
+                for (lane, (f, d)) in flow.re.to_array().into_iter().zip(density.re.to_array()).enumerate() {
+                    self.flows[pack.cells[lane]] = (f, d);
+                }
+                for ((l, f), d) in pass.clone().zip(&flow.eps).zip(&density.eps) {
+                    for (lane, (f, d)) in f.to_array().into_iter().zip(d.to_array()).enumerate() {
+                        let [flow, density] = &mut self.flow_slopes[pack.cells[lane]];
+                        flow[l] = f;
+                        density[l] = d;
+                    }
+                }
+            }
+        }
+        for cell in 0..self.mesh.cells.len() {
+            let row = self.layout.amount(cell);
+            out.add(row, row, alpha);
+        }
+        // Fluxes through the left faces.
+        let cells = self.mesh.cells.len();
+        for cell in 0..cells {
+            let before = (cell + cells - 1) % cells;
+            let ((flow, after), (_, density_before)) = (self.flows[cell], self.flows[before]);
+            let [by_flow, by_before, by_after] = chain::flux_slopes(flow, density_before, after);
+            let [flow, density] = &self.flow_slopes[cell];
+            let [_, density_before] = &self.flow_slopes[before];
+            let [own, other] = &self.flux_entries[cell];
+            for k in 0..count {
+                let slope = by_flow * flow[k] + by_after * density[k];
+                let slope_before = by_before * density_before[k];
+                for (entries, slope) in [(own[k], slope), (other[k], slope_before)] {
+                    for (entry, value) in entries.into_iter().zip([slope, -slope]) {
+                        if entry != NOWHERE {
+                            out.add_at(entry, value);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Node `i` of a cell from its directions.
+#[inline(always)]
+fn node<T: Real>(i: usize, f: impl Fn(usize) -> T) -> Node<T> {
+    Node {
+        a: Vector2::new(f(4 * i), f(4 * i + 2)),
+        b: Vector2::new(f(4 * i + 1), f(4 * i + 3)),
+    }
+}
