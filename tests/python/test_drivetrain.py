@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
+import shutil
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -260,7 +263,36 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
     assert target == pytest.approx(simulate.RATIO_LIMITS[0])
 
 
+# Documentation
+
+
+@pytest.mark.parametrize(("page", "program"), [("controller", "controller"), ("models", "wiring")])
+def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
+    shown = (ROOT / "docs" / f"drivetrain-{page}.md").read_text(encoding="utf-8")
+    code = (ROOT / "examples" / "drivetrain" / f"{program}.py").read_text(encoding="utf-8")
+    assert f"```python\n{code.rstrip()}\n```" in shown
+
+
 # With the FMU
+
+
+@pytest.mark.parametrize(
+    ("program", "last"), [("controller", "ratio 0.8"), ("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`")]
+)
+def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
+    (tmp_path / "target").mkdir()
+    shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
+    ran = subprocess.run(
+        [sys.executable, ROOT / "examples" / "drivetrain" / f"{program}.py"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT / "python")},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    assert last in ran.stdout.splitlines()[-1]
 
 
 @pytest.fixture(scope="module")
