@@ -135,7 +135,9 @@ def operating_points(table: ThrustMap, run: Run) -> str:
         where.set_xscale("log")
         where.set_xticks([0.5, 1.0, 2.0], ["0.5", "1", "2"])
         where.minorticks_off()
-        where.set(title="Thrust ratio of the map, and the points worked at", xlabel="ratio", ylabel="torque utilisation")
+        where.set(
+            title="Thrust ratio of the map, and the points worked at", xlabel="ratio", ylabel="torque utilisation"
+        )
         expected = [table.thrust_ratio(i, u) for i, u in zip(ratio, utilisation, strict=True)]
         values.scatter(expected, thrust, s=5, color=BLUE, alpha=0.5, linewidths=0)
         low, high = float(table.thrust.min()), float(table.thrust.max())

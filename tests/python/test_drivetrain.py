@@ -243,9 +243,7 @@ def test_ratio_control_reaches_its_target(target: float) -> None:
     for _ in range(800):
         measured = dataclasses.replace(MEASURED, ratio=math.exp(log_ratio))
         demands = control.forces(target, measured, 8000.0, STEP)
-        primary, secondary = (
-            circuit.advance(demand, STEP) for circuit, demand in zip(circuits, demands, strict=True)
-        )
+        primary, secondary = (circuit.advance(demand, STEP) for circuit, demand in zip(circuits, demands, strict=True))
         share = clamping_force(50.0, 0.0575, 0.09, FRICTION.wedge_angle, 1.0) / secondary
         balance = 1.1 * MAP.thrust_ratio(measured.ratio, share)
         log_ratio -= STEP * 2.0 * MAP.shift_gain * 200.0 * (primary - balance * secondary)
@@ -277,7 +275,8 @@ def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("program", "last"), [("controller", "ratio 0.8"), ("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`")]
+    ("program", "last"),
+    [("controller", "ratio 0.8"), ("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`")],
 )
 def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
     (tmp_path / "target").mkdir()
