@@ -29,19 +29,21 @@ def main() -> None:
     archive = Archive.unpack(Path("target/PushbeltVariator.fmu"))
     try:
         state = run(archive, 0.01, {})
-        print("engine drives: primary.power %.0f W, secondary.power %.0f W" % (
-            state["primary.power"], state["secondary.power"]))  # fmt: skip
+        print(
+            f"engine drives: primary.power {state['primary.power']:.0f} W, secondary.power {state['secondary.power']:.0f} W"
+        )
         speed = START["initial.primarySpeed"]
         reflected = START["primary.inertia"] + START["secondary.inertia"] / 1.5**2
         lever = START["primary.torque"] + START["secondary.torque"] / 1.5
-        print("acceleration %.2f rad/s², of a lossless drive %.2f" % (
-            (state["primary.speed"] - speed) / 0.5, lever / reflected))  # fmt: skip
-        overrun = run(archive, 0.01, {"primary.torque": -20.0, "secondary.torque": 20.0})
-        print("car drives: primary.power %.0f W, secondary.power %.0f W" % (
-            overrun["primary.power"], overrun["secondary.power"]))  # fmt: skip
+        acceleration = (state["primary.speed"] - speed) / 0.5
+        print(f"acceleration {acceleration:.2f} rad/s², of a lossless drive {lever / reflected:.2f}")
+        state = run(archive, 0.01, {"primary.torque": -20.0, "secondary.torque": 20.0})
+        print(
+            f"car drives: primary.power {state['primary.power']:.0f} W, secondary.power {state['secondary.power']:.0f} W"
+        )
         for step in (0.02, 0.01, 0.005, 0.001):
-            print("communication step %2.0f ms: primary speed %.4f rad/s" % (
-                1e3 * step, run(archive, step, {})["primary.speed"]))  # fmt: skip
+            end = run(archive, step, {})["primary.speed"]
+            print(f"communication step {1e3 * step:2.0f} ms: primary speed {end:.4f} rad/s")
     finally:
         archive.remove()
 

@@ -142,7 +142,7 @@ class SlipControl:
             self._integral = self.RESCUE - 1.0
             return self.RESCUE * feed_forward
         factor = 1.0 + self.PROPORTIONAL * error + self._integral
-        if (self.LOW < factor or error > 0.0) and (factor < self.HIGH or error < 0.0):
+        if (factor > self.LOW or error > 0.0) and (factor < self.HIGH or error < 0.0):
             self._integral += step * self.INTEGRAL * error
         return float(np.clip(factor, self.LOW, self.HIGH)) * feed_forward
 

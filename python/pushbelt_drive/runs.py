@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from . import simulate, thrust_map
 from .car import demo_car
-from .cycle import Cycle, wltc_class_3b
+from .cycle import wltc_class_3b
 from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 
