@@ -33,8 +33,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"The simulation failed: {error}", file=sys.stderr)
         return 1
     options.output.mkdir(parents=True, exist_ok=True)
-    for run in (results.fixed, results.slip, results.close_up):
-        report.write_trace(run, options.output / f"{run.setup.name.replace(' ', '-')}.csv")
+    for run in results.runs:
+        report.write_trace(run, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
     path = options.output / "report.html"
     report.write_html(results, path)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")

@@ -1,6 +1,6 @@
 """The car around the variator: road load, engine, launch clutch. SI units.
 
-The vehicle itself is an inertia on the secondary shaft, part of the FMU, so its speed is the FMU's secondary speed. What
+The vehicle itself is an inertia on the secondary shaft, part of the FMU: its speed is the FMU's secondary speed. What
 has a state here is the engine with its clutch, integrated with steps of 1 ms against the primary speed of the last
 communication point; the mean clutch torque over the communication step goes to the FMU, which conserves momentum.
 """
@@ -100,13 +100,13 @@ def demo_car() -> Car:
 class Powertrain:
     """Engine and launch clutch.
 
-    While it slips, the clutch carries a torque that grows with the square of the speed above idle, as a centrifugal one or
-    a torque converter does. Locked, engine and primary pulley turn as one. The pulley's speed is the FMU's and known once
-    a communication step, so the torque that keeps them together is predicted,
+    While it slips, the clutch carries a torque that grows with the square of the speed above idle, as a centrifugal
+    one does. Locked, engine and primary pulley turn as one. The pulley's speed is the FMU's and known once a
+    communication step, so the torque that keeps them together is predicted,
 
         T_c = T_e − J_e α + (J_e/τ)(ω_e − ω_P),
 
-    with the acceleration α of the pulley low-passed by τ: the last term removes what the prediction gets wrong. It stays
+    with the acceleration α of the pulley low-passed by τ: the last term removes what the prediction gets wrong. It is
     stable as long as J_e h/τ is below the inertia of the pulley alone, which it must be when the belt slips through.
     """
 

@@ -37,7 +37,7 @@ class Measured:
     pitch_radius: float
     """Primary running radius, m."""
     torque: float
-    """Largest magnitude of the torque on the primary shaft now and as demanded, with the sign of the torque now, N·m."""
+    """Larger of the primary torques now and as demanded, with the sign of the torque now, N·m."""
 
 
 @dataclass(frozen=True)
@@ -86,13 +86,13 @@ class SafetyFactor:
 class SlipControl:
     """PI on the secondary force to a slip set point, with intervention when macro-slip threatens.
 
-    The set point is the slip that the map has at a torque utilisation of `utilisation`; the feed-forward is the force of
-    that utilisation, and the PI scales it within limits:
+    The set point is the slip that the map has at a torque utilisation of `utilisation`; the feed-forward is the force
+    of that utilisation, and the PI scales it within limits:
 
         F_S = F_ff · clip(1 + k_p e + k_i ∫e dt, low, high),   e = |slip| − set point
 
-    The integral stands still while the factor is at a limit in its direction. Slip beyond twice its set point and 1 % more,
-    or macro-slip, makes the factor `rescue` at once; it is held for a while and then comes down no faster than the
+    The integral stands still while the factor is at a limit in its direction. Slip beyond twice its set point and 1 %
+    more, or macro-slip, makes the factor `rescue` at once; it is held for a while and then comes down no faster than the
     integral brings it. Below a speed at which slip can't be measured well the fixed safety factor holds.
     """
 
@@ -155,9 +155,9 @@ class RatioControl:
 
         F_P = κ(i, u) F_S − (λ* + k_p e + k_i ∫e dt)/(g ω_P),   e = λ* − λ
 
-    κ is the thrust ratio of the map at the ratio and the torque utilisation u, g the shift gain. The integral stands still
-    while F_P is at a limit in its direction. A primary force below what carries the torque is not allowed: to shift down
-    faster the secondary force rises instead.
+    κ is the thrust ratio of the map at the ratio and the torque utilisation u, g the shift gain. The integral stands
+    still while F_P is at a limit in its direction. A primary force below what carries the torque is not allowed: to shift
+    down faster the secondary force rises instead.
     """
 
     APPROACH = 3.0

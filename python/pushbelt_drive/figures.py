@@ -120,6 +120,26 @@ def energy_shares(fixed: Run, slip: Run) -> str:
     return svg(figure)
 
 
+def low_friction(fixed: Run, slip: Run) -> str:
+    """Slip, secondary force and loss of both strategies on a belt with less friction than they believe in."""
+    with plt.rc_context(STYLE):
+        figure, rows = plt.subplots(1, 3, figsize=(11.2, 3.2), layout="constrained")
+        slipping, force, loss = rows
+        for run, colour in ((fixed, ORANGE), (slip, BLUE)):
+            total = sum(run[f"loss.{part}"] for part in ("sheaves", "ring", "other"))
+            label = run.setup.strategy
+            slipping.plot(run.time, 100.0 * run["slip"], color=colour, label=label)
+            force.plot(run.time, 1e-3 * run["secondary.clampingForce"], color=colour, label=label)
+            loss.plot(run.time, 1e-3 * STEP * np.cumsum(total), color=colour, label=label)
+        slipping.set_title("Slip (%)")
+        force.set_title("Secondary clamping force (kN)")
+        loss.set_title("Variator loss, added up (kJ)")
+        for axes in rows:
+            axes.set_xlabel("time (s)")
+        slipping.legend(loc="upper left")
+    return svg(figure)
+
+
 def operating_points(table: ThrustMap, run: Run) -> str:
     """The thrust-ratio map, and where the car worked on it."""
     some = slice(None, None, 50)

@@ -15,7 +15,7 @@ from pushbelt_demo.report import image, number, percent
 
 from . import figures
 from .car import demo_car
-from .runs import Results
+from .runs import LOW_FRICTION, Results
 from .simulate import STEP, Run
 
 CSV_STEP = 0.1
@@ -94,18 +94,20 @@ def context(results: Results) -> dict[str, Any]:
                 "macro": STEP * float(run["macroSlip"].sum()),
                 "gap": balance_gap(run),
             }
-            for run in (fixed, slip, results.close_up)
+            for run in results.runs
         ],
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
         "shift_gain": results.thrust_map.shift_gain,
         "step": STEP,
+        "low_friction": LOW_FRICTION,
         "belts": belts,
         "pictures": {
             "drive": image(figures.drive(slip)),
             "close_up": image(figures.drive(results.close_up)),
             "savings": image(figures.savings(fixed, slip)),
             "energy": image(figures.energy_shares(fixed, slip)),
+            "low_friction": image(figures.low_friction(results.fixed_low_friction, results.slip_low_friction)),
             "map": image(figures.operating_points(results.thrust_map, slip)),
         },
     }

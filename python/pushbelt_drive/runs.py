@@ -19,6 +19,10 @@ from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 
 
+LOW_FRICTION = 0.7
+"""Friction in the runs with low friction, as a share of what the controllers believe."""
+
+
 @dataclass(frozen=True)
 class Plan:
     """The runs of a report."""
@@ -29,19 +33,26 @@ class Plan:
     """Section that is driven once more on the FMU's own mesh, s of the WLTC."""
     ring: str = "ALE"
     """Ring model of the first."""
+    low_friction: tuple[float, float] = (10.0, 20.0)
+    """Section that both strategies drive with less friction than they believe in, s of the WLTC."""
     snapshots: tuple[float, ...] = ()
     """Moments of the belt pictures, s of the WLTC."""
 
-    def setups(self) -> tuple[Setup, Setup, Setup]:
-        """Fixed safety factor, slip control, close-up with slip control."""
+    def setups(self) -> tuple[Setup, ...]:
+        """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction."""
         whole = wltc_class_3b()
         start, stop = self.cycle
         cycle = whole.section(start, stop)
+        slippery = whole.section(*self.low_friction)
         moments = tuple(moment - start for moment in self.snapshots if start < moment < stop)
         return (
             Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
             Setup("slip control", "slip", cycle, self.ring, "coarse", moments),
             Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default"),
+            *(
+                Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION)
+                for strategy in ("safety", "slip")
+            ),
         )
 
 
@@ -60,6 +71,13 @@ class Results:
     fixed: Run
     slip: Run
     close_up: Run
+    fixed_low_friction: Run
+    slip_low_friction: Run
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """All of them."""
+        return self.fixed, self.slip, self.close_up, self.fixed_low_friction, self.slip_low_friction
 
 
 _ticks: Any = None
@@ -125,5 +143,5 @@ def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-        fixed, slip, close_up = (future.result() for future in futures)
-    return Results(plan, archive.description.version or "", maps[plan.ring], fixed, slip, close_up)
+        done = [future.result() for future in futures]
+    return Results(plan, archive.description.version or "", maps[plan.ring], *done)

@@ -87,6 +87,8 @@ class Setup:
     mesh: str = "coarse"
     snapshots: tuple[float, ...] = ()
     """Times at which the fields along the belt are kept, s."""
+    friction: float = 1.0
+    """Friction of the belt as a share of what the controllers believe."""
 
 
 @dataclass(frozen=True)
@@ -176,6 +178,7 @@ def run(
     begin = clock.perf_counter()
     start = {
         **parameters,
+        "friction.pulley": setup.friction * friction.coefficient,
         "initial.ratio": target,
         "initial.primarySpeed": 0.0,
         "primary.torque": 0.0,
