@@ -24,23 +24,24 @@ def run(archive: Archive, step: float, changes: dict[str, float], duration: floa
         return unit.outputs()
 
 
+def powers(state: dict[str, float]) -> str:
+    """Powers into the variator, in words."""
+    return ", ".join(f"{name} {state[name]:.0f} W" for name in ("primary.power", "secondary.power"))
+
+
 def main() -> None:
     """Prints the figures of docs/drivetrain-models.md."""
     archive = Archive.unpack(Path("target/PushbeltVariator.fmu"))
     try:
         state = run(archive, 0.01, {})
-        print(
-            f"engine drives: primary.power {state['primary.power']:.0f} W, secondary.power {state['secondary.power']:.0f} W"
-        )
+        print("engine drives: " + powers(state))
         speed = START["initial.primarySpeed"]
         reflected = START["primary.inertia"] + START["secondary.inertia"] / 1.5**2
         lever = START["primary.torque"] + START["secondary.torque"] / 1.5
         acceleration = (state["primary.speed"] - speed) / 0.5
         print(f"acceleration {acceleration:.2f} rad/s², of a lossless drive {lever / reflected:.2f}")
         state = run(archive, 0.01, {"primary.torque": -20.0, "secondary.torque": 20.0})
-        print(
-            f"car drives: primary.power {state['primary.power']:.0f} W, secondary.power {state['secondary.power']:.0f} W"
-        )
+        print("car drives: " + powers(state))
         for step in (0.02, 0.01, 0.005, 0.001):
             end = run(archive, step, {})["primary.speed"]
             print(f"communication step {1e3 * step:2.0f} ms: primary speed {end:.4f} rad/s")

@@ -92,7 +92,7 @@ class SlipControl:
         F_S = F_ff · clip(1 + k_p e + k_i ∫e dt, low, high),   e = |slip| − set point
 
     The integral stands still while the factor is at a limit in its direction. Slip beyond twice its set point and 1 %
-    more, or macro-slip, makes the factor `rescue` at once; it is held for a while and then comes down no faster than the
+    more, or macro-slip, makes the factor `rescue` at once; it is held for a while, then comes down no faster than the
     integral brings it. Below a speed at which slip can't be measured well the fixed safety factor holds.
     """
 
@@ -156,8 +156,8 @@ class RatioControl:
         F_P = κ(i, u) F_S − (λ* + k_p e + k_i ∫e dt)/(g ω_P),   e = λ* − λ
 
     κ is the thrust ratio of the map at the ratio and the torque utilisation u, g the shift gain. The integral stands
-    still while F_P is at a limit in its direction. A primary force below what carries the torque is not allowed: to shift
-    down faster the secondary force rises instead.
+    still while F_P is at a limit in its direction. A primary force below what carries the torque is not allowed:
+    to shift down faster the secondary force rises instead.
     """
 
     APPROACH = 3.0

@@ -25,8 +25,8 @@ class Demand:
 class Driver:
     """Looks ahead, knows the road load, and corrects by a PI controller.
 
-    F = m a_ref + F_road(v_ref) + m (k_p e + k_i ∫e dt), e = v_ref − v, with a_ref over the next half second. The integral
-    stands still while the force is at a limit, and at standstill.
+    F = m a_ref + F_road(v_ref) + m (k_p e + k_i ∫e dt), e = v_ref − v, with a_ref over the next half second. The
+    integral stands still while the force is at a limit, and at standstill.
     """
 
     PREVIEW = 0.5
