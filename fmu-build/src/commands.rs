@@ -4,5 +4,6 @@ pub mod bench;
 pub mod build;
 pub mod demo;
 pub mod describe;
+pub mod drive;
 pub mod linearize;
 pub mod test;

@@ -44,6 +44,8 @@ enum Command {
     Test(commands::test::Arguments),
     /// Build the FMU, simulate it on published data and write target/demo/report.html
     Demo(commands::demo::Arguments),
+    /// Build the FMU, drive a car with it on the WLTC and write target/drive/report.html
+    Drive(commands::drive::Arguments),
     /// Measure the speed of the model
     Bench(commands::bench::Arguments),
     /// Write A, B, C, D at a steady working point as JSON
@@ -68,6 +70,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Build(arguments) => commands::build::run(&workspace, arguments).map(drop),
         Command::Test(arguments) => commands::test::run(&workspace, arguments),
         Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
+        Command::Drive(arguments) => commands::drive::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),

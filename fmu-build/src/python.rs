@@ -126,7 +126,8 @@ fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
     let spinner = progress::spinner("installing the locked packages");
     let output = Command::new(interpreter)
         .args(["-m", "pip", "install", "--disable-pip-version-check"])
-        .args(["--no-input", "--retries", "5", "--requirement"])
+        // The lock file names every package that is needed; what it leaves out, it leaves out on purpose.
+        .args(["--no-deps", "--no-input", "--retries", "5", "--requirement"])
         .arg(lock_file)
         .output()
         .context("can't start pip")?;

@@ -1,0 +1,59 @@
+"""Which parameter moves what, at one steady working point: the table of docs/drivetrain-calibration.md."""
+
+from pathlib import Path
+
+from pushbelt_demo.data import parameter_set
+from pushbelt_demo.unit import Archive, Variator
+
+POINT = {
+    "initial.ratio": 1.5,
+    "initial.primarySpeed": 200.0,
+    "primary.torque": 60.0,
+    "secondary.torque": -90.0,
+    "secondary.clampingForce": 16e3,
+}
+CHANGES = {
+    "friction.pulley": 1.1,
+    "friction.ring": 1.5,
+    "friction.velocity": 0.5,
+    "tiltStiffness": 0.8,
+    "contact.stiffness": 0.5,
+    "belt.pushStiffness": 0.5,
+    "belt.play": 2.0,
+    "ring.axialStiffness": 0.8,
+}
+"""Parameters and the factors by which they are off; a name without a pulley means both."""
+SHOWN = ("thrustRatio", "slip", "loss.sheaves", "loss.ring", "spiral.primary")
+
+
+def steady(archive: Archive, parameters: dict[str, float]) -> dict[str, float]:
+    """Outputs of the steady state."""
+    with Variator(archive, {**parameters, **POINT}) as unit:
+        unit.initialise()
+        return unit.outputs()
+
+
+def main() -> None:
+    """Prints a line a parameter: relative change of each output, %."""
+    base = parameter_set("bench168")
+    archive = Archive.unpack(Path("target/PushbeltVariator.fmu"))
+    try:
+        with Variator(archive, {}) as unit:
+            known = {name: float(variable.start or 0.0) for name, variable in unit.variables.items()
+                     if variable.type == "Real" and variable.causality == "parameter"}  # fmt: skip
+        start = steady(archive, base)
+        print("| parameter | factor | " + " | ".join(SHOWN) + " |")
+        print("|---" * (len(SHOWN) + 2) + "|")
+        print("| as it is | | " + " | ".join(f"{start[name]:.4g}" for name in SHOWN) + " |")
+        for name, factor in CHANGES.items():
+            names = [full for full in known if full == name or full.endswith("." + name)]
+            changed = {full: factor * base.get(full, known[full]) for full in names}
+            state = steady(archive, {**base, **changed})
+            cells = (f"{100 * (state[shown] / start[shown] - 1):+.1f} %" for shown in SHOWN)
+            print(f"| `{name}` | {factor} | " + " | ".join(cells) + " |")
+    finally:
+        archive.remove()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,33 @@
+"""Levels of detail on the same 20 s of the WLTC: the table of docs/drivetrain-detail.md."""
+
+from pathlib import Path
+
+from pushbelt_demo.unit import Archive
+from pushbelt_drive import report, simulate, thrust_map
+from pushbelt_drive.car import demo_car
+from pushbelt_drive.cycle import wltc_class_3b
+
+LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))
+
+
+def main() -> None:
+    """Drives with the fixed safety factor and prints a line a level."""
+    fmu = Path("target/PushbeltVariator.fmu")
+    archive, car, cycle = Archive.unpack(fmu), demo_car(), wltc_class_3b().section(10.0, 30.0)
+    print("| ring | mesh | shift gain 1e-6/(N·rad) | thrust ratio at the end | variator loss J | ratio error % | s/s |")
+    print("|---" * 7 + "|")
+    try:
+        for ring, mesh in LEVELS:
+            parameters = simulate.unit_parameters(car, ring, "coarse")
+            table = thrust_map.load(fmu, archive, parameters, Path(f"target/drive/thrust-ratio-map-{ring}.csv"))
+            run = simulate.run(archive, car, table, simulate.Setup("detail", "safety", cycle, ring, mesh))
+            cells = (ring, mesh, f"{1e6 * table.shift_gain:.3f}", f"{run['thrustRatio'][-1]:.2f}",
+                     f"{run.variator_loss:.0f}", f"{100 * report.ratio_error(run):.1f}",
+                     f"{run.wall_time / cycle.duration:.2f}")  # fmt: skip
+            print("| " + " | ".join(cells) + " |")
+    finally:
+        archive.remove()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,41 @@
+//! `cargo fmu drive`: a car on the WLTC with the FMU as its variator, and a report.
+
+use clap::Args;
+
+use crate::cargo;
+use crate::commands::build;
+use crate::progress;
+use crate::python::{Environment, RUNNING};
+use crate::workspace::Workspace;
+
+/// How to drive.
+#[derive(Args)]
+pub struct Arguments {
+    /// 30 s of the cycle instead of all 1800 s
+    #[arg(long)]
+    short: bool,
+    /// Passed on to the program; `-- --help` lists what it takes
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    passed_on: Vec<String>,
+}
+
+/// Runs the program, which prints where the report is.
+///
+/// # Errors
+/// The FMU doesn't build, or the simulation fails.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    let fmu = build::run(workspace, &build::Arguments::default())?;
+    let environment = Environment::prepare(workspace, &RUNNING)?;
+    progress::headline("Driving");
+    let mut drive = environment.command();
+    drive
+        .args(["-m", "pushbelt_drive", "--fmu"])
+        .arg(fmu)
+        .arg("--output")
+        .arg(workspace.target().join("drive"));
+    if arguments.short {
+        drive.arg("--short");
+    }
+    drive.args(&arguments.passed_on);
+    cargo::run(&mut drive)
+}

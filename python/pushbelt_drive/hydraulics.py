@@ -1,0 +1,56 @@
+"""Pressure circuits of the two pulleys."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass
+class PressureCircuit:
+    """A valve and a piston: first-order lag with limits of pressure and of its rate, in steps of 1 ms.
+
+        dp/dt = clip((p_demand − p)/τ, −rate, rate),   p_min ≤ p_demand ≤ p_max,   F = A p
+
+    Values are typical; no source fixes them.
+    """
+
+    pressure: float
+    """Pa."""
+    area: float = 0.01
+    """m²."""
+    lag: float = 0.05
+    """s."""
+    lowest: float = 2e5
+    """Pa."""
+    highest: float = 6e6
+    """Pa."""
+    rate: float = 4e7
+    """Pa/s."""
+    substep: float = 1e-3
+    """s."""
+
+    @property
+    def force(self) -> float:
+        """Clamping force now, N."""
+        return self.area * self.pressure
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and largest clamping force, N."""
+        return self.area * self.lowest, self.area * self.highest
+
+    def advance(self, demand: float, step: float) -> float:
+        """Advances by a communication step towards a clamping force, N; returns the mean force over it, N."""
+        wanted = float(np.clip(demand / self.area, self.lowest, self.highest))
+        count = max(round(step / self.substep), 1)
+        dt = step / count
+        impulse = 0.0
+        for _ in range(count):
+            before = self.pressure
+            # Exact for a demand that is held, so that it doesn't ring however short the lag is.
+            change = (wanted - self.pressure) * -np.expm1(-dt / self.lag)
+            self.pressure += float(np.clip(change, -self.rate * dt, self.rate * dt))
+            impulse += 0.5 * dt * (before + self.pressure)
+        return self.area * impulse / step

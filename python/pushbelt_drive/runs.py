@@ -1,0 +1,147 @@
+"""Which runs make up the report, and running them side by side in processes, with a progress bar."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pushbelt_demo.unit import Archive
+from tqdm import tqdm
+
+from . import simulate, thrust_map
+from .car import demo_car
+from .cycle import wltc_class_3b
+from .simulate import Run, Setup
+from .thrust_map import ThrustMap
+
+
+LOW_FRICTION = 0.7
+"""Friction in the runs with low friction, as a share of what the controllers believe."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The runs of a report."""
+
+    cycle: tuple[float, float]
+    """Section that both clamping strategies drive, s of the WLTC."""
+    close_up: tuple[float, float]
+    """Section that is driven once more on the FMU's own mesh, s of the WLTC."""
+    ring: str = "ALE"
+    """Ring model of the first."""
+    low_friction: tuple[float, float] = (10.0, 20.0)
+    """Section that both strategies drive with less friction than they believe in, s of the WLTC."""
+    snapshots: tuple[float, ...] = ()
+    """Moments of the belt pictures, s of the WLTC."""
+
+    def setups(self) -> tuple[Setup, ...]:
+        """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction."""
+        whole = wltc_class_3b()
+        start, stop = self.cycle
+        cycle = whole.section(start, stop)
+        slippery = whole.section(*self.low_friction)
+        moments = tuple(moment - start for moment in self.snapshots if start < moment < stop)
+        return (
+            Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
+            Setup("slip control", "slip", cycle, self.ring, "coarse", moments),
+            Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default"),
+            *(
+                Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION)
+                for strategy in ("safety", "slip")
+            ),
+        )
+
+
+FULL = Plan((0.0, 1800.0), (1478.0, 1598.0), snapshots=(20.0, 560.0, 1530.0, 1780.0))
+"""The whole cycle; the first 120 s of its last part as close-up, with the launch and the largest torques."""
+SHORT = Plan((10.0, 40.0), (10.0, 20.0), snapshots=(18.0, 38.0))
+
+
+@dataclass(frozen=True)
+class Results:
+    """What the report shows."""
+
+    plan: Plan
+    version: str
+    thrust_map: ThrustMap
+    fixed: Run
+    slip: Run
+    close_up: Run
+    fixed_low_friction: Run
+    slip_low_friction: Run
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """All of them."""
+        return self.fixed, self.slip, self.close_up, self.fixed_low_friction, self.slip_low_friction
+
+
+_ticks: Any = None
+"""In a worker: where it reports progress, in simulated seconds."""
+
+
+def _prepare_worker(ticks: Any) -> None:
+    global _ticks
+    _ticks = ticks
+
+
+def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
+    pending = 0.0
+
+    def progress(seconds: float) -> None:
+        nonlocal pending
+        pending += seconds
+        if pending >= 0.5:
+            _ticks.put(pending)
+            pending = 0.0
+
+    return simulate.run(archive, demo_car(), table, setup, progress)
+
+
+def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
+    """Runs a plan with an FMU; the thrust-ratio maps are kept in the folder `cache`."""
+    archive = Archive.unpack(fmu)
+    try:
+        return _run_all(fmu, archive, plan, cache)
+    finally:
+        archive.remove()
+
+
+def _map(fmu: Path, archive: Archive, ring: str, cache: Path) -> ThrustMap:
+    parameters = simulate.unit_parameters(demo_car(), ring, "coarse")
+    return thrust_map.load(fmu, archive, parameters, cache / f"thrust-ratio-map-{ring}.csv")
+
+
+def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
+    setups = plan.setups()
+    maps = {ring: _map(fmu, archive, ring, cache) for ring in {setup.ring for setup in setups}}
+    context = multiprocessing.get_context("spawn")
+    ticks = context.Queue()
+    workers = max(1, min(os.cpu_count() or 1, len(setups)))
+    with (
+        tqdm(
+            total=round(sum(setup.cycle.duration for setup in setups)),
+            disable=None,
+            desc="driving",
+            bar_format="  {desc} {bar:32} {percentage:3.0f} % [{elapsed}<{remaining}]",
+        ) as bar,
+        ProcessPoolExecutor(workers, context, _prepare_worker, (ticks,)) as pool,
+    ):
+        futures = [pool.submit(_work, archive, maps[setup.ring], setup) for setup in setups]
+        waiting = set(futures)
+        try:
+            while waiting:
+                finished, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
+                while not ticks.empty():
+                    bar.update(ticks.get())
+                for future in finished:
+                    future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        done = [future.result() for future in futures]
+    return Results(plan, archive.description.version or "", maps[plan.ring], *done)
