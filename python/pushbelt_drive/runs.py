@@ -18,7 +18,6 @@ from .cycle import wltc_class_3b
 from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 
-
 LOW_FRICTION = 0.7
 """Friction in the runs with low friction, as a share of what the controllers believe."""
 
