@@ -4,24 +4,24 @@
 //! what else the machine does matters least; the ratios come from the same run. Counts (steps, residuals, factorizations) don't depend on the
 //! machine. Arguments after `--`: `--quick` runs everything once.
 
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 use std::hint::black_box;
 
+use common::{LoadCase, Manoeuvre, SPEED};
 use cpu_time::ThreadTime;
 use pushbelt::solver::System;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::newton::{Counts, Newton};
-use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::instance::Variator;
-use pushbelt::variator::mesh::P;
-use pushbelt::variator::parameters::{Mesh, Parameters, RingModel};
+use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::start::{Start, kinematic_state};
-use pushbelt::variator::steady::{RatioTask, SteadyTask, solve};
+use pushbelt::variator::steady::solve;
 use pushbelt::variator::system::VariatorSystem;
 use serde_json::{Value, json};
 
-/// Primary speed of the load cases, rad/s.
-const SPEED: f64 = 209.44;
 /// Communication step of the manoeuvre, s.
 const STEP: f64 = 1e-3;
 
@@ -129,51 +129,16 @@ fn numbers(counts: &Counts) -> Value {
     })
 }
 
-/// Inputs at every communication step, linear between the rows of the file.
+/// Inputs at every communication step.
 fn manoeuvre_inputs() -> Vec<Inputs> {
-    let rows: Vec<[f64; 5]> = include_str!("../resources/manoeuvre.csv")
-        .lines()
-        .skip(1)
-        .map(|line| {
-            let mut numbers = line.split(',').map(|x| x.parse().expect("a number"));
-            std::array::from_fn(|_| numbers.next().expect("five columns"))
-        })
-        .collect();
-    let last = rows[rows.len() - 1][0];
-    let count = (last / STEP).round() as usize;
-    let mut at = 0;
-    (0..count)
-        .map(|k| {
-            let time = k as f64 * STEP;
-            while rows[at + 1][0] <= time {
-                at += 1;
-            }
-            let share = (time - rows[at][0]) / (rows[at + 1][0] - rows[at][0]);
-            let value = |column: usize| rows[at][column] + share * (rows[at + 1][column] - rows[at][column]);
-            let mut inputs = Inputs::default();
-            inputs.primary.torque = value(1);
-            inputs.secondary.torque = value(2);
-            inputs.primary.clamping_force = value(3);
-            inputs.secondary.clamping_force = value(4);
-            inputs
-        })
-        .collect()
-}
-
-fn vehicle(model: RingModel) -> Parameters {
-    let mut parameters = Parameters {
-        ring_model: model,
-        ..Parameters::default()
-    };
-    parameters.secondary.inertia = 4.0;
-    parameters.initial.ratio = 2.2;
-    parameters.initial.primary_speed = 0.0;
-    parameters
+    let manoeuvre = Manoeuvre::read();
+    let count = (manoeuvre.end() / STEP).round() as usize;
+    (0..count).map(|k| manoeuvre.at(k as f64 * STEP)).collect()
 }
 
 fn manoeuvre(model: RingModel, trace: &[Inputs]) -> (f64, Counts, [f64; 3]) {
     let start = ThreadTime::now();
-    let mut variator = Variator::new(vehicle(model)).expect("valid parameters");
+    let mut variator = Variator::new(Manoeuvre::variator(common::variator(model))).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
     let mut each = Vec::with_capacity(trace.len());
     for (k, inputs) in trace.iter().enumerate() {
@@ -190,54 +155,33 @@ fn manoeuvre(model: RingModel, trace: &[Inputs]) -> (f64, Counts, [f64; 3]) {
 
 /// Steady states of the nine load cases: ratio held on P, primary speed given, belt torque 30, 50, 100 N·m.
 fn nine_steady_states(model: RingModel) -> (f64, Counts, usize) {
-    let parameters = Parameters {
-        ring_model: model,
-        ..Parameters::default()
-    };
+    let parameters = common::variator(model);
     let start = ThreadTime::now();
     let mut total = Counts::default();
     let mut solved = 0;
-    for torque in [30.0, 50.0, 100.0] {
-        for theta in [-0.4, 0.0, 0.4] {
-            let ratio = (1.0 - theta) / (1.0 + theta);
-            let mut system = VariatorSystem::new(&parameters);
-            let (radius, _) = system.curve.radii(ratio).expect("a ratio in reach");
-            let beta = parameters.geometry.wedge_angle;
-            let pitch = radius - parameters.belt.pitch_offset;
-            let force = (1.3 * torque * beta.cos() / (2.0 * parameters.friction.pulley * pitch)).max(6000.0);
-            let clamping = [force; 2];
-            let mut state = kinematic_state(
-                &system,
-                &Start {
-                    ratio,
-                    primary_speed: SPEED,
-                    clamping,
-                },
-            )
-            .expect("a start");
-            let mut newton = Newton::new(&system);
-            let task = SteadyTask {
-                ratio: RatioTask::Given { ratio, reaction: P },
-                clamping,
-                speed: [SpeedMode::Transmit(torque), SpeedMode::Fixed],
-                slip: 0.01,
-                warm: false,
-            };
-            solved += usize::from(solve(&mut system, &mut newton, &mut state, &task, 400).is_ok());
-            total.residuals += newton.counts.residuals;
-            total.factorizations += newton.counts.factorizations;
-        }
+    for case in [30.0, 50.0, 100.0]
+        .map(|torque| LoadCase::three(&parameters, torque))
+        .concat()
+    {
+        let mut system = VariatorSystem::new(&parameters);
+        let task = case.task();
+        let start = Start {
+            ratio: task.ratio,
+            primary_speed: SPEED,
+            clamping: task.clamping,
+        };
+        let mut state = kinematic_state(&system, &start).expect("a start");
+        let mut newton = Newton::new(&system);
+        solved += usize::from(solve(&mut system, &mut newton, &mut state, &task, 400).is_ok());
+        total.residuals += newton.counts.residuals;
+        total.factorizations += newton.counts.factorizations;
     }
     (start.elapsed().as_secs_f64(), total, solved)
 }
 
 fn steady_start(model: RingModel) -> (f64, (), ()) {
-    let parameters = Parameters {
-        ring_model: model,
-        ..Parameters::default()
-    };
     let start = ThreadTime::now();
-    let mut variator = Variator::new(parameters).expect("valid parameters");
+    let mut variator = Variator::new(common::variator(model)).expect("valid parameters");
     variator.initialise(0.0, &Inputs::default()).expect("a start");
     variator.advance(STEP, &Inputs::default()).expect("a step");
     black_box(variator.outputs());
@@ -252,17 +196,8 @@ struct Pieces {
 
 /// Cost of what a step is made of, with `factor` times the default elements.
 fn pieces(model: RingModel, factor: i32) -> Pieces {
-    let mesh = Parameters::default().mesh;
-    let parameters = Parameters {
-        ring_model: model,
-        mesh: Mesh {
-            primary_arc: factor * mesh.primary_arc,
-            secondary_arc: factor * mesh.secondary_arc,
-            strand: factor * mesh.strand,
-            ..mesh
-        },
-        ..Parameters::default()
-    };
+    let mut parameters = common::variator(model);
+    parameters.mesh = common::refined(&parameters.mesh, factor);
     let mut system = VariatorSystem::new(&parameters);
     let state = kinematic_state(
         &system,
@@ -307,7 +242,7 @@ fn least(mut call: impl FnMut()) -> f64 {
 fn memory(model: RingModel, trace: &[Inputs]) -> (u64, u64) {
     let mut instance = None;
     let held = allocation_counter::measure(|| {
-        let mut variator = Variator::new(vehicle(model)).expect("valid parameters");
+        let mut variator = Variator::new(Manoeuvre::variator(common::variator(model))).expect("valid parameters");
         variator.initialise(0.0, &trace[0]).expect("a start");
         instance = Some(variator);
     });

@@ -382,6 +382,15 @@ impl VariatorSystem {
                 self.flows[cell] = (flow[lane], density[lane]);
             }
         }
+        // Fluxes through the left faces.
+        let cells = self.mesh.cells.len();
+        for cell in 0..cells {
+            let before = (cell + cells - 1) % cells;
+            let flux = chain::flux(self.flows[cell].0, self.flows[before].1, self.flows[cell].1);
+            let (into, from) = (self.layout.amount(cell), self.layout.amount(before));
+            out[into] += view.y_dot[into] - flux;
+            out[from] += flux;
+        }
     }
 
     pub(super) fn assemble_jacobian<const FLEX: bool>(

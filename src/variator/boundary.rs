@@ -104,7 +104,8 @@ impl Course {
 
 impl VariatorSystem {
     /// Puts boundary conditions in force that hold at time `from` and whose loads change at `rates`, as they are at `time`.
-    /// Of `y_dot` see [`Self::change_boundary`].
+    /// Loads act on the pulleys' own inertia alone, so the rates `y_dot` that jump with them are known; the integrator's error
+    /// estimate needs them.
     pub fn change_loads(&mut self, from: f64, boundary: Boundary, rates: LoadRates, time: f64, y_dot: &mut [f64]) {
         let course = Course {
             from,
@@ -149,9 +150,8 @@ impl VariatorSystem {
         self.clock
     }
 
-    /// Puts `boundary` in force. External loads act on the pulleys' own inertia alone, so the rates `y_dot` that jump with
-    /// them are known; the integrator's error estimate needs them.
-    pub fn change_boundary(&mut self, boundary: Boundary, y_dot: &mut [f64]) {
+    /// Puts `boundary` in force, and makes the rates jump that jump with the loads.
+    fn change_boundary(&mut self, boundary: Boundary, y_dot: &mut [f64]) {
         for j in [S, P] {
             let pulley = self.pulley(j);
             if let (SheaveMode::Force(old), SheaveMode::Force(new)) = (self.boundary.sheave[j], boundary.sheave[j]) {

@@ -7,7 +7,7 @@ use super::observe::{Context, Observer, macro_slip};
 use super::parameters::{Axial, Drive, Parameters};
 use super::signals::{Inputs, Outputs, PulleyInputs};
 use super::start::{Start, kinematic_state};
-use super::steady::{self, RatioTask, SteadyTask};
+use super::steady::{self, SteadyTask};
 use super::system::{State, VariatorSystem};
 use super::validation::ParameterError;
 use crate::solver::newton::{Counts, Newton};
@@ -263,10 +263,8 @@ impl Variator {
             P
         };
         SteadyTask {
-            ratio: RatioTask::Given {
-                ratio: p.initial.ratio,
-                reaction,
-            },
+            ratio: p.initial.ratio,
+            reaction,
             clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
             speed,
             slip: self.slip_guess(inputs, torque_share),
@@ -359,7 +357,7 @@ impl Variator {
                 }
             }
         }
-        if self.parameters.primary.axial == Axial::Force && self.parameters.secondary.axial == Axial::Force {
+        if free {
             self.say(
                 false,
                 format!(
@@ -461,8 +459,7 @@ impl Variator {
     }
 
     /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the time derivatives
-    /// `rates`. A clamping force that falls ends at zero. Less
-    /// than a nanosecond is left to the next call.
+    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call.
     ///
     /// # Errors
     /// Inputs out of range, or a step that can't be done.

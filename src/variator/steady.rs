@@ -12,25 +12,13 @@ use crate::solver::View;
 use crate::solver::continuation::{Settled, Settling, Trial, settle};
 use crate::solver::newton::Newton;
 
-/// What the ratio of a steady state is determined by.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RatioTask {
-    /// The geometric ratio is given; pulley `reaction`'s clamping force follows.
-    Given {
-        /// i_g of the pressure-weighted radii.
-        ratio: f64,
-        /// [`S`] or [`P`].
-        reaction: usize,
-    },
-    /// Both clamping forces are given; the ratio follows, or an end stop.
-    Equilibrium,
-}
-
 /// A steady state to find.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyTask {
-    /// Ratio.
-    pub ratio: RatioTask,
+    /// i_g of the pressure-weighted radii.
+    pub ratio: f64,
+    /// The pulley, [`S`] or [`P`], whose clamping force follows from the ratio.
+    pub reaction: usize,
     /// Clamping forces over pulleys, N; the reaction's entry is a first guess.
     pub clamping: [f64; 2],
     /// Shafts.
@@ -86,8 +74,9 @@ pub fn solve(
 ) -> Result<Settled, Settled> {
     let layout = system.layout;
     let theta_index = layout.global(Global::Theta, 0);
+    let reaction = task.reaction;
     let mut clamping = task.clamping;
-    if let (RatioTask::Given { reaction, .. }, true) = (task.ratio, task.warm) {
+    if task.warm {
         clamping[reaction] = system.belt_load(reaction).0;
     }
     let mut theta = state.q[theta_index];
@@ -101,12 +90,10 @@ pub fn solve(
     }
     let boundary = |clamping: [f64; 2], theta: f64, gripping: bool| {
         let mut sheave = clamping.map(SheaveMode::Force);
-        if let RatioTask::Given { reaction, .. } = task.ratio {
-            sheave[reaction] = SheaveMode::Ratio {
-                theta,
-                force: clamping[reaction],
-            };
-        }
+        sheave[reaction] = SheaveMode::Ratio {
+            theta,
+            force: clamping[reaction],
+        };
         Boundary {
             sheave,
             speed: if gripping { task.speed } else { [SpeedMode::Fixed; 2] },
@@ -133,14 +120,12 @@ pub fn solve(
         if (trial.after.q[theta_index] - trial.before.q[theta_index]).abs() > LARGEST_THETA_CHANGE {
             return None;
         }
-        if let RatioTask::Given { ratio, reaction } = task.ratio {
-            // Slower than the belt settles, or the two integrators would swing up against it.
-            let gain = |time: f64| (trial.step / time).min(1.0);
-            let axial = system.belt_load(reaction).0;
-            clamping[reaction] += (axial - clamping[reaction]) * gain(FORCE_TIME);
-            let present = geometric_ratio(system, trial.after);
-            theta += (ratio_of_theta(ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
-        }
+        // Slower than the belt settles, or the two integrators would swing up against it.
+        let gain = |time: f64| (trial.step / time).min(1.0);
+        let axial = system.belt_load(reaction).0;
+        clamping[reaction] += (axial - clamping[reaction]) * gain(FORCE_TIME);
+        let present = geometric_ratio(system, trial.after);
+        theta += (ratio_of_theta(task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
         let was_gripping = gripping;
         gripping |= soft;
@@ -160,7 +145,7 @@ pub fn solve(
     outcome
 }
 
-/// Finds the ratio at which pulley `reaction` needs exactly its clamping force, from a steady state at `ratio`: secant
+/// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant
 /// method on ln(force/reaction) over ln(ratio), each state warm-started from the last. Ends at `range` (the end stops).
 /// Returns the ratio.
 ///
@@ -173,13 +158,11 @@ pub fn solve_equilibrium(
     task: &SteadyTask,
     range: (f64, f64),
 ) -> Result<f64, Settled> {
-    let RatioTask::Given { ratio, reaction } = task.ratio else {
-        return solve(system, newton, state, task, EQUILIBRIUM_SOLVES).map(|_| geometric_ratio(system, state.view()));
-    };
+    let reaction = task.reaction;
     let wanted = task.clamping[reaction].max(1.0);
     let defect = |system: &VariatorSystem| (wanted / system.belt_load(reaction).0.max(1.0)).ln();
     let (lowest, highest) = (range.0.ln(), range.1.ln());
-    let mut x = ratio.ln();
+    let mut x = task.ratio.ln();
     let mut f = defect(system);
     // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
     let mut slope = if reaction == P { 0.5 } else { -0.5 };
@@ -192,10 +175,7 @@ pub fn solve_equilibrium(
             break;
         }
         let warm = SteadyTask {
-            ratio: RatioTask::Given {
-                ratio: next.exp(),
-                reaction,
-            },
+            ratio: next.exp(),
             warm: true,
             ..*task
         };

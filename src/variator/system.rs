@@ -7,7 +7,6 @@ use super::evolution::Ledger;
 use super::layout::{Global, Layout};
 use super::mesh::{BeltMesh, P, S};
 use super::parameters::{Parameters, Pulley, RIGID_TILT_STIFFNESS, RingModel};
-use crate::chain;
 use crate::pulley::Travel;
 use crate::reference_curve::TwoPulley;
 use crate::solver::arrow::{Arrow, Shape};
@@ -204,14 +203,6 @@ impl System for VariatorSystem {
             self.assemble_residual::<true>(view, out);
         } else {
             self.assemble_residual::<false>(view, out);
-        }
-        let cells = self.mesh.cells.len();
-        for cell in 0..cells {
-            let before = (cell + cells - 1) % cells;
-            let flux = chain::flux(self.flows[cell].0, self.flows[before].1, self.flows[cell].1);
-            let (into, from) = (self.layout.amount(cell), self.layout.amount(before));
-            out[into] += view.y_dot[into] - flux;
-            out[from] += flux;
         }
         self.global_residual(view, out);
         for c in self.gauge() {

@@ -11,7 +11,7 @@ use pushbelt::variator::observe::{Context, Observer};
 use pushbelt::variator::parameters::{Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel};
 use pushbelt::variator::signals::{Inputs, Outputs, PulleyInputs, PulleyOutputs};
 use pushbelt::variator::start::{Start, kinematic_state};
-use pushbelt::variator::steady::{self, RatioTask, SteadyTask};
+use pushbelt::variator::steady::{self, SteadyTask};
 use pushbelt::variator::system::{State, VariatorSystem};
 
 /// 2000 rpm, rad/s.
@@ -143,7 +143,8 @@ pub fn ratio(theta: f64) -> f64 {
 /// A task at a given ratio and given speeds; `reaction` is the pulley whose sheave holds the ratio.
 pub fn given(ratio: f64, reaction: usize, clamping: f64, slip: f64) -> SteadyTask {
     SteadyTask {
-        ratio: RatioTask::Given { ratio, reaction },
+        ratio,
+        reaction,
         clamping: [clamping; 2],
         speed: [SpeedMode::Fixed; 2],
         slip,
@@ -209,12 +210,9 @@ impl Steady {
 /// The steady state of a task. `speeds` are ω_S and ω_P; a speed that the task leaves free is a first guess.
 pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: [f64; 2]) -> Steady {
     parameters.validate().expect("valid parameters");
-    let RatioTask::Given { ratio, .. } = task.ratio else {
-        panic!("the ratio must be given");
-    };
     let mut system = VariatorSystem::new(parameters);
     let start = Start {
-        ratio,
+        ratio: task.ratio,
         primary_speed: speeds[P],
         clamping: task.clamping,
     };
@@ -383,6 +381,11 @@ impl Manoeuvre {
             std::array::from_fn(|_| values.next().expect("five columns"))
         });
         Self { rows: rows.collect() }
+    }
+
+    /// When it ends, s.
+    pub fn end(&self) -> f64 {
+        self.rows[self.rows.len() - 1][0]
     }
 
     /// Inputs at time `t`.
