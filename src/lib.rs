@@ -32,6 +32,8 @@
 pub mod chain;
 pub mod contact;
 pub mod fmi2;
+#[cfg(test)]
+mod noise;
 pub mod pulley;
 pub mod reference_curve;
 pub mod ring;

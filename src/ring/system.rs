@@ -381,23 +381,13 @@ impl<M: RingModel> Evolution for RingSystem<M> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::noise;
     use crate::reference_curve::TwoPulley;
     use crate::ring::Ring;
     use crate::ring::ale_ring::{AleRing, Directions};
     use crate::ring::ancf::Ancf;
     use crate::ring::mesh::RingMesh;
     use crate::ring::rcm::Rcm;
-
-    /// Positive and negative numbers without a pattern, within ±0.5.
-    fn noise(seed: u64) -> impl FnMut() -> f64 {
-        let mut state = seed;
-        move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        }
-    }
 
     fn jacobian_matches_differences(model: impl RingModel) {
         let mut system = RingSystem::new(model);

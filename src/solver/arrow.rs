@@ -545,16 +545,11 @@ impl ArrowLu {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::noise;
 
     #[test]
     fn solves_what_it_multiplies() {
-        let mut seed = 1_u64;
-        let mut random = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut random = noise(1);
         for (blocks, block, border) in [(3, 1, 2), (4, 3, 0), (9, 5, 4), (30, 8, 10)] {
             let shape = Shape { blocks, block, border };
             let mut a = Arrow::new(shape);

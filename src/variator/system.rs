@@ -267,6 +267,7 @@ impl System for VariatorSystem {
 mod tests {
     use super::super::start::{Start, kinematic_state};
     use super::*;
+    use crate::noise::noise;
 
     /// The Jacobian against central differences, at a state that slides, sticks, pushes and gaps.
     fn check_jacobian(model: RingModel, speed: f64) {
@@ -289,13 +290,7 @@ mod tests {
             clamping: [1.0e4, 1.3e4],
         };
         let mut state = kinematic_state(&system, &start).unwrap();
-        let mut seed = 7_u64;
-        let mut random = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
+        let mut random = noise(7);
         let n = state.y.len();
         let mut size = vec![0.0; n];
         system.newton_scale(1.0e-4, &mut size);

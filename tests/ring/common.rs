@@ -64,15 +64,9 @@ pub fn without_stiffness(ring: &Ring) -> Ring {
     }
 }
 
-pub fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    }
-}
+#[path = "../../src/noise.rs"]
+mod numbers;
+pub use numbers::noise;
 
 /// A ring model under test.
 pub trait Case {
