@@ -3,6 +3,7 @@
 use super::cell::{CellBalance, CellMotion, NoProbe, Place, PulleyMotion, Sample, Sampler, balance};
 use super::layout::Global;
 use super::mesh::Station;
+use super::ring::{Deflecting, Guided, RingForces};
 use super::system::VariatorSystem;
 use crate::chain;
 use crate::reference_curve::{Jet, ReferenceCurve, TwoPulley, TwoPulleyFrame};
@@ -199,6 +200,26 @@ impl VariatorSystem {
         local + 6
     }
 
+    /// Motion of the nodes (`ALE`).
+    #[inline(always)]
+    fn nodes<T: Real>(
+        unknowns: &Unknowns<T::Constant>,
+        [alpha, beta]: [f64; 2],
+        seed: impl Fn(T::Constant, usize, f64) -> T,
+    ) -> [Motion<Node<T>>; 2] {
+        [0, 1].map(|i| Motion {
+            value: node(i, |k| seed(unknowns.position[k], k, beta)),
+            rate: node(i, |k| seed(unknowns.value[k], k, 1.0)),
+            acceleration: node(i, |k| seed(unknowns.rate[k], k, alpha)),
+        })
+    }
+
+    /// Ring tension at the faces (`ALE0`), N.
+    #[inline(always)]
+    fn tensions<T: Real>(unknowns: &Unknowns<T::Constant>, seed: impl Fn(T::Constant, usize, f64) -> T) -> [T; 2] {
+        [3, 4].map(|k| seed(unknowns.value[k], k, 1.0))
+    }
+
     /// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
     fn motion<T: Real>(
@@ -210,22 +231,15 @@ impl VariatorSystem {
         let value = |k: usize| seed(unknowns.value[k], k, 1.0);
         let rate = |k: usize| seed(unknowns.rate[k], k, alpha);
         let position = |k: usize| seed(unknowns.position[k], k, beta);
-        let (nodes, own, g, tension) = if flexible {
-            let node = |i: usize| Motion {
-                value: node(i, position),
-                rate: node(i, value),
-                acceleration: node(i, rate),
-            };
-            (Some([node(0), node(1)]), 8, FLEXIBLE_LOCAL, [T::zero(); 2])
+        let (own, g) = if flexible {
+            (8, FLEXIBLE_LOCAL)
         } else {
-            (None, 0, RIGID_LOCAL, [value(3), value(4)])
+            (0, RIGID_LOCAL)
         };
         CellMotion {
-            nodes,
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
             amount: value(own + 2),
-            tension,
             reference: ReferenceMotion {
                 theta: Motion {
                     value: position(g + 1),
@@ -247,10 +261,10 @@ impl VariatorSystem {
 
     /// Rows of the balance in the order of the directions; the amount has its own balance, the flux.
     #[inline(always)]
-    fn rows<T: Real>(b: &CellBalance<T>, flexible: bool) -> [T; FLEXIBLE] {
+    fn rows<T: Real>(b: &CellBalance<T>, ring: &RingForces<T>, flexible: bool) -> [T; FLEXIBLE] {
         let mut rows = [T::zero(); FLEXIBLE];
         let g = if flexible {
-            for (i, node) in b.nodes.iter().enumerate() {
+            for (i, node) in ring.nodes.iter().enumerate() {
                 rows[4 * i] = node.a.x;
                 rows[4 * i + 1] = node.b.x;
                 rows[4 * i + 2] = node.a.y;
@@ -262,11 +276,11 @@ impl VariatorSystem {
         } else {
             rows[0] = b.speed[0];
             rows[1] = b.speed[1];
-            rows[3] = b.tension;
+            rows[3] = ring.tension;
             RIGID_LOCAL
         };
-        rows[g] = b.drift;
-        rows[g + 1] = b.theta;
+        rows[g] = ring.drift;
+        rows[g + 1] = ring.theta;
         rows[g + 2] = b.axial;
         rows[g + 3] = -b.tilting[0];
         rows[g + 4] = -b.tilting[1];
@@ -299,18 +313,30 @@ impl VariatorSystem {
                 TwoPulley::point(&frame, element.segment, station.fraction)
             };
             let mut sampler = Sampler::<_, ENERGY>(|s: &Sample| probe(i, s));
-            balance(&self.law, &place, &motion, reference, &mut sampler);
+            let (ring, seed) = (&self.law.parameters.ring, |value, _, _| value);
+            if self.layout.flexible {
+                let nodes = Self::nodes(&unknowns, [0.0; 2], seed);
+                let mut ring = Deflecting::new(ring, &place, &motion.reference, &nodes);
+                balance(&self.law, &place, &motion, &mut ring, reference, &mut sampler);
+            } else {
+                let tensions = Self::tensions(&unknowns, seed);
+                let mut ring = Guided::new(ring, &place, &motion.reference, tensions);
+                balance(&self.law, &place, &motion, &mut ring, reference, &mut sampler);
+            }
         }
     }
 
-    /// The balance of a pack of cells.
+    /// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
-    fn pack_balance<T: Real<Constant = Lanes>>(
+    fn pack_balance<T: Real<Constant = Lanes>, const FLEX: bool>(
         &self,
         pack: &Pack,
         frame: &TwoPulleyFrame<T>,
-        motion: &CellMotion<T>,
-    ) -> CellBalance<T> {
+        unknowns: &Unknowns<Lanes>,
+        slopes: [f64; 2],
+        seed: impl Fn(Lanes, usize, f64) -> T,
+    ) -> (CellBalance<T>, RingForces<T>) {
+        let motion = Self::motion(unknowns, FLEX, slopes, &seed);
         let place = Place {
             face: &pack.face,
             stations: &pack.stations,
@@ -325,7 +351,18 @@ impl VariatorSystem {
             };
             TwoPulley::point(frame, pack.segment, station.fraction)
         };
-        balance(&self.law, &place, motion, reference, &mut NoProbe)
+        let (law, ring) = (&self.law, &self.law.parameters.ring);
+        if FLEX {
+            let nodes = Self::nodes(unknowns, slopes, &seed);
+            let mut ring = Deflecting::new(ring, &place, &motion.reference, &nodes);
+            let b = balance(law, &place, &motion, &mut ring, reference, &mut NoProbe);
+            (b, ring.forces())
+        } else {
+            let tensions = Self::tensions(unknowns, &seed);
+            let mut ring = Guided::new(ring, &place, &motion.reference, tensions);
+            let b = balance(law, &place, &motion, &mut ring, reference, &mut NoProbe);
+            (b, ring.forces())
+        }
     }
 
     #[inline(always)]
@@ -347,9 +384,8 @@ impl VariatorSystem {
     ) -> ([Tangent<PASS>; FLEXIBLE], Tangent<PASS>, Tangent<PASS>) {
         let seed =
             |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-        let motion = Self::motion(unknowns, FLEX, slopes, seed);
-        let b = self.pack_balance(pack, frame, &motion);
-        (Self::rows(&b, FLEX), b.flow, b.density)
+        let (b, ring) = self.pack_balance::<_, FLEX>(pack, frame, unknowns, slopes, seed);
+        (Self::rows(&b, &ring, FLEX), b.flow, b.density)
     }
 
     pub(super) fn assemble_residual<const FLEX: bool>(&mut self, view: View<'_>, out: &mut [f64]) {
@@ -359,10 +395,13 @@ impl VariatorSystem {
         let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
-            let motion = Self::motion(&unknowns, FLEX, [0.0; 2], |value, _, _| value);
-            let b = self.pack_balance(pack, &frame, &motion);
+            let (b, ring) = self.pack_balance::<_, FLEX>(pack, &frame, &unknowns, [0.0; 2], |value, _, _| value);
             // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
-            for (k, (row, at)) in Self::rows(&b, FLEX)[..first_global].iter().zip(&pack.at).enumerate() {
+            for (k, (row, at)) in Self::rows(&b, &ring, FLEX)[..first_global]
+                .iter()
+                .zip(&pack.at)
+                .enumerate()
+            {
                 if k != amount {
                     let row = row.to_array();
                     for lane in 0..pack.used {

@@ -9,11 +9,11 @@
 
 use super::mesh::Station;
 use super::parameters::Parameters;
+use super::ring::{Action, CellRing};
 use crate::chain::{ChainPoint, collision_force, push_force};
 use crate::contact::{FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
-use crate::ring::ale;
-use crate::ring::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
+use crate::ring::kinematics::{Load, ReferenceMotion};
 use crate::scalar::{Real, smooth_plus};
 use nalgebra::Vector2;
 
@@ -48,38 +48,26 @@ pub struct PulleyMotion<T> {
     pub omega: T,
 }
 
-/// State of a cell.
+/// State of a cell, the ring aside.
 #[derive(Clone, Copy, Debug)]
 pub struct CellMotion<T: Real> {
-    /// Motion of the left and right node; none in `ALE0`.
-    pub nodes: Option<[Motion<Node<T>>; 2]>,
     /// V at the faces, m/s.
     pub speed: [T; 2],
     /// V̇ at the faces, m/s².
     pub speed_dot: [T; 2],
     /// N, m.
     pub amount: T,
-    /// Ring tension at the faces (`ALE0`), N.
-    pub tension: [T; 2],
     /// Reference motion.
     pub reference: ReferenceMotion<T>,
     /// The pulley this cell can touch.
     pub pulley: PulleyMotion<T>,
 }
 
-/// Generalised residual forces of a cell (inertia − forces), and its flow.
+/// Generalised residual forces of a cell (inertia − forces), those on the ring aside, and its flow.
 #[derive(Clone, Copy, Debug)]
 pub struct CellBalance<T: Real> {
-    /// Conjugates of the node motions.
-    pub nodes: [Node<T>; 2],
     /// Conjugates of V at the faces, N.
     pub speed: [T; 2],
-    /// Tension balance along the cell (`ALE0`), N.
-    pub tension: T,
-    /// Conjugate of s; in `ALE0` the normal balance around the loop, N.
-    pub drift: T,
-    /// Conjugate of Θ, N·m.
-    pub theta: T,
     /// Axial belt force on one sheave, N.
     pub axial: T,
     /// Moment of the axial force on one sheave, N·m.
@@ -154,6 +142,15 @@ pub struct Place<'a, T: Real> {
     pub length: Jet<T>,
 }
 
+impl<T: Real> Place<'_, T> {
+    /// The face (0), or a station (1 and on).
+    #[inline(always)]
+    #[must_use]
+    pub fn slot(&self, slot: usize) -> &Station<T::Constant> {
+        if slot == 0 { self.face } else { &self.stations[slot - 1] }
+    }
+}
+
 /// Sees every station of a cell as it is evaluated.
 pub trait Probe {
     /// Whether samples are wanted.
@@ -188,17 +185,18 @@ impl<F: FnMut(&Sample), const ENERGY: bool> Probe for Sampler<F, ENERGY> {
 
 /// Linear between the two faces of a cell.
 #[inline(always)]
-fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
+pub(super) fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
     faces[0] * (-right + 1.0) + faces[1] * right
 }
 
-/// The balance of a cell, or of one in each lane of `T`. `reference` gives the reference curve at the face (0) and at
-/// the stations (1 and on); `probe` sees every station.
+/// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference curve
+/// at the face (0) and at the stations (1 and on); `probe` sees every station.
 #[inline(always)]
-pub fn balance<T: Real, S: Probe>(
+pub fn balance<T: Real, R: CellRing<T>, S: Probe>(
     law: &CellLaw,
     place: &Place<'_, T>,
     motion: &CellMotion<T>,
+    ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
     probe: &mut S,
 ) -> CellBalance<T> {
@@ -207,15 +205,6 @@ pub fn balance<T: Real, S: Probe>(
     let e = p.belt.pitch_offset;
     let [sin_beta, cos_beta, tan_beta] = law.wedge;
     let theta_dot = motion.reference.theta.rate;
-    let element = match &motion.nodes {
-        Some(nodes) => ElementMotion::flexible(length, &motion.reference.theta, nodes),
-        None => ElementMotion::rigid(length),
-    };
-    let ring_point = |slot: usize, station: &Station<T::Constant>| {
-        RingPoint::new(reference(slot), &station.shape, &element, &motion.reference)
-    };
-    let flexible = motion.nodes.is_some();
-    let growth = length.d / length.v;
 
     // Cell: length of the pitch line, density, shortening.
     let mut points = [None; 3];
@@ -223,7 +212,7 @@ pub fn balance<T: Real, S: Probe>(
     let mut carried = T::zero();
     let mut through = T::zero();
     for (i, (slot, station)) in points.iter_mut().zip(place.stations).enumerate() {
-        let point = ring_point(i + 1, station);
+        let point = ring.point(i + 1, reference(i + 1));
         let speed = between(&motion.speed, station.right);
         let chain = ChainPoint::new(e, &point, theta_dot, speed);
         let weight = length.v * station.weight;
@@ -242,17 +231,9 @@ pub fn balance<T: Real, S: Probe>(
     let difference = motion.speed[1] - motion.speed[0];
     let collision = collision_force(&p.belt, density, through / cell_length, difference);
 
-    let face = ring_point(0, place.face);
-    let mut load = ElementLoad::zero();
+    let face = ring.point(0, reference(0));
     let mut out = CellBalance {
-        nodes: [Node {
-            a: Vector2::zeros(),
-            b: Vector2::zeros(),
-        }; 2],
         speed: [push.force - collision, collision - push.force],
-        tension: motion.tension[0] - motion.tension[1],
-        drift: T::zero(),
-        theta: T::zero(),
         axial: T::zero(),
         tilting: [T::zero(); 2],
         torque: T::zero(),
@@ -262,8 +243,9 @@ pub fn balance<T: Real, S: Probe>(
     let speed_gradient = difference / cell_length;
     let pulley = &motion.pulley;
 
-    for (slot, station) in points.iter().zip(place.stations) {
-        let Some((point, chain, weight)) = slot else { continue };
+    for (i, (found, station)) in points.iter().zip(place.stations).enumerate() {
+        let Some((point, chain, weight)) = found else { continue };
+        let slot = i + 1;
         let (weight, right) = (*weight, station.right);
         let mut point_load = Load::zero();
         // Conjugates of δV at the pitch line and of δc, per dξ.
@@ -271,14 +253,7 @@ pub fn balance<T: Real, S: Probe>(
         let mut flow = T::zero();
 
         // Ring.
-        ale::add_inertia(&p.ring, point, &mut point_load);
-        let tension = if flexible {
-            ale::add_elasticity(&p.ring, point, growth, &mut point_load)
-        } else {
-            point_load.theta += ale::energy_density(&p.ring, point) * growth
-                + point.reference.kappa * point.reference.kappa_theta * p.ring.bending_stiffness;
-            between(&motion.tension, right)
-        };
+        let tension = ring.own_load(slot, point, &mut point_load);
         let ring_along = point_load.position.dot(&point.t);
 
         // Elements: inertia and push force.
@@ -343,23 +318,28 @@ pub fn balance<T: Real, S: Probe>(
         // δc = (δV − t̂·δr + e χ_Θ δΘ)/λ.
         let carried = flow / lambda;
         along += carried;
-        if !flexible {
-            out.drift += (point_load.position.dot(&point.n) - tension * point.reference.kappa) * weight;
-        }
+        let across = point_load.position.dot(&point.n);
         point_load.position -= point.t * carried;
         point_load.theta += carried * point.reference.chi_theta * e;
-        load.add(&point_load, point, &station.shape, &element, weight);
+        ring.take(
+            slot,
+            point,
+            &Action {
+                load: point_load,
+                tension,
+                across,
+                along: ring_along + ring_friction * point.stretch,
+                weight,
+            },
+        );
         out.speed[0] += along * weight * (-right + 1.0);
         out.speed[1] += along * weight * right;
-        out.tension += (ring_along + ring_friction * point.stretch) * weight;
 
         if S::ACTIVE {
             let value = |x: T| x.re();
-            let viscous = p.ring.axial_stiffness * p.ring.damping * value(point.strain_rate()).powi(2);
+            let of_ring = ring.density(point);
             let stack = (value(collision * difference) - value(push.viscous * lengthening)) / value(cell_length);
             let flanks = 2.0 * value(force.viscous * cos_beta * lambda) * value(flank.closing);
-            let velocity = point.velocity();
-            let kinetic_ring = 0.5 * p.ring.mass_per_length * value(velocity.dot(&velocity));
             let kinetic_chain = 0.5 * value(mass) * value(v_p.dot(&v_p));
             let nu = value(density);
             probe.take(&Sample {
@@ -382,10 +362,10 @@ pub fn balance<T: Real, S: Probe>(
                 sheave_loss: -2.0
                     * value(lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank)),
                 ring_loss: value(ring_friction * sliding),
-                damping_loss: if flexible { viscous } else { 0.0 } + stack + flanks,
-                kinetic: kinetic_ring + kinetic_chain,
+                damping_loss: of_ring.viscous + stack + flanks,
+                kinetic: of_ring.kinetic + kinetic_chain,
                 elastic: if S::ENERGY {
-                    value(ale::energy_density(&p.ring, point))
+                    of_ring.elastic
                         + value(lambda)
                             * (crate::chain::energy_density(&p.belt, nu)
                                 + crate::contact::energy_density(&p.contact, cos_beta, value(flank.penetration)))
@@ -395,12 +375,6 @@ pub fn balance<T: Real, S: Probe>(
                 outward: -value((point.r - point.reference.r).dot(&point.reference.n)),
             });
         }
-    }
-    let (nodes, theta) = load.nodes(&element);
-    out.nodes = nodes;
-    out.theta += theta;
-    if flexible {
-        out.drift += load.s;
     }
     out
 }

@@ -11,6 +11,7 @@ pub mod linear;
 pub mod mesh;
 pub mod observe;
 pub mod parameters;
+pub mod ring;
 pub mod signals;
 pub mod start;
 pub mod steady;

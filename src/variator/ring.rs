@@ -1,0 +1,218 @@
+//! The ring inside a cell: what chain and contact see of a ring model, and where their loads on it go.
+//!
+//! [`balance`](super::cell::balance) asks any ring the same four questions and doesn't know which one it has.
+
+use super::cell::Place;
+use crate::reference_curve::ReferencePoint;
+use crate::ring::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
+use crate::ring::{Ring, ale};
+use crate::scalar::Real;
+
+/// What happens at a station, per dξ.
+#[derive(Clone, Copy, Debug)]
+pub struct Action<T: Real> {
+    /// Loads on the ring: its own, and those of chain and contact.
+    pub load: Load<T>,
+    /// Ring tension T, N.
+    pub tension: T,
+    /// All forces across the ring, inwards, N/m.
+    pub across: T,
+    /// The ring's own forces and the ring friction along it, N/m.
+    pub along: T,
+    /// Length dξ, m.
+    pub weight: T,
+}
+
+/// Energies of the ring per dξ, J/m, and the power that its damping takes, W/m.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RingDensity {
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Elastic energy.
+    pub elastic: f64,
+    /// Power of damping.
+    pub viscous: f64,
+}
+
+/// A ring as a cell sees it. Slot 0 is the left face of the cell, the slots from 1 on are its stations.
+pub trait CellRing<T: Real> {
+    /// The ring where the reference curve is at `reference`.
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T>;
+
+    /// Adds the forces that the ring exerts by itself, inertia included; returns its tension, N. A ring that balances
+    /// these on elements of its own adds nothing.
+    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut Load<T>) -> T;
+
+    /// Takes the loads at a station.
+    fn take(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>);
+
+    /// Energies at a station; none of a ring that counts them on elements of its own.
+    fn density(&self, point: &RingPoint<T>) -> RingDensity;
+}
+
+/// Generalised forces of a cell on an Eulerian ring (inertia − forces).
+#[derive(Clone, Copy, Debug)]
+pub struct RingForces<T: Real> {
+    /// Conjugates of the node motions (`ALE`).
+    pub nodes: [Node<T>; 2],
+    /// Tension balance along the cell (`ALE0`), N.
+    pub tension: T,
+    /// Conjugate of s; in `ALE0` the normal balance around the loop, N.
+    pub drift: T,
+    /// Conjugate of Θ, N·m.
+    pub theta: T,
+}
+
+fn kinetic<T: Real>(ring: &Ring, point: &RingPoint<T>) -> f64 {
+    let velocity = point.velocity();
+    0.5 * ring.mass_per_length * velocity.dot(&velocity).re()
+}
+
+/// `ALE`: the ring deflects from the reference curve.
+#[derive(Debug)]
+pub struct Deflecting<'a, T: Real> {
+    ring: &'a Ring,
+    place: &'a Place<'a, T>,
+    element: ElementMotion<T>,
+    motion: &'a ReferenceMotion<T>,
+    growth: T,
+    sum: ElementLoad<T>,
+}
+
+impl<'a, T: Real> Deflecting<'a, T> {
+    /// The ring between two nodes.
+    #[inline(always)]
+    pub fn new(
+        ring: &'a Ring,
+        place: &'a Place<'a, T>,
+        motion: &'a ReferenceMotion<T>,
+        nodes: &[Motion<Node<T>>; 2],
+    ) -> Self {
+        Self {
+            ring,
+            place,
+            element: ElementMotion::flexible(place.length, &motion.theta, nodes),
+            motion,
+            growth: place.length.d / place.length.v,
+            sum: ElementLoad::zero(),
+        }
+    }
+
+    /// What it has taken.
+    #[inline(always)]
+    pub fn forces(&self) -> RingForces<T> {
+        let (nodes, theta) = self.sum.nodes(&self.element);
+        RingForces {
+            nodes,
+            tension: T::zero(),
+            drift: self.sum.s,
+            theta,
+        }
+    }
+}
+
+impl<T: Real> CellRing<T> for Deflecting<'_, T> {
+    #[inline(always)]
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+        RingPoint::new(reference, &self.place.slot(slot).shape, &self.element, self.motion)
+    }
+
+    #[inline(always)]
+    fn own_load(&self, _slot: usize, point: &RingPoint<T>, load: &mut Load<T>) -> T {
+        ale::add_inertia(self.ring, point, load);
+        ale::add_elasticity(self.ring, point, self.growth, load)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
+        let shape = &self.place.slot(slot).shape;
+        self.sum.add(&action.load, point, shape, &self.element, action.weight);
+    }
+
+    fn density(&self, point: &RingPoint<T>) -> RingDensity {
+        let viscosity = self.ring.axial_stiffness * self.ring.damping;
+        RingDensity {
+            kinetic: kinetic(self.ring, point),
+            elastic: ale::energy_density(self.ring, point).re(),
+            viscous: viscosity * point.strain_rate().re().powi(2),
+        }
+    }
+}
+
+/// `ALE0`: the ring keeps to the reference curve; its tension is an unknown at the faces.
+#[derive(Debug)]
+pub struct Guided<'a, T: Real> {
+    ring: &'a Ring,
+    place: &'a Place<'a, T>,
+    element: ElementMotion<T>,
+    motion: &'a ReferenceMotion<T>,
+    growth: T,
+    tension: [T; 2],
+    sum: ElementLoad<T>,
+    out: RingForces<T>,
+}
+
+impl<'a, T: Real> Guided<'a, T> {
+    /// The ring under the tensions at the two faces, N.
+    #[inline(always)]
+    pub fn new(ring: &'a Ring, place: &'a Place<'a, T>, motion: &'a ReferenceMotion<T>, tension: [T; 2]) -> Self {
+        let element = ElementMotion::rigid(place.length);
+        let sum = ElementLoad::zero();
+        let (nodes, _) = sum.nodes(&element);
+        Self {
+            ring,
+            place,
+            element,
+            motion,
+            growth: place.length.d / place.length.v,
+            tension,
+            sum,
+            out: RingForces {
+                nodes,
+                tension: tension[0] - tension[1],
+                drift: T::zero(),
+                theta: T::zero(),
+            },
+        }
+    }
+
+    /// What it has taken.
+    #[inline(always)]
+    pub fn forces(&self) -> RingForces<T> {
+        RingForces {
+            theta: self.sum.theta,
+            ..self.out
+        }
+    }
+}
+
+impl<T: Real> CellRing<T> for Guided<'_, T> {
+    #[inline(always)]
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+        RingPoint::new(reference, &self.place.slot(slot).shape, &self.element, self.motion)
+    }
+
+    #[inline(always)]
+    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut Load<T>) -> T {
+        ale::add_inertia(self.ring, point, load);
+        load.theta += ale::energy_density(self.ring, point) * self.growth
+            + point.reference.kappa * point.reference.kappa_theta * self.ring.bending_stiffness;
+        super::cell::between(&self.tension, self.place.slot(slot).right)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
+        let shape = &self.place.slot(slot).shape;
+        self.sum.add(&action.load, point, shape, &self.element, action.weight);
+        self.out.drift += (action.across - action.tension * point.reference.kappa) * action.weight;
+        self.out.tension += action.along * action.weight;
+    }
+
+    fn density(&self, point: &RingPoint<T>) -> RingDensity {
+        RingDensity {
+            kinetic: kinetic(self.ring, point),
+            elastic: ale::energy_density(self.ring, point).re(),
+            viscous: 0.0,
+        }
+    }
+}
