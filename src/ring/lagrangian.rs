@@ -90,11 +90,14 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     }
 
     /// Unstretched length of an element, m.
-    fn element_length(&self) -> f64 {
+    #[must_use]
+    pub fn element_length(&self) -> f64 {
         self.curve.length() / self.elements as f64
     }
 
-    fn motion<T: Real>(&self, motion: &[Motion<T>]) -> E::Motion<T> {
+    /// Motion of an element from its unknowns.
+    #[inline(always)]
+    pub fn motion<T: Real>(&self, motion: &[Motion<T>]) -> E::Motion<T> {
         E::motion(self.element_length(), &motion[..NODAL])
     }
 
@@ -129,6 +132,14 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
             .iter()
             .zip(self.quadrature)
             .map(move |(shape, &(_, weight))| (shape, E::particle(motion, shape), weight * half))
+    }
+
+    /// Tension at the mean strain of an element with these unknowns, N.
+    pub fn mean_tension<T: Real<Constant = f64>>(&self, unknowns: &[Motion<T>]) -> T {
+        let element = self.motion(unknowns);
+        let strain = self.mean(&element, Particle::strain);
+        let rate = self.mean(&element, Particle::strain_rate);
+        beam::tension(&self.ring, strain, rate)
     }
 
     /// Mean over an element.

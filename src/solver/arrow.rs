@@ -9,6 +9,8 @@
 //!  ───────────────────+────
 //!  B0 B1 …       Bn-1 | C
 //! ```
+//! Unknowns whose neighbours change may stand in an order of their own, see [`Arrow::reorder`].
+//!
 //! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
 //! in n: O(n (b+g)² b). Dense kernels are faer's, with partial pivoting inside a block.
 
@@ -84,11 +86,13 @@ impl Shape {
     }
 }
 
-/// The matrix. Indices are those of the vector: blocks in order, then the border.
+/// The matrix. Indices are those of the vector: blocks in order, then the border, unless it was reordered.
 #[derive(Clone, Debug)]
 pub struct Arrow {
     shape: Shape,
     values: Vec<f64>,
+    /// Place of each unknown of the vector; empty where the vector's order is the matrix's.
+    order: Vec<usize>,
 }
 
 /// The parts of an [`Arrow`].
@@ -112,7 +116,24 @@ impl Arrow {
         Self {
             shape,
             values: vec![0.0; shape.starts()[6]],
+            order: Vec::new(),
         }
+    }
+
+    /// Sets every entry to zero and gives unknown i of the vector the place `order[i]`, a permutation that leaves the border
+    /// where it is. Factors keep the order that they were made in.
+    pub fn reorder(&mut self, order: &[usize]) {
+        self.clear();
+        self.order.clear();
+        self.order.extend_from_slice(order);
+    }
+
+    /// Place of an entry in the storage, if it is in the band.
+    #[inline]
+    #[must_use]
+    pub fn index(&self, row: usize, column: usize) -> Option<usize> {
+        let place = |i: usize| self.order.get(i).copied().unwrap_or(i);
+        self.shape.index(place(row), place(column))
     }
 
     /// Sizes.
@@ -144,10 +165,10 @@ impl Arrow {
     /// If the entry is outside the band.
     #[inline]
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
-        self.add_at(self.shape.index(row, column).expect("an entry in the band"), value);
+        self.add_at(self.index(row, column).expect("an entry in the band"), value);
     }
 
-    /// Adds to the entry at a place that [`Shape::index`] found.
+    /// Adds to the entry at a place that [`Shape::index`] or [`Arrow::index`] found.
     #[inline]
     pub fn add_at(&mut self, index: usize, value: f64) {
         self.values[index] += value;
@@ -156,7 +177,7 @@ impl Arrow {
     /// Replaces a row by a multiple of the unit row: `scale`·x_row.
     pub fn set_unit_row(&mut self, row: usize, scale: f64) {
         for column in 0..self.shape.len() {
-            if let Some(index) = self.shape.index(row, column) {
+            if let Some(index) = self.index(row, column) {
                 self.values[index] = 0.0;
             }
         }
@@ -180,8 +201,23 @@ impl Arrow {
         }
     }
 
-    /// `out` = A·`x`.
+    /// `out` = A·`x`. Allocates if the unknowns are reordered.
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
+        if self.order.is_empty() {
+            self.multiply_in_order(x, out);
+        } else {
+            let (mut ordered, mut image) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            for (&place, x) in self.order.iter().zip(x) {
+                ordered[place] = *x;
+            }
+            self.multiply_in_order(&ordered, &mut image);
+            for (&place, out) in self.order.iter().zip(out) {
+                *out = image[place];
+            }
+        }
+    }
+
+    fn multiply_in_order(&self, x: &[f64], out: &mut [f64]) {
         let Shape {
             blocks: n,
             block: b,
@@ -368,6 +404,10 @@ pub struct ArrowLu {
     work: Vec<f64>,
     tail: Vec<f64>,
     scratch: Scratch,
+    /// Of the matrix that was factored.
+    order: Vec<usize>,
+    /// A right-hand side in that order.
+    ordered: Vec<f64>,
 }
 
 impl ArrowLu {
@@ -389,6 +429,8 @@ impl ArrowLu {
             work: vec![0.0; w],
             tail: vec![0.0; w],
             scratch: Scratch::new(w),
+            order: Vec::new(),
+            ordered: Vec::new(),
         }
     }
 
@@ -401,6 +443,14 @@ impl ArrowLu {
             tape.reals(part);
         }
         self.border.pass(tape);
+        let mut reordered = !self.order.is_empty();
+        tape.flag(&mut reordered);
+        let length = if reordered { self.shape.len() } else { 0 };
+        self.order.resize(length, 0);
+        self.ordered.resize(length, 0.0);
+        if reordered {
+            tape.indices(&mut self.order, length);
+        }
     }
 
     /// Factors `a`.
@@ -414,6 +464,8 @@ impl ArrowLu {
             border: g,
         } = self.shape;
         let w = b + g;
+        self.order.clone_from(&a.order);
+        self.ordered.resize(a.order.len(), 0.0);
         let a = a.parts();
         let stack = MemStack::new(&mut self.scratch.buffer);
         // Border: block 0, then the globals.
@@ -510,6 +562,22 @@ impl ArrowLu {
 
     /// Replaces the right-hand side `x` by the solution.
     pub fn solve(&mut self, x: &mut [f64]) {
+        if self.order.is_empty() {
+            self.solve_in_order(x);
+            return;
+        }
+        let mut ordered = std::mem::take(&mut self.ordered);
+        for (&place, x) in self.order.iter().zip(&*x) {
+            ordered[place] = *x;
+        }
+        self.solve_in_order(&mut ordered);
+        for (&place, x) in self.order.iter().zip(x) {
+            *x = ordered[place];
+        }
+        self.ordered = ordered;
+    }
+
+    fn solve_in_order(&mut self, x: &mut [f64]) {
         let Shape {
             blocks: n,
             block: b,
@@ -577,6 +645,41 @@ mod tests {
             let error = x.iter().zip(&y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(error < 1e-8, "{shape:?}: {error}");
         }
+    }
+
+    #[test]
+    fn solves_in_another_order() {
+        let shape = Shape {
+            blocks: 5,
+            block: 4,
+            border: 3,
+        };
+        let (n, split) = (shape.len(), shape.blocks * shape.block);
+        let order: Vec<usize> = (0..n).map(|i| if i < split { 7 * i % split } else { i }).collect();
+        let mut random = noise(5);
+        let mut a = Arrow::new(shape);
+        a.reorder(&order);
+        let mut dense = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..n {
+                if a.index(i, j).is_some() {
+                    dense[i * n + j] = random();
+                    a.add(i, j, dense[i * n + j]);
+                }
+            }
+        }
+        let x: Vec<f64> = (0..n).map(|_| random()).collect();
+        let mut y = vec![0.0; n];
+        a.multiply(&x, &mut y);
+        for (row, y) in dense.chunks_exact(n).zip(&y) {
+            let product: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
+            assert!((product - y).abs() < 1e-12);
+        }
+        let mut lu = ArrowLu::new(shape);
+        lu.factor(&a).unwrap();
+        lu.solve(&mut y);
+        let error = x.iter().zip(&y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-8, "{error}");
     }
 
     #[test]

@@ -49,7 +49,7 @@ const fn item(name: &'static str, value: i32, description: &'static str) -> Item
     }
 }
 
-/// `ring.model`. Numbers 3 and 4 are kept for the ring models RCM and ANCF.
+/// `ring.model`.
 pub(super) static RING_MODEL: Enumeration = Enumeration {
     name: "RingModel",
     description: "Level of detail of the ring",
@@ -63,6 +63,16 @@ pub(super) static RING_MODEL: Enumeration = Enumeration {
             "ALE",
             RingModel::Ale as i32,
             "Reference motion with overlaid deflection: bending, stretch, spiral running",
+        ),
+        item(
+            "RCM",
+            RingModel::Rcm as i32,
+            "Co-rotational elements that travel with the ring",
+        ),
+        item(
+            "ANCF",
+            RingModel::Ancf as i32,
+            "Absolute nodal coordinates on elements that travel with the ring",
         ),
     ],
 };

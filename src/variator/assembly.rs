@@ -5,6 +5,7 @@ use super::layout::Global;
 use super::mesh::Station;
 use super::ring::{Deflecting, Guided, RingForces};
 use super::system::VariatorSystem;
+use super::travelling::with_ring;
 use crate::chain;
 use crate::reference_curve::{Jet, ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
@@ -98,6 +99,9 @@ const NOWHERE: usize = usize::MAX;
 impl VariatorSystem {
     /// Packs neighbours, and finds the places of their derivatives.
     pub(super) fn pack(&mut self) {
+        if self.travelling.is_some() {
+            return;
+        }
         let shape = self.layout.shape();
         let cells = self.mesh.cells.len();
         let segment = |cell: usize| self.mesh.elements[self.mesh.cells[cell].element].segment;
@@ -290,6 +294,10 @@ impl VariatorSystem {
 
     /// Evaluates every station; `ENERGY` asks for the energies too.
     pub fn probe<const ENERGY: bool>(&self, view: View<'_>, mut probe: impl FnMut(usize, &Sample)) {
+        if let Some(travelling) = &self.travelling {
+            with_ring!(&**travelling, ring => self.probe_travelling::<_, ENERGY>(ring, view, probe));
+            return;
+        }
         let frame = self.curve.frame(self.theta(view));
         let mut at = [0; FLEXIBLE];
         for (i, cell) in self.mesh.cells.iter().enumerate() {
@@ -421,7 +429,11 @@ impl VariatorSystem {
                 self.flows[cell] = (flow[lane], density[lane]);
             }
         }
-        // Fluxes through the left faces.
+        self.add_fluxes(view, out);
+    }
+
+    /// Adds the balance of the amounts: fluxes through the left faces.
+    pub(super) fn add_fluxes(&self, view: View<'_>, out: &mut [f64]) {
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
@@ -430,6 +442,13 @@ impl VariatorSystem {
             out[into] += view.y_dot[into] - flux;
             out[from] += flux;
         }
+    }
+
+    /// Slopes of the flux through the left face of a cell in the flow there and in the densities before and after it.
+    pub(super) fn flux_slopes(&self, cell: usize) -> [f64; 3] {
+        let cells = self.mesh.cells.len();
+        let ((flow, after), (_, before)) = (self.flows[cell], self.flows[(cell + cells - 1) % cells]);
+        chain::flux_slopes(flow, before, after)
     }
 
     pub(super) fn assemble_jacobian<const FLEX: bool>(
@@ -483,8 +502,7 @@ impl VariatorSystem {
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
-            let ((flow, after), (_, density_before)) = (self.flows[cell], self.flows[before]);
-            let [by_flow, by_before, by_after] = chain::flux_slopes(flow, density_before, after);
+            let [by_flow, by_before, by_after] = self.flux_slopes(cell);
             let [flow, density] = &self.flow_slopes[cell];
             let [_, density_before] = &self.flow_slopes[before];
             let [own, other] = &self.flux_entries[cell];

@@ -75,7 +75,15 @@ impl VariatorSystem {
             let cell = &self.mesh.cells[cell];
             sums.add(cell.pulley, cell.arc, s);
         });
+        self.add_travelling(view, &mut sums);
         sums
+    }
+
+    /// Adds energy and damping of a ring that counts them on elements of its own.
+    pub(super) fn add_travelling(&self, view: View<'_>, sums: &mut BeltSums) {
+        let (energy, loss) = self.travelling_energy(view);
+        sums.energy += energy.total();
+        sums.losses.other += loss;
     }
 
     /// Pressure-weighted mean pitch radii over pulleys, m; reference radius − e where nothing presses.

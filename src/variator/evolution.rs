@@ -50,6 +50,14 @@ impl Evolution for VariatorSystem {
                 }
             }
         }
+        if let (Some(t), Some(ring)) = (&layout.travelling, &self.travelling) {
+            for k in (0..t.block).filter(|&k| ring.is_length(k)) {
+                for node in 0..t.nodes {
+                    let x = q_error[layout.node(node, k)] / (1.0e-2 * tolerance);
+                    local += x * x;
+                }
+            }
+        }
         let norm = norm.max((local / mean).sqrt());
         if norm.is_finite() { norm } else { f64::MAX }
     }

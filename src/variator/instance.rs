@@ -4,7 +4,7 @@ use super::boundary::{Boundary, LoadRates, SheaveMode, SpeedMode};
 use super::layout::Global;
 use super::mesh::{P, S};
 use super::observe::{Context, Observer, macro_slip};
-use super::parameters::{Axial, Drive, Parameters};
+use super::parameters::{Axial, Drive, Parameters, RingModel};
 use super::signals::{Inputs, Outputs, PulleyInputs};
 use super::start::{Start, kinematic_state};
 use super::steady::{self, SteadyTask};
@@ -215,7 +215,9 @@ impl Variator {
         self.ramp_end = f64::NEG_INFINITY;
         self.integrator = integrator(&self.system, &parameters);
         let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
-        if steady {
+        if parameters.ring_model.travels() {
+            self.lay_on_ale(inputs)?;
+        } else if steady {
             self.state = cold(&self.system, &start)?;
             self.solve_steady(inputs, &start)?;
         } else {
@@ -242,6 +244,19 @@ impl Variator {
         let sums = self.system.belt_sums::<true>(self.state.view());
         self.initial_energy = sums.energy + self.system.pulley_energy(self.state.view());
         self.stale = true;
+        Ok(())
+    }
+
+    /// Starts as `ALE` would: a ring that travels is laid on it.
+    fn lay_on_ale(&mut self, inputs: &Inputs) -> Result<(), InitialisationError> {
+        let mut ale = Self::new(Parameters {
+            ring_model: RingModel::Ale,
+            ..self.parameters.clone()
+        })?;
+        ale.initialise(self.time, inputs)?;
+        self.messages.append(&mut ale.messages);
+        self.ramp_end = ale.ramp_end;
+        self.state = self.system.lay_on(&ale.system, &ale.state);
         Ok(())
     }
 

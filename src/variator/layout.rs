@@ -3,8 +3,12 @@
 //! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y), then for each cell the speed V of its
 //! left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left face. The border holds
 //! the globals.
+//!
+//! With a ring that travels with its mesh the cells stand first, each with V and N, then the nodes of the ring, then what
+//! is left free in the blocks; [`super::order`] puts them in the order of the matrix.
 
 use super::mesh::BeltMesh;
+use super::order::Travelling;
 use crate::solver::arrow::Shape;
 
 /// Global unknowns, in the order of the border.
@@ -21,7 +25,7 @@ pub enum Global {
     Tilt = 4,
     /// ω_S, ω_P.
     Speed = 8,
-    /// Multipliers of the gauge (`ALE`).
+    /// Multipliers of the gauge (all but `ALE0`).
     Gauge = 10,
 }
 
@@ -36,6 +40,8 @@ pub struct Layout {
     pub flexible: bool,
     /// Node in the middle of the primary arc, opposite to node 0.
     pub opposite: usize,
+    /// Nodes that travel with the ring (`ANCF`, `RCM`).
+    pub travelling: Option<Travelling>,
 }
 
 impl Layout {
@@ -48,6 +54,28 @@ impl Layout {
             flexible,
             opposite: mesh.elements.iter().take_while(|e| e.segment < 2).count()
                 + mesh.elements.iter().filter(|e| e.segment == 2).count() / 2,
+            travelling: None,
+        }
+    }
+
+    /// Unknowns of the cells of a ring that travels.
+    pub(super) fn cell_unknowns(&self) -> usize {
+        2 * self.cells()
+    }
+
+    /// Unknown `k` of an element of a ring that travels: of its own node, then of the next.
+    #[inline]
+    #[must_use]
+    pub fn nodal(&self, element: usize, k: usize) -> usize {
+        let block = self.travelling.map_or(1, |t| t.block);
+        self.node(element + k / block, k % block)
+    }
+
+    /// What is left free in the blocks of the matrix.
+    pub(super) fn free(&self) -> std::ops::Range<usize> {
+        match &self.travelling {
+            Some(t) => self.cell_unknowns() + t.nodes * t.block..t.blocks[0] * t.blocks[1],
+            None => 0..0,
         }
     }
 
@@ -66,10 +94,12 @@ impl Layout {
     /// Shape of the Jacobian.
     #[must_use]
     pub fn shape(&self) -> Shape {
+        let [blocks, block] = self.travelling.map_or([self.elements, self.block()], |t| t.blocks);
+        let gauge = self.flexible || self.travelling.is_some();
         Shape {
-            blocks: self.elements,
-            block: self.block(),
-            border: Global::Gauge as usize + if self.flexible { 2 } else { 0 },
+            blocks,
+            block,
+            border: Global::Gauge as usize + if gauge { 2 } else { 0 },
         }
     }
 
@@ -79,14 +109,20 @@ impl Layout {
         self.elements * self.cells_per_element
     }
 
-    /// Node component `k` (a_x, b_x, a_y, b_y) of node `node`.
+    /// Component `k` of node `node`: a_x, b_x, a_y, b_y; of a ring that travels, what its model has there.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
+        if let Some(t) = &self.travelling {
+            return self.cell_unknowns() + (node % t.nodes) * t.block + k;
+        }
         (node % self.elements) * self.block() + k
     }
 
     fn cell(&self, cell: usize) -> usize {
         let cell = cell % self.cells();
+        if self.travelling.is_some() {
+            return 2 * cell;
+        }
         let (element, c) = (cell / self.cells_per_element, cell % self.cells_per_element);
         element * self.block() + self.node_size() + c * self.cell_size()
     }
@@ -101,7 +137,11 @@ impl Layout {
     /// nodes of neighbouring blocks only. (One cell an element can't have that for both directions of flow.)
     #[must_use]
     pub fn amount(&self, cell: usize) -> usize {
-        let with = if self.cells_per_element > 1 { cell + 1 } else { cell };
+        let with = if self.cells_per_element > 1 && self.travelling.is_none() {
+            cell + 1
+        } else {
+            cell
+        };
         self.cell(with) + 1
     }
 
@@ -114,7 +154,8 @@ impl Layout {
     /// A global unknown; `offset` picks the pulley or tilt component.
     #[must_use]
     pub fn global(&self, global: Global, offset: usize) -> usize {
-        self.elements * self.block() + global as usize + offset
+        let shape = self.shape();
+        shape.blocks * shape.block + global as usize + offset
     }
 
     /// Number of unknowns.

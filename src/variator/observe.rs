@@ -73,6 +73,7 @@ impl Observer {
                 sample: *sample,
             });
         });
+        system.add_travelling(view, &mut sums);
         let radii = system.mean_radii(view, &sums);
         let layout = &system.layout;
         let omega = [S, P].map(|j| view.y[layout.global(Global::Speed, j)]);

@@ -10,6 +10,18 @@ pub enum RingModel {
     Ale0 = 1,
     /// Reference motion with overlaid deflection: bending, stretch, spiral running.
     Ale = 2,
+    /// Co-rotational elements that travel with the ring.
+    Rcm = 3,
+    /// Absolute nodal coordinates that travel with the ring.
+    Ancf = 4,
+}
+
+impl RingModel {
+    /// Whether its mesh travels with the ring.
+    #[must_use]
+    pub fn travels(self) -> bool {
+        matches!(self, Self::Rcm | Self::Ancf)
+    }
 }
 
 /// What drives the shaft of a pulley.
@@ -43,6 +55,9 @@ pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
 pub struct Parameters {
     /// Level of detail of the ring.
     pub ring_model: RingModel,
+    /// Elements of a ring that travels with its mesh (`RCM`, `ANCF`); 0 stands for the paper's 160 degrees of freedom, 32
+    /// and 40.
+    pub ring_elements: i32,
     /// Pulley distance, belt length, wedge angle.
     pub geometry: Geometry,
     /// The steel elements.
@@ -173,6 +188,24 @@ pub struct Initial {
     pub equilibrium: bool,
 }
 
+impl Parameters {
+    /// Number of elements of the ring, if it travels with its mesh.
+    #[must_use]
+    pub fn travelling_elements(&self) -> Option<usize> {
+        let usual = match self.ring_model {
+            RingModel::Ale0 | RingModel::Ale => return None,
+            RingModel::Rcm => 32,
+            RingModel::Ancf => 40,
+        };
+        Some(
+            usize::try_from(self.ring_elements)
+                .ok()
+                .filter(|&n| n > 0)
+                .unwrap_or(usual),
+        )
+    }
+}
+
 impl Default for Parameters {
     fn default() -> Self {
         let pulley = Pulley {
@@ -188,6 +221,7 @@ impl Default for Parameters {
         };
         Self {
             ring_model: RingModel::Ale,
+            ring_elements: 0,
             geometry: Geometry {
                 center_distance: 0.168,
                 belt_length: 0.703,

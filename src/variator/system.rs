@@ -6,11 +6,14 @@ use super::cell::CellLaw;
 use super::evolution::Ledger;
 use super::layout::{Global, Layout};
 use super::mesh::{BeltMesh, P, S};
+use super::order::{self, Order, Travelling};
 use super::parameters::{Parameters, Pulley, RIGID_TILT_STIFFNESS, RingModel};
+use super::travelling::{CellSlopes, MeanTension, TravellingRing, with_ring};
 use crate::pulley::Travel;
-use crate::reference_curve::TwoPulley;
+use crate::reference_curve::{ReferenceCurve, TwoPulley, ratio_of_theta};
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
+use std::sync::Arc;
 
 /// The whole dynamic state: unknowns, their rates, positions.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,6 +70,47 @@ pub struct VariatorSystem {
     /// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts before and in the cell; then the same for
     /// the directions of the cell before.
     pub(super) flux_entries: Vec<[[[usize; 2]; FLEXIBLE]; 2]>,
+    /// The ring that travels with its mesh, if it does, with its working memory.
+    pub(super) travelling: Option<Arc<TravellingRing>>,
+    pub(super) mean_tensions: Vec<MeanTension>,
+    pub(super) passing_slopes: Vec<CellSlopes>,
+    pub(super) order: Order,
+}
+
+/// Shapes of the curve for which the matrix must hold every coupling.
+const SHAPES: u32 = 16;
+
+/// Nodes and blocks of a ring that travels with its mesh.
+fn travelling(
+    ring: &TravellingRing,
+    layout: &Layout,
+    mesh: &BeltMesh,
+    parameters: &Parameters,
+    curve: &TwoPulley,
+) -> Travelling {
+    let (nodes, block) = ring.size();
+    let without_blocks = Travelling {
+        nodes,
+        block,
+        length: curve.length() / nodes as f64,
+        blocks: [0; 2],
+    };
+    let layout = Layout {
+        travelling: Some(without_blocks),
+        ..*layout
+    };
+    let lowest = (parameters.secondary.min_radius / parameters.primary.max_radius).ln();
+    let highest = (parameters.secondary.max_radius / parameters.primary.min_radius).ln();
+    let thetas: Vec<f64> = (0..=SHAPES)
+        .map(|k| (lowest + (highest - lowest) * f64::from(k) / f64::from(SHAPES)).exp())
+        .chain([parameters.initial.ratio])
+        .filter(|&ratio| curve.radii(ratio).is_ok())
+        .map(ratio_of_theta)
+        .collect();
+    Travelling {
+        blocks: order::blocks(&layout, mesh, &without_blocks, &thetas, curve),
+        ..without_blocks
+    }
 }
 
 /// Parameters of pulley `j`.
@@ -91,13 +135,22 @@ impl VariatorSystem {
         let r0 = radius - parameters.belt.pitch_offset;
         let (sin, cos) = geometry.wedge_angle.sin_cos();
         let mesh = BeltMesh::new(&parameters.mesh);
-        let layout = Layout::new(&mesh, parameters.ring_model == RingModel::Ale);
+        let mut layout = Layout::new(&mesh, parameters.ring_model == RingModel::Ale);
+        let ring = TravellingRing::new(parameters, &curve);
+        if let Some(ring) = &ring {
+            layout.travelling = Some(travelling(ring, &layout, &mesh, parameters, &curve));
+        }
         let mut has_position = vec![false; layout.len()];
         if layout.flexible {
             for node in 0..layout.elements {
                 for k in 0..4 {
                     has_position[layout.node(node, k)] = true;
                 }
+            }
+        }
+        if let Some(travelling) = &layout.travelling {
+            for k in 0..travelling.nodes * travelling.block {
+                has_position[layout.node(0, 0) + k] = true;
             }
         }
         has_position[layout.global(Global::Drift, 0)] = true;
@@ -132,6 +185,10 @@ impl VariatorSystem {
             flow_slopes: vec![[[0.0; FLEXIBLE]; 2]; cells],
             packs: Vec::new(),
             flux_entries: Vec::new(),
+            mean_tensions: vec![MeanTension::default(); layout.travelling.map_or(0, |t| t.nodes)],
+            passing_slopes: Vec::new(),
+            order: Order::default(),
+            travelling: ring.map(Arc::new),
         };
         system.pack();
         system
@@ -199,7 +256,9 @@ impl System for VariatorSystem {
     fn residual(&mut self, view: View<'_>, out: &mut [f64]) {
         out.fill(0.0);
         self.sums = [PulleySum::default(); 2];
-        if self.layout.flexible {
+        if let Some(travelling) = self.travelling.clone() {
+            with_ring!(&*travelling, ring => self.travelling_residual(ring, view, out));
+        } else if self.layout.flexible {
             self.assemble_residual::<true>(view, out);
         } else {
             self.assemble_residual::<false>(view, out);
@@ -215,7 +274,9 @@ impl System for VariatorSystem {
 
     fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         out.clear();
-        if self.layout.flexible {
+        if let Some(travelling) = self.travelling.clone() {
+            with_ring!(&*travelling, ring => self.travelling_jacobian(ring, view, alpha, beta, out));
+        } else if self.layout.flexible {
             self.assemble_jacobian::<true>(view, alpha, beta, out);
         } else {
             self.assemble_jacobian::<false>(view, alpha, beta, out);
@@ -241,6 +302,17 @@ impl System for VariatorSystem {
                     out[layout.node(node, k)] = if k % 2 == 0 { velocity } else { velocity * 1.0e3 };
                 }
             }
+        }
+        if let (Some(t), Some(ring)) = (&layout.travelling, &self.travelling) {
+            for node in 0..t.nodes {
+                for k in 0..t.block {
+                    let length = if ring.is_length(k) { 1.0 } else { 1.0e3 };
+                    out[layout.node(node, k)] = velocity * length;
+                }
+            }
+            out[layout.free()].fill(1.0);
+        }
+        if layout.flexible || layout.travelling.is_some() {
             for k in 0..2 {
                 out[layout.global(Global::Gauge, k)] = 1.0 / HOLD;
             }
@@ -248,7 +320,7 @@ impl System for VariatorSystem {
         for cell in 0..layout.cells() {
             out[layout.speed(cell)] = slip;
             out[layout.amount(cell)] = 1.0e-9;
-            if !layout.flexible {
+            if !layout.flexible && layout.travelling.is_none() {
                 out[layout.tension(cell)] = 0.1;
             }
         }

@@ -95,6 +95,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("mesh.secondaryArc", mesh.secondary_arc, 2.0, 200.0),
     limit!("mesh.strand", mesh.strand, 1.0, 200.0),
     limit!("mesh.cellsPerElement", mesh.cells_per_element, 1.0, 16.0),
+    limit!("ring.elements", ring_elements, 0.0, 400.0),
     limit!("solver.tolerance", solver.tolerance, 1e-10, 1e-1),
     limit!("solver.maxStep", solver.max_step, 1e-6, 10.0),
     limit!("initial.ratio", initial.ratio, 1e-2, 100.0),
@@ -142,6 +143,7 @@ impl Parameters {
         }
         self.validate_wedge()?;
         self.validate_mesh()?;
+        self.validate_ring()?;
         self.validate_belt()?;
         self.validate_stops()
     }
@@ -172,6 +174,19 @@ impl Parameters {
             "mesh.secondaryArc",
             elements.into(),
             "an even number, since ξ = 0 divides this arc in two".to_string(),
+        ))
+    }
+
+    /// An element that travels must not turn by a radian on the smallest arc.
+    fn validate_ring(&self) -> Result<(), ParameterError> {
+        const FEWEST: i32 = 16;
+        if self.ring_elements == 0 || self.ring_elements >= FEWEST {
+            return Ok(());
+        }
+        Err(ParameterError::new(
+            "ring.elements",
+            self.ring_elements.into(),
+            format!("0 for the ring model's usual number, or at least {FEWEST}"),
         ))
     }
 
