@@ -260,7 +260,7 @@ fn a_push_strand_in_net_compression_is_told() {
         assert!(!run.warned("buckle"), "{model:?}: told without cause");
         run.inputs = inputs((-300.0, 2e3), (300.0, 2e3));
         run.go(0.02, 1e-3);
-        let force = run.variator.system().ledger.last.strand_force;
+        let force = run.variator.system().ledger.last.sums.strand_force;
         for message in run.messages.iter().filter(|m| m.warning) {
             println!("{model:?}: {} (now {force:.0} N)", message.text);
         }

@@ -101,7 +101,7 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
 /// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one elements may have
 /// spread out before the entry: they ride along with the sheave until they meet the pushing stack.)
 fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
-    let sliding = run.variator.system().ledger.last.sliding;
+    let sliding = run.variator.system().ledger.last.sums.sliding;
     let mean = sliding.map(|s| (s.weighted / s.load).abs());
     let (j, pulley) = if mean[P] > mean[S] {
         (P, &outputs.primary)

@@ -213,6 +213,26 @@ impl<T: Real> RingPoint<T> {
         }
     }
 
+    /// Kinematics of a ring that keeps to the reference curve.
+    #[inline(always)]
+    pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> Self {
+        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
+        Self {
+            reference,
+            r: reference.r,
+            r_dot: reference.r_theta * rate,
+            r_ddot: reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration,
+            slope: reference.t,
+            slope_dot: reference.n * (reference.chi_theta * rate),
+            bend: reference.n * reference.kappa,
+            stretch: T::one(),
+            t: reference.t,
+            n: reference.n,
+            w: motion.s_dot - reference.xi.d * rate,
+            w_dot: motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate,
+        }
+    }
+
     /// Ring velocity v (12), m/s.
     #[inline(always)]
     pub fn velocity(&self) -> Vector2<T> {

@@ -153,16 +153,25 @@ pub fn smooth_plus<T: Real>(x: T, delta: f64) -> (T, T) {
 /// ∫⟨x⟩₊ dx, zero at x = −`reach`.
 #[must_use]
 pub fn smooth_plus_energy(x: f64, delta: f64, reach: f64) -> f64 {
-    let primitive = |x: f64| {
-        let root = x.hypot(delta);
-        let product = if x > 0.0 {
-            x * (x + root)
+    let square = delta * delta;
+    let root = |x: f64| (x * x + square).sqrt();
+    let product = |x: f64| {
+        if x > 0.0 {
+            x * (x + root(x))
         } else {
-            x * delta * delta / (root - x)
-        };
-        0.25 * (product + delta * delta * (x / delta).asinh())
+            x * square / (root(x) - x)
+        }
     };
-    primitive(x) - primitive(-reach)
+    // asinh(x/δ) + asinh(reach/δ), in one logarithm.
+    let grown = |x: f64| {
+        if x > 0.0 {
+            (x + root(x)) / delta
+        } else {
+            delta / (root(x) - x)
+        }
+    };
+    let turning = (grown(x) * grown(reach)).ln();
+    0.25 * (product(x) - product(-reach) + square * turning)
 }
 
 /// Inward normal of a clockwise curve: the tangent turned right.

@@ -250,7 +250,7 @@ impl Arrow {
 }
 
 /// y += α·A·x, A column-major with y.len() rows.
-#[inline]
+#[inline(always)]
 fn gemv(alpha: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
     if y.is_empty() {
         return;
@@ -328,10 +328,9 @@ impl DenseLu {
         solve_upper_triangular_in_place(self.view(), out, Par::Seq);
     }
 
-    /// Solves for one right-hand side in place; `work` holds `size` numbers.
-    #[inline]
-    fn solve_vector(&self, x: &mut [f64], work: &mut [f64]) {
-        let n = self.size;
+    /// Solves for one right-hand side of `n` = `size` numbers in place; `work` holds as many.
+    #[inline(always)]
+    fn solve_vector(&self, n: usize, x: &mut [f64], work: &mut [f64]) {
         let work = &mut work[..n];
         for (value, &row) in work.iter_mut().zip(&self.rows) {
             *value = x[row];
@@ -578,29 +577,36 @@ impl ArrowLu {
     }
 
     fn solve_in_order(&mut self, x: &mut [f64]) {
-        let Shape {
-            blocks: n,
-            block: b,
-            border: g,
-        } = self.shape;
+        // Loops of a length known here are unrolled: those of the variator's two Eulerian levels of detail.
+        match (self.shape.block, self.shape.border) {
+            (8, 12) => self.solve_sized(8, 12, x),
+            (3, 10) => self.solve_sized(3, 10, x),
+            (b, g) => self.solve_sized(b, g, x),
+        }
+    }
+
+    /// Solves with blocks of size `b` and a border of `g`.
+    #[inline(always)]
+    fn solve_sized(&mut self, b: usize, g: usize, x: &mut [f64]) {
+        let n = self.shape.blocks;
         let w = b + g;
         self.tail[..b].copy_from_slice(&x[..b]);
         self.tail[b..].copy_from_slice(&x[n * b..]);
         for k in 1..n {
             let (head, rest) = x.split_at_mut((k + 1) * b);
-            let y = &mut head[k * b..];
-            self.pivots[k].solve_vector(y, &mut self.work);
-            gemv(-1.0, &self.rows[k * b * w..(k + 1) * b * w], y, &mut self.tail);
+            let y = &mut head[k * b..][..b];
+            self.pivots[k].solve_vector(b, y, &mut self.work);
+            gemv(-1.0, &self.rows[k * b * w..(k + 1) * b * w], y, &mut self.tail[..w]);
             if k + 1 < n {
                 gemv(-1.0, &self.lower[(k + 1) * b * b..(k + 2) * b * b], y, &mut rest[..b]);
             }
         }
-        self.border.solve_vector(&mut self.tail, &mut self.work);
+        self.border.solve_vector(w, &mut self.tail[..w], &mut self.work);
         for k in (1..n).rev() {
             let (head, rest) = x.split_at_mut((k + 1) * b);
-            let y = &mut head[k * b..];
+            let y = &mut head[k * b..][..b];
             let solved = &self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
-            gemv(-1.0, &solved[b * b..], &self.tail, y);
+            gemv(-1.0, &solved[b * b..], &self.tail[..w], y);
             if k + 1 < n {
                 gemv(-1.0, &solved[..b * b], &rest[..b], y);
             }

@@ -1,6 +1,6 @@
 //! Cells gathered into the residual and, with the exact Jacobian, into the matrix: several at once, one in each lane.
 
-use super::cell::{CellBalance, CellMotion, NoProbe, Place, PulleyMotion, Sample, Sampler, balance};
+use super::cell::{CellBalance, CellMotion, NoProbe, Place, Probe, PulleyMotion, Sample, Sampler, balance};
 use super::layout::Global;
 use super::mesh::Station;
 use super::ring::{Deflecting, Guided, RingForces};
@@ -292,57 +292,46 @@ impl VariatorSystem {
         rows
     }
 
-    /// Evaluates every station; `ENERGY` asks for the energies too.
-    pub fn probe<const ENERGY: bool>(&self, view: View<'_>, mut probe: impl FnMut(usize, &Sample)) {
+    /// Samples of all stations, in the order of ξ.
+    pub(super) fn sample(&self, view: View<'_>, out: &mut Vec<Sample>) {
+        let cells = self.mesh.cells.len();
+        out.resize(cells * self.mesh.points, Sample::default());
         if let Some(travelling) = &self.travelling {
-            with_ring!(&**travelling, ring => self.probe_travelling::<_, ENERGY>(ring, view, probe));
-            return;
+            with_ring!(&**travelling, ring => self.sample_travelling(ring, view, out));
+        } else if self.layout.flexible {
+            self.sample_packs::<true>(view, out);
+        } else {
+            self.sample_packs::<false>(view, out);
         }
-        let frame = self.curve.frame(self.theta(view));
-        let mut at = [0; FLEXIBLE];
-        for (i, cell) in self.mesh.cells.iter().enumerate() {
-            let count = self.directions(i, &mut at);
-            let unknowns = Unknowns::gather(view, count, 0.0, |from, k| from[at[k]]);
-            let motion = Self::motion(&unknowns, self.layout.flexible, [0.0; 2], |value, _, _| value);
-            let element = &self.mesh.elements[cell.element];
-            let place = Place {
-                face: &cell.face,
-                stations: &cell.stations,
-                axis: self.law.axes[cell.pulley],
-                length: Jet::constant(0.0)
-                    .plus_scaled(TwoPulley::segment_length(&frame, element.segment), element.share),
-            };
-            let reference = |slot: usize| {
-                let station = if slot == 0 {
-                    &cell.face
-                } else {
-                    &cell.stations[slot - 1]
-                };
-                TwoPulley::point(&frame, element.segment, station.fraction)
-            };
-            let mut sampler = Sampler::<_, ENERGY>(|s: &Sample| probe(i, s));
-            let (ring, seed) = (&self.law.parameters.ring, |value, _, _| value);
-            if self.layout.flexible {
-                let nodes = Self::nodes(&unknowns, [0.0; 2], seed);
-                let mut ring = Deflecting::new(ring, &place, &motion.reference, &nodes);
-                balance(&self.law, &place, &motion, &mut ring, reference, &mut sampler);
-            } else {
-                let tensions = Self::tensions(&unknowns, seed);
-                let mut ring = Guided::new(ring, &place, &motion.reference, tensions);
-                balance(&self.law, &place, &motion, &mut ring, reference, &mut sampler);
-            }
+    }
+
+    fn sample_packs<const FLEX: bool>(&self, view: View<'_>, out: &mut [Sample]) {
+        let count = if FLEX { FLEXIBLE } else { RIGID };
+        let points = self.mesh.points;
+        let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
+        for pack in &self.packs {
+            let unknowns = self.gather(view, pack, count);
+            let mut station = 0;
+            let mut sampler = Sampler(|sample: Sample<Lanes>| {
+                for lane in 0..pack.used {
+                    out[pack.cells[lane] * points + station] = sample.lane(lane);
+                }
+                station += 1;
+            });
+            self.pack_balance::<_, _, FLEX>(pack, &frame, &unknowns, [0.0; 2], |value, _, _| value, &mut sampler);
         }
     }
 
     /// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
-    fn pack_balance<T: Real<Constant = Lanes>, const FLEX: bool>(
+    fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, const FLEX: bool>(
         &self,
         pack: &Pack,
         frame: &TwoPulleyFrame<T>,
         unknowns: &Unknowns<Lanes>,
         slopes: [f64; 2],
         seed: impl Fn(Lanes, usize, f64) -> T,
+        probe: &mut S,
     ) -> (CellBalance<T>, RingForces<T>) {
         let motion = Self::motion(unknowns, FLEX, slopes, &seed);
         let place = Place {
@@ -363,12 +352,12 @@ impl VariatorSystem {
         if FLEX {
             let nodes = Self::nodes(unknowns, slopes, &seed);
             let mut ring = Deflecting::new(ring, &place, &motion.reference, &nodes);
-            let b = balance(law, &place, &motion, &mut ring, reference, &mut NoProbe);
+            let b = balance(law, &place, &motion, &mut ring, reference, probe);
             (b, ring.forces())
         } else {
             let tensions = Self::tensions(unknowns, &seed);
             let mut ring = Guided::new(ring, &place, &motion.reference, tensions);
-            let b = balance(law, &place, &motion, &mut ring, reference, &mut NoProbe);
+            let b = balance(law, &place, &motion, &mut ring, reference, probe);
             (b, ring.forces())
         }
     }
@@ -392,7 +381,7 @@ impl VariatorSystem {
     ) -> ([Tangent<PASS>; FLEXIBLE], Tangent<PASS>, Tangent<PASS>) {
         let seed =
             |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-        let (b, ring) = self.pack_balance::<_, FLEX>(pack, frame, unknowns, slopes, seed);
+        let (b, ring) = self.pack_balance::<_, _, FLEX>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
         (Self::rows(&b, &ring, FLEX), b.flow, b.density)
     }
 
@@ -403,7 +392,8 @@ impl VariatorSystem {
         let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
-            let (b, ring) = self.pack_balance::<_, FLEX>(pack, &frame, &unknowns, [0.0; 2], |value, _, _| value);
+            let (b, ring) =
+                self.pack_balance::<_, _, FLEX>(pack, &frame, &unknowns, [0.0; 2], |value, _, _| value, &mut NoProbe);
             // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
             for (k, (row, at)) in Self::rows(&b, &ring, FLEX)[..first_global]
                 .iter()

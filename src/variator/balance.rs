@@ -3,20 +3,39 @@
 use super::boundary::SpeedMode;
 use super::cell::Sample;
 use super::layout::Global;
-use super::mesh::{P, S};
+use super::mesh::{BeltMesh, Cell, P, S};
 use super::parameters::SPEED_LAG;
 use super::signals::Losses;
 use super::system::VariatorSystem;
 use crate::reference_curve::ReferenceCurve;
 use crate::solver::View;
 
+/// The belt at one state.
+#[derive(Clone, Debug, Default)]
+pub struct Survey {
+    /// A sample for each station, in the order of ξ: those of a cell follow each other.
+    pub samples: Vec<Sample>,
+    /// Sums over them.
+    pub sums: BeltSums,
+    /// Energy of a ring that counts it on elements of its own, J.
+    pub travelling: f64,
+}
+
+impl Survey {
+    /// Cells and samples of all stations.
+    pub fn stations<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Cell, &'a Sample)> {
+        let cells = mesh.cells.iter();
+        cells
+            .zip(self.samples.chunks_exact(mesh.points))
+            .flat_map(|(cell, samples)| samples.iter().map(move |sample| (cell, sample)))
+    }
+}
+
 /// Sums over the belt at one state.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeltSums {
     /// Losses, W.
     pub losses: Losses,
-    /// Energy of ring, stack and flanks, J (if asked for).
-    pub energy: f64,
     /// Axial force on one sheave, over pulleys, N.
     pub axial: [f64; 2],
     /// Torque of the belt on the pulley, N·m.
@@ -46,7 +65,6 @@ impl BeltSums {
         self.losses.sheaves += s.sheave_loss * s.weight;
         self.losses.ring += s.ring_loss * s.weight;
         self.losses.other += s.damping_loss * s.weight;
-        self.energy += (s.kinetic + s.elastic) * s.weight;
         self.axial[j] += s.axial * s.weight;
         self.torque[j] += s.torque * s.weight;
         self.axial_radius[j] += s.axial * s.weight * s.pitch_radius;
@@ -64,26 +82,35 @@ impl BeltSums {
 }
 
 impl VariatorSystem {
-    /// Sums over the belt; `ENERGY` asks for the stored energy too.
-    #[must_use]
-    pub fn belt_sums<const ENERGY: bool>(&self, view: View<'_>) -> BeltSums {
+    /// Surveys the belt, in the memory of an earlier survey.
+    pub fn survey(&self, view: View<'_>, survey: &mut Survey) {
+        self.sample(view, &mut survey.samples);
         let mut sums = BeltSums {
             strand_force: f64::INFINITY,
             ..BeltSums::default()
         };
-        self.probe::<ENERGY>(view, |cell, s| {
-            let cell = &self.mesh.cells[cell];
-            sums.add(cell.pulley, cell.arc, s);
-        });
-        self.add_travelling(view, &mut sums);
-        sums
+        for (cell, sample) in survey.stations(&self.mesh) {
+            sums.add(cell.pulley, cell.arc, sample);
+        }
+        let (energy, loss) = self.travelling_energy(view);
+        sums.losses.other += loss;
+        survey.travelling = energy.total();
+        survey.sums = sums;
     }
 
-    /// Adds energy and damping of a ring that counts them on elements of its own.
-    pub(super) fn add_travelling(&self, view: View<'_>, sums: &mut BeltSums) {
-        let (energy, loss) = self.travelling_energy(view);
-        sums.energy += energy.total();
-        sums.losses.other += loss;
+    /// The belt at a state. Allocates.
+    #[must_use]
+    pub fn surveyed(&self, view: View<'_>) -> Survey {
+        let mut survey = Survey::default();
+        self.survey(view, &mut survey);
+        survey
+    }
+
+    /// Energy of ring, stack and flanks, J.
+    #[must_use]
+    pub fn belt_energy(&self, survey: &Survey) -> f64 {
+        let density = |s: &Sample| s.kinetic + s.elastic(&self.law);
+        survey.travelling + survey.samples.iter().map(|s| density(s) * s.weight).sum::<f64>()
     }
 
     /// Pressure-weighted mean pitch radii over pulleys, m; reference radius − e where nothing presses.

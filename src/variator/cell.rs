@@ -10,11 +10,11 @@
 use super::mesh::Station;
 use super::parameters::Parameters;
 use super::ring::{Action, CellRing};
-use crate::chain::{ChainPoint, collision_force, push_force};
-use crate::contact::{FlankMotion, flank_force};
+use crate::chain::{self, ChainPoint, collision_force, push_force};
+use crate::contact::{self, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::ring::kinematics::{Load, ReferenceMotion};
-use crate::scalar::{Real, smooth_plus};
+use crate::scalar::{Lanes, Real, smooth_plus};
 use nalgebra::Vector2;
 
 /// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
@@ -80,53 +80,97 @@ pub struct CellBalance<T: Real> {
     pub density: T,
 }
 
-/// What a station tells: values for outputs, losses and energies.
+/// What a station tells: values for outputs, losses and energies; of one cell, or of one in each lane of `L`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sample {
+pub struct Sample<L = f64> {
     /// ξ, m.
-    pub xi: f64,
+    pub xi: L,
     /// Ring length dξ that the station stands for, m.
-    pub weight: f64,
+    pub weight: L,
     /// Position of the ring centre line, m.
-    pub r: [f64; 2],
+    pub r: [L; 2],
     /// Pitch radius ϱ about the pulley axis, m.
-    pub pitch_radius: f64,
+    pub pitch_radius: L,
     /// Pitch radius at the left face of the cell, m.
-    pub face_radius: f64,
+    pub face_radius: L,
     /// λ.
-    pub lambda: f64,
+    pub lambda: L,
     /// ν of the cell.
-    pub density: f64,
+    pub density: L,
     /// Push force Q, N.
-    pub push: f64,
+    pub push: L,
     /// Ring tension T, N.
-    pub tension: f64,
+    pub tension: L,
     /// Normal force per flank and ring length, N/m.
-    pub normal: f64,
+    pub normal: L,
     /// Axial force on one sheave per ring length, N/m.
-    pub axial: f64,
+    pub axial: L,
     /// Torque of the belt on the pulley per ring length, N.
-    pub torque: f64,
+    pub torque: L,
     /// Tangential sliding speed, m/s.
-    pub sliding: f64,
+    pub sliding: L,
     /// Penetration, m.
-    pub penetration: f64,
+    pub penetration: L,
     /// J, m/s.
-    pub flow: f64,
+    pub flow: L,
     /// V, m/s.
-    pub speed: f64,
+    pub speed: L,
     /// Loss to sheave friction, W/m.
-    pub sheave_loss: f64,
+    pub sheave_loss: L,
     /// Loss to ring friction, W/m.
-    pub ring_loss: f64,
+    pub ring_loss: L,
     /// Loss to structural, chain and contact damping, W/m.
-    pub damping_loss: f64,
+    pub damping_loss: L,
     /// Kinetic energy, J/m.
-    pub kinetic: f64,
-    /// Elastic energy of ring, stack and flanks, J/m.
-    pub elastic: f64,
+    pub kinetic: L,
+    /// Elastic energy of the ring, J/m.
+    pub ring_elastic: L,
     /// Outward deflection from the reference curve, m.
-    pub outward: f64,
+    pub outward: L,
+}
+
+impl Sample<Lanes> {
+    /// The sample of the cell in a lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn lane(&self, lane: usize) -> Sample {
+        let of = |x: Lanes| x.to_array()[lane];
+        Sample {
+            r: self.r.map(of),
+            xi: of(self.xi),
+            weight: of(self.weight),
+            pitch_radius: of(self.pitch_radius),
+            face_radius: of(self.face_radius),
+            lambda: of(self.lambda),
+            density: of(self.density),
+            push: of(self.push),
+            tension: of(self.tension),
+            normal: of(self.normal),
+            axial: of(self.axial),
+            torque: of(self.torque),
+            sliding: of(self.sliding),
+            penetration: of(self.penetration),
+            flow: of(self.flow),
+            speed: of(self.speed),
+            sheave_loss: of(self.sheave_loss),
+            ring_loss: of(self.ring_loss),
+            damping_loss: of(self.damping_loss),
+            kinetic: of(self.kinetic),
+            ring_elastic: of(self.ring_elastic),
+            outward: of(self.outward),
+        }
+    }
+}
+
+impl Sample {
+    /// Elastic energy of ring, stack and flanks, J/m.
+    #[must_use]
+    pub fn elastic(&self, law: &CellLaw) -> f64 {
+        let p = &law.parameters;
+        let stack = chain::energy_density(&p.belt, self.density);
+        let flanks = contact::energy_density(&p.contact, law.wedge[1], self.penetration);
+        self.ring_elastic + self.lambda * (stack + flanks)
+    }
 }
 
 /// Where cells lie: constants of the mesh, and the element at the present Θ.
@@ -152,33 +196,29 @@ impl<T: Real> Place<'_, T> {
 }
 
 /// Sees every station of a cell as it is evaluated.
-pub trait Probe {
+pub trait Probe<T> {
     /// Whether samples are wanted.
     const ACTIVE: bool;
-    /// Whether samples need energies (logarithms, so not free).
-    const ENERGY: bool;
     /// Takes a sample.
-    fn take(&mut self, sample: &Sample);
+    fn take(&mut self, sample: Sample<T>);
 }
 
 /// Wants no samples.
 #[derive(Debug)]
 pub struct NoProbe;
 
-impl Probe for NoProbe {
+impl<T> Probe<T> for NoProbe {
     const ACTIVE: bool = false;
-    const ENERGY: bool = false;
-    fn take(&mut self, _sample: &Sample) {}
+    fn take(&mut self, _sample: Sample<T>) {}
 }
 
-/// Hands samples to a closure, energies included if `ENERGY`.
+/// Hands samples to a closure.
 #[derive(Debug)]
-pub struct Sampler<F, const ENERGY: bool>(pub F);
+pub struct Sampler<F>(pub F);
 
-impl<F: FnMut(&Sample), const ENERGY: bool> Probe for Sampler<F, ENERGY> {
+impl<T, F: FnMut(Sample<T>)> Probe<T> for Sampler<F> {
     const ACTIVE: bool = true;
-    const ENERGY: bool = ENERGY;
-    fn take(&mut self, sample: &Sample) {
+    fn take(&mut self, sample: Sample<T>) {
         (self.0)(sample);
     }
 }
@@ -192,7 +232,7 @@ pub(super) fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
 /// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference curve
 /// at the face (0) and at the stations (1 and on); `probe` sees every station.
 #[inline(always)]
-pub fn balance<T: Real, R: CellRing<T>, S: Probe>(
+pub fn balance<T: Real, R: CellRing<T>, S: Probe<T>>(
     law: &CellLaw,
     place: &Place<'_, T>,
     motion: &CellMotion<T>,
@@ -336,43 +376,35 @@ pub fn balance<T: Real, R: CellRing<T>, S: Probe>(
         out.speed[1] += along * weight * right;
 
         if S::ACTIVE {
-            let value = |x: T| x.re();
             let of_ring = ring.density(point);
-            let stack = (value(collision * difference) - value(push.viscous * lengthening)) / value(cell_length);
-            let flanks = 2.0 * value(force.viscous * cos_beta * lambda) * value(flank.closing);
-            let kinetic_chain = 0.5 * value(mass) * value(v_p.dot(&v_p));
-            let nu = value(density);
-            probe.take(&Sample {
-                xi: value(point.reference.xi.v),
-                weight: value(weight),
-                r: [value(point.r.x), value(point.r.y)],
-                pitch_radius: value(rho),
-                face_radius: f64::hypot(value(face.r.x) - place.axis.re(), value(face.r.y)) - e,
-                lambda: value(lambda),
-                density: nu,
-                push: value(push.force),
-                tension: value(tension),
-                normal: value(force.normal * lambda),
-                axial: value(axial),
-                torque: value(torque),
-                sliding: value(flank.tangential),
-                penetration: value(flank.penetration),
-                flow: value(chain.flow),
-                speed: value(chain.speed),
-                sheave_loss: -2.0
-                    * value(lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank)),
-                ring_loss: value(ring_friction * sliding),
+            let stack = (collision * difference - push.viscous * lengthening) / cell_length;
+            let flanks = force.viscous * cos_beta * lambda * flank.closing * 2.0;
+            let from_axis = face.r - Vector2::new(T::constant(place.axis), T::zero());
+            probe.take(Sample {
+                xi: point.reference.xi.v,
+                weight,
+                r: [point.r.x, point.r.y],
+                pitch_radius: rho,
+                face_radius: from_axis.dot(&from_axis).sqrt() - e,
+                lambda,
+                density,
+                push: push.force,
+                tension,
+                normal: force.normal * lambda,
+                axial,
+                torque,
+                sliding: flank.tangential,
+                penetration: flank.penetration,
+                flow: chain.flow,
+                speed: chain.speed,
+                sheave_loss: lambda
+                    * (force.tangential * flank.tangential + force.along_flank * flank.along_flank)
+                    * -2.0,
+                ring_loss: ring_friction * sliding,
                 damping_loss: of_ring.viscous + stack + flanks,
-                kinetic: of_ring.kinetic + kinetic_chain,
-                elastic: if S::ENERGY {
-                    of_ring.elastic
-                        + value(lambda)
-                            * (crate::chain::energy_density(&p.belt, nu)
-                                + crate::contact::energy_density(&p.contact, cos_beta, value(flank.penetration)))
-                } else {
-                    0.0
-                },
-                outward: -value((point.r - point.reference.r).dot(&point.reference.n)),
+                kinetic: of_ring.kinetic + mass * v_p.dot(&v_p) * 0.5,
+                ring_elastic: of_ring.elastic,
+                outward: -((point.r - point.reference.r).dot(&point.reference.n)),
             });
         }
     }

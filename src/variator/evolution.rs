@@ -1,6 +1,6 @@
 //! What time integration needs beyond the residual: which errors matter, and the books of energy.
 
-use super::balance::BeltSums;
+use super::balance::{BeltSums, Survey};
 use super::layout::Global;
 use super::mesh::{P, S};
 use super::system::VariatorSystem;
@@ -8,7 +8,7 @@ use crate::solver::View;
 use crate::solver::sdirk::Evolution;
 
 /// Energies since the start, J, and what the last accepted step showed.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Ledger {
     /// Supplied from outside.
     pub supplied: f64,
@@ -16,8 +16,8 @@ pub struct Ledger {
     pub lost: f64,
     /// ∫ of the sum of absolute powers over shafts and sheaves: the scale of the balance.
     pub moved: f64,
-    /// Sums at the end of the last step.
-    pub last: BeltSums,
+    /// The belt at the end of the last step.
+    pub last: Survey,
 }
 
 impl Evolution for VariatorSystem {
@@ -69,10 +69,10 @@ impl Evolution for VariatorSystem {
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64) {
         let end = self.load_time();
         self.move_loads(end - h);
-        let first = self.rates(before, &self.ledger.last);
+        let first = self.rates(before, &self.ledger.last.sums);
         self.move_loads(end);
-        let sums = self.belt_sums::<false>(after);
-        let second = self.rates(after, &sums);
+        self.take_stock(after);
+        let second = self.rates(after, &self.ledger.last.sums);
         let half = 0.5 * h;
         let mut lost = half * (first.lost + second.lost);
         let mut supplied = half * (first.supplied + second.supplied);
@@ -94,7 +94,6 @@ impl Evolution for VariatorSystem {
         ledger.supplied += supplied;
         ledger.lost += lost;
         ledger.moved += moved;
-        ledger.last = sums;
     }
 }
 
@@ -109,9 +108,16 @@ impl VariatorSystem {
     /// Opens the books at a state.
     pub fn open_ledger(&mut self, view: View<'_>) {
         self.ledger = Ledger {
-            last: self.belt_sums::<false>(view),
+            last: self.surveyed(view),
             ..Ledger::default()
         };
+    }
+
+    /// Surveys the belt at the state where the books stand.
+    pub fn take_stock(&mut self, view: View<'_>) {
+        let mut last = std::mem::take(&mut self.ledger.last);
+        self.survey(view, &mut last);
+        self.ledger.last = last;
     }
 
     /// Powers from the belt's sums at the same state, under the boundary conditions in force.

@@ -241,8 +241,8 @@ impl Variator {
         self.apply();
         self.system.open_ledger(self.state.view());
         self.hold_external();
-        let sums = self.system.belt_sums::<true>(self.state.view());
-        self.initial_energy = sums.energy + self.system.pulley_energy(self.state.view());
+        self.initial_energy =
+            self.system.belt_energy(&self.system.ledger.last) + self.system.pulley_energy(self.state.view());
         self.stale = true;
         Ok(())
     }
@@ -377,7 +377,7 @@ impl Variator {
                 false,
                 format!(
                     "steady start: primary clamping force less axial belt force is {:.1} N",
-                    inputs.primary.clamping_force - self.system.belt_sums::<false>(self.state.view()).axial[P]
+                    inputs.primary.clamping_force - self.system.surveyed(self.state.view()).sums.axial[P]
                 ),
             );
         }
@@ -461,7 +461,7 @@ impl Variator {
     }
 
     fn hold_external(&mut self) {
-        let sums = self.system.belt_sums::<false>(self.state.view());
+        let sums = &self.system.ledger.last.sums;
         self.external_torque = [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
     }
 
@@ -516,7 +516,7 @@ impl Variator {
             self.time = end;
         }
         self.time = to;
-        let sums = self.system.ledger.last;
+        let sums = self.system.ledger.last.sums;
         self.macro_slip = macro_slip(&self.system, self.state.view(), &sums, self.macro_slip);
         let buckling = sums.strand_force < 0.0;
         if buckling && !self.buckling {
@@ -544,15 +544,16 @@ impl Variator {
                 state.y_dot[i] += after * self.integrator.slope_rate(i);
             }
             self.system.move_loads(self.time + after);
-            let sums = self.system.belt_sums::<false>(state.view());
+            let survey = self.system.surveyed(state.view());
+            let torque = survey.sums.torque;
             let context = Context {
-                external_torque: [S, P].map(|j| self.system.external_torque(j, state.view(), sums.torque[j])),
+                external_torque: [S, P].map(|j| self.system.external_torque(j, state.view(), torque[j])),
                 macro_slip: self.macro_slip,
                 initial_energy: self.initial_energy,
             };
             let mut outputs = Box::<Outputs>::default();
             self.observer
-                .observe(&self.system, state.view(), &context, &mut outputs);
+                .observe(&self.system, state.view(), &survey, &context, &mut outputs);
             outputs
         });
         self.system.move_loads(self.time);
@@ -595,7 +596,7 @@ impl Variator {
         tape.flag(&mut self.buckling);
         if tape.is_reading() {
             self.system.law.parameters.friction = self.parameters.friction.clone();
-            self.system.ledger.last = self.system.belt_sums::<false>(self.state.view());
+            self.system.take_stock(self.state.view());
             self.stale = true;
         }
     }
@@ -640,7 +641,7 @@ impl Variator {
         changed.friction.ring = ring;
         changed.validate()?;
         self.system.law.parameters.friction = changed.friction.clone();
-        self.system.ledger.last = self.system.belt_sums::<false>(self.state.view());
+        self.system.take_stock(self.state.view());
         self.parameters = changed;
         self.integrator.newton.forget();
         self.stale = true;
@@ -655,8 +656,9 @@ impl Variator {
                 macro_slip: self.macro_slip,
                 initial_energy: self.initial_energy,
             };
+            let survey = &self.system.ledger.last;
             self.observer
-                .observe(&self.system, self.state.view(), &context, &mut self.outputs);
+                .observe(&self.system, self.state.view(), survey, &context, &mut self.outputs);
             self.stale = false;
         }
         &self.outputs

@@ -222,7 +222,7 @@ fn hold(
     inputs: &Inputs,
 ) -> Result<Inputs, LinearError> {
     let mut held = *inputs;
-    let sums = system.belt_sums::<false>(state.view());
+    let sums = system.surveyed(state.view()).sums;
     let mut boundary = system.boundary;
     for (j, pulley, values) in [
         (P, &parameters.primary, &mut held.primary),
@@ -415,14 +415,14 @@ fn slopes(
             state.y_dot[i] += step * direction.y_dot[i];
             state.q[i] += step * direction.q[i];
         }
-        let sums = system.belt_sums::<false>(state.view());
+        let survey = system.surveyed(state.view());
         let context = Context {
-            external_torque: [S, P].map(|j| system.external_torque(j, state.view(), sums.torque[j])),
+            external_torque: [S, P].map(|j| system.external_torque(j, state.view(), survey.sums.torque[j])),
             macro_slip: false,
             initial_energy: 0.0,
         };
         let mut outputs = Outputs::default();
-        Observer::default().observe(system, state.view(), &context, &mut outputs);
+        Observer::default().observe(system, state.view(), &survey, &context, &mut outputs);
         outputs
     };
     let (after, before) = (beside(step), beside(-step));

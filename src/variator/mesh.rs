@@ -43,18 +43,20 @@ pub struct BeltMesh {
     pub cells: Vec<Cell>,
     /// Cells in each element.
     pub cells_per_element: usize,
+    /// Quadrature points in each cell.
+    pub points: usize,
 }
 
 impl BeltMesh {
-    /// Mesh of a belt on two pulleys.
+    /// Mesh of a belt on two pulleys, whose ring deflects from the reference curve or not.
     #[must_use]
-    pub fn new(mesh: &Mesh) -> Self {
+    pub fn new(mesh: &Mesh, flexible: bool) -> Self {
         let half = (mesh.secondary_arc / 2) as usize;
         let (strand, arc) = (mesh.strand as usize, mesh.primary_arc as usize);
         let counts = [half, strand, arc, strand, half];
-        let cells_per_element = mesh.cells_per_element as usize;
+        let cells_per_element = if flexible { mesh.cells_per_element as usize } else { 1 };
         // Full integration of the membrane needs three points or more in an element.
-        let points = if cells_per_element == 1 { 3 } else { 2 };
+        let points = if flexible && cells_per_element == 1 { 3 } else { 2 };
         let mut elements = Vec::new();
         let mut cells = Vec::new();
         for (segment, &count) in counts.iter().enumerate() {
@@ -88,6 +90,7 @@ impl BeltMesh {
             elements,
             cells,
             cells_per_element,
+            points,
         }
     }
 }
@@ -98,7 +101,7 @@ mod tests {
 
     #[test]
     fn segments_are_filled_and_weights_sum_to_one() {
-        let mesh = BeltMesh::new(&super::super::parameters::Parameters::default().mesh);
+        let mesh = BeltMesh::new(&super::super::parameters::Parameters::default().mesh, true);
         for segment in 0..5 {
             let sum: f64 = mesh
                 .elements

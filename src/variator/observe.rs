@@ -1,6 +1,6 @@
 //! From state to outputs.
 
-use super::balance::{BeltSums, Sliding};
+use super::balance::{BeltSums, Sliding, Survey};
 use super::cell::Sample;
 use super::layout::Global;
 use super::mesh::{P, S};
@@ -15,16 +15,6 @@ const NO_SPEED: f64 = 1.0e-3;
 /// Shaft power below which an efficiency means nothing, W.
 const NO_POWER: f64 = 1.0e-3;
 
-/// A station with what the profile needs.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Place {
-    xi: f64,
-    pulley: usize,
-    arc: bool,
-    element: usize,
-    sample: Sample,
-}
-
 /// Mean ring tension of an element.
 #[derive(Clone, Copy, Debug, Default)]
 struct ElementTension {
@@ -38,7 +28,6 @@ struct ElementTension {
 /// Memory that observing reuses.
 #[derive(Clone, Debug, Default)]
 pub struct Observer {
-    places: Vec<Place>,
     tensions: Vec<ElementTension>,
 }
 
@@ -54,40 +43,30 @@ pub struct Context {
 }
 
 impl Observer {
-    /// Fills `out` from the state.
-    pub fn observe(&mut self, system: &VariatorSystem, view: View<'_>, context: &Context, out: &mut Outputs) {
-        let mut sums = BeltSums {
-            strand_force: f64::INFINITY,
-            ..BeltSums::default()
-        };
-        self.places.clear();
-        let places = &mut self.places;
-        system.probe::<true>(view, |cell, sample| {
-            let cell = &system.mesh.cells[cell];
-            sums.add(cell.pulley, cell.arc, sample);
-            places.push(Place {
-                xi: sample.xi,
-                pulley: cell.pulley,
-                arc: cell.arc,
-                element: cell.element,
-                sample: *sample,
-            });
-        });
-        system.add_travelling(view, &mut sums);
-        let radii = system.mean_radii(view, &sums);
+    /// Fills `out` from the state and the survey of the belt there.
+    pub fn observe(
+        &mut self,
+        system: &VariatorSystem,
+        view: View<'_>,
+        survey: &Survey,
+        context: &Context,
+        out: &mut Outputs,
+    ) {
+        let sums = &survey.sums;
+        let radii = system.mean_radii(view, sums);
         let layout = &system.layout;
         let omega = [S, P].map(|j| view.y[layout.global(Global::Speed, j)]);
-        out.primary = self.pulley(system, view, P, &sums, radii[P], context);
-        out.secondary = self.pulley(system, view, S, &sums, radii[S], context);
+        out.primary = pulley(system, view, P, survey, radii[P], context);
+        out.secondary = pulley(system, view, S, survey, radii[S], context);
         out.thrust_ratio = if sums.axial[S].abs() < NO_FORCE {
             0.0
         } else {
             (sums.axial[P] / sums.axial[S]).clamp(-100.0, 100.0)
         };
         let (mut speed, mut length) = (0.0, 0.0);
-        for place in &self.places {
-            let weight = place.sample.weight * place.sample.lambda;
-            speed += place.sample.speed * weight;
+        for sample in &survey.samples {
+            let weight = sample.weight * sample.lambda;
+            speed += sample.speed * weight;
             length += weight;
         }
         out.belt_speed = speed / length;
@@ -130,25 +109,26 @@ impl Observer {
             }
         };
         out.macro_slip = context.macro_slip;
-        out.push_force_max = self.places.iter().map(|p| p.sample.push).fold(0.0, f64::max);
-        self.mean_tensions(system.mesh.elements.len());
+        out.push_force_max = survey.samples.iter().map(|s| s.push).fold(0.0, f64::max);
+        self.mean_tensions(system, survey);
         let tensions = || self.tensions.iter().map(|e| e.tension);
         out.ring_tension_max = tensions().fold(f64::NEG_INFINITY, f64::max);
         out.ring_tension_min = tensions().fold(f64::INFINITY, f64::min);
-        out.stored_energy = sums.energy + system.pulley_energy(view);
+        out.stored_energy = system.belt_energy(survey) + system.pulley_energy(view);
         let ledger = &system.ledger;
         out.energy_residual = ledger.supplied - ledger.lost - (out.stored_energy - context.initial_energy);
-        self.profile(system, radii, out);
+        self.profile(system, survey, radii, out);
     }
 
     /// The tension of a cubic element swings about its mean wherever the curvature changes fast; the mean is what the
     /// balance along the ring determines.
-    fn mean_tensions(&mut self, elements: usize) {
+    fn mean_tensions(&mut self, system: &VariatorSystem, survey: &Survey) {
         self.tensions.clear();
-        self.tensions.resize(elements, ElementTension::default());
-        for place in &self.places {
-            let (sample, mean) = (&place.sample, &mut self.tensions[place.element]);
-            mean.xi += place.xi * sample.weight;
+        self.tensions
+            .resize(system.mesh.elements.len(), ElementTension::default());
+        for (cell, sample) in survey.stations(&system.mesh) {
+            let mean = &mut self.tensions[cell.element];
+            mean.xi += sample.xi * sample.weight;
             mean.tension += sample.tension * sample.weight;
             mean.length += sample.weight;
         }
@@ -158,85 +138,86 @@ impl Observer {
         }
     }
 
-    fn pulley(
-        &self,
-        system: &VariatorSystem,
-        view: View<'_>,
-        j: usize,
-        sums: &BeltSums,
-        radius: f64,
-        context: &Context,
-    ) -> PulleyOutputs {
-        let layout = &system.layout;
-        let speed = view.y[layout.global(Global::Speed, j)];
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        // Faces too: the radius changes fastest at the arc borders, where the last station is not.
-        let mut left_arc = self.places.last().is_some_and(|p| p.arc && p.pulley == j);
-        for place in &self.places {
-            let on_arc = place.arc && place.pulley == j;
-            if on_arc {
-                range.0 = range.0.min(place.sample.pitch_radius.min(place.sample.face_radius));
-                range.1 = range.1.max(place.sample.pitch_radius.max(place.sample.face_radius));
-            } else if left_arc && place.pulley == j {
-                range.0 = range.0.min(place.sample.face_radius);
-                range.1 = range.1.max(place.sample.face_radius);
-            }
-            left_arc = on_arc;
-        }
-        PulleyOutputs {
-            speed,
-            radius,
-            position: view.q[layout.global(Global::Sheave, j)],
-            axial_force: sums.axial[j],
-            shaft_torque: sums.torque[j],
-            external_torque: context.external_torque[j],
-            power: -sums.torque[j] * speed,
-            spiral: range.1 - range.0,
-        }
-    }
-
     /// Linear between stations, around the loop.
-    fn profile(&self, system: &VariatorSystem, radii: [f64; 2], out: &mut Outputs) {
+    fn profile(&self, system: &VariatorSystem, survey: &Survey, radii: [f64; 2], out: &mut Outputs) {
         let length = system.law.parameters.geometry.belt_length;
         let profile = &mut out.profile;
         let (mut place, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
-            let (a, b, share) = bracket(&self.places, |p| p.xi, xi, length, &mut place);
-            let between = |f: &dyn Fn(&Place) -> f64| f(a) * (1.0 - share) + f(b) * share;
+            let (a, b, share) = bracket(&survey.samples, |s| s.xi, xi, length, &mut place);
+            let between = |f: fn(&Sample) -> f64| f(&survey.samples[a]) * (1.0 - share) + f(&survey.samples[b]) * share;
             let (before, after, part) = bracket(&self.tensions, |e| e.xi, xi, length, &mut element);
-            profile.position[k] = xi;
-            profile.push_force[k] = between(&|p| p.sample.push);
-            profile.ring_tension[k] = before.tension * (1.0 - part) + after.tension * part;
-            profile.normal_force[k] = between(&|p| p.sample.normal);
-            profile.sliding_speed[k] = between(&|p| if p.sample.normal > 100.0 { p.sample.sliding } else { 0.0 });
-            profile.radial_deviation[k] = between(&|p| {
-                if p.arc {
-                    p.sample.pitch_radius - radii[p.pulley]
+            let deviation = |station: usize| {
+                let (cell, sample) = (
+                    &system.mesh.cells[station / system.mesh.points],
+                    &survey.samples[station],
+                );
+                if cell.arc {
+                    sample.pitch_radius - radii[cell.pulley]
                 } else {
-                    p.sample.outward
+                    sample.outward
                 }
-            });
+            };
+            profile.position[k] = xi;
+            profile.push_force[k] = between(|s| s.push);
+            profile.ring_tension[k] =
+                self.tensions[before].tension * (1.0 - part) + self.tensions[after].tension * part;
+            profile.normal_force[k] = between(|s| s.normal);
+            profile.sliding_speed[k] = between(|s| if s.normal > 100.0 { s.sliding } else { 0.0 });
+            profile.radial_deviation[k] = deviation(a) * (1.0 - share) + deviation(b) * share;
         }
     }
 }
 
-/// Neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second. `right` is the
+/// What a pulley shows.
+fn pulley(
+    system: &VariatorSystem,
+    view: View<'_>,
+    j: usize,
+    survey: &Survey,
+    radius: f64,
+    context: &Context,
+) -> PulleyOutputs {
+    let layout = &system.layout;
+    let speed = view.y[layout.global(Global::Speed, j)];
+    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+    // Faces too: the radius changes fastest at the arc borders, where the last station is not.
+    let mut left_arc = system.mesh.cells.last().is_some_and(|c| c.arc && c.pulley == j);
+    for (cell, sample) in survey.stations(&system.mesh) {
+        let on_arc = cell.arc && cell.pulley == j;
+        if on_arc {
+            range.0 = range.0.min(sample.pitch_radius.min(sample.face_radius));
+            range.1 = range.1.max(sample.pitch_radius.max(sample.face_radius));
+        } else if left_arc && cell.pulley == j {
+            range.0 = range.0.min(sample.face_radius);
+            range.1 = range.1.max(sample.face_radius);
+        }
+        left_arc = on_arc;
+    }
+    let torque = survey.sums.torque[j];
+    PulleyOutputs {
+        speed,
+        radius,
+        position: view.q[layout.global(Global::Sheave, j)],
+        axial_force: survey.sums.axial[j],
+        shaft_torque: torque,
+        external_torque: context.external_torque[j],
+        power: -torque * speed,
+        spiral: range.1 - range.0,
+    }
+}
+
+/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second. `right` is the
 /// place of the last answer: ask in ascending order.
-fn bracket<'a, T>(
-    list: &'a [T],
-    at: impl Fn(&T) -> f64,
-    xi: f64,
-    length: f64,
-    right: &mut usize,
-) -> (&'a T, &'a T, f64) {
+fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (usize, usize, f64) {
     let n = list.len();
     while *right < n && at(&list[*right]) < xi {
         *right += 1;
     }
-    let (a, b) = (&list[(*right + n - 1) % n], &list[*right % n]);
-    let from = if *right == 0 { at(a) - length } else { at(a) };
-    let to = if *right == n { at(b) + length } else { at(b) };
+    let (a, b) = ((*right + n - 1) % n, *right % n);
+    let from = at(&list[a]) - if *right == 0 { length } else { 0.0 };
+    let to = at(&list[b]) + if *right == n { length } else { 0.0 };
     (a, b, ((xi - from) / (to - from)).clamp(0.0, 1.0))
 }
 

@@ -24,14 +24,14 @@ pub struct Action<T: Real> {
 }
 
 /// Energies of the ring per dξ, J/m, and the power that its damping takes, W/m.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RingDensity {
+#[derive(Clone, Copy, Debug)]
+pub struct RingDensity<T> {
     /// Kinetic energy.
-    pub kinetic: f64,
+    pub kinetic: T,
     /// Elastic energy.
-    pub elastic: f64,
+    pub elastic: T,
     /// Power of damping.
-    pub viscous: f64,
+    pub viscous: T,
 }
 
 /// A ring as a cell sees it. Slot 0 is the left face of the cell, the slots from 1 on are its stations.
@@ -47,7 +47,7 @@ pub trait CellRing<T: Real> {
     fn take(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>);
 
     /// Energies at a station; none of a ring that counts them on elements of its own.
-    fn density(&self, point: &RingPoint<T>) -> RingDensity;
+    fn density(&self, point: &RingPoint<T>) -> RingDensity<T>;
 }
 
 /// Generalised forces of a cell on an Eulerian ring (inertia − forces).
@@ -63,9 +63,10 @@ pub struct RingForces<T: Real> {
     pub theta: T,
 }
 
-fn kinetic<T: Real>(ring: &Ring, point: &RingPoint<T>) -> f64 {
+#[inline(always)]
+fn kinetic<T: Real>(ring: &Ring, point: &RingPoint<T>) -> T {
     let velocity = point.velocity();
-    0.5 * ring.mass_per_length * velocity.dot(&velocity).re()
+    velocity.dot(&velocity) * (0.5 * ring.mass_per_length)
 }
 
 /// `ALE`: the ring deflects from the reference curve.
@@ -129,12 +130,14 @@ impl<T: Real> CellRing<T> for Deflecting<'_, T> {
         self.sum.add(&action.load, point, shape, &self.element, action.weight);
     }
 
-    fn density(&self, point: &RingPoint<T>) -> RingDensity {
+    #[inline(always)]
+    fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
         let viscosity = self.ring.axial_stiffness * self.ring.damping;
+        let rate = point.strain_rate();
         RingDensity {
             kinetic: kinetic(self.ring, point),
-            elastic: ale::energy_density(self.ring, point).re(),
-            viscous: viscosity * point.strain_rate().re().powi(2),
+            elastic: ale::energy_density(self.ring, point),
+            viscous: rate * rate * viscosity,
         }
     }
 }
@@ -188,8 +191,8 @@ impl<'a, T: Real> Guided<'a, T> {
 
 impl<T: Real> CellRing<T> for Guided<'_, T> {
     #[inline(always)]
-    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
-        RingPoint::new(reference, &self.place.slot(slot).shape, &self.element, self.motion)
+    fn point(&self, _slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+        RingPoint::guided(reference, self.motion)
     }
 
     #[inline(always)]
@@ -208,11 +211,12 @@ impl<T: Real> CellRing<T> for Guided<'_, T> {
         self.out.tension += action.along * action.weight;
     }
 
-    fn density(&self, point: &RingPoint<T>) -> RingDensity {
+    #[inline(always)]
+    fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
         RingDensity {
             kinetic: kinetic(self.ring, point),
-            elastic: ale::energy_density(self.ring, point).re(),
-            viscous: 0.0,
+            elastic: ale::energy_density(self.ring, point),
+            viscous: T::zero(),
         }
     }
 }

@@ -193,7 +193,7 @@ pub fn solve_equilibrium(
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.
 #[must_use]
 pub fn geometric_ratio(system: &VariatorSystem, view: View<'_>) -> f64 {
-    let sums = system.belt_sums::<false>(view);
+    let sums = system.surveyed(view).sums;
     let radii = system.mean_radii(view, &sums);
     radii[S] / radii[P]
 }

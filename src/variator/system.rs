@@ -134,7 +134,7 @@ impl VariatorSystem {
         let (radius, _) = curve.radii(1.0).expect("validated geometry closes at ratio 1");
         let r0 = radius - parameters.belt.pitch_offset;
         let (sin, cos) = geometry.wedge_angle.sin_cos();
-        let mesh = BeltMesh::new(&parameters.mesh);
+        let mesh = BeltMesh::new(&parameters.mesh, parameters.ring_model != RingModel::Ale0);
         let mut layout = Layout::new(&mesh, parameters.ring_model == RingModel::Ale);
         let ring = TravellingRing::new(parameters, &curve);
         if let Some(ring) = &ring {

@@ -231,8 +231,12 @@ impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> fo
         forces.nodal[slot] = E::conjugates(&seen.motion, &force);
     }
 
-    fn density(&self, _point: &RingPoint<T>) -> RingDensity {
-        RingDensity::default()
+    fn density(&self, _point: &RingPoint<T>) -> RingDensity<T> {
+        RingDensity {
+            kinetic: T::zero(),
+            elastic: T::zero(),
+            viscous: T::zero(),
+        }
     }
 }
 
@@ -292,7 +296,7 @@ impl VariatorSystem {
         T: Real<Constant = f64> + Mul<W, Output = T>,
         W: Real,
         E: LagrangianElement,
-        S: super::cell::Probe,
+        S: super::cell::Probe<T>,
     {
         let value = |k: usize| seed(view.y[at[k]], k, 1.0);
         let rate = |k: usize| seed(view.y_dot[at[k]], k, alpha);
@@ -602,11 +606,11 @@ impl VariatorSystem {
     }
 
     /// Evaluates every station.
-    pub(super) fn probe_travelling<E: LagrangianElement, const ENERGY: bool>(
+    pub(super) fn sample_travelling<E: LagrangianElement>(
         &self,
         ring: &LagrangianRing<E, TwoPulley>,
         view: View<'_>,
-        mut probe: impl FnMut(usize, &Sample),
+        out: &mut [Sample],
     ) {
         let frame = self.curve.frame(self.theta(view));
         let s = view.q[self.layout.global(Global::Drift, 0)];
@@ -614,7 +618,8 @@ impl VariatorSystem {
         for cell in 0..self.mesh.cells.len() {
             let under = self.under(&frame, cell, s);
             under.directions(&self.layout, cell, self.mesh.cells[cell].pulley, &mut at);
-            let mut sampler = Sampler::<_, ENERGY>(|s: &Sample| probe(cell, s));
+            let mut stations = out[cell * self.mesh.points..].iter_mut();
+            let mut sampler = Sampler(|sample| *stations.next().expect("a place for each station") = sample);
             let seed = |value: f64, _: usize, _: f64| value;
             self.passing(
                 ring,

@@ -179,16 +179,16 @@ pub struct At {
 impl Steady {
     /// Every station around the loop.
     pub fn stations(&self) -> Vec<At> {
-        let mut all = Vec::new();
-        self.system.probe::<true>(self.state.view(), |cell, sample| {
-            let element = self.system.mesh.cells[cell].element;
-            all.push(At {
-                segment: self.system.mesh.elements[element].segment,
-                element,
+        let mesh = &self.system.mesh;
+        let survey = self.system.surveyed(self.state.view());
+        survey
+            .stations(mesh)
+            .map(|(cell, sample)| At {
+                segment: mesh.elements[cell.element].segment,
+                element: cell.element,
                 sample: *sample,
-            });
-        });
-        all
+            })
+            .collect()
     }
 
     /// Sum of supplied powers less losses as a share of the driving power.
@@ -230,7 +230,8 @@ pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: [f64; 2]) -> S
         initial_energy: 0.0,
     };
     let mut outputs = Outputs::default();
-    Observer::default().observe(&system, state.view(), &context, &mut outputs);
+    let survey = system.surveyed(state.view());
+    Observer::default().observe(&system, state.view(), &survey, &context, &mut outputs);
     Steady {
         system,
         state,
