@@ -23,6 +23,11 @@ pub trait Evolution: System {
     /// Error of a step relative to what is tolerated: accepted up to 1.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64;
 
+    /// Longest step that the system takes from here, s.
+    fn longest_step(&self, _view: View<'_>) -> f64 {
+        f64::INFINITY
+    }
+
     /// Called with the time of each stage before it is solved, s: for loads that change within a step.
     fn set_time(&mut self, _time: f64) {}
 
@@ -186,7 +191,8 @@ impl Sdirk {
         let mut done = 0.0;
         while done < span {
             let rest = span - done;
-            let preferred = self.step.min(self.max_step);
+            let longest = self.max_step.min(system.longest_step(View { y, y_dot, q }));
+            let preferred = self.step.min(longest);
             // Whole steps to the end: never a sliver.
             let h = rest / (rest / preferred * (1.0 - 1e-9)).ceil().max(1.0);
             let last = h >= rest;
@@ -211,7 +217,7 @@ impl Sdirk {
                     // A step shortened to meet `to` says nothing against the longer one.
                     let next = h * factor;
                     if next > self.step || h >= 0.99 * preferred || factor < 1.0 {
-                        self.step = next.min(self.max_step);
+                        self.step = next.min(longest);
                     }
                 }
                 other => {

@@ -20,6 +20,10 @@ pub struct Ledger {
     pub last: Survey,
 }
 
+/// Part of its elements by which a ring that travels moves on in a step. Twice as much takes more work: Newton's method then
+/// needs twice the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
+const PASSING: f64 = 1.0 / 180.0;
+
 impl Evolution for VariatorSystem {
     /// Errors that users see: ratio, sheave positions and speeds; belt speed and sliding; element amounts (push force);
     /// ring positions (tension, radial deviation). Each relative to its own working range.
@@ -60,6 +64,13 @@ impl Evolution for VariatorSystem {
         }
         let norm = norm.max((local / mean).sqrt());
         if norm.is_finite() { norm } else { f64::MAX }
+    }
+
+    /// Under a ring that travels the contact changes with every bit of an element that passes.
+    fn longest_step(&self, view: View<'_>) -> f64 {
+        let drift = view.y[self.layout.global(Global::Drift, 0)].abs();
+        let way = self.layout.travelling.map_or(f64::INFINITY, |t| PASSING * t.length);
+        way / drift
     }
 
     fn set_time(&mut self, time: f64) {

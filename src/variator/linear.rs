@@ -132,6 +132,11 @@ pub fn linearise(
     frequency: f64,
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Result<LinearModel, LinearError> {
+    if parameters.ring_model.travels() {
+        return Err(LinearError::Unsteady(
+            "the nodes of this ring model pass under the stations; ALE has a steady state".to_string(),
+        ));
+    }
     let mut parameters = parameters.clone();
     parameters.initial.steady = true;
     let mut variator = Variator::new(parameters.clone())?;

@@ -341,8 +341,8 @@ mod tests {
     use super::*;
     use crate::noise::noise;
 
-    /// The Jacobian against central differences, at a state that slides, sticks, pushes and gaps.
-    fn check_jacobian(model: RingModel, speed: f64) {
+    /// A variator at a state that slides, sticks, pushes and gaps.
+    fn disturbed(model: RingModel, speed: f64) -> (VariatorSystem, State) {
         let mut parameters = Parameters::default();
         parameters.ring_model = model;
         parameters.mesh = crate::variator::parameters::Mesh {
@@ -361,12 +361,21 @@ mod tests {
             primary_speed: speed,
             clamping: [1.0e4, 1.3e4],
         };
-        let mut state = kinematic_state(&system, &start).unwrap();
+        let mut state = if model.travels() {
+            let ale = Parameters {
+                ring_model: RingModel::Ale,
+                ..parameters.clone()
+            };
+            let ale = VariatorSystem::new(&ale);
+            system.lay_on(&ale, &kinematic_state(&ale, &start).unwrap())
+        } else {
+            kinematic_state(&system, &start).unwrap()
+        };
         let mut random = noise(7);
         let n = state.y.len();
         let mut size = vec![0.0; n];
-        system.newton_scale(1.0e-4, &mut size);
-        let (alpha, beta) = (1.0e4, 1.0e-4);
+        let beta = 1.0e-4;
+        system.newton_scale(beta, &mut size);
         for (i, &size) in size.iter().enumerate() {
             state.y[i] += 200.0 * size * random();
             state.y_dot[i] = 2000.0 * size * random();
@@ -374,6 +383,19 @@ mod tests {
                 state.q[i] += 2000.0 * size * beta * random();
             }
         }
+        if model.travels() {
+            state.q[system.layout.global(Global::Drift, 0)] += 0.0123;
+        }
+        (system, state)
+    }
+
+    /// The Jacobian against central differences.
+    fn check_jacobian(model: RingModel, speed: f64) {
+        let (mut system, state) = disturbed(model, speed);
+        let n = state.y.len();
+        let (alpha, beta) = (1.0e4, 1.0e-4);
+        let mut size = vec![0.0; n];
+        system.newton_scale(beta, &mut size);
         let mut matrix = Arrow::new(system.shape());
         let mut residual = vec![0.0; n];
         system.residual(state.view(), &mut residual);
@@ -406,6 +428,50 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// The nodes of a ring that travels are interchangeable: counted from another one, with s an element on, the residual is
+    /// the same.
+    #[test]
+    fn a_travelling_ring_may_be_counted_from_any_node() {
+        for model in [RingModel::Rcm, RingModel::Ancf] {
+            let (mut system, state) = disturbed(model, 200.0);
+            let (layout, n) = (system.layout, state.y.len());
+            let travelling = layout.travelling.expect("it travels");
+            // Where an unknown stands when the nodes are counted from the one before.
+            let counted_on = |i: usize| {
+                let first = layout.node(0, 0);
+                let nodes = first..first + travelling.nodes * travelling.block;
+                if nodes.contains(&i) {
+                    first + (i - first + travelling.block) % nodes.len()
+                } else {
+                    i
+                }
+            };
+            let mut other = state.clone();
+            for i in 0..n {
+                other.y[counted_on(i)] = state.y[i];
+                other.y_dot[counted_on(i)] = state.y_dot[i];
+                other.q[counted_on(i)] = state.q[i];
+            }
+            for _ in 0..travelling.nodes + 1 {
+                other.q[layout.global(Global::Drift, 0)] -= travelling.length;
+            }
+            let mut residuals = [vec![0.0; n], vec![0.0; n]];
+            system.residual(state.view(), &mut residuals[0]);
+            system.residual(other.view(), &mut residuals[1]);
+            let largest = residuals[0].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            for i in 0..n {
+                let [one, two] = [residuals[0][i], residuals[1][counted_on(i)]];
+                assert!((one - two).abs() < 1e-9 * largest, "row {i}: {one} {two}, {largest}");
+            }
+        }
+    }
+
+    #[test]
+    fn jacobians_of_rings_that_travel_match_differences() {
+        check_jacobian(RingModel::Rcm, 200.0);
+        check_jacobian(RingModel::Ancf, -200.0);
     }
 
     #[test]

@@ -221,7 +221,7 @@ def test_no_output_moves_at_once_when_an_input_does(slave) -> None:
         ("friction.velocity", 0.0, "friction.velocity = 0 is out of range"),
         ("contact.stiffness", -5e9, "contact.stiffness = -5000000000 is out of range"),
         ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
-        ("ring.model", 4, "ring.model = 4 is out of range: 1 ALE0, 2 ALE"),
+        ("ring.model", 5, "ring.model = 5 is out of range: 1 ALE0, 2 ALE, 3 RCM, 4 ANCF"),
         ("belt.play", 0.08, "belt.play = 0.08 is out of range: 0 to 0.069"),
         ("geometry.beltLength", 0.3, "geometry.beltLength = 0.3 is out of range: between 0.34"),
         ("geometry.wedgeAngle", 0.05, "geometry.wedgeAngle = 0.05 is out of range: above 0.089"),
@@ -358,6 +358,7 @@ def test_names_units_and_causalities_are_the_interface(xml: ElementTree.Element)
     assert found["ring.bendingStiffness"] == ("parameter", "fixed", "N.m2")
 
 
-def test_the_ring_model_is_a_choice_of_what_is_built(xml: ElementTree.Element) -> None:
+def test_the_ring_model_is_a_choice_of_four(xml: ElementTree.Element) -> None:
     (ring,) = (kind for kind in xml.iter("SimpleType") if kind.get("name") == "RingModel")
-    assert [(item.get("name"), item.get("value")) for item in ring.iter("Item")] == [("ALE0", "1"), ("ALE", "2")]
+    items = [(item.get("name"), item.get("value")) for item in ring.iter("Item")]
+    assert items == [("ALE0", "1"), ("ALE", "2"), ("RCM", "3"), ("ANCF", "4")]
