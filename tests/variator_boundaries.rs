@@ -83,7 +83,7 @@ fn clamping_force_or_held_sheave_at_either_pulley() {
                 ] {
                     match axial {
                         Axial::Held => {
-                            assert!((pulley.position - before.position).abs() < 1e-12, "a held sheave moves")
+                            assert!((pulley.position - before.position).abs() < 1e-10, "a held sheave moves")
                         }
                         // What the damper takes while the ratio shifts is left out of the belt's force.
                         Axial::Force => assert_close(pulley.axial_force, force, 0.05, "clamping force"),
