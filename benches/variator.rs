@@ -14,13 +14,21 @@ use cpu_time::ThreadTime;
 use pushbelt::solver::System;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::newton::{Counts, Newton};
+use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::instance::Variator;
+use pushbelt::variator::mesh::P;
 use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::start::{Start, kinematic_state};
-use pushbelt::variator::steady::solve;
-use pushbelt::variator::system::VariatorSystem;
+use pushbelt::variator::steady::{SteadyTask, solve};
+use pushbelt::variator::system::{State, VariatorSystem};
 use serde_json::{Value, json};
+
+/// Points of the steady map.
+const MAP_RATIOS: usize = 21;
+const MAP_TORQUES: usize = 11;
+/// F_S there, N.
+const MAP_FORCE: f64 = 10e3;
 
 /// Communication step of the manoeuvre, s.
 const STEP: f64 = 1e-3;
@@ -69,6 +77,20 @@ fn main() {
             &format!("from parameters to the first step, steady start, {model:?}"),
             format!("{:.0} ms", 1e3 * time),
             json!({"seconds": time}),
+        );
+    }
+
+    for model in [RingModel::Ale, RingModel::Ale0] {
+        let (time, counts, [solved, warm]) = steady_map(model);
+        let points = MAP_RATIOS * MAP_TORQUES;
+        row(
+            &format!("steady map, {MAP_RATIOS} ratios x {MAP_TORQUES} torques, {model:?}"),
+            format!(
+                "{time:.2} s, {:.1} ms a point; {solved} of {points} solved, {warm} from their neighbour, {}",
+                1e3 * time / points as f64,
+                text(&counts)
+            ),
+            json!({"seconds": time, "solved": solved, "warm": warm, "points": points, "counts": numbers(&counts)}),
         );
     }
 
@@ -177,6 +199,47 @@ fn nine_steady_states(model: RingModel) -> (f64, Counts, usize) {
         total.factorizations += newton.counts.factorizations;
     }
     (start.elapsed().as_secs_f64(), total, solved)
+}
+
+/// Thrust-ratio map at 2000 rpm and F_S = 10 kN: i from 2.2 to 0.45, 5 to 65 % of the primary pulley's capacity. The first
+/// torque of a ratio starts from the kinematic state, each other one from its neighbour's state, or where that leads
+/// nowhere from the kinematic one. Time, work, how many were solved, and how many of them from the neighbour.
+fn steady_map(model: RingModel) -> (f64, Counts, [usize; 2]) {
+    let parameters = common::variator(model);
+    let (mut solved, mut warm_starts) = (0, 0);
+    let start = ThreadTime::now();
+    let mut system = VariatorSystem::new(&parameters);
+    let mut newton = Newton::new(&system);
+    for i in 0..MAP_RATIOS {
+        let ratio = 2.2 * (0.45_f64 / 2.2).powf(i as f64 / (MAP_RATIOS - 1) as f64);
+        let (radius, _) = system.curve.radii(ratio).expect("the belt closes");
+        let capacity = 2.0 * parameters.friction.pulley * MAP_FORCE * (radius - parameters.belt.pitch_offset)
+            / parameters.geometry.wedge_angle.cos();
+        let mut neighbour: Option<State> = None;
+        for k in 0..MAP_TORQUES {
+            let share = 0.05 + 0.6 * k as f64 / (MAP_TORQUES - 1) as f64;
+            let task = SteadyTask {
+                speed: [SpeedMode::Transmit(share * capacity), SpeedMode::Fixed],
+                ..common::given(ratio, P, MAP_FORCE, 0.01)
+            };
+            let cold = Start {
+                ratio,
+                primary_speed: SPEED,
+                clamping: [MAP_FORCE; 2],
+            };
+            let kinematic = kinematic_state(&system, &cold).expect("a start");
+            let mut find = |mut state: State, warm: bool| {
+                let task = SteadyTask { warm, ..task };
+                let found = solve(&mut system, &mut newton, &mut state, &task, 400);
+                found.ok().map(|_| state)
+            };
+            let from_neighbour = neighbour.take().and_then(|state| find(state, true));
+            warm_starts += usize::from(from_neighbour.is_some());
+            neighbour = from_neighbour.or_else(|| find(kinematic, false));
+            solved += usize::from(neighbour.is_some());
+        }
+    }
+    (start.elapsed().as_secs_f64(), newton.counts, [solved, warm_starts])
 }
 
 fn steady_start(model: RingModel) -> (f64, (), ()) {

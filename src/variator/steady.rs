@@ -40,6 +40,9 @@ const LAST_STEP: f64 = 200.0;
 /// Friction velocity that the solution starts with, m/s: stick and slip are then one smooth law, and the start-up does
 /// not chatter between them. It is sharpened to the true one on the way.
 const SOFT_VELOCITY: f64 = 0.05;
+/// From a neighbouring state no further off in ln(ratio) than this, sharp friction is tried first, for so many Newton solves.
+const SHARP_WAY: f64 = 0.01;
+const SHARP_SOLVES: usize = 20;
 /// Factor of each sharpening.
 const SHARPENING: f64 = 0.4;
 /// Factor on the inertia of a pulley whose speed is solved for.
@@ -72,12 +75,34 @@ pub fn solve(
     task: &SteadyTask,
     max_solves: usize,
 ) -> Result<Settled, Settled> {
+    let sharp = system.law.parameters.friction.velocity;
+    let soft = sharp.max(SOFT_VELOCITY);
+    let way = (task.ratio / geometric_ratio(system, state.view())).ln().abs();
+    if task.warm && way < SHARP_WAY {
+        let near = state.clone();
+        if let Ok(settled) = solve_from(system, newton, state, task, SHARP_SOLVES.min(max_solves), sharp) {
+            return Ok(settled);
+        }
+        *state = near;
+    }
+    solve_from(system, newton, state, task, max_solves, soft)
+}
+
+/// [`solve`] with friction that is as soft as `velocity` at first, m/s.
+fn solve_from(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+    max_solves: usize,
+    velocity: f64,
+) -> Result<Settled, Settled> {
     let layout = system.layout;
     let theta_index = layout.global(Global::Theta, 0);
     let reaction = task.reaction;
     let mut clamping = task.clamping;
     if task.warm {
-        clamping[reaction] = system.belt_load(reaction).0;
+        clamping[reaction] = system.surveyed(state.view()).sums.axial[reaction];
     }
     let mut theta = state.q[theta_index];
     // Until the belt grips, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to the
@@ -106,7 +131,7 @@ pub fn solve(
         max_solves,
     };
     let sharp = system.law.parameters.friction.velocity;
-    system.law.parameters.friction.velocity = sharp.max(SOFT_VELOCITY);
+    system.law.parameters.friction.velocity = velocity;
     system.inertia_factor = PSEUDO_INERTIA;
     let State { y, y_dot, q } = state;
     let judge = |system: &mut VariatorSystem, trial: &Trial<'_>| {
