@@ -322,7 +322,11 @@ fn bad_values_are_named_when_they_are_set() {
         assert_eq!(importer.step(0.0, 0.001), Ok);
     }
     for (name, value, words) in [
-        ("ring.model", 5, "ring.model = 5 is out of range: 1 ALE0, 2 ALE, 3 RCM, 4 ANCF"),
+        (
+            "ring.model",
+            5,
+            "ring.model = 5 is out of range: 1 ALE0, 2 ALE, 3 RCM, 4 ANCF",
+        ),
         ("primary.axial", 0, "primary.axial = 0 is out of range: 1 Force, 2 Held"),
         ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
     ] {

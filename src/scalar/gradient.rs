@@ -217,8 +217,8 @@ impl<const N: usize> One for Gradient<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use num_dual::DualSVec64;
     use num_dual::Derivative;
+    use num_dual::DualSVec64;
 
     /// Every operation against num-dual.
     #[test]
