@@ -309,7 +309,7 @@ fn parameters(t: &mut Rows) {
     t.set("ring.massPerLength", 1041, Parameter, "kg/m", "Mass of the ring sets per length", set!(parameters.ring.mass_per_length));
     t.set("ring.axialStiffness", 1042, Parameter, "N", "Axial stiffness EA of the ring sets", set!(parameters.ring.axial_stiffness));
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));
-    t.count("ring.elements", 1045, "Elements of a ring that travels with its mesh (RCM, ANCF), at least 16; 0: 32 for RCM, 40 for ANCF", set!(parameters.ring_elements));
+    t.count("ring.elements", 1045, "Elements of a ring that travels with its mesh (RCM, ANCF), at least 16; 0: 32 for RCM, 40 for ANCF. More of them need a finer mesh of the cells, which carry the ring in between", set!(parameters.ring_elements));
     t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
     t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave", set!(parameters.friction.pulley));
     t.set("friction.ring", 1052, Tunable, "1", "Friction coefficient between ring and element", set!(parameters.friction.ring));

@@ -4,7 +4,7 @@
 //! integrals are smooth in Θ. Elements are graded towards the arc borders, where the contact begins (pressure rises over
 //! about 5 mm) and the ring has its bending boundary layer (√(EI/T) ≈ 2 mm).
 
-use super::parameters::Mesh;
+use super::parameters::{Mesh, RingModel};
 use crate::ring::mesh::{Spacing, divide, parts};
 
 pub use crate::ring::mesh::{Element, Station};
@@ -48,15 +48,25 @@ pub struct BeltMesh {
 }
 
 impl BeltMesh {
-    /// Mesh of a belt on two pulleys, whose ring deflects from the reference curve or not.
+    /// Mesh of a belt on two pulleys with this ring model.
     #[must_use]
-    pub fn new(mesh: &Mesh, flexible: bool) -> Self {
+    pub fn new(mesh: &Mesh, ring: RingModel) -> Self {
         let half = (mesh.secondary_arc / 2) as usize;
         let (strand, arc) = (mesh.strand as usize, mesh.primary_arc as usize);
         let counts = [half, strand, arc, strand, half];
-        let cells_per_element = if flexible { mesh.cells_per_element as usize } else { 1 };
-        // Full integration of the membrane needs three points or more in an element.
-        let points = if flexible && cells_per_element == 1 { 3 } else { 2 };
+        let cells_per_element = if ring == RingModel::Ale0 {
+            1
+        } else {
+            mesh.cells_per_element as usize
+        };
+        let points = match ring {
+            RingModel::Ale0 => 2,
+            // Full integration of the membrane needs three points or more in an element.
+            RingModel::Ale => 2 + usize::from(cells_per_element == 1),
+            // A ring with elements of its own sags between the points that carry it, q d⁴/(384 EI) or 2 µm at the widest of
+            // two points a cell.
+            RingModel::Rcm | RingModel::Ancf => 3,
+        };
         let mut elements = Vec::new();
         let mut cells = Vec::new();
         for (segment, &count) in counts.iter().enumerate() {
@@ -101,7 +111,7 @@ mod tests {
 
     #[test]
     fn segments_are_filled_and_weights_sum_to_one() {
-        let mesh = BeltMesh::new(&super::super::parameters::Parameters::default().mesh, true);
+        let mesh = BeltMesh::new(&super::super::parameters::Parameters::default().mesh, RingModel::Ale);
         for segment in 0..5 {
             let sum: f64 = mesh
                 .elements

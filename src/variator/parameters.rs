@@ -56,7 +56,8 @@ pub struct Parameters {
     /// Level of detail of the ring.
     pub ring_model: RingModel,
     /// Elements of a ring that travels with its mesh (`RCM`, `ANCF`); 0 stands for the paper's 160 degrees of freedom, 32
-    /// and 40.
+    /// and 40. The stations of the cells carry the ring, which sags in between where its elements can follow: more
+    /// elements, or a coarser mesh than the default, let it swing as the stations pass.
     pub ring_elements: i32,
     /// Pulley distance, belt length, wedge angle.
     pub geometry: Geometry,

@@ -134,7 +134,7 @@ impl VariatorSystem {
         let (radius, _) = curve.radii(1.0).expect("validated geometry closes at ratio 1");
         let r0 = radius - parameters.belt.pitch_offset;
         let (sin, cos) = geometry.wedge_angle.sin_cos();
-        let mesh = BeltMesh::new(&parameters.mesh, parameters.ring_model != RingModel::Ale0);
+        let mesh = BeltMesh::new(&parameters.mesh, parameters.ring_model);
         let mut layout = Layout::new(&mesh, parameters.ring_model == RingModel::Ale);
         let ring = TravellingRing::new(parameters, &curve);
         if let Some(ring) = &ring {
@@ -304,10 +304,12 @@ impl System for VariatorSystem {
             }
         }
         if let (Some(t), Some(ring)) = (&layout.travelling, &self.travelling) {
+            // Steps are short, so errors of velocity matter, not those of a step's way: they slide.
+            let moving = velocity.min(10.0 * slip);
             for node in 0..t.nodes {
                 for k in 0..t.block {
                     let length = if ring.is_length(k) { 1.0 } else { 1.0e3 };
-                    out[layout.node(node, k)] = velocity * length;
+                    out[layout.node(node, k)] = moving * length;
                 }
             }
             out[layout.free()].fill(1.0);

@@ -1,0 +1,156 @@
+//! Rings that travel with their mesh, inside the variator: they start where ALE is steady, run on near it, keep the books and
+//! go on from a stored state bit for bit.
+
+mod common;
+
+use common::{LoadCase, Run, SPEED, inputs, ratio, variator};
+use pushbelt::tape::Tape;
+use pushbelt::variator::instance::Variator;
+use pushbelt::variator::layout::Global;
+use pushbelt::variator::linear::{LinearError, linearise};
+use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
+use pushbelt::variator::signals::Inputs;
+
+const TRAVELLING: [RingModel; 2] = [RingModel::Rcm, RingModel::Ancf];
+
+/// The paper's test rig (5.4): the primary sheave held, its speed given, torque and force on the secondary pulley.
+fn rig(model: RingModel, theta: f64, torque: f64) -> Run {
+    let mut parameters = variator(model);
+    parameters.primary.drive = Drive::Speed;
+    parameters.primary.axial = Axial::Held;
+    parameters.initial.ratio = ratio(theta);
+    let case = LoadCase::new(&parameters, "", theta, torque);
+    let load = -0.97 * torque * ratio(theta);
+    Run::new(parameters, inputs((0.0, case.clamping), (load, case.clamping)))
+}
+
+/// Means of thrust ratio and of the ring tension's range over the last part of a run.
+fn means(run: &mut Run, settle: f64, span: f64) -> [f64; 3] {
+    run.go(settle, 5e-4);
+    let (mut sums, mut count) = ([0.0; 3], 0.0);
+    run.watch(span, 2e-4, |_, o| {
+        for (sum, x) in sums
+            .iter_mut()
+            .zip([o.thrust_ratio, o.ring_tension_min, o.ring_tension_max])
+        {
+            *sum += x;
+        }
+        count += 1.0;
+    });
+    sums.map(|sum| sum / count)
+}
+
+/// In under-, medium and overdrive, over two passes of an element: the thrust ratio is that of ALE within
+/// what the elements' shape costs, the co-rotational ring's tension too, and energy and elements are accounted for.
+#[test]
+fn three_ratios_near_ale() {
+    for theta in [-0.4, 0.0, 0.4] {
+        let mut ale = rig(RingModel::Ale, theta, 50.0);
+        let [thrust, lowest, highest] = means(&mut ale, 5e-4, 1e-3);
+        for (model, bound) in [(RingModel::Rcm, RCM_THRUST), (RingModel::Ancf, ANCF_THRUST)] {
+            let mut run = rig(model, theta, 50.0);
+            let [found, low, high] = means(&mut run, 2e-3, 2e-3);
+            println!(
+                "{model:?} at Θ = {theta}: thrust ratio {found:.4} against {thrust:.4}, tension {low:.0} to {high:.0} N against \
+                 {lowest:.0} to {highest:.0} N, residual {:.3} of what is allowed, {:?}",
+                run.residual,
+                run.variator.counts()
+            );
+            assert!((found / thrust - 1.0).abs() < bound);
+            if model == RingModel::Rcm {
+                assert!((low / lowest - 1.0).abs() < 0.1 && (high / highest - 1.0).abs() < 0.1);
+            }
+            run.assert_books();
+        }
+    }
+}
+
+/// The co-rotational ring has an even tension along an element, as ALE's mean is; ANCF's membrane locks where the curvature
+/// jumps inside an element, so its tension swings by as much as itself (the paper's 5.4: it reacts very stiff).
+const RCM_THRUST: f64 = 0.05;
+const ANCF_THRUST: f64 = 0.10;
+
+/// From standstill: unloaded on the reference curve, loads ramp in.
+#[test]
+fn a_run_may_start_at_a_standstill() {
+    for model in TRAVELLING {
+        let mut parameters = variator(model);
+        parameters.initial.primary_speed = 0.0;
+        let mut run = Run::new(parameters, inputs((20.0, 8e3), (-10.0, 8e3)));
+        let o = run.go(6e-3, 1e-3);
+        assert!(o.primary.speed > 0.5 && o.ring_speed > 0.0, "{}", o.primary.speed);
+        run.assert_books();
+    }
+}
+
+fn stored(variator: &mut Variator) -> Vec<u8> {
+    let mut tape = Tape::writer();
+    variator.pass(&mut tape);
+    tape.into_bytes()
+}
+
+/// A stored state goes on bit for bit, with the factors in the order of the moment in which they were made.
+#[test]
+fn stored_states_go_on_bit_for_bit() {
+    for model in TRAVELLING {
+        let mut run = rig(model, 0.0, 50.0);
+        run.go(1e-3, 2.5e-4);
+        let bytes = stored(&mut run.variator);
+        let mut other = Variator::new(run.variator.parameters().clone()).expect("valid parameters");
+        let mut tape = Tape::reader(&bytes);
+        other.pass(&mut tape);
+        tape.finish().expect("it fits");
+        for to in [1.25e-3, 1.5e-3] {
+            run.variator.advance(to, &run.inputs).expect("the run goes on");
+            other.advance(to, &run.inputs).expect("the run goes on");
+        }
+        assert_eq!(run.variator.state(), other.state());
+        assert_eq!(run.variator.outputs(), other.outputs());
+        assert_eq!(stored(&mut run.variator), stored(&mut other));
+    }
+}
+
+/// The reference curve follows the ring: s runs with the belt, Θ and the multipliers stay small.
+#[test]
+fn the_mesh_follows_the_ring() {
+    for model in TRAVELLING {
+        let mut run = rig(model, 0.0, 50.0);
+        let layout = run.variator.system().layout;
+        let (drift, theta) = (layout.global(Global::Drift, 0), layout.global(Global::Theta, 0));
+        let before = run.variator.state().q[theta];
+        let o = run.go(3e-3, 1e-3);
+        let state = run.variator.state();
+        let way = o.belt_speed * 3e-3;
+        assert!((state.q[drift] / way - 1.0).abs() < 0.05, "{} {way}", state.q[drift]);
+        assert!((state.q[theta] - before).abs() < 1e-3);
+    }
+}
+
+/// A ring that travels has no steady state to linearise about.
+#[test]
+fn there_is_no_linear_model() {
+    for model in TRAVELLING {
+        let parameters = Parameters {
+            ring_model: model,
+            ..Parameters::default()
+        };
+        let refused = linearise(&parameters, &Inputs::default(), 10.0, &[]);
+        assert!(matches!(refused, Err(LinearError::Unsteady(_))));
+    }
+}
+
+/// What a millisecond takes, so that a solver that got slower shows without a clock.
+#[test]
+fn a_millisecond_takes_its_usual_work() {
+    for (model, steps, residuals, factorizations) in [(RingModel::Rcm, 106, 1200, 95), (RingModel::Ancf, 130, 1300, 95)]
+    {
+        let mut run = rig(model, 0.0, 50.0);
+        assert!((run.variator.outputs().primary.speed / SPEED - 1.0).abs() < 1e-9);
+        run.go(1e-3, 1e-3);
+        let counts = run.variator.counts();
+        println!("{model:?}: {counts:?}");
+        common::assert_pinned(counts.steps, steps, "steps");
+        common::assert_pinned(counts.residuals, residuals, "residuals");
+        common::assert_pinned(counts.factorizations, factorizations, "factorizations");
+    }
+}
