@@ -2,14 +2,14 @@
 
 The paper's secondary loads are unpublished measurements. Here the clamping force is that of `variators.json`, and the load
 torque is the one at which the belt torque on P in the steady state of `ALE` is the case's; all models get this load.
-Lagrangian rings have no steady state, so every model runs for some revolutions and is looked at in the last one.
+Lagrangian rings have no steady state, so every model runs for a while from where the unit starts it, and the end of the run
+is looked at.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from pushbelt_demo.data import load_case_speed
@@ -18,35 +18,22 @@ from pushbelt_demo.load_cases import held_primary, steady_state
 from pushbelt_demo.results import LoadCase, SteadyState, Trace
 from pushbelt_demo.unit import Archive, Variator, output_names
 
-from .results import CaseRun, Revolution, SpeedPoint, Times
+from .results import CaseRun, Effort, SpeedPoint, Times, Window
 
 STEP = 1e-3
 """Communication step of runs whose computing time is taken, s."""
 
-WAVE_FREQUENCY = 20.0
+WAVE_FREQUENCY = 50.0
 """Frequency of a load torque that swings, Hz."""
 
 WAVE_DEPTH = 0.4
 """How far it falls below the load of the case, as a share of it."""
 
+RIGID = 1e12
+"""Tilt stiffness from which on sheaves are rigid, N·m/rad."""
+
 ORDER = ("RCM", "ANCF", "ALE0", "ALE")
 """The paper's order of the ring models."""
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How long and how often the cases are run."""
-
-    settling: float
-    """Revolutions before the one that is looked at."""
-    samples: int
-    """Samples of that revolution."""
-    repetitions: int
-    """Runs of which computing times are taken."""
-
-    def runs(self, wavy: bool) -> int:
-        """Runs of one case with one model, with a load that swings or without."""
-        return 1 + self.repetitions * (2 if wavy else 1)
 
 
 def ring_models(archive: Archive) -> dict[str, int]:
@@ -57,10 +44,12 @@ def ring_models(archive: Archive) -> dict[str, int]:
     return {name: offered[name] for name in names}
 
 
-def find_load(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> SteadyState:
-    """The steady state of `ALE` in which the belt torque on P is that of the case."""
-    values = {**parameters, "ring.model": ring_models(archive)["ALE"]}
-    speed = load_case_speed()
+def steady(
+    archive: Archive, parameters: Mapping[str, float], case: LoadCase, model: str = "ALE", speed: float | None = None
+) -> SteadyState:
+    """The steady state of a model in which the belt torque on P is that of the case; primary speed in rad/s."""
+    values = {**parameters, "ring.model": ring_models(archive)[model]}
+    speed = load_case_speed() if speed is None else speed
     state, _ = steady_state(archive, values, ratio_of(case.theta), speed, case.torque, case.clamping_force)
     return state
 
@@ -69,12 +58,14 @@ def at_speeds(
     archive: Archive, parameters: Mapping[str, float], case: LoadCase, speeds: tuple[float, ...]
 ) -> tuple[SpeedPoint, ...]:
     """Steady states of `ALE` at other primary speeds, rad/s, with the same belt torque."""
-    values = {**parameters, "ring.model": ring_models(archive)["ALE"]}
-    found = []
-    for speed in speeds:
-        state, _ = steady_state(archive, values, ratio_of(case.theta), speed, case.torque, case.clamping_force)
-        found.append(SpeedPoint(speed, state["thrustRatio"], state["efficiency"]))
-    return tuple(found)
+    states = [(speed, steady(archive, parameters, case, speed=speed)) for speed in speeds]
+    return tuple(SpeedPoint(speed, state["thrustRatio"], state["efficiency"]) for speed, state in states)
+
+
+def with_rigid_sheaves(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> dict[str, float]:
+    """Thrust ratios of `ALE` and `ALE0` on sheaves that do not tilt."""
+    rigid = {**parameters, "primary.tiltStiffness": RIGID, "secondary.tiltStiffness": RIGID}
+    return {model: steady(archive, rigid, case, model)["thrustRatio"] for model in ("ALE", "ALE0")}
 
 
 def wave(load: float, moment: float) -> float:
@@ -83,7 +74,7 @@ def wave(load: float, moment: float) -> float:
 
 
 class Runner:
-    """Runs one load case with one ring model."""
+    """Runs one load case with one ring model; `progress` hears of the revolutions that are done."""
 
     def __init__(
         self,
@@ -93,8 +84,9 @@ class Runner:
         case: LoadCase,
         steady: SteadyState,
         effort: Effort,
+        progress: Callable[[float], None] = lambda revolutions: None,
     ) -> None:
-        self.archive, self.model, self.case, self.effort = archive, model, case, effort
+        self.archive, self.model, self.case, self.effort, self.progress = archive, model, case, effort, progress
         self.load = steady.load_torque
         self.start_values = {
             **held_primary(parameters, ratio_of(case.theta), load_case_speed(), case.clamping_force),
@@ -105,11 +97,6 @@ class Runner:
         self.revolution = pitch_line / steady["belt.speed"]
         """Duration of a revolution, s."""
 
-    @property
-    def duration(self) -> float:
-        """Simulated time of a run, s."""
-        return (self.effort.settling + 1.0) * self.revolution
-
     def _started(self) -> tuple[Variator, float]:
         """An initialised instance, and the processor time from parameters to the first step, s."""
         begin = time.process_time()
@@ -117,19 +104,28 @@ class Runner:
         unit.initialise()
         return unit, time.process_time() - begin
 
-    def look(self) -> tuple[Revolution, Variator]:
-        """Runs, and samples the last revolution. The instance that is returned is freed already."""
+    def _step(self, unit: Variator, moment: float) -> float:
+        """Steps to a moment; processor time that it took, s."""
+        before, begin = unit.time, time.process_time()
+        unit.step_to(moment)
+        spent = time.process_time() - begin
+        self.progress((moment - before) / self.revolution)
+        return spent
+
+    def look(self) -> tuple[Window, Variator]:
+        """Runs, and samples the end of the run. The instance that is returned is freed already."""
         unit, _ = self._started()
+        effort = self.effort
         with unit:
-            start = self.effort.settling * self.revolution
+            start = effort.settling * self.revolution
             for moment in _moments(start):
-                unit.step_to(moment)
+                self._step(unit, moment)
             outputs = unit.reader(output_names(unit.variables.values()))
-            times = start + self.revolution * np.linspace(0.0, 1.0, self.effort.samples + 1)
+            times = start + self.revolution * np.linspace(0.0, effort.looking, round(effort.looking * effort.samples) + 1)
             rows, push, radial, macro = [], [], [], []
             for moment in times:
                 if moment > unit.time:
-                    unit.step_to(float(moment))
+                    self._step(unit, float(moment))
                 rows.append(unit.read(outputs))
                 macro.append(float(unit.flag("macroSlip")))
                 profile = unit.profile()
@@ -137,52 +133,43 @@ class Runner:
                 radial.append(profile.radial_deviation)
             table = np.array(rows)
             columns = {name: table[:, k] for k, name in enumerate(outputs.names)} | {"macroSlip": np.array(macro)}
-            revolution = Revolution(
-                Trace(times - start, columns), np.array(push), np.array(radial), unit.profile().position
-            )
-        return revolution, unit
+            window = Window(Trace(times - start, columns), np.array(push), np.array(radial), profile.position)
+        return window, unit
 
     def clock(self, wavy: bool) -> tuple[float, float]:
         """Processor times of one run: of all its steps, and from parameters to the first step, s."""
         unit, starting = self._started()
+        stepping = 0.0
         with unit:
-            stepping = 0.0
-            for moment in _moments(self.duration):
+            for moment in _moments(self.effort.clocked * self.revolution):
                 if wavy:
                     unit.set({"secondary.torque": wave(self.load, unit.time)})
-                begin = time.process_time()
-                unit.step_to(moment)
-                stepping += time.process_time() - begin
+                stepping += self._step(unit, moment)
         return stepping, starting
 
-    def times(self, wavy: bool, progress: Callable[[], None]) -> Times:
+    def times(self, wavy: bool) -> Times:
         """Processor times of all repetitions."""
-        pairs = []
-        for _ in range(self.effort.repetitions):
-            pairs.append(self.clock(wavy))
-            progress()
+        pairs = [self.clock(wavy) for _ in range(self.effort.repetitions)]
         stepping, starting = zip(*pairs, strict=True)
-        return Times(stepping, starting, self.duration)
+        return Times(stepping, starting, self.effort.clocked * self.revolution)
 
-    def run(self, wavy: bool, progress: Callable[[], None]) -> CaseRun:
-        """Everything about this case and model; `progress` hears of each run."""
-        revolution, unit = self.look()
-        progress()
-        thrust = revolution.trace["thrustRatio"]
+    def run(self, wavy: bool) -> CaseRun:
+        """Everything about this case and model."""
+        window, unit = self.look()
         return CaseRun(
             self.model,
             self.case,
             self.load,
-            revolution,
-            self.times(False, progress),
-            self.times(True, progress) if wavy else None,
-            bool(revolution.trace["macroSlip"].any()),
+            window,
+            self.times(False),
+            self.times(True) if wavy else None,
+            bool(window.trace["macroSlip"].any()),
             not any("steady state" in warning for warning in unit.warnings),
-            float(thrust[-1] / thrust[0] - 1.0),
             tuple(unit.warnings),
         )
 
 
 def _moments(end: float) -> Array:
     """Communication points of a run until `end`, s."""
-    return end * np.arange(1, round(end / STEP) + 1) / max(round(end / STEP), 1)
+    count = max(round(end / STEP), 1)
+    return end * np.arange(1, count + 1) / count

@@ -82,7 +82,8 @@ def mesh_energy(rings: Rings) -> str:
                 error = np.abs(motion.total - motion.total[0])[1:] / size
                 axes.semilogy(1e3 * motion.time[1:], np.maximum(error, 1e-9), color=colour, label=name)
             axes.set_xlabel("time (ms)")
-            axes.legend(loc="lower right")
+            axes.set_ylim(1e-7, 3e1)
+            axes.legend(loc="upper right", ncols=2)
         both[0].set_title("Reference motion: energy error / largest kinetic energy")
         both[1].set_title("Deformable ring: energy error / largest kinetic energy")
     return svg(figure)
@@ -92,9 +93,9 @@ def deformable_ring(rings: Rings) -> str:
     """Fig. 7: outlines at four times; Θ, ovality and energies over time."""
     names = [name for name in ("RCM", "ANCF", "ALE", TURNING) if ("7", name) in rings.motions]
     ale, rcm = rings.motions["7", "ALE"], rings.motions["7", "RCM"]
-    last = float(ale.time[-1])
+    kinked = float(ale.time[int(np.argmax(ale.theta))])
     oval = float(rcm.time[int(np.argmin(rcm.ovality))])
-    moments = (0.0, 2e-4, last, oval)
+    moments = (0.0, 2e-4, kinked, oval)
     with plt.rc_context(STYLE):
         figure = plt.figure(figsize=(11.2, 6.0), layout="constrained")
         top, bottom = figure.subfigures(2, 1, height_ratios=(1.15, 1))
@@ -106,6 +107,8 @@ def deformable_ring(rings: Rings) -> str:
                 if abs(nearest - moment) < 6e-5:
                     style = {"color": COLOURS[name], **LINES.get(name, {})}
                     axes.plot(*(1e3 * shapes[nearest]).T, **style, label=label(name))
+                    if name == "ALE":
+                        axes.plot(*(1e3 * shapes[nearest][0]), "o", color=BLUE, markersize=5)
             axes.set_aspect("equal", adjustable="box")
             axes.set_title(f"$t_{k}$ = {1e3 * moment:.2f} ms")
             axes.grid(visible=False)
@@ -163,6 +166,13 @@ def _plain_ticks(axes: Axes, ticks: Sequence[int]) -> None:
     axes.minorticks_off()
 
 
+def _case_ticks(axes: Axes, results: PaperResults) -> None:
+    names = [f"{case.ratio_name.removesuffix('drive')}\n{case.torque:g} N·m" for case in results.cases]
+    axes.set_xticks(range(len(names)), names)
+    axes.tick_params(axis="x", length=0, labelsize=8)
+    axes.grid(axis="x", visible=False)
+
+
 def _bars(axes: Axes, results: PaperResults, models: Sequence[str], value: Callable[[CaseRun], float]) -> None:
     """Bars of all cases, one a model, grouped by case."""
     width = 0.84 / len(models)
@@ -174,9 +184,7 @@ def _bars(axes: Axes, results: PaperResults, models: Sequence[str], value: Calla
         for bar, slips in zip(bars, slipping, strict=True):
             if slips:
                 bar.set(hatch="////", edgecolor="white", linewidth=0.0)
-    axes.set_xticks(range(len(results.cases)), [f"{case.ratio_name}\n{case.torque:g} N·m" for case in results.cases])
-    axes.tick_params(axis="x", length=0, labelsize=7.6)
-    axes.grid(axis="x", visible=False)
+    _case_ticks(axes, results)
     axes.axhline(0.0, color=MUTED, linewidth=0.8)
 
 
@@ -188,10 +196,10 @@ def thrust_and_efficiency(results: PaperResults) -> str:
         figure, ((thrust, efficiency), (thrust_off, efficiency_off)) = plt.subplots(
             2, 2, figsize=(11.2, 5.8), layout="constrained"
         )
-        _bars(thrust, results, results.models, lambda run: run.revolution.thrust_ratio)
+        _bars(thrust, results, results.models, lambda run: run.window.thrust_ratio)
         thrust.set_title("8a  Thrust ratio")
-        _bars(efficiency, results, results.models, lambda run: 100.0 * run.revolution.efficiency)
-        lowest = 100.0 * min(run.revolution.efficiency for run in results.runs)
+        _bars(efficiency, results, results.models, lambda run: 100.0 * run.window.efficiency)
+        lowest = 100.0 * min(run.window.efficiency for run in results.runs)
         efficiency.set_ylim(np.floor(lowest - 1.0), 100.0)
         efficiency.set_title("8b  Efficiency (%)")
         _bars(thrust_off, results, others, lambda run: 100.0 * results.thrust_difference(run.case, run.model))
@@ -215,7 +223,7 @@ def push_force(results: PaperResults, run_of: Callable[[str], CaseRun]) -> str:
             axes.plot(1e3 * path.time, force, **style, label=label(model))
         shown = run_of(results.reference)
         path, _ = profiles.element(results.parameters, shown)
-        shape = profiles.curve(results.parameters, shown.revolution)
+        shape = profiles.curve(results.parameters, shown.window)
         _, s_end, p_start, p_end, s_start, length = shape.borders
         marks = np.interp([p_start, p_end, s_start, length + s_end, length + p_start], path.xi, 1e3 * path.time)
         names = ("primary arc", "push strand", "secondary arc", "slack strand")
@@ -238,7 +246,7 @@ def spiral_running(results: PaperResults, run_of: Callable[[str], CaseRun]) -> s
             for model in results.models:
                 fraction, deviation = profiles.arc(results.parameters, run_of(model), pulley)
                 style = {"color": COLOURS.get(model, MUTED), **LINES.get(model, {})}
-                axes.plot(fraction, 1e3 * deviation, ".-", markersize=4, **style, label=label(model))
+                axes.plot(fraction, 1e3 * deviation, ".-", markersize=3.5, **style, label=label(model))
             axes.set(title=f"8d  Radius less its mean (mm), {pulley} arc", xlabel="from entry (0) to exit (1)", xlim=(0, 1))
         both[0].legend(loc="best")
     return svg(figure)
@@ -270,9 +278,7 @@ def computing_times(results: PaperResults) -> str:
             axes.annotate("goal for ALE", (1.0, 0.1), xycoords=("axes fraction", "data"), xytext=(-4, 2),
                           textcoords="offset points", ha="right", va="bottom", color=GREEN, fontsize=8)  # fmt: skip
         axes.set_yscale("log")
-        axes.set_xticks(range(len(results.cases)), [f"{c.ratio_name}\n{c.torque:g} N·m" for c in results.cases])
-        axes.tick_params(axis="x", length=0, labelsize=7.6)
-        axes.grid(axis="x", visible=False)
+        _case_ticks(axes, results)
         axes.set_title(f"9  Computing time relative to {reference}", pad=22)
         axes.legend(loc="lower left", bbox_to_anchor=(0.35, 1.0), ncols=len(results.models))
     return svg(figure)

@@ -14,12 +14,9 @@ from pushbelt_demo.data import load_case_speed
 from pushbelt_demo.results import LoadCase
 
 from . import cases, figures, profiles, statements
-from .results import REFERENCE_MODEL, CaseRun, PaperResults
+from .results import CHOSEN_CASE, REFERENCE_MODEL, CaseRun, PaperResults
 from .rings import Check
 from .statements import TURNING, Verdict, signed
-
-CHOSEN_CASE = "underdrive-30"
-"""The paper's case 3, whose push force and spiral running it shows."""
 
 ABOUT = {
     "ALE": (
@@ -40,6 +37,9 @@ ABOUT = {
     ),
 }
 """What a model is, and what it is for."""
+
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def choices(results: PaperResults) -> list[Choice]:
                 use,
                 _ends([results.thrust_difference(case, model) for case in results.cases]) if other else None,
                 _ends([results.efficiency_difference(case, model) for case in results.cases]) if other else None,
-                _ends([run.revolution.mean(f"spiral.{p}") for run in runs for p in ("primary", "secondary")]),
+                _ends([run.window.mean(f"spiral.{p}") for run in runs for p in ("primary", "secondary")]),
                 sum(run.steady for run in runs),
                 sum(run.slipped for run in runs),
                 (min(times), float(np.median(times)), max(times)),
@@ -129,10 +129,10 @@ def write_html(results: PaperResults, path: Path) -> None:
 
 def brief(value: float) -> str:
     """A number with three digits, as short as it goes."""
-    if value == 0.0 or 1e-3 <= abs(value) < 1e7:
-        return f"{value:.5g}".replace("-", page.MINUS)
+    if value == 0.0 or 1e-2 <= abs(value) < 1e7:
+        return f"{value:.6g}".replace("-", page.MINUS)
     mantissa, exponent = f"{value:.1e}".split("e")
-    return f"{mantissa}·10^{int(exponent)}".replace("-", page.MINUS)
+    return f"{mantissa}·10".replace("-", page.MINUS) + str(int(exponent)).translate(SUPERSCRIPT)
 
 
 def context(results: PaperResults) -> dict[str, Any]:
@@ -155,6 +155,7 @@ def context(results: PaperResults) -> dict[str, Any]:
         "version": results.fmu_version,
         "machine": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         "results": results,
+        "effort": results.effort,
         "reference": results.reference,
         "has_reference": results.reference == REFERENCE_MODEL,
         "choices": choices(results),
@@ -185,21 +186,22 @@ def write_tables(results: PaperResults, folder: Path) -> None:
                 run.case.name,
                 run.model,
                 run.load_torque,
-                run.revolution.thrust_ratio,
-                run.revolution.efficiency,
-                run.revolution.loss,
+                run.window.thrust_ratio,
+                run.window.efficiency,
+                run.window.loss,
                 results.thrust_difference(run.case, run.model),
                 results.efficiency_difference(run.case, run.model),
-                run.revolution.mean("spiral.primary"),
-                run.revolution.mean("spiral.secondary"),
-                run.slipped,
-                run.steady,
-                run.settled,
+                run.window.mean("spiral.primary"),
+                run.window.mean("spiral.secondary"),
+                int(run.slipped),
+                int(run.steady),
+                run.window.change,
             ]
             for run in results.runs
         ),
     )  # fmt: skip
-    elements = [(run, *profiles.element(results.parameters, run)) for run in results.runs]
+    run_of = chosen_runs(results)
+    elements = [(run, *profiles.element(results.parameters, run)) for run in map(run_of, results.models)]
     page.write_table(
         folder / "figure-8c.csv",
         ["case", "model", "time", "xi", "pushForce"],

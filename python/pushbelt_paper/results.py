@@ -15,13 +15,36 @@ from .rings import Rings
 REFERENCE_MODEL = "RCM"
 """The model that the paper compares the others with."""
 
+CHOSEN_CASE = "underdrive-30"
+"""The paper's case 3, whose push force and spiral running it shows."""
+
 
 @dataclass(frozen=True)
-class Revolution:
-    """One revolution of the belt, sampled at even times from its start on."""
+class Effort:
+    """How long and how often the cases are run."""
+
+    settling: float
+    """Revolutions before the part that is looked at."""
+    looking: float
+    """Revolutions that are looked at."""
+    samples: int
+    """Samples a revolution."""
+    clocked: float
+    """Revolutions of a run whose computing time is taken, from the start on."""
+    repetitions: int
+    """How often that run is repeated."""
+
+    def revolutions(self, wavy: bool) -> float:
+        """Revolutions that are simulated, with a load that swings or without."""
+        return self.settling + self.looking + self.clocked * self.repetitions * (2 if wavy else 1)
+
+
+@dataclass(frozen=True)
+class Window:
+    """The part of a run that is looked at, sampled at even times from its start on."""
 
     trace: Trace
-    """Time since the start of the revolution, and outputs."""
+    """Time since the start of the part, and outputs."""
     push_force: Array
     """Push force at the places, one row a time, N."""
     radial_deviation: Array
@@ -53,6 +76,14 @@ class Revolution:
     def efficiency_from_losses(self) -> float:
         """1 − losses over driving power: the same number where the power balance closes."""
         return 1.0 - self.loss / self.mean("primary.power")
+
+    @property
+    def change(self) -> float:
+        """Change of the thrust ratio from the first half to the second, relative."""
+        half = len(self.trace.time) // 2
+        forces = [self.trace[f"{pulley}.axialForce"] for pulley in ("primary", "secondary")]
+        first, second = (forces[0][part].mean() / forces[1][part].mean() for part in (slice(half), slice(half, None)))
+        return float(second / first - 1.0)
 
     def ripple(self, name: str) -> float:
         """Root mean square of an output about the straight line through it, relative to its mean."""
@@ -91,17 +122,15 @@ class CaseRun:
     case: LoadCase
     load_torque: float
     """Secondary torque, the same for all models, N·m."""
-    revolution: Revolution
+    window: Window
     times: Times
     """Of the run of the load case."""
     wavy_times: Times | None
     """Of a run with a load torque that swings."""
     slipped: bool
-    """Whether the belt was in macro-slip at some time of the revolution."""
+    """Whether the belt was in macro-slip at some time of the part that was looked at."""
     steady: bool
     """Whether the unit found the steady state it was asked to start from."""
-    settled: float
-    """Change of the thrust ratio over the revolution, relative."""
     messages: tuple[str, ...] = ()
 
 
@@ -127,6 +156,9 @@ class PaperResults:
     rings: Rings
     speeds: Mapping[str, tuple[SpeedPoint, ...]]
     """Thrust ratios at other speeds, by case."""
+    rigid: Mapping[str, Mapping[str, float]]
+    """Thrust ratios of ALE and ALE0 in their steady states with rigid sheaves, by case."""
+    effort: Effort
     short: bool
 
     @property
@@ -150,12 +182,12 @@ class PaperResults:
     def thrust_difference(self, case: LoadCase, model: str) -> float:
         """Thrust ratio against the reference model's, relative."""
         ours, reference = self.run(case, model), self.run(case, self.reference)
-        return ours.revolution.thrust_ratio / reference.revolution.thrust_ratio - 1.0
+        return ours.window.thrust_ratio / reference.window.thrust_ratio - 1.0
 
     def efficiency_difference(self, case: LoadCase, model: str) -> float:
         """Efficiency less the reference model's."""
         ours, reference = self.run(case, model), self.run(case, self.reference)
-        return ours.revolution.efficiency - reference.revolution.efficiency
+        return ours.window.efficiency - reference.window.efficiency
 
     def time_ratio(self, case: LoadCase, model: str) -> float:
         """Median computing time over the reference model's."""

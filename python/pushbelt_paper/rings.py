@@ -34,17 +34,6 @@ class Check:
     passed: bool | None
     """None where a value is reported, not judged."""
 
-    @property
-    def limits(self) -> str:
-        """What the value must lie within."""
-        if self.low is None:
-            return ""
-        if self.high is None:
-            return f"≥ {self.low:.3g}"
-        if self.reference:
-            return f"{self.reference:g} ± {0.5 * (self.high - self.low):.2g}"
-        return f"≤ {self.high:.2g}"
-
 
 @dataclass(frozen=True)
 class Motion:

@@ -1,19 +1,20 @@
-"""Runs all of it, one after the other in one process: computing times of runs side by side could not be compared."""
+"""Which simulations make up the report, and running them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from pushbelt_demo import side_by_side
 from pushbelt_demo.data import load_case_speed, load_cases, parameter_set
-from pushbelt_demo.results import LoadCase
+from pushbelt_demo.results import LoadCase, SteadyState
+from pushbelt_demo.side_by_side import Call, tick
 from pushbelt_demo.unit import Archive
-from tqdm import tqdm
 
 from . import rings
-from .cases import Effort, Runner, at_speeds, find_load, ring_models
-from .results import CaseRun, PaperResults, SpeedPoint
+from .cases import Runner, at_speeds, ring_models, steady, with_rigid_sheaves
+from .results import CHOSEN_CASE, CaseRun, Effort, PaperResults
+from .rings import Rings
 
 VARIATOR = "bench168"
 """Parameter set of the load cases."""
@@ -30,24 +31,41 @@ class Plan:
     """Load cases that are also run with a load that swings."""
     speeds: tuple[float, ...]
     """Primary speeds relative to the load cases'."""
+    rigid: tuple[str, ...]
+    """Load cases whose steady states are also found with rigid sheaves."""
     short: bool
+
+    def effort_of(self, case: LoadCase) -> Effort:
+        """The case whose element is followed around the belt is looked at for a whole revolution."""
+        if self.short or case.name != CHOSEN_CASE:
+            return self.effort
+        return replace(self.effort, looking=1.0)
 
 
 FULL = Plan(
-    Effort(settling=2.0, samples=240, repetitions=3),
+    Effort(settling=0.5, looking=0.5, samples=480, clocked=0.25, repetitions=3),
     None,
     ("overdrive-50", "medium-50", "underdrive-50"),
     (0.5, 1.0, 1.5),
+    ("overdrive-50",),
     short=False,
 )
 SHORT = Plan(
-    Effort(settling=0.25, samples=60, repetitions=1), ("medium-50", "underdrive-30"), ("medium-50",), (1.0,), short=True
+    Effort(settling=0.02, looking=0.05, samples=480, clocked=0.02, repetitions=1),
+    ("medium-50", CHOSEN_CASE),
+    ("medium-50",),
+    (),
+    (),
+    short=True,
 )
 
-RINGS_WEIGHT = 40.0
+RINGS_WEIGHT = 20.0
 """Share of the tests of rings alone in the progress bar."""
-WEIGHTS = {"RCM": 10.0, "ANCF": 10.0}
-"""Share of one run of a load case; of the other models 1."""
+WEIGHTS = {"RCM": 60.0, "ANCF": 25.0}
+"""Share of a revolution with a model; of others 1."""
+
+WORKERS = 2
+"""Simulations at a time. More would share what a processor's cores share, and blur computing times."""
 
 
 def run_all(fmu: Path, program: Path, output: Path, plan: Plan) -> PaperResults:
@@ -59,60 +77,54 @@ def run_all(fmu: Path, program: Path, output: Path, plan: Plan) -> PaperResults:
         archive.remove()
 
 
+def _rings(program: Path, output: Path, short: bool) -> Rings:
+    done = 0.0
+
+    def progress(share: float, _name: str) -> None:
+        nonlocal done
+        tick(RINGS_WEIGHT * (share - done))
+        done = share
+
+    return rings.run(program, output, short, progress)
+
+
+def _case(archive: Archive, model: str, case: LoadCase, state: SteadyState, effort: Effort, wavy: bool) -> CaseRun:
+    weight, pending = WEIGHTS.get(model, 1.0), 0.0
+
+    def progress(revolutions: float) -> None:
+        nonlocal pending
+        pending += weight * revolutions
+        if pending > 0.1:
+            tick(pending)
+            pending = 0.0
+
+    return Runner(archive, parameter_set(VARIATOR), model, case, state, effort, progress).run(wavy)
+
+
 def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> PaperResults:
     parameters = parameter_set(VARIATOR)
     cases = [case for case in load_cases(parameters) if plan.cases is None or case.name in plan.cases]
     models = tuple(ring_models(archive))
-    runs = sum(plan.effort.runs(case.name in plan.wavy) for case in cases)
-    weight = runs * sum(WEIGHTS.get(model, 1.0) for model in models)
-    with tqdm(
-        total=RINGS_WEIGHT + weight,
-        disable=None,
-        desc="rings alone",
-        bar_format="  {desc:34} {bar:24} {percentage:3.0f} % [{elapsed}<{remaining}]",
-    ) as bar:
-        done = 0.0
-
-        def rings_progress(share: float, name: str) -> None:
-            nonlocal done
-            bar.set_description(name, refresh=False)
-            bar.update(RINGS_WEIGHT * (share - done))
-            done = share
-
-        found = rings.run(program, output / "rings", plan.short, rings_progress)
-        runs, speeds = _variator(archive, parameters, cases, models, plan, bar)
+    states = {case: steady(archive, parameters, case) for case in cases}
+    calls: list[Call] = [(_rings, (program, output / "rings", plan.short))]
+    total = RINGS_WEIGHT
+    # The longest first.
+    for model in sorted(models, key=lambda model: -WEIGHTS.get(model, 1.0)):
+        for case in cases:
+            effort = plan.effort_of(case)
+            wavy = case.name in plan.wavy
+            total += WEIGHTS.get(model, 1.0) * effort.revolutions(wavy)
+            calls.append((_case, (archive, model, case, states[case], effort, wavy)))
+    found, *runs = side_by_side.run_all(calls, total, "rings alone and load cases", WORKERS)
+    speeds = tuple(factor * load_case_speed() for factor in plan.speeds)
     return PaperResults(
         fmu_version=archive.description.version or "",
         parameters=parameters,
         models=models,
         runs=tuple(runs),
         rings=found,
-        speeds=speeds,
+        speeds={c.name: at_speeds(archive, parameters, c, speeds) for c in cases if c.name in plan.wavy and speeds},
+        rigid={c.name: with_rigid_sheaves(archive, parameters, c) for c in cases if c.name in plan.rigid},
+        effort=plan.effort,
         short=plan.short,
     )
-
-
-def _variator(
-    archive: Archive,
-    parameters: Mapping[str, float],
-    cases: list[LoadCase],
-    models: tuple[str, ...],
-    plan: Plan,
-    bar: tqdm,
-) -> tuple[list[CaseRun], dict[str, tuple[SpeedPoint, ...]]]:
-    runs = []
-    speeds = {}
-    for case in cases:
-        bar.set_description(f"{case.name}: load", refresh=True)
-        steady = find_load(archive, parameters, case)
-        for model in models:
-            bar.set_description(f"{case.name}: {model}", refresh=True)
-            weight = WEIGHTS.get(model, 1.0)
-            runner = Runner(archive, parameters, model, case, steady, plan.effort)
-            runs.append(runner.run(case.name in plan.wavy, lambda weight=weight: bar.update(weight)))
-        if case.name in plan.wavy:
-            bar.set_description(f"{case.name}: other speeds", refresh=True)
-            speeds[case.name] = at_speeds(
-                archive, parameters, case, tuple(factor * load_case_speed() for factor in plan.speeds)
-            )
-    return runs, speeds
