@@ -135,6 +135,15 @@ class CaseRun:
 
 
 @dataclass(frozen=True)
+class Failure:
+    """A load case that a model could not be run through."""
+
+    model: str
+    case: LoadCase
+    reason: str
+
+
+@dataclass(frozen=True)
 class SpeedPoint:
     """The steady state of a load case at another speed."""
 
@@ -158,6 +167,8 @@ class PaperResults:
     """Thrust ratios at other speeds, by case."""
     rigid: Mapping[str, Mapping[str, float]]
     """Thrust ratios of ALE and ALE0 in their steady states with rigid sheaves, by case."""
+    failures: tuple[Failure, ...]
+    """Cases with a failure are left out of `runs` for all models."""
     effort: Effort
     short: bool
 

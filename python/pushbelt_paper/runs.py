@@ -9,11 +9,11 @@ from pushbelt_demo import side_by_side
 from pushbelt_demo.data import load_case_speed, load_cases, parameter_set
 from pushbelt_demo.results import LoadCase, SteadyState
 from pushbelt_demo.side_by_side import Call, tick
-from pushbelt_demo.unit import Archive
+from pushbelt_demo.unit import Archive, UnitError
 
 from . import rings
 from .cases import Runner, at_speeds, ring_models, steady, with_rigid_sheaves
-from .results import CHOSEN_CASE, CaseRun, Effort, PaperResults
+from .results import CHOSEN_CASE, CaseRun, Effort, Failure, PaperResults
 from .rings import Rings
 
 VARIATOR = "bench168"
@@ -88,7 +88,9 @@ def _rings(program: Path, output: Path, short: bool) -> Rings:
     return rings.run(program, output, short, progress)
 
 
-def _case(archive: Archive, model: str, case: LoadCase, state: SteadyState, effort: Effort, wavy: bool) -> CaseRun:
+def _case(
+    archive: Archive, model: str, case: LoadCase, state: SteadyState, effort: Effort, wavy: bool
+) -> CaseRun | Failure:
     weight, pending = WEIGHTS.get(model, 1.0), 0.0
 
     def progress(revolutions: float) -> None:
@@ -98,7 +100,10 @@ def _case(archive: Archive, model: str, case: LoadCase, state: SteadyState, effo
             tick(pending)
             pending = 0.0
 
-    return Runner(archive, parameter_set(VARIATOR), model, case, state, effort, progress).run(wavy)
+    try:
+        return Runner(archive, parameter_set(VARIATOR), model, case, state, effort, progress).run(wavy)
+    except UnitError as error:
+        return Failure(model, case, str(error))
 
 
 def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> PaperResults:
@@ -116,15 +121,21 @@ def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> Paper
             total += WEIGHTS.get(model, 1.0) * effort.revolutions(wavy)
             calls.append((_case, (archive, model, case, states[case], effort, wavy)))
     found, *runs = side_by_side.run_all(calls, total, "rings alone and load cases", WORKERS)
+    failures = tuple(run for run in runs if isinstance(run, Failure))
+    left_out = {failure.case for failure in failures}
+    if left_out == set(cases):
+        raise UnitError("; ".join(f"{f.case.name}, {f.model}: {f.reason}" for f in failures))
+    cases = [case for case in cases if case not in left_out]
     speeds = tuple(factor * load_case_speed() for factor in plan.speeds)
     return PaperResults(
         fmu_version=archive.description.version or "",
         parameters=parameters,
         models=models,
-        runs=tuple(runs),
+        runs=tuple(run for run in runs if run.case not in left_out),
         rings=found,
         speeds={c.name: at_speeds(archive, parameters, c, speeds) for c in cases if c.name in plan.wavy and speeds},
         rigid={c.name: with_rigid_sheaves(archive, parameters, c) for c in cases if c.name in plan.rigid},
+        failures=failures,
         effort=plan.effort,
         short=plan.short,
     )
