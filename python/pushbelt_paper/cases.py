@@ -121,7 +121,9 @@ class Runner:
             for moment in _moments(start):
                 self._step(unit, moment)
             outputs = unit.reader(output_names(unit.variables.values()))
-            times = start + self.revolution * np.linspace(0.0, effort.looking, round(effort.looking * effort.samples) + 1)
+            times = start + self.revolution * np.linspace(
+                0.0, effort.looking, round(effort.looking * effort.samples) + 1
+            )
             rows, push, radial, macro = [], [], [], []
             for moment in times:
                 if moment > unit.time:

@@ -143,7 +143,9 @@ def convergence(rings: Rings) -> str:
     with plt.rc_context(STYLE):
         figure, (space, time) = plt.subplots(1, 2, figsize=(11.2, 3.2), layout="constrained")
         for name in ("RCM", "ANCF", "ALE", TURNING):
-            ladder = sorted((f.elements, abs(f.error)) for f in rings.frequencies if f.model == name and "small" in f.case)
+            ladder = sorted(
+                (f.elements, abs(f.error)) for f in rings.frequencies if f.model == name and "small" in f.case
+            )
             style = {"color": COLOURS[name], **LINES.get(name, {})}
             space.loglog(*np.array(ladder).T, "o-", **style, label=label(name))
             steps = [(o.resolution, o.error) for o in rings.orders if o.model == name and "shape in time" in o.quantity]
@@ -204,9 +206,7 @@ def thrust_and_efficiency(results: PaperResults) -> str:
         efficiency.set_title("8b  Efficiency (%)")
         _bars(thrust_off, results, others, lambda run: 100.0 * results.thrust_difference(run.case, run.model))
         thrust_off.set_title(f"Thrust ratio, difference to {reference} (%)")
-        _bars(
-            efficiency_off, results, others, lambda run: 100.0 * results.efficiency_difference(run.case, run.model)
-        )
+        _bars(efficiency_off, results, others, lambda run: 100.0 * results.efficiency_difference(run.case, run.model))
         efficiency_off.set_title(f"Efficiency, difference to {reference} (points)")
         handles, labels = thrust.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
@@ -247,7 +247,9 @@ def spiral_running(results: PaperResults, run_of: Callable[[str], CaseRun]) -> s
                 fraction, deviation = profiles.arc(results.parameters, run_of(model), pulley)
                 style = {"color": COLOURS.get(model, MUTED), **LINES.get(model, {})}
                 axes.plot(fraction, 1e3 * deviation, ".-", markersize=3.5, **style, label=label(model))
-            axes.set(title=f"8d  Radius less its mean (mm), {pulley} arc", xlabel="from entry (0) to exit (1)", xlim=(0, 1))
+            axes.set(
+                title=f"8d  Radius less its mean (mm), {pulley} arc", xlabel="from entry (0) to exit (1)", xlim=(0, 1)
+            )
         both[0].legend(loc="best")
     return svg(figure)
 

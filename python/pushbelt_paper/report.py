@@ -119,7 +119,9 @@ def checks_by_number(results: PaperResults) -> list[tuple[str, list[Check]]]:
         "5": "Free ring",
         "6": "Orders of convergence",
     }
-    return [(name, [check for check in results.rings.checks if check.number == number]) for number, name in names.items()]
+    return [
+        (name, [check for check in results.rings.checks if check.number == number]) for number, name in names.items()
+    ]
 
 
 def write_html(results: PaperResults, path: Path) -> None:

@@ -129,7 +129,9 @@ class Rings:
 def run(program: Path, output: Path, short: bool, progress: Callable[[float, str], None]) -> Rings:
     """Runs the program; `progress` hears of each job: the share that is done, and its name."""
     command = [str(program), "--output", str(output), *(["--short"] if short else [])]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8") as child:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
+    ) as child:
         assert child.stdout is not None and child.stderr is not None
         for line in child.stdout:
             count, _, name = line.strip().partition(" ")
@@ -176,7 +178,9 @@ def read(folder: Path) -> Rings:
         for row in _rows(folder / "checks.csv")
     )
     frequencies = tuple(
-        Frequency(row["case"], row["model"], round(float(row["elements"])), float(row["frequency"]), float(row["reference"]))
+        Frequency(
+            row["case"], row["model"], round(float(row["elements"])), float(row["frequency"]), float(row["reference"])
+        )
         for row in _rows(folder / "frequencies.csv")
     )
     orders = tuple(

@@ -76,8 +76,10 @@ def rings(results: PaperResults) -> list[Statement]:
     low, high, drift = motion.theta.min(), motion.theta.max(), np.abs(motion.drift).max()
     fig7 = {model: motion for (figure, model), motion in found.motions.items() if figure == "7"}
     ale = fig7["ALE"]
-    locked, free = (found.check(f"smallest/largest eigenvalue of M, {what}", "ALE, 8 elements").value for what in
-                    ("node 0 locked", "nothing locked"))
+    locked, free = (
+        found.check(f"smallest/largest eigenvalue of M, {what}", "ALE, 8 elements").value
+        for what in ("node 0 locked", "nothing locked")
+    )
     small = [f for f in found.frequencies if f.case == "circle, small" and f.elements == 40]
     large = {f.model: f for f in found.frequencies if f.case != "circle, small"}
     effort = {model: found.effort("deformable ring, 0.3 ms", model) for model in ("ALE", TURNING)}
@@ -142,14 +144,16 @@ def rings(results: PaperResults) -> list[Statement]:
             "5.3",
             "Small deflections from the reference are right in quantity",
             _judge(all(abs(f.error) < 5e-3 for f in small)),
-            "first frequency of a free band, 40 elements: " + ", ".join(f"{_short(f.model)} {signed(f.error, 2)}" for f in small),
+            "first frequency of a free band, 40 elements: "
+            + ", ".join(f"{_short(f.model)} {signed(f.error, 2)}" for f in small),
             "On a circular reference curve, against the thin ring's 9.534 Hz.",
         ),
         Statement(
             "5.3, 5.4",
             "Far from the reference they are not",
             _judge(abs(large["ALE"].error) > 0.02 and abs(large["RCM"].error) < 0.01),
-            "large oscillation, against 9.23 Hz: " + ", ".join(f"{_short(m)} {f.frequency:.2f}" for m, f in large.items())
+            "large oscillation, against 9.23 Hz: "
+            + ", ".join(f"{_short(m)} {f.frequency:.2f}" for m, f in large.items())
             + " Hz",
             "The bending measure (23) is linear in the deflection.",
         ),
@@ -240,7 +244,8 @@ def _ratio_order(results: PaperResults) -> Statement:
         "Thrust ratio rises from underdrive over medium to overdrive",
         _judge(ordered),
         "; ".join(
-            f"{model} " + " < ".join(f"{means[model][n]:.2f}" for n in (UNDERDRIVE, MEDIUM, OVERDRIVE) if n in means[model])
+            f"{model} "
+            + " < ".join(f"{means[model][n]:.2f}" for n in (UNDERDRIVE, MEDIUM, OVERDRIVE) if n in means[model])
             for model in results.models
         ),
         "The longer arc carries more of the axial force at the same belt force.",
@@ -260,7 +265,9 @@ def _same_level(results: PaperResults) -> Statement:
         f"against {results.reference}, thrust ratio: "
         + ", ".join(f"{m} {_span(v)}" for m, v in thrust.items())
         + "; efficiency, points: "
-        + ", ".join(f"{m} {_plain(100 * min(v), '+.1f')} to {_plain(100 * max(v), '+.1f')}" for m, v in efficiency.items()),
+        + ", ".join(
+            f"{m} {_plain(100 * min(v), '+.1f')} to {_plain(100 * max(v), '+.1f')}" for m, v in efficiency.items()
+        ),
         "The models share chain, contact and friction; they differ in the radius at which the ring lets elements run.",
     )
 

@@ -64,7 +64,9 @@ def test_an_element_meets_the_field_at_its_place_and_time() -> None:
 def window(**columns: list[float]) -> Window:
     time = np.linspace(0.0, 1.0, len(next(iter(columns.values()))))
     nothing = np.zeros((len(time), 72))
-    return Window(Trace(time, {name: np.array(v, dtype=float) for name, v in columns.items()}), nothing, nothing, nothing[0])
+    return Window(
+        Trace(time, {name: np.array(v, dtype=float) for name, v in columns.items()}), nothing, nothing, nothing[0]
+    )
 
 
 def test_means_are_over_time_and_ratios_are_of_means() -> None:
@@ -122,7 +124,9 @@ def rings_program() -> Path:
     command = ["cargo", "build", "--package", "pushbelt", "--example", "paper_rings", "--message-format=json"]
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
     messages = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
-    programs = [m["executable"] for m in messages if m.get("target", {}).get("name") == "paper_rings" and m["executable"]]
+    programs = [
+        m["executable"] for m in messages if m.get("target", {}).get("name") == "paper_rings" and m["executable"]
+    ]
     return Path(programs[-1])
 
 
@@ -130,7 +134,7 @@ def test_short_run_writes_report_and_tables(fmu: Path, rings_program: Path, tmp_
     arguments = ["--fmu", fmu, "--rings", rings_program, "--output", tmp_path, "--short"]
     assert __main__.main([str(argument) for argument in arguments]) == 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "src=\"http" not in page and "href=\"http" not in page
+    assert 'src="http' not in page and 'href="http' not in page
     for section in ("choose", "statements", "rings", "variator", "times", "how"):
         assert f'<h2 id="{section}">' in page
     for table in ("8ab", "8c", "8d", "9"):
