@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, bail};
-use cargo_metadata::{CrateType, Message};
+use cargo_metadata::{Artifact, CrateType, Message};
 
 use crate::workspace::{MODEL_PACKAGE, Workspace};
 
@@ -64,31 +64,56 @@ pub fn native(workspace: &Workspace, command: &mut Command) {
 /// # Errors
 /// The compilation fails.
 pub fn library(command: &mut Command) -> anyhow::Result<PathBuf> {
-    let mut child = command
-        .args(["--release", "--lib", "--package", MODEL_PACKAGE])
-        .arg("--message-format=json-render-diagnostics")
-        .stdout(Stdio::piped())
-        .spawn()
-        .context("can't start cargo")?;
-    let output = child.stdout.take().context("cargo has no output")?;
     let mut library = None;
-    for message in Message::parse_stream(BufReader::new(output)) {
-        if let Message::CompilerArtifact(artifact) = message?
-            && artifact.target.name == MODEL_PACKAGE
-            && artifact.target.crate_types.contains(&CrateType::CDyLib)
-        {
+    command.args(["--release", "--lib", "--package", MODEL_PACKAGE]);
+    artifacts(command, |artifact| {
+        if artifact.target.name == MODEL_PACKAGE && artifact.target.crate_types.contains(&CrateType::CDyLib) {
             library = artifact.filenames.into_iter().find(|file| {
                 file.extension()
                     .is_some_and(|extension| ["so", "dylib", "dll"].contains(&extension))
             });
         }
-    }
-    if !child.wait()?.success() {
-        bail!("the library doesn't compile");
-    }
+    })?;
     library
         .map(Into::into)
         .context("cargo built no shared library: is `cdylib` still among the crate types?")
+}
+
+/// Compiles an example of the model, optimised, and returns where cargo put it.
+///
+/// # Errors
+/// The compilation fails.
+pub fn example(workspace: &Workspace, name: &str) -> anyhow::Result<PathBuf> {
+    let mut build = command(workspace);
+    build.args(["build", "--release", "--package", MODEL_PACKAGE, "--example", name]);
+    let mut executable = None;
+    artifacts(&mut build, |artifact| {
+        if artifact.target.name == name {
+            executable = artifact.executable;
+        }
+    })?;
+    executable
+        .map(Into::into)
+        .with_context(|| format!("cargo built no example `{name}`"))
+}
+
+/// Runs a build command of cargo to its end and passes on what it built.
+fn artifacts(command: &mut Command, mut take: impl FnMut(Artifact)) -> anyhow::Result<()> {
+    let mut child = command
+        .arg("--message-format=json-render-diagnostics")
+        .stdout(Stdio::piped())
+        .spawn()
+        .context("can't start cargo")?;
+    let output = child.stdout.take().context("cargo has no output")?;
+    for message in Message::parse_stream(BufReader::new(output)) {
+        if let Message::CompilerArtifact(artifact) = message? {
+            take(artifact);
+        }
+    }
+    if !child.wait()?.success() {
+        bail!("`{}` failed", show(command));
+    }
+    Ok(())
 }
 
 fn show(command: &Command) -> String {

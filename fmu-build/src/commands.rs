@@ -6,4 +6,5 @@ pub mod demo;
 pub mod describe;
 pub mod drive;
 pub mod linearize;
+pub mod paper;
 pub mod test;

@@ -46,6 +46,8 @@ enum Command {
     Demo(commands::demo::Arguments),
     /// Build the FMU, drive a car with it on the WLTC and write target/drive/report.html
     Drive(commands::drive::Arguments),
+    /// Build the FMU, run the paper's examples with every ring model and write target/paper/report.html
+    Paper(commands::paper::Arguments),
     /// Measure the speed of the model
     Bench(commands::bench::Arguments),
     /// Write A, B, C, D at a steady working point as JSON
@@ -71,6 +73,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Test(arguments) => commands::test::run(&workspace, arguments),
         Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
         Command::Drive(arguments) => commands::drive::run(&workspace, arguments),
+        Command::Paper(arguments) => commands::paper::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),

@@ -73,6 +73,20 @@ def _next_load(points: list[tuple[float, float]], wanted: float, guess: float) -
     return candidate
 
 
+def held_primary(parameters: Mapping[str, float], ratio: float, speed: float, force: float) -> dict[str, float]:
+    """Start values of a load case: primary speed (rad/s) and sheave held, secondary clamping force (N) given."""
+    return {
+        **parameters,
+        "primary.drive": SPEED_DRIVE,
+        "primary.axial": HELD,
+        "initial.steady": True,
+        "initial.ratio": ratio,
+        "initial.primarySpeed": speed,
+        "primary.speedSetpoint": speed,
+        "secondary.clampingForce": force,
+    }
+
+
 def steady_state(
     archive: Archive,
     parameters: Mapping[str, float],
@@ -88,22 +102,13 @@ def steady_state(
     Belt torque on P (N·m) and secondary clamping force (N) are given. Also returns the relative change of the thrust
     ratio when the state is stepped on for `drift_time` seconds.
     """
-    start_values = {
-        **parameters,
-        "primary.drive": SPEED_DRIVE,
-        "primary.axial": HELD,
-        "initial.steady": True,
-        "initial.ratio": ratio,
-        "initial.primarySpeed": speed,
-        "primary.speedSetpoint": speed,
-        "secondary.clampingForce": force,
-    }
+    held = held_primary(parameters, ratio, speed, force)
     begin = time.perf_counter()
     with ExitStack() as instances:
 
         def start(load: float) -> Variator:
             instances.close()
-            unit = instances.enter_context(Variator(archive, {**start_values, "secondary.torque": load}))
+            unit = instances.enter_context(Variator(archive, {**held, "secondary.torque": load}))
             unit.initialise()
             if not_steady := [warning for warning in unit.warnings if "steady state" in warning]:
                 raise NotFoundError(f"at a load torque of {load:.4g} N·m the FMU says: {not_steady[0]}")

@@ -2,44 +2,23 @@
 
 from __future__ import annotations
 
-import base64
-import csv
 import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 
-from . import checks, events, figures
+from . import checks, events, figures, page
 from .data import EfficiencyPoint, curve_at, curve_of, load_case_speed, measured_efficiency
 from .geometry import ratio_of
 from .manoeuvre import START_VALUES
+from .page import image, number, percent
 from .results import DemoResults, LoadCaseResult, ReferenceResult
 
 CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
-
-MINUS = "\N{MINUS SIGN}"
-
-
-def number(value: float, digits: int = 0) -> str:
-    """A number with a fixed count of decimals, thin spaces between thousands and a real minus."""
-    text = f"{value:,.{digits}f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
-    negative_zero = float(f"{value:.{digits}f}") == 0.0
-    return text.removeprefix("-") if negative_zero else text.replace("-", MINUS)
-
-
-def percent(value: float, digits: int = 1) -> str:
-    """A share as per cent, without the sign."""
-    return number(100.0 * value, digits)
-
-
-def image(svg: str) -> str:
-    """An SVG as a data address, so that the ids of several can't clash in one page."""
-    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
 
 
 @dataclass(frozen=True)
@@ -111,16 +90,7 @@ def reference_rows(result: ReferenceResult) -> list[ReferenceRow]:
 
 def write_html(results: DemoResults, path: Path) -> None:
     """Writes the report."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(__package__),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(number=number, percent=percent)
-    page = environment.get_template("report.html.j2").render(_context(results))
-    path.write_text(page, encoding="utf-8")
+    page.write_html(__package__, "report.html.j2", _context(results), path)
 
 
 def _context(results: DemoResults) -> dict[str, Any]:
@@ -171,11 +141,8 @@ def _context(results: DemoResults) -> dict[str, Any]:
 def write_trace(results: DemoResults, path: Path) -> None:
     """Writes the manoeuvre's outputs over time, one column an FMU variable."""
     trace = results.manoeuvre.trace
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["time", *trace.columns])
-        table = np.column_stack([trace.time, *trace.columns.values()])
-        writer.writerows([f"{value:.9g}" for value in row] for row in table)
+    table = np.column_stack([trace.time, *trace.columns.values()])
+    page.write_table(path, ["time", *trace.columns], table.tolist())
 
 
 def write_cases(results: DemoResults, path: Path) -> None:
@@ -183,8 +150,5 @@ def write_cases(results: DemoResults, path: Path) -> None:
     states = [(result.case.name, result.steady) for result in results.cases]
     states.append(("belt155-reference", results.reference.steady))
     names = list(states[0][1].outputs)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["case", "secondary.torque", *names])
-        for name, state in states:
-            writer.writerow([name, f"{state.load_torque:.9g}", *(f"{state[output]:.9g}" for output in names)])
+    rows = ([name, state.load_torque, *(state[output] for output in names)] for name, state in states)
+    page.write_table(path, ["case", "secondary.torque", *names], rows)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import platform
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
+from pushbelt_demo import page
 from pushbelt_demo.data import curve_at, parameter_set
 from pushbelt_demo.figures import belt_picture
-from pushbelt_demo.report import image, number, percent
+from pushbelt_demo.page import image
 
 from . import figures
 from .car import demo_car
@@ -51,24 +50,13 @@ def balance_gap(run: Run) -> float:
 def write_trace(run: Run, path: Path) -> None:
     """Writes a run over time, one row every 0.1 s; SI units, FMU variables by their names."""
     every = round(CSV_STEP / STEP)
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["time", *run.columns])
-        table = np.column_stack([run.time, *run.columns.values()])[::every]
-        writer.writerows([f"{value:.7g}" for value in row] for row in table)
+    table = np.column_stack([run.time, *run.columns.values()])[::every]
+    page.write_table(path, ["time", *run.columns], table.tolist(), digits=7)
 
 
 def write_html(results: Results, path: Path) -> None:
     """Writes the report."""
-    environment = jinja2.Environment(
-        loader=jinja2.ChoiceLoader([jinja2.PackageLoader(__package__), jinja2.PackageLoader("pushbelt_demo")]),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(number=number, percent=percent)
-    path.write_text(environment.get_template("drive.html.j2").render(context(results)), encoding="utf-8")
+    page.write_html(__package__, "drive.html.j2", context(results), path)
 
 
 def context(results: Results) -> dict[str, Any]:

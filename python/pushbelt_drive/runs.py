@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+from pushbelt_demo import side_by_side
+from pushbelt_demo.side_by_side import tick
 from pushbelt_demo.unit import Archive
-from tqdm import tqdm
 
 from . import simulate, thrust_map
 from .car import demo_car
@@ -79,15 +76,6 @@ class Results:
         return self.fixed, self.slip, self.close_up, self.fixed_low_friction, self.slip_low_friction
 
 
-_ticks: Any = None
-"""In a worker: where it reports progress, in simulated seconds."""
-
-
-def _prepare_worker(ticks: Any) -> None:
-    global _ticks
-    _ticks = ticks
-
-
 def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
     pending = 0.0
 
@@ -95,7 +83,7 @@ def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
         nonlocal pending
         pending += seconds
         if pending >= 0.5:
-            _ticks.put(pending)
+            tick(pending)
             pending = 0.0
 
     return simulate.run(archive, demo_car(), table, setup, progress)
@@ -118,29 +106,10 @@ def _map(fmu: Path, archive: Archive, ring: str, cache: Path) -> ThrustMap:
 def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
     setups = plan.setups()
     maps = {ring: _map(fmu, archive, ring, cache) for ring in {setup.ring for setup in setups}}
-    context = multiprocessing.get_context("spawn")
-    ticks = context.Queue()
-    workers = max(1, min(os.cpu_count() or 1, len(setups)))
-    with (
-        tqdm(
-            total=round(sum(setup.cycle.duration for setup in setups)),
-            disable=None,
-            desc="driving",
-            bar_format="  {desc} {bar:32} {percentage:3.0f} % [{elapsed}<{remaining}]",
-        ) as bar,
-        ProcessPoolExecutor(workers, context, _prepare_worker, (ticks,)) as pool,
-    ):
-        futures = [pool.submit(_work, archive, maps[setup.ring], setup) for setup in setups]
-        waiting = set(futures)
-        try:
-            while waiting:
-                finished, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
-                while not ticks.empty():
-                    bar.update(ticks.get())
-                for future in finished:
-                    future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-        done = [future.result() for future in futures]
+    done = side_by_side.run_all(
+        [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
+        total=round(sum(setup.cycle.duration for setup in setups)),
+        title="driving",
+        workers=len(setups),
+    )
     return Results(plan, archive.description.version or "", maps[plan.ring], *done)

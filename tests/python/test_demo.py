@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
-from pushbelt_demo import data, events, report  # noqa: E402
+from pushbelt_demo import data, events, page  # noqa: E402
 from pushbelt_demo.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of  # noqa: E402
 from pushbelt_demo.load_cases import NotFoundError, find_load  # noqa: E402
 from pushbelt_demo.results import StrandForces, Trace  # noqa: E402
@@ -224,9 +224,9 @@ def test_intervals_close_small_gaps() -> None:
 
 
 def test_numbers_are_set_as_in_print() -> None:
-    assert report.number(-1234.5, 1) == "−1\u202f234.5"
-    assert report.number(-0.001, 1) == "0.0"
-    assert report.percent(0.9654, 2) == "96.54"
+    assert page.number(-1234.5, 1) == "−1\u202f234.5"
+    assert page.number(-0.001, 1) == "0.0"
+    assert page.percent(0.9654, 2) == "96.54"
 
 
 def test_curve_needs_no_more_than_geometry() -> None:

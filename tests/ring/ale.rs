@@ -1,8 +1,9 @@
 //! What only the Eulerian ring has: forms of its inertia, the reference motion, the choice of directions and of the mesh.
 
 use crate::common::*;
+use crate::measure::*;
 use nalgebra::DVector;
-use pushbelt::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
+use pushbelt::reference_curve::{ReferenceCurve, Unaligned};
 use pushbelt::ring::ale_ring::{AleRing, Inertia};
 use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt::ring::mesh::RingMesh;
@@ -14,7 +15,11 @@ use std::f64::consts::TAU;
 
 /// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With `amplitude` 0 the state
 /// moves along s and Θ only.
-fn waving<C: ReferenceCurve + std::fmt::Debug>(system: &RingSystem<AleRing<C>>, theta: f64, amplitude: f64) -> State {
+fn smooth_wave<C: ReferenceCurve + std::fmt::Debug>(
+    system: &RingSystem<AleRing<C>>,
+    theta: f64,
+    amplitude: f64,
+) -> State {
     let mut state = system.rest(theta);
     let length = system.model.length();
     let frame = system.model.curve.frame::<f64>(theta);
@@ -50,12 +55,8 @@ fn flexible<C: ReferenceCurve + std::fmt::Debug>(curve: C, mesh: RingMesh) -> Ri
     RingSystem::new(AleRing::flexible(solid(), curve, mesh))
 }
 
-fn rigid(mesh: RingMesh) -> RingSystem<AleRing<TwoPulley>> {
-    RingSystem::new(AleRing::rigid(solid(), solid_curve(), mesh))
-}
-
 /// Relative error of the residual's inertia against [`inertia_by_differences`].
-fn inertia_error<C: ReferenceCurve + std::fmt::Debug>(
+fn wave_inertia_error<C: ReferenceCurve + std::fmt::Debug>(
     mut system: RingSystem<AleRing<C>>,
     inertia: Inertia,
     amplitude: f64,
@@ -63,7 +64,7 @@ fn inertia_error<C: ReferenceCurve + std::fmt::Debug>(
     system.model.ring = without_stiffness(&system.model.ring);
     system.model.inertia = inertia;
     system.held.clear();
-    let state = waving(&system, 0.25, amplitude);
+    let state = smooth_wave(&system, 0.25, amplitude);
     let direct = residual(&mut system, state.view());
     let expected = inertia_by_differences(&system, &state);
     (direct - &expected).amax() / expected.amax()
@@ -74,9 +75,10 @@ fn inertia_error<C: ReferenceCurve + std::fmt::Debug>(
 #[test]
 fn forms_of_inertia() {
     let mesh = |refinement: usize, points: usize| RingMesh::even(&[1, 1, 2, 1, 1].map(|n| n * refinement), points);
-    let deflecting =
-        |inertia, refinement, points| inertia_error(flexible(solid_curve(), mesh(refinement, points)), inertia, 1.0);
-    let reference = |inertia, points| inertia_error(rigid(mesh(1, points)), inertia, 0.0);
+    let deflecting = |inertia, refinement, points| {
+        wave_inertia_error(flexible(solid_curve(), mesh(refinement, points)), inertia, 1.0)
+    };
+    let reference = |inertia, points| wave_inertia_error(rigid(solid_curve(), mesh(1, points)), inertia, 0.0);
     for points in 2..=5 {
         assert!(deflecting(Inertia::Conservative, 1, points) < 1e-9);
         assert!(reference(Inertia::Conservative, points) < 1e-9 && reference(Inertia::Pointwise, points) < 1e-9);
@@ -103,7 +105,7 @@ fn the_printed_convective_term_is_wrong() {
     let mut system = flexible(band_circle(), RingMesh::even(&[12], 5));
     system.model.ring = without_stiffness(&system.model.ring);
     system.held.clear();
-    let mut state = waving(&system, 0.0, 1.0);
+    let mut state = smooth_wave(&system, 0.0, 1.0);
     state.y_dot.fill(0.0);
     let right = inertia_by_differences(&system, &state);
     let direct = residual(&mut system, state.view());
@@ -131,7 +133,7 @@ fn the_printed_convective_term_is_wrong() {
 /// The residual of the reference motion at rest is ∂V/∂Θ, moving arc borders included.
 #[test]
 fn elastic_force_of_the_reference_motion() {
-    let mut system = rigid(RingMesh::even(&[2, 2, 3, 2, 2], 3));
+    let mut system = rigid(solid_curve(), RingMesh::even(&[2, 2, 3, 2, 2], 3));
     system.held.clear();
     let state = system.rest(0.25);
     let force = residual(&mut system, state.view())[system.theta()];
@@ -148,27 +150,21 @@ fn reference_oscillation_has_the_reference_numbers() {
     assert!((r_p - 0.095_493).abs() < 5e-7 && (r_s - r_p).abs() < 1e-12);
     let (r_p, r_s) = solid_curve().radii(0.6 / 1.4).unwrap();
     assert!((r_p - 0.127_690).abs() < 5e-7 && (r_s - 0.054_724).abs() < 5e-7);
-    let system = rigid(RingMesh::even(&[4, 4, 8, 4, 4], 5));
+    let system = rigid(solid_curve(), RingMesh::even(&[4, 4, 8, 4, 4], 5));
     assert_eq!(system.degrees_of_freedom(), 2);
-    let (s, theta) = (system.drift(), system.theta());
-    for (at, potential, inertia) in [(0.0, 1_151_453.8, 3.10883), (0.4, 1_298_705.6, 2.04239)] {
-        let state = system.rest(at);
-        let energy = system.energy(state.view());
-        let mass = system.mass_matrix(&state.q);
+    for (at, potential, inertia) in REFERENCE_NUMBERS {
+        let (energy, mass, coupling) = reference_numbers(at);
         println!(
-            "Θ = {at}: V = {:.1} J, M_ΘΘ = {:.5}, M_sΘ = {:.1e}",
-            energy.bending,
-            mass[(theta, theta)],
-            mass[(s, theta)]
+            "Θ = {at}: V = {:.1} J, M_ΘΘ = {mass:.5}, M_sΘ = {coupling:.1e}",
+            energy.bending
         );
         assert!((energy.total() - potential).abs() < 0.06);
-        assert!((mass[(theta, theta)] - inertia).abs() < 6e-6);
-        assert!(mass[(s, theta)].abs() < 1e-12);
+        assert!((mass - inertia).abs() < 6e-6);
+        assert!(coupling.abs() < 1e-12);
     }
-    let rest = system.rest(0.0);
-    let (omega, _) = mode(&system, &rest, 700.0);
+    let omega = reference_frequency();
     println!("small oscillation {omega:.3} rad/s");
-    assert!((omega - 718.05).abs() < 5e-3);
+    assert!((omega - REFERENCE_FREQUENCY).abs() < 5e-3);
 }
 
 /// From Θ = 0.4 at rest the reference motion swings to −0.4 and back; s stays 0.
@@ -176,25 +172,15 @@ fn reference_oscillation_has_the_reference_numbers() {
 fn reference_oscillation_conserves_energy() {
     let mut drifts = Vec::new();
     for tolerance in [1.0e-6, 1.0e-7, 1.0e-8] {
-        let mut system = rigid(RingMesh::even(&[2, 2, 4, 2, 2], 5));
-        system.tolerance = tolerance;
-        let (s, theta) = (system.drift(), system.theta());
-        let mut state = system.rest(0.4);
-        let start = system.energy(state.view()).total();
-        let swing = start - system.energy(system.rest(0.0).view()).total();
-        let mut integrator = Sdirk::new(&system, 1.0e-5, 1.0e-3);
-        let (mut low, mut high, mut drift) = (0.0_f64, 0.0_f64, 0.0_f64);
-        for k in 0..100 {
-            let t = f64::from(k) * 2.0e-4;
-            run(&mut system, &mut integrator, &mut state, t, t + 2.0e-4);
-            (low, high) = (low.min(state.q[theta]), high.max(state.q[theta]));
-            drift = drift.max((system.energy(state.view()).total() - start).abs() / swing);
-            assert!(state.q[s].abs() < 1e-9, "s = {}", state.q[s]);
-        }
-        let counts = integrator.newton.counts;
+        let (_, record, swing) = reference_oscillation(solid_curve(), RingMesh::even(&[2, 2, 4, 2, 2], 5), tolerance);
+        let (low, high) = record.ratios();
+        let drift = record.energy_drift() / swing;
         println!(
-            "tolerance {tolerance:.0e}: energy drift {drift:.2e} of the swing, Θ from {low:.4} to {high:.4}, {counts:?}"
+            "tolerance {tolerance:.0e}: energy drift {drift:.2e} of the swing, Θ from {low:.4} to {high:.4}, {:?}",
+            record.counts
         );
+        assert_eq!(record.samples.len(), 101);
+        assert!(record.largest_drift() < 1e-9);
         assert!((low + 0.4).abs() < 0.01 && (high - 0.4).abs() < 0.01);
         drifts.push(drift);
     }
@@ -207,15 +193,7 @@ fn reference_oscillation_conserves_energy() {
 /// The integrator's order 2 on the reference motion.
 #[test]
 fn order_in_time_of_the_reference_motion() {
-    let theta = |step: f64| {
-        let mut system = rigid(RingMesh::even(&[1, 1, 2, 1, 1], 5));
-        let mut integrator = fixed_steps(&mut system, step);
-        let mut state = system.rest(0.4);
-        run(&mut system, &mut integrator, &mut state, 0.0, 5.0e-3);
-        state.q[system.theta()]
-    };
-    let exact = theta(1.0e-6);
-    let errors = [1.0e-4, 5.0e-5, 2.5e-5].map(|step| (theta(step) - exact).abs());
+    let errors = reference_time_errors([1.0e-4, 5.0e-5, 2.5e-5]);
     assert_order("ALE0", &errors, 2.0);
 }
 
@@ -266,22 +244,11 @@ fn conservative_inertia_conserves() {
     assert!(10.0 * drift(Inertia::Conservative) < drift(Inertia::Pointwise));
 }
 
-/// Energy drift of the reference oscillation over 10 ms, relative to the energy of the swing.
+/// Energy drift of the reference oscillation relative to the energy of the swing.
 fn swing<C: ReferenceCurve + std::fmt::Debug>(curve: C, mesh: RingMesh, tolerance: f64) -> f64 {
-    let mut system = RingSystem::new(AleRing::rigid(solid(), curve, mesh));
-    system.tolerance = tolerance;
-    let mut state = system.rest(0.4);
-    let energy = |system: &RingSystem<_>, state: &State| system.energy(state.view()).total();
-    let start = energy(&system, &state);
-    let size = start - energy(&system, &system.rest(0.0));
-    let mut integrator = Sdirk::new(&system, 1.0e-5, 1.0e-3);
-    let mut drift = 0.0_f64;
-    for k in 0..50 {
-        let t = f64::from(k) * 2.0e-4;
-        run(&mut system, &mut integrator, &mut state, t, t + 2.0e-4);
-        drift = drift.max((energy(&system, &state) - start).abs() / size);
-    }
-    drift
+    let (_, record, swing) = reference_oscillation(curve, mesh, tolerance);
+    assert_eq!(record.samples.len(), 101);
+    record.energy_drift() / swing
 }
 
 /// The paper's even spacing: borders of arcs move through the elements. Where they pass a quadrature point the curvature
@@ -303,7 +270,7 @@ fn evenly_spaced_mesh_does_not_conserve() {
 #[test]
 fn evenly_spaced_inertia_is_lagranges() {
     let curve = Unaligned { curve: solid_curve() };
-    let off = inertia_error(flexible(curve, RingMesh::even(&[8], 3)), Inertia::Conservative, 1.0);
+    let off = wave_inertia_error(flexible(curve, RingMesh::even(&[8], 3)), Inertia::Conservative, 1.0);
     assert!(off < 1e-8, "{off}");
 }
 
@@ -311,7 +278,7 @@ fn evenly_spaced_inertia_is_lagranges() {
 #[test]
 fn mesh_points_see_their_particles() {
     let system = flexible(solid_curve(), RingMesh::even(&[2, 3, 4, 3, 2], 3));
-    let state = waving(&system, 0.25, 1.0);
+    let state = smooth_wave(&system, 0.25, 1.0);
     let frame = system.frame(state.view());
     let theta = system.theta();
     for element in 0..system.model.elements() {

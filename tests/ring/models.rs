@@ -1,6 +1,7 @@
 //! One suite for all ring models.
 
 use crate::common::*;
+use crate::measure::*;
 use nalgebra::Vector2;
 use num_dual::Dual64;
 use pushbelt::reference_curve::ReferenceCurve;
@@ -11,80 +12,13 @@ use pushbelt::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use pushbelt::ring::model::{NODAL, RingModel};
 use pushbelt::ring::particle::ParticleLoad;
 use pushbelt::ring::rcm::RcmElement;
-use pushbelt::ring::system::{RingSystem, State};
-use pushbelt::solver::View;
-use pushbelt::solver::sdirk::Sdirk;
+use pushbelt::ring::system::RingSystem;
 use std::f64::consts::TAU;
 
-/// Number of elements in the tests of derivatives: every kind of neighbourhood occurs.
-const FEW: usize = 12;
-
-/// A ring on the reference curve at Θ with deflections of a few per cent, in motion.
-fn waving<M: RingModel>(system: &RingSystem<M>, theta: f64, amplitude: f64) -> State {
-    let mut state = system.rest(theta);
-    let length = system.model.length();
-    let mut random = noise(11);
-    for i in 0..system.drift() {
-        let length = if system.model.is_length(i % M::BLOCK) {
-            length
-        } else {
-            1.0
-        };
-        let step = length * amplitude / system.model.elements() as f64;
-        state.q[i] += 0.05 * step * random();
-        state.y[i] = 5.0 * step * random();
-        state.y_dot[i] = 200.0 * step * random();
-    }
-    let (s, theta) = (system.drift(), system.theta());
-    state.y[s] = 6.0 * length;
-    state.y_dot[s] = 90.0;
-    if !system.held.contains(&theta) {
-        state.y[theta] = 8.0;
-        state.y_dot[theta] = -70.0;
-    }
-    state
-}
-
-fn lagrangian<M: RingModel>(_: &RingSystem<M>) -> bool {
-    M::LAGRANGIAN
-}
-
-/// Unknowns whose rows are balances of force: without s and Θ on a mesh that travels.
-fn forces<M: RingModel>(system: &RingSystem<M>) -> usize {
-    if M::LAGRANGIAN {
-        system.drift()
-    } else {
-        system.theta() + 1
-    }
-}
-
-const PLACES: [f64; 8] = [0.01, 0.093, 0.2, 0.31, 0.505, 0.62, 0.81, 0.97];
-
-/// P (12): the velocity at a unit rate is how fast the particle at ξ = x̄ + s moves.
+/// P (12) is the velocity.
 fn velocity_follows_the_particle<S: Case>() {
-    let system = S::system(solid(), solid_curve(), FEW);
-    let mut state = waving(&system, 0.25, 1.0);
-    let (s, h) = (system.drift(), 3.0e-6);
-    for xi in PLACES {
-        for i in 0..state.y.len() {
-            if lagrangian(&system) && i > s {
-                continue;
-            }
-            state.y.fill(0.0);
-            state.y[i] = 1.0;
-            let velocity = system.particle_at(state.view(), xi).velocity;
-            let place = |h: f64| {
-                let mut moved = state.clone();
-                moved.q[i] += h;
-                system.particle_at(moved.view(), if i == s { xi + h } else { xi }).r
-            };
-            let difference = (place(h) - place(-h)) / (2.0 * h);
-            assert!(
-                (velocity - difference).norm() < 1e-8,
-                "ξ = {xi}, unknown {i}: {velocity} {difference}"
-            );
-        }
-    }
+    let off = velocity_error::<S>();
+    assert!(off < 1e-8, "{off}");
 }
 
 /// Dv/Dt, v', strain rate and velocity on a path q(t): differences in time of the particle's place and slope. The Eulerian
@@ -229,30 +163,10 @@ fn projection_is_the_transpose<S: Case>() {
     }
 }
 
-/// The residual at rest is ∂V/∂q, moving arc borders included: there the curvature jumps.
+/// −∂V/∂q, moving arc borders included.
 fn elastic_force_is_the_gradient_of_the_energy<S: Case>() {
-    let mut system = S::system(solid(), solid_curve(), FEW);
-    system.held.clear();
-    let mut state = waving(&system, 0.25, 0.3);
-    state.y.fill(0.0);
-    state.y_dot.fill(0.0);
-    let force = residual(&mut system, state.view());
-    let h = 1.0e-6;
-    let scale = force.amax();
-    for i in 0..forces(&system) {
-        let energy = |h: f64| {
-            let mut moved = state.clone();
-            moved.q[i] += h;
-            let energy = system.energy(moved.view());
-            energy.membrane + energy.bending
-        };
-        let difference = (energy(h) - energy(-h)) / (2.0 * h);
-        assert!(
-            (force[i] - difference).abs() < 1e-7 * scale,
-            "unknown {i}: {} {difference} {scale}",
-            force[i]
-        );
-    }
+    let off = elastic_force_error::<S>();
+    assert!(off < 1e-7, "{off}");
 }
 
 /// What the damping force takes is what the model says it takes.
@@ -272,121 +186,65 @@ fn damping_takes_what_it_says<S: Case>() {
     assert!((power / expected - 1.0).abs() < 1e-8, "{power} {expected}");
 }
 
-/// Inertia is M q̈ + Ṁq̇ − ∂T/∂q of the discrete ring.
+/// M q̈ + Ṁq̇ − ∂T/∂q.
 fn inertia_is_lagranges<S: Case>() {
-    let mut system = S::system(solid(), solid_curve(), FEW);
-    *system.model.ring_mut() = without_stiffness(system.model.ring());
-    system.held.clear();
-    let state = waving(&system, 0.25, 1.0);
-    let rows = forces(&system);
-    let direct = residual(&mut system, state.view());
-    let expected = inertia_by_differences(&system, &state);
-    let off = (direct - &expected).rows(0, rows).amax() / expected.rows(0, rows).amax();
+    let off = inertia_error::<S>();
     println!("{}: inertia off by {off:.1e}", S::NAME);
     assert!(off < 1e-8);
 }
 
-/// Paper fig. 7 with about 12 elements: from Θ = 0.4 at rest for 0.2 ms. Height of the upper strand's middle above its chord
-/// at every 50 µs, m, and the largest energy drift relative to the energy.
-fn deformable_ring<S: Case>(tolerance: f64) -> (Vec<f64>, f64) {
-    let mut system = S::system(solid(), solid_curve(), FEW);
-    system.tolerance = tolerance;
-    let mut state = system.rest(0.4);
-    let curve = solid_curve();
-    let frame = curve.frame::<f64>(0.4);
-    let places: Vec<[f64; 3]> = [1, 3]
-        .map(|segment| {
-            [0.0, 0.5, 1.0].map(|f| {
-                pushbelt::reference_curve::TwoPulley::point::<f64>(&frame, segment, f)
-                    .xi
-                    .v
-            })
-        })
-        .to_vec();
-    let start = system.energy(state.view()).total();
-    let mut integrator = Sdirk::new(&system, 1.0e-6, 1.0e-3);
-    let (mut drift, mut bulges) = (0.0_f64, Vec::new());
-    for k in 0..4 {
-        let t = f64::from(k) * 5.0e-5;
-        run(&mut system, &mut integrator, &mut state, t, t + 5.0e-5);
-        let height = |places: &[f64; 3]| {
-            let [from, middle, to] = places.map(|xi| system.particle_at(state.view(), xi).r);
-            let chord = (to - from).normalize();
-            (middle - from).dot(&Vector2::new(-chord.y, chord.x))
-        };
-        let (upper, lower) = (height(&places[0]), height(&places[1]));
-        assert!((upper - lower).abs() < 2e-3, "at {t} s: {upper} and {lower} m");
-        bulges.push(upper);
-        drift = drift.max((system.energy(state.view()).total() / start - 1.0).abs());
-    }
-    println!(
-        "{}, tolerance {tolerance:.0e}: bulge {} m, energy drift {drift:.2e}, {:?}",
-        S::NAME,
-        list(&bulges),
-        integrator.newton.counts
-    );
-    (bulges, drift)
-}
-
-/// The strands bulge outwards, and the energy's drift falls with the tolerance.
+/// Paper fig. 7: in the first 0.2 ms the strands bulge outwards, and the energy's drift falls with the tolerance.
 fn deformable_ring_bulges_and_conserves_energy<S: Case>() {
-    let runs = [1.0e-5, 1.0e-6, 1.0e-7].map(deformable_ring::<S>);
-    let bulges = &runs[2].0;
-    assert!(
-        bulges[1..].windows(2).all(|b| b[1] > b[0]) && bulges[3] > 2.0e-3,
-        "{bulges:?}"
-    );
-    assert!(runs[2].1 < 1e-4 && runs.windows(2).all(|pair| pair[1].1 < 0.4 * pair[0].1));
-}
-
-/// A ring that runs on a circle carries EAγ = m_r ṡ²(1 + γ) and keeps its shape where stations see it. Error of the shape
-/// after one turn, relative to the radius, and of its drift rate; steps 0: as many as a tolerance of 1e-5 asks for.
-fn running_ring<S: Case>(elements: usize, steps: usize) -> (f64, f64) {
-    let ring = band(0.185e-3);
-    let radius = BAND_LENGTH / TAU;
-    let speed = 100.0;
-    let pull = ring.mass_per_length * speed * speed;
-    let gamma = pull / (ring.axial_stiffness - pull);
-    let curve = band_circle();
-    let mut system = S::system(ring, curve.clone(), elements);
-    let at = |xi: f64| curve.at(&curve.frame::<f64>(0.0), xi);
-    let mut state = system.rest_on(0.0, &|xi| [at(xi).r * (1.0 + gamma), at(xi).t * (1.0 + gamma)]);
-    system
-        .set_in_motion(&mut state, |xi| at(xi).t * (speed * (1.0 + gamma)))
-        .expect("a ring with mass");
-    let turn = BAND_LENGTH / speed;
-    let mut integrator = if steps == 0 {
-        Sdirk::new(&system, 1.0e-6, 1.0e-3)
-    } else {
-        fixed_steps(&mut system, turn / steps as f64)
-    };
-    run(&mut system, &mut integrator, &mut state, 0.0, turn);
-    let (mut strain, mut round) = (0.0_f64, 0.0_f64);
-    for k in 0..4 * elements {
-        let p = system.particle_at(state.view(), BAND_LENGTH * (k as f64 + 0.3) / (4 * elements) as f64);
-        strain += p.strain() / gamma / (4 * elements) as f64;
-        round = round.max((p.r.norm() / radius / (1.0 + gamma) - 1.0).abs());
+    let mut drifts = Vec::new();
+    for tolerance in [1.0e-5, 1.0e-6, 1.0e-7] {
+        let (system, record) = deformable_ring::<S>(FEW, tolerance, 4);
+        assert_eq!(record.samples.len(), 5);
+        let heights: Vec<[f64; 2]> = record
+            .samples
+            .iter()
+            .map(|sample| bulges(&system, &sample.state))
+            .collect();
+        assert!(
+            heights.iter().all(|[upper, lower]| (upper - lower).abs() < 2e-3),
+            "{heights:?}"
+        );
+        let drift = record.energy_drift() / record.samples[0].energy.total();
+        println!(
+            "{}, tolerance {tolerance:.0e}: bulges {heights:.2?} m, energy drift {drift:.2e}, {:?}",
+            S::NAME,
+            record.counts
+        );
+        assert!(
+            heights[2..].windows(2).all(|h| h[1][0] > h[0][0]) && heights[4][0] > 2.0e-3,
+            "{heights:?}"
+        );
+        drifts.push(drift);
     }
-    let drift = (state.y[system.drift()] / speed - 1.0).abs();
-    println!(
-        "{}, {elements} elements: γ = {gamma:.3e}, mean off by {:.2e}, shape off by {round:.2e}, ṡ off by {drift:.2e}, {:?}",
-        S::NAME,
-        strain - 1.0,
-        integrator.newton.counts
-    );
-    (round, drift)
+    assert!(drifts[2] < 1e-4 && drifts.windows(2).all(|pair| pair[1] < 0.4 * pair[0]));
 }
 
 fn running_ring_stays_round<S: Case>() {
+    let run = |elements: usize, steps: usize| {
+        let found = running_ring::<S>(elements, steps);
+        println!(
+            "{}, {elements} elements: mean strain off by {:.2e}, shape by {:.2e}, ṡ by {:.2e}, {:?}",
+            S::NAME,
+            found.strain,
+            found.shape,
+            found.drift,
+            found.counts
+        );
+        found
+    };
     if lagrangian(&S::system(solid(), band_circle(), FEW)) {
         // Every node runs around: what slows it down is the integrator's damping of a turn, of order 3.
-        let errors = [400, 800, 1600].map(|steps| running_ring::<S>(40, steps));
-        let observed = orders(&errors.map(|(_, drift)| drift), 2.0);
+        let runs = [400, 800, 1600].map(|steps| run(40, steps));
+        let observed = orders(&runs.each_ref().map(|run| run.drift), 2.0);
         assert!(observed.iter().all(|&order| order > 2.5), "{observed:?}");
-        assert!(errors[2].0 < 2e-6, "{errors:?}");
+        assert!(runs[2].shape < 2e-6);
     } else {
         // Nothing moves on this mesh.
-        let errors = [10, 20, 40].map(|elements| running_ring::<S>(elements, 0).0);
+        let errors = [10, 20, 40].map(|elements| run(elements, 0).shape);
         assert!(
             errors[2] < 1e-9 && errors.windows(2).all(|e| e[1] < 0.07 * e[0] || e[1] < 1e-13),
             "{errors:?}"
@@ -394,102 +252,41 @@ fn running_ring_stays_round<S: Case>() {
     }
 }
 
-/// Frequency of the first bending mode of a free ring on a circle, rad/s.
-fn free_ring_mode<S: Case>(ring: &Ring, elements: usize, near: f64) -> f64 {
-    let system = S::system(ring.clone(), band_circle(), elements);
-    let mut rest = system.rest(0.0);
-    system.settle(&mut rest, 0.5 / near, 20).expect("a balance");
-    mode(&system, &rest, near).0
-}
-
 /// A free thin ring: f_2 = 9.534 Hz within 0.5 % at 40 elements and converging.
 fn free_ring_frequency<S: Case>() {
-    let ring = band(0.185e-3);
-    let exact = thin_ring_frequency(&ring, BAND_LENGTH / TAU);
+    let exact = thin_ring_frequency(&band(0.185e-3), BAND_LENGTH / TAU);
     assert!((exact - 9.534).abs() < 1e-3);
-    let errors: Vec<f64> = [20, 40, 80, 160]
-        .iter()
-        .map(|&n| free_ring_mode::<S>(&ring, n, 1.01 * TAU * exact) / (TAU * exact) - 1.0)
-        .collect();
+    let errors = [20, 40, 80, 160].map(thin_band_error::<S>);
     println!(
         "{}, 20 to 160 elements: off by {}; orders {:.2?}",
         S::NAME,
         list(&errors),
-        orders(&errors.iter().map(|e| e.abs()).collect::<Vec<_>>(), 2.0)
+        orders(&errors.map(f64::abs), 2.0)
     );
     assert!(errors[1].abs() < 5e-3 && errors[3].abs() < 1e-4);
     assert!(errors.windows(2).all(|e| e[1].abs() < e[0].abs().max(5e-5)));
 }
 
-/// Frequency of the large oscillation from the two-arc shape at rest, Hz, and the energy's largest drift.
-fn large_oscillation<M: RingModel>(mut system: RingSystem<M>, tolerance: f64) -> (f64, f64) {
-    system.tolerance = tolerance;
-    let mut state = system.rest_on(0.0, &two_arc());
-    let laid = system.energy(state.view());
-    system.settle(&mut state, 1.0e-5, 20).expect("a balance");
-    println!("laid on {laid:?}, settled {:?}", system.energy(state.view()));
-    let start = system.energy(state.view()).total();
-    let mut integrator = Sdirk::new(&system, 1.0e-6, 1.0e-2);
-    let (mut before, mut crossings, mut t) = (ovality(&system, &state), Vec::new(), 0.0);
-    let mut drift = 0.0_f64;
-    while crossings.len() < 3 && t < 0.2 {
-        run(&mut system, &mut integrator, &mut state, t, t + 1.0e-3);
-        let now = ovality(&system, &state);
-        if before * now < 0.0 {
-            crossings.push(t + 1.0e-3 * before / (before - now));
-        }
-        (before, t) = (now, t + 1.0e-3);
-        drift = drift.max((system.energy(state.view()).total() / start - 1.0).abs());
-    }
-    let frequency = 1.0 / (crossings[2] - crossings[0]);
-    println!(
-        "{frequency:.3} Hz; first quarter {:.2} Hz; energy drift {drift:.1e}; {:?}",
-        0.25 / crossings[0],
-        integrator.newton.counts
-    );
-    (frequency, drift)
-}
-
 fn two_arc_oscillation<S: Case>() {
     let system = S::system(band(0.185e-3), band_circle(), S::ELEMENTS);
-    let (dofs, nonlinear) = (system.degrees_of_freedom(), lagrangian(&system));
-    assert_eq!(dofs, 160);
-    let (frequency, _) = large_oscillation(system, 1.0e-4);
-    println!("{}, {} elements: {frequency:.3} Hz", S::NAME, S::ELEMENTS);
-    if nonlinear {
+    assert_eq!(system.degrees_of_freedom(), 160);
+    let Swing {
+        frequency,
+        first_quarter,
+        drift,
+        counts,
+    } = two_arc_swing::<S>(1.0e-4);
+    println!(
+        "{}, {} elements: {frequency:.3} Hz; first quarter {first_quarter:.2} Hz; energy drift {drift:.1e}; {counts:?}",
+        S::NAME,
+        S::ELEMENTS
+    );
+    if lagrangian(&system) {
         assert!((frequency - 9.23).abs() < 0.05, "{frequency}");
     } else {
         // The linear curvature measure makes a large deflection from a circle swing too slowly: reported, not judged.
         assert!((8.0..9.3).contains(&frequency), "{frequency}");
     }
-}
-
-/// A free band of `thickness` in its first bending mode, `amplitude` in units of the radius; with its frequency, rad/s.
-fn swinging_band<S: Case>(
-    thickness: f64,
-    amplitude: f64,
-) -> (RingSystem<S::Model<pushbelt::reference_curve::Circle>>, State, f64) {
-    let ring = band(thickness);
-    let near = 1.01 * TAU * thin_ring_frequency(&ring, BAND_LENGTH / TAU);
-    let system = S::system(ring, band_circle(), 40);
-    let mut state = system.rest(0.0);
-    system.settle(&mut state, 0.5 / near, 20).expect("a balance");
-    let (omega, shape) = mode(&system, &state, near);
-    let mut moving = state.clone();
-    moving.y.copy_from_slice(&shape);
-    let largest = (0..40)
-        .map(|i| system.particle(moving.view(), i, -1.0).velocity.norm())
-        .fold(0.0, f64::max);
-    let scale = amplitude * BAND_LENGTH / TAU * omega / largest;
-    state.y.iter_mut().zip(&shape).for_each(|(y, x)| *y = scale * x);
-    (system, state, omega)
-}
-
-/// Places of the nodes, m.
-fn nodes<M: RingModel>(system: &RingSystem<M>, view: View<'_>) -> Vec<Vector2<f64>> {
-    (0..system.model.elements())
-        .map(|i| system.particle(view, i, -1.0).r)
-        .collect()
 }
 
 /// The same mode in time: after whole periods it has its first velocities again.
@@ -511,25 +308,9 @@ fn free_ring_swings_at_its_frequency<S: Case>() {
 
 /// Frequencies of a ring whose membrane is soft enough not to decide.
 fn order_in_space<S: Case>() {
-    let radius = BAND_LENGTH / TAU;
-    let thin = band(0.185e-3);
-    let ring = Ring {
-        axial_stiffness: 10.0 * thin.bending_stiffness / (radius * radius),
-        ..thin
-    };
-    let near = 0.9 * TAU * thin_ring_frequency(&ring, radius);
-    frequencies_converge::<S>(
-        &ring,
-        near,
-        [12, 24, 48].map(|n| if S::ORDER < 3.0 { 2 * n } else { n }),
-        S::ORDER,
-    );
-}
-
-fn frequencies_converge<S: Case>(ring: &Ring, near: f64, ladder: [usize; 3], order: f64) {
-    let exact = free_ring_mode::<S>(ring, 8 * ladder[2], near);
-    let errors = ladder.map(|n| (free_ring_mode::<S>(ring, n, near) / exact - 1.0).abs());
-    assert_order(&format!("{}, frequency", S::NAME), &errors, order);
+    let (ring, near) = soft_membrane();
+    let errors = frequency_errors::<S>(&ring, near, space_ladder::<S>());
+    assert_order(&format!("{}, frequency", S::NAME), &errors, S::ORDER);
 }
 
 /// With one strain an element the membrane does not lock: a thin band's frequencies have the order of bending, 4, from the
@@ -538,22 +319,14 @@ fn frequencies_converge<S: Case>(ring: &Ring, near: f64, ladder: [usize; 3], ord
 fn co_rotational_bending_has_order_four() {
     let ring = band(0.185e-3);
     let near = 1.01 * TAU * thin_ring_frequency(&ring, BAND_LENGTH / TAU);
-    frequencies_converge::<crate::common::CoRotational>(&ring, near, [10, 20, 40], 4.0);
+    let errors = frequency_errors::<CoRotational>(&ring, near, [10, 20, 40]);
+    assert_order("RCM, bending alone", &errors, 4.0);
 }
 
 /// The integrator's order 2 on rings with a thick and a thin membrane.
 fn order_in_time<S: Case>() {
     for thickness in [5.0e-3, 0.185e-3] {
-        let shape = |steps: f64| {
-            let (mut system, mut state, omega) = swinging_band::<S>(thickness, 1.0e-2);
-            let period = TAU / omega;
-            let mut integrator = fixed_steps(&mut system, period / steps);
-            run(&mut system, &mut integrator, &mut state, 0.0, 1.2 * period);
-            nodes(&system, state.view())
-        };
-        let exact = shape(3000.0);
-        let off = |q: &[Vector2<f64>]| q.iter().zip(&exact).fold(0.0_f64, |a, (x, y)| a.max((x - y).norm()));
-        let errors: Vec<f64> = [50.0, 100.0, 200.0].map(|steps| off(&shape(steps))).to_vec();
+        let errors = time_errors::<S>(thickness, [50.0, 100.0, 200.0]);
         assert_order(&format!("{}, band of {thickness} m", S::NAME), &errors, 2.0);
     }
 }

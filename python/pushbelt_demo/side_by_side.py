@@ -1,0 +1,65 @@
+"""Simulations side by side in processes of their own, with one progress bar for all."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from typing import Any
+
+from tqdm import tqdm
+
+Call = tuple[Callable[..., Any], tuple[Any, ...]]
+"""A function of a module and its arguments."""
+
+_ticks: Any = None
+"""In a worker: where it reports progress."""
+
+
+def _prepare_worker(ticks: Any) -> None:
+    global _ticks
+    _ticks = ticks
+
+
+def tick(amount: float) -> None:
+    """Called in a worker: so much is done."""
+    _ticks.put(amount)
+
+
+def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -> list[Any]:
+    """Results of the calls, in their order; they start in this order too. The first failure is raised at once.
+
+    `total` is what all calls of `tick` add up to; at most `workers` processes and one a processor work at a time.
+    """
+    context = multiprocessing.get_context("spawn")
+    ticks = context.Queue()
+    with (
+        tqdm(
+            total=total,
+            disable=None,
+            desc=title,
+            bar_format="  {desc} {bar:32} {percentage:3.0f} % [{elapsed}<{remaining}]",
+        ) as bar,
+        ProcessPoolExecutor(max(1, min(os.cpu_count() or 1, workers)), context, _prepare_worker, (ticks,)) as pool,
+    ):
+        futures = [pool.submit(function, *arguments) for function, arguments in calls]
+        try:
+            _follow(futures, ticks, bar.update)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        return [future.result() for future in futures]
+
+
+def _follow(futures: list[Future[Any]], ticks: Any, update: Callable[[float], object]) -> None:
+    """Waits for all, passing progress on; the first failure is raised at once."""
+    waiting = set(futures)
+    while waiting:
+        finished, waiting = wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED)
+        while not ticks.empty():
+            update(ticks.get())
+        for future in finished:
+            future.result()
+    while not ticks.empty():
+        update(ticks.get())

@@ -1,0 +1,148 @@
+"""The report on the paper: following an element, means over a part of a run, reading the tests of rings; and all of it, short."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+
+from pushbelt_demo.geometry import TwoPulleyCurve  # noqa: E402
+from pushbelt_demo.results import LoadCase, Trace  # noqa: E402
+from pushbelt_paper import __main__, cases, report, tracer  # noqa: E402
+from pushbelt_paper.results import Times, Window  # noqa: E402
+from pushbelt_paper.runs import FULL, SHORT  # noqa: E402
+
+CURVE = TwoPulleyCurve(0.168, 0.703, -0.4)
+OFFSET = 1e-3
+
+
+# One element
+
+
+def test_a_revolution_takes_the_pitch_line_over_the_speed() -> None:
+    speed = 7.0
+    turn = (CURVE.length - 2.0 * math.pi * OFFSET) / speed
+    time = np.linspace(0.0, turn, 301)
+    start = CURVE.borders[2]
+    path = tracer.follow(CURVE, OFFSET, time, np.full_like(time, speed), start)
+    assert path.xi[0] == pytest.approx(start)
+    assert path.xi[-1] == pytest.approx(start + CURVE.length)
+    assert np.all(np.diff(path.xi) > 0.0)
+
+
+def test_an_element_gains_on_the_centre_line_of_an_arc() -> None:
+    time, speed = np.linspace(0.0, 1e-3, 11), np.full(11, 5.0)
+    _, s_end, p_start, *_ = CURVE.borders
+    for start, radius in ((0.0, CURVE.secondary_radius), (p_start, CURVE.primary_radius)):
+        path = tracer.follow(CURVE, OFFSET, time, speed, start)
+        assert path.xi[-1] - start == pytest.approx(5e-3 * radius / (radius - OFFSET))
+    on_strand = tracer.follow(CURVE, OFFSET, time, speed, s_end)
+    assert on_strand.xi[-1] - s_end == pytest.approx(5e-3)
+
+
+def test_an_element_meets_the_field_at_its_place_and_time() -> None:
+    position = CURVE.length * np.arange(72) / 72
+    time = np.linspace(0.0, 0.2, 201)
+    path = tracer.follow(CURVE, OFFSET, time, 7.0 + 20.0 * time, 0.0)
+    wave = np.sin(2.0 * np.pi * (position[None, :] / CURVE.length)) * (1.0 + time[:, None])
+    met = tracer.along(path, position, wave, CURVE.length)
+    assert met == pytest.approx(np.sin(2.0 * np.pi * path.xi / CURVE.length) * (1.0 + time), abs=2e-3)
+
+
+# A part of a run
+
+
+def window(**columns: list[float]) -> Window:
+    time = np.linspace(0.0, 1.0, len(next(iter(columns.values()))))
+    nothing = np.zeros((len(time), 72))
+    return Window(
+        Trace(time, {name: np.array(v, dtype=float) for name, v in columns.items()}), nothing, nothing, nothing[0]
+    )
+
+
+def test_means_are_over_time_and_ratios_are_of_means() -> None:
+    part = window(
+        **{
+            "primary.axialForce": [10.0, 20.0, 30.0],
+            "secondary.axialForce": [5.0, 10.0, 15.0],
+            "primary.power": [100.0, 200.0, 100.0],
+            "secondary.power": [-90.0, -190.0, -90.0],
+            "loss.total": [10.0, 10.0, 10.0],
+        }
+    )
+    assert part.thrust_ratio == pytest.approx(2.0)
+    assert part.efficiency == pytest.approx(140.0 / 150.0)
+    assert part.efficiency_from_losses == pytest.approx(part.efficiency)
+    assert part.change == pytest.approx(0.0)
+
+
+def test_ripple_ignores_a_trend() -> None:
+    time = np.linspace(0.0, 1.0, 1001)
+    part = window(force=list(100.0 + 20.0 * time + 3.0 * np.sin(200.0 * np.pi * time)))
+    assert part.ripple("force") == pytest.approx(3.0 / math.sqrt(2.0) / 110.0, rel=1e-2)
+
+
+def test_times_are_summed_up_by_median_and_spread() -> None:
+    times = Times((1.0, 1.5, 1.2), (0.1, 0.1, 0.1), 0.05)
+    assert (times.median, times.spread) == pytest.approx((1.2, 0.5 / 1.2))
+
+
+def test_the_load_swings_below_that_of_the_case() -> None:
+    loads = [cases.wave(-50.0, k / (40.0 * cases.WAVE_FREQUENCY)) for k in range(41)]
+    assert (min(loads), max(loads)) == pytest.approx((-50.0, -50.0 * (1.0 - cases.WAVE_DEPTH)))
+    assert loads[0] == loads[-1] == pytest.approx(-50.0)
+
+
+def test_the_chosen_case_is_looked_at_all_the_way_round() -> None:
+    chosen, other = LoadCase("underdrive", -0.4, 30.0, 6000.0), LoadCase("medium", 0.0, 30.0, 6000.0)
+    assert FULL.effort_of(chosen).looking == 1.0 > FULL.effort_of(other).looking
+    assert SHORT.effort_of(chosen) == SHORT.effort
+
+
+def test_numbers_are_brief() -> None:
+    assert report.brief(0.0) == "0"
+    assert report.brief(-9.5344) == "−9.5344"
+    assert report.brief(3.2e-10) == "3.2·10⁻¹⁰"
+
+
+# All of it
+
+
+@pytest.fixture(scope="session")
+def rings_program() -> Path:
+    """The example for rings alone, compiled as `cargo test` does."""
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("CARGO_PKG_", "CARGO_MANIFEST_"))}
+    command = ["cargo", "build", "--package", "pushbelt", "--example", "paper_rings", "--message-format=json"]
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
+    messages = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    programs = [
+        m["executable"] for m in messages if m.get("target", {}).get("name") == "paper_rings" and m["executable"]
+    ]
+    return Path(programs[-1])
+
+
+def test_short_run_writes_report_and_tables(fmu: Path, rings_program: Path, tmp_path: Path) -> None:
+    arguments = ["--fmu", fmu, "--rings", rings_program, "--output", tmp_path, "--short"]
+    assert __main__.main([str(argument) for argument in arguments]) == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert 'src="http' not in page and 'href="http' not in page
+    for section in ("choose", "statements", "rings", "variator", "times", "how"):
+        assert f'<h2 id="{section}">' in page
+    for table in ("8ab", "8c", "8d", "9"):
+        assert len((tmp_path / f"figure-{table}.csv").read_text(encoding="utf-8").splitlines()) > 1
+    from pushbelt_paper import rings
+
+    found = rings.read(tmp_path / "rings")
+    assert [check for check in found.checks if check.passed is False] == []
+    assert {check.number for check in found.checks} >= {"1", "2", "3", "4", "5"}
+    drift = found.motions["6", "ALE0"].drift
+    assert np.abs(drift).max() < 1e-9
