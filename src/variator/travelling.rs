@@ -532,10 +532,9 @@ impl VariatorSystem {
         }
         let mut memory = std::mem::take(&mut self.passing_slopes);
         memory.resize(self.mesh.cells.len(), CellSlopes::default());
-        for cell in 0..self.mesh.cells.len() {
+        for (cell, of_cell) in memory.iter_mut().enumerate() {
             let pulley = self.mesh.cells[cell].pulley;
             let under = self.under(&frame, cell, s);
-            let of_cell = &mut memory[cell];
             of_cell.count = under.directions(&self.layout, cell, pulley, &mut of_cell.at);
             let CellSlopes {
                 at,

@@ -5,5 +5,6 @@
 mod ale;
 mod common;
 mod drive;
+#[allow(dead_code, reason = "the report on the paper uses the rest")]
 mod measure;
 mod models;
