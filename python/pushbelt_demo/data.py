@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .geometry import Array, TwoPulleyCurve
+from .geometry import Array, TwoPulleyCurve, theta_of
 from .results import LoadCase, SteadyState
 
 RESOURCES = Path(__file__).parents[2] / "resources"
@@ -41,6 +41,15 @@ def curve_at(parameters: Mapping[str, float], state: SteadyState) -> TwoPulleyCu
 def clamping_force(torque: float, friction: float, wedge_angle: float, pitch_radius: float) -> float:
     """Secondary clamping force, N, with a safety of 1.3 against slip on P: 1.3 T_P cosβ/(2 μ r_P), at least 6 kN."""
     return max(1.3 * torque * np.cos(wedge_angle) / (2.0 * friction * pitch_radius), 6000.0)
+
+
+def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
+    """Primary torque at which the belt slips through on S, 2 μ r_P F_S/cosβ, N·m: torque utilisation 1.
+
+    The pitch radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N.
+    """
+    pitch_radius = curve_of(parameters, theta_of(ratio)).primary_radius - parameters["belt.pitchOffset"]
+    return 2.0 * parameters["friction.pulley"] * force * pitch_radius / np.cos(parameters["geometry.wedgeAngle"])
 
 
 def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:

@@ -110,8 +110,8 @@ def steady_state(
             instances.close()
             unit = instances.enter_context(Variator(archive, {**held, "secondary.torque": load}))
             unit.initialise()
-            if not_steady := [warning for warning in unit.warnings if "steady state" in warning]:
-                raise NotFoundError(f"at a load torque of {load:.4g} N·m the FMU says: {not_steady[0]}")
+            if unit.not_steady:
+                raise NotFoundError(f"at a load torque of {load:.4g} N·m the FMU says: {unit.not_steady}")
             return unit
 
         unit: Variator

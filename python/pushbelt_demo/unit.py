@@ -11,8 +11,7 @@ from typing import Any
 
 import fmpy
 import numpy as np
-from fmpy import fmi2
-from fmpy.logging import addLoggerProxy
+from fmpy import fmi2, logging
 
 from .geometry import Array
 from .results import Profile
@@ -21,6 +20,8 @@ TORQUE_DRIVE, SPEED_DRIVE = 1, 2
 """Values of `primary.drive` and `secondary.drive`."""
 CLAMPED, HELD = 1, 2
 """Values of `primary.axial` and `secondary.axial`."""
+RING_MODELS = {"ALE0": 1, "ALE": 2}
+"""Values of `ring.model`."""
 
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
@@ -45,12 +46,12 @@ class Archive:
     description: Any
 
     @classmethod
-    def unpack(cls, fmu: Path) -> Archive:
-        """Unpacks an FMU to a temporary directory."""
-        return cls(Path(fmpy.extract(str(fmu))), fmpy.read_model_description(str(fmu)))
+    def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
+        """Unpacks an FMU to a directory, or to a temporary one."""
+        return cls(Path(fmpy.extract(str(fmu), directory)), fmpy.read_model_description(str(fmu)))
 
     def remove(self) -> None:
-        """Removes the temporary directory."""
+        """Removes the directory."""
         shutil.rmtree(self.directory, ignore_errors=True)
 
 
@@ -75,7 +76,7 @@ class Variator:
         self._errors: list[str] = []
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._hear)
-        addLoggerProxy(ctypes.byref(self._callbacks))
+        logging.addLoggerProxy(ctypes.byref(self._callbacks))
         self._slave = fmi2.FMU2Slave(
             guid=description.guid,
             unzipDirectory=str(archive.directory),
@@ -84,22 +85,37 @@ class Variator:
         )
         self._call(self._slave.instantiate, callbacks=self._callbacks)
         try:
-            self._call(self._slave.setupExperiment, startTime=0.0)
-            self.set(start_values)
+            self._set_up(start_values)
         except UnitError:
-            self._free()
+            self.free()
             raise
 
     def __enter__(self) -> Variator:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._free()
+        self.free()
+
+    def restart(self, start_values: Mapping[str, float]) -> None:
+        """Back to where a new instance with these start values stands: nothing else of the past is left."""
+        self._call(self._slave.reset)
+        self.warnings.clear()
+        self.time = 0.0
+        self._set_up(start_values)
+
+    def _set_up(self, start_values: Mapping[str, float]) -> None:
+        self._call(self._slave.setupExperiment, startTime=0.0)
+        self.set(start_values)
 
     def initialise(self) -> None:
         """Finds the state to start from."""
         self._call(self._slave.enterInitializationMode)
         self._call(self._slave.exitInitializationMode)
+
+    @property
+    def not_steady(self) -> str | None:
+        """What the FMU says of a steady state that it did not find and started elsewhere; none if it found it."""
+        return next((warning for warning in self.warnings if "steady state" in warning), None)
 
     def step_to(self, time: float) -> None:
         """Advances to a time, s, with the inputs as last set."""
@@ -166,7 +182,8 @@ class Variator:
         elif status > fmi2.fmi2Warning:
             self._errors.append(text)
 
-    def _free(self) -> None:
+    def free(self) -> None:
+        """Frees the instance; it can't be used any more."""
         self._slave.freeInstance()
 
 

@@ -8,10 +8,9 @@ import sys
 import time
 from pathlib import Path
 
-from pushbelt_demo.unit import UnitError
+from pushbelt_demo.unit import RING_MODELS, UnitError
 
 from . import report, runs
-from .simulate import RING_MODELS
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 from pushbelt_demo.data import parameter_set
 from pushbelt_demo.geometry import Array
 from pushbelt_demo.results import Profile, SteadyState
-from pushbelt_demo.unit import Archive, UnitError, Variator
+from pushbelt_demo.unit import RING_MODELS, Archive, UnitError, Variator
 
 from .car import Car, Powertrain
 from .control import ClampingStrategy, Friction, Measured, RatioControl, SafetyFactor, SlipControl
@@ -24,7 +24,6 @@ STEP = 0.01
 """Communication and control step, s."""
 RATIO_LIMITS = 0.46, 2.2
 """Ratios that the strategy asks for."""
-RING_MODELS = {"ALE0": 1, "ALE": 2}
 MESHES: Mapping[str, Mapping[str, float]] = {
     "coarse": {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4, "solver.tolerance": 1e-3},
     "default": {},

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from pushbelt_demo.data import curve_of
-from pushbelt_demo.geometry import Array, theta_of
+from pushbelt_demo.data import torque_capacity
+from pushbelt_demo.geometry import Array
 from pushbelt_demo.unit import Archive, UnitError, Variator
 
 RATIOS = (0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2)
@@ -98,9 +98,7 @@ def map_key(fmu: Path, parameters: Parameters) -> str:
 
 def torque_at(parameters: Parameters, ratio: float, utilisation: float) -> float:
     """Primary torque of a utilisation under the map's clamping force, N·m."""
-    radius = curve_of(parameters, theta_of(ratio)).primary_radius - parameters["belt.pitchOffset"]
-    friction, wedge = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
-    return utilisation * 2.0 * friction * FORCE * radius / math.cos(wedge)
+    return utilisation * torque_capacity(parameters, ratio, FORCE)
 
 
 def _start(archive: Archive, parameters: Parameters, ratio: float, torque: float) -> Variator:
@@ -127,7 +125,7 @@ def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array,
         wanted = torque_at(parameters, ratio, utilisation)
         try:
             with _start(archive, parameters, ratio, wanted) as unit:
-                state, steady = unit.outputs(), not any("steady state" in text for text in unit.warnings)
+                state, steady = unit.outputs(), unit.not_steady is None
         except UnitError:
             continue
         if steady and not state["macroSlip"]:

@@ -1,0 +1,18 @@
+"""The progress bar of long computations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tqdm import tqdm
+
+
+def progress_bar(total: int, description: str, done: int = 0) -> Any:
+    """A bar with the time left, on a terminal only; `done` of `total` were there before."""
+    return tqdm(
+        total=total,
+        initial=done,
+        disable=None,
+        desc=description,
+        bar_format="  {desc} {bar:32} {percentage:3.0f} % [{elapsed}<{remaining}{postfix}]",
+    )
