@@ -12,7 +12,7 @@ from pathlib import Path
 from pushbelt_demo.progress import progress_bar
 from pushbelt_demo.unit import RING_MODELS
 
-from . import measure, report
+from . import measure
 from .cluster import ClusterError
 from .run import Progress, sweep
 from .store import Store, write_parquet
@@ -69,6 +69,9 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _run(study: Study, options: argparse.Namespace) -> int:
+    # Processes of a local cluster import this module, but need not wait for matplotlib.
+    from . import report
+
     store = Store(options.output, study)
     if options.anew:
         store.clear()

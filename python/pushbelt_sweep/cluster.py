@@ -10,7 +10,7 @@ from typing import Any
 
 import cloudpickle
 import pushbelt_demo
-from distributed import Client, KilledWorker, LocalCluster, as_completed, get_worker
+from distributed import CancelledError, Client, Future, KilledWorker, LocalCluster, as_completed, get_worker
 
 from . import point, worker
 from .point import Row, failure
@@ -18,6 +18,8 @@ from .worker import Chunk, UnitPlugin
 
 POLL = 0.1
 """How often finished chunks are asked for, s."""
+CONNECT_TIMEOUT = 10.0
+"""How long a scheduler may take to answer, s."""
 WORKERS_TIMEOUT = 60.0
 """How long a cluster may take to have its first worker, s."""
 
@@ -39,7 +41,7 @@ def connect(scheduler: str | None, workers: int | None) -> Iterator[Client]:
                     n_workers=workers, threads_per_worker=1, memory_limit=0, dashboard_address=":0", silence_logs="ERROR"
                 )
                 scheduler = stack.enter_context(local)
-            client = stack.enter_context(Client(scheduler, timeout=WORKERS_TIMEOUT))
+            client = stack.enter_context(Client(scheduler, timeout=CONNECT_TIMEOUT))
             client.wait_for_workers(1, timeout=WORKERS_TIMEOUT)
         except (OSError, TimeoutError) as error:
             raise ClusterError(f"{scheduler}: {error or 'no worker'}") from error
@@ -108,24 +110,28 @@ def rows(
 WORKER_LOST = "the worker process died, several times over"
 
 
-def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[Any]:
+def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[Future]:
+    """Futures as they finish or fail for good."""
     while not futures.is_empty():
         waiting()
-        if futures.has_ready():
-            yield from futures.next_batch(block=False)
-        else:
+        if not futures.has_ready():
             time.sleep(POLL)
+            continue
+        for future in futures.next_batch(block=False):
+            # A worker that dies with a result nobody has fetched takes it along: it is on its way again.
+            if future.status in ("pending", "lost"):
+                futures.add(future)
+            else:
+                yield future
 
 
-def _result(future: Any) -> list[Row] | None:
+def _result(future: Future) -> list[Row] | None:
     """Rows of a chunk; none if it lost too many workers."""
-    if future.status not in ("finished", "error"):
-        raise ClusterError("the connection to the scheduler is lost")
-    if future.status == "finished":
-        result = future.result()
-        future.release()
-        return result
-    error = future.exception()
-    if isinstance(error, KilledWorker):
+    try:
+        return future.result()
+    except KilledWorker:
         return None
-    raise error
+    except CancelledError as error:
+        raise ClusterError("the connection to the scheduler is lost") from error
+    finally:
+        future.release()

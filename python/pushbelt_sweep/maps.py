@@ -64,34 +64,36 @@ def in_rpm(speed: float) -> float:
 
 
 def maps(results: Results, quantity: Quantity, force: int) -> Figure:
-    """Maps of a quantity at the clamping force of that index: a row of panels a friction, a column a speed."""
+    """Maps of a quantity at the clamping force of that index, one a friction and speed. More of them lie side by side."""
     grid = results.grid
     values = quantity.scale * results[quantity.column][force]
+    slipping = results["macroSlip"][force] > 0.0
     if quantity.column == "slip":
         values = np.abs(values)
+    down, across = [f"μ = {friction:g}" for friction in grid.friction], [f"{in_rpm(w):.0f} rpm" for w in grid.speed]
+    if len(down) > len(across):
+        values, slipping = np.swapaxes(values, 0, 1), np.swapaxes(slipping, 0, 1)
+        down, across = across, down
     levels = _levels(quantity, values)
     colours = plt.get_cmap("viridis")
-    rows, columns = len(grid.friction), len(grid.speed)
+    rows, columns = len(down), len(across)
     with plt.rc_context(STYLE):
         figure, panels = plt.subplots(
             rows,
             columns,
-            figsize=(2.35 * columns + 2.2, 2.15 * rows + 0.9),
+            figsize=(2.45 * columns + 1.4, 2.15 * rows + 0.5),
             sharex=True,
             sharey=True,
             squeeze=False,
             layout="constrained",
         )
-        for m, friction in enumerate(grid.friction):
-            for n, speed in enumerate(grid.speed):
-                axes = panels[m, n]
-                _panel(axes, grid, values[m, n], results["macroSlip"][force, m, n] > 0.0, levels, colours)
-                if m == 0:
-                    axes.set_title(f"{in_rpm(speed):.0f} rpm")
-                if m == rows - 1:
-                    axes.set_xlabel("ratio $r_S/r_P$")
-                if n == 0:
-                    axes.set_ylabel(f"$\\mathbf{{\\mu}}$ $\\mathbf{{= {friction:g}}}$\ntorque utilisation")
+        for m, n in np.ndindex(rows, columns):
+            _panel(panels[m, n], grid, values[m, n], slipping[m, n], levels, colours)
+            panels[m, n].set_title(f"{down[m]}, {across[n]}" if rows > 1 or columns > 1 else "")
+        for axes in panels[-1]:
+            axes.set_xlabel("ratio $r_S/r_P$")
+        for axes in panels[:, 0]:
+            axes.set_ylabel("torque utilisation")
         shown = plt.cm.ScalarMappable(BoundaryNorm(levels, colours.N, extend="both"), colours)
         bar = figure.colorbar(shown, ax=panels, shrink=min(1.0, 1.6 / rows), aspect=32, pad=0.015, ticks=levels)
         bar.ax.set_yticklabels([f"{level:g}" for level in levels])
@@ -125,9 +127,15 @@ def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: 
         axes.contour(ratio, utilisation, field, levels, colors="white", linewidths=0.4, alpha=0.6)
     places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
     missing = ~np.isfinite(values)
-    axes.plot(*places[:, ~missing & ~slipping], ".", color="white", markersize=1.2, alpha=0.8)
-    axes.plot(*places[:, slipping & ~missing], "o", color=INK, fillstyle="none", markersize=2.8, markeredgewidth=0.6)
-    axes.plot(*places[:, missing], "x", color=RED, markersize=3.2, markeredgewidth=0.8)
+    marks = (
+        (~missing & ~slipping, {"marker": ".", "color": "white", "markersize": 1.2, "alpha": 0.8}),
+        (~missing & slipping, {"marker": "o", "color": INK, "fillstyle": "none", "markersize": 2.8}),
+        (missing, {"marker": "x", "color": RED, "markersize": 3.2}),
+    )
+    for where, mark in marks:
+        if where.any():
+            # Not clipped: many lie on the border.
+            axes.plot(*places[:, where], linestyle="", markeredgewidth=0.7, clip_on=False, **mark)
     axes.set_xscale("log")
     axes.set_xticks(RATIO_TICKS, [f"{tick:g}" for tick in RATIO_TICKS])
     axes.minorticks_off()
@@ -135,8 +143,6 @@ def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: 
     for axis, limits in ((ratio, axes.set_xlim), (utilisation, axes.set_ylim)):
         if len(axis) > 1:
             limits(axis[0], axis[-1])
-    for line in axes.lines:
-        line.set_clip_on(False)
 
 
 def cuts(results: Results, force: int, friction: int, speed: int) -> Figure:
@@ -149,12 +155,13 @@ def cuts(results: Results, force: int, friction: int, speed: int) -> Figure:
             values = quantity.scale * results[quantity.column][force, friction, speed]
             for ratio, colour, line in zip(grid.ratio, colours, values, strict=True):
                 axes.plot(grid.utilisation, line, ".-", color=colour, linewidth=1.1, markersize=4, label=f"{ratio:.3g}")
+            # A belt that slips through would leave no room for the others.
+            carried = values[results["macroSlip"][force, friction, speed] == 0.0]
+            if carried.size:
+                margin = 0.08 * np.ptp(carried) + 0.01
+                axes.set_ylim(carried.min() - margin, carried.max() + margin)
             name = f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name
             axes.set(title=name[0].upper() + name[1:], xlabel="torque utilisation")
-        found = results["slip"][force, friction, speed]
-        carried = 100.0 * np.abs(found[np.isfinite(found) & (results["macroSlip"][force, friction, speed] == 0.0)])
-        if carried.size:
-            panels[-1].set_ylim(min(0.0, panels[-1].get_ylim()[0]), 1.2 * carried.max() + 0.1)
         figure.legend(
             *panels[0].get_legend_handles_labels(),
             title="ratio",

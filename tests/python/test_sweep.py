@@ -1,0 +1,449 @@
+"""Parameter studies: their parts as pure functions, then the FMU on clusters that lose workers and clients."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+
+import dask  # noqa: E402
+from pushbelt_demo.unit import Archive, UnitError, Variator  # noqa: E402
+from pushbelt_sweep import Grid, Progress, Study, checks, cluster, maps, sweep  # noqa: E402
+from pushbelt_sweep.point import Point, Row, failure, start_values  # noqa: E402
+from pushbelt_sweep.run import chunks  # noqa: E402
+from pushbelt_sweep.store import METADATA, Store, table, with_metadata, write_parquet  # noqa: E402
+from pushbelt_sweep.study import AXES, DEFAULT, rpm, spread, variator  # noqa: E402
+from pushbelt_sweep.worker import Solver  # noqa: E402
+
+COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+PARAMETERS = variator("bench168", changes=COARSE)
+GRID = Grid(friction=(0.07, 0.09), speed=(200.0,), ratio=(0.8, 1.0, 1.25), utilisation=(0.3, 0.5, 0.7, 1.2))
+"""24 points; a utilisation of 1.2 is beyond what the belt carries."""
+
+
+@pytest.fixture(scope="module")
+def study(fmu: Path) -> Study:
+    return Study(fmu, PARAMETERS, GRID)
+
+
+# Study
+
+
+def test_grid_numbers_its_points() -> None:
+    grid = Grid(force=(1e4, 2e4), friction=(0.1,), speed=(100.0, 200.0), ratio=(0.5, 1.0), utilisation=(-0.5, 0.5, 1.0))
+    points = grid.points()
+    assert len(grid) == len(points) == math.prod(grid.shape) == 24
+    assert [point.index for point in points] == list(range(24))
+    assert len({dataclasses.replace(point, index=0) for point in points}) == 24
+    place = np.unravel_index(17, grid.shape)
+    assert [getattr(grid, name)[k] for name, k in zip(AXES, place, strict=True)] == [
+        getattr(points[17], name) for name in AXES
+    ]
+    assert points[1] == Point(1, 0.5, 0.5, 0.1, 100.0, 1e4)
+
+
+@pytest.mark.parametrize(
+    "values", [{"ratio": ()}, {"ratio": (1.0, 0.5)}, {"speed": (0.0, 10.0)}, {"utilisation": (0.1, math.inf)}]
+)
+def test_grid_refuses(values: dict) -> None:
+    with pytest.raises(ValueError, match=next(iter(values))):
+        Grid(**values)
+
+
+def test_axes_are_spread_evenly() -> None:
+    ratios = spread(0.45, 1.0 / 0.45, 13)
+    assert ratios[0] == 0.45
+    assert ratios[6] == pytest.approx(1.0, abs=1e-6)
+    assert np.ptp(np.diff(np.log(ratios))) < 1e-5
+    assert rpm(2000.0)[0] == pytest.approx(209.44, abs=1e-3)
+    assert len(DEFAULT) > 2000
+
+
+def test_a_point_sets_its_utilisation() -> None:
+    """2 μ r_P F_S/cosβ; r_P of the laboratory variator is 57 mm at ratio 1."""
+    values = start_values(PARAMETERS, Point(0, ratio=1.0, utilisation=-0.5, friction=0.08, speed=150.0, force=1e4))
+    radius = -values["primary.torque"] * math.cos(math.radians(11.0)) / (2.0 * 0.08 * 1e4 * 0.5)
+    assert radius == pytest.approx((0.703 - 2.0 * 0.168) / (2.0 * math.pi) - 1e-3)
+    assert values["friction.pulley"] == 0.08
+    assert values["secondary.speedSetpoint"] == 150.0
+    assert start_values(PARAMETERS, Point(0, 2.0, 1.0, 0.08, 150.0, 1e4))["secondary.speedSetpoint"] == 75.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"belt.colour": 1.0}, "no parameter belt.colour"),
+        ({"thrustRatio": 1.0}, "no parameter thrustRatio"),
+        ({"initial.ratio": 2.0}, "set these themselves: initial.ratio"),
+        ({"mesh.strand": 4.5}, "mesh.strand = 4.5"),
+        ({"belt.play": math.nan}, "belt.play"),
+    ],
+)
+def test_study_refuses(fmu: Path, changes: dict, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        Study(fmu, {**PARAMETERS, **changes}, GRID)
+
+
+def test_identity_is_that_of_the_results(study: Study, tmp_path: Path) -> None:
+    copy = Path(shutil.copy(study.fmu, tmp_path / "copy.fmu"))
+    assert Study(copy, dict(reversed(PARAMETERS.items())), GRID).identity == study.identity
+    with copy.open("ab") as file:
+        file.write(b"\0")
+    others = [
+        Study(copy, PARAMETERS, GRID),
+        Study(study.fmu, {**PARAMETERS, "belt.play": 3e-4}, GRID),
+        Study(study.fmu, PARAMETERS, dataclasses.replace(GRID, force=(1e4,))),
+    ]
+    assert len({study.identity, *(other.identity for other in others)}) == 4
+
+
+@pytest.mark.parametrize("size", [None, 1, 5])
+def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
+    finished = {0, 7, 23}
+    found = chunks(study, finished, size)
+    indices = [index for chunk in found for index, _ in chunk]
+    assert sorted(indices) == sorted(set(range(24)) - finished)
+    assert max(map(len, found)) <= (size or 24)
+    assert chunks(study, set(range(24))) == []
+    index, values = found[0][0]
+    assert values == study.start_values(study.grid.points()[index])
+
+
+# Store
+
+
+def made_up(study: Study) -> list[Row]:
+    """Steady states as one would wish them, the largest utilisation without."""
+    rows = []
+    for point in study.grid.points():
+        if point.utilisation > 1.0:
+            rows.append(failure(point.index, "beyond the capacity", 0.5))
+            continue
+        lost = 0.02 + 0.05 * (point.utilisation - 0.6) ** 2
+        row = {name: 1.0 for name in table(study, []).column_names}
+        for axis in AXES.values():
+            row.pop(axis.column)
+        row |= {
+            "point": point.index,
+            "primary.torque": study.start_values(point)["primary.torque"],
+            "thrustRatio": 1.5 - 0.8 * math.log(point.ratio) + 0.1 * point.utilisation,
+            "efficiency": 1.0 - lost,
+            "slip": 0.01 * point.utilisation**2,
+            "primary.power": 1e4,
+            "secondary.power": -1e4 * (1.0 - lost),
+            "loss.total": 1e4 * lost,
+            "drift": 1e-9,
+            "macroSlip": False,
+            "remarks": None,
+            "reason": None,
+            "time": 0.1,
+        }
+        rows.append(row)
+    return rows
+
+
+def test_store_keeps_whole_files_only(study: Study, tmp_path: Path) -> None:
+    rows = made_up(study)
+    store = Store(tmp_path, study)
+    store.add(rows[:5])
+    store.add(rows[5:8])
+    (store.folder / "points-8-9.parquet.77.partial").write_bytes(b"PAR1 and no more")
+    assert sorted(row["point"] for row in store.rows()) == list(range(8))
+    broken = store.folder / "points-5-7.parquet"
+    broken.write_bytes(broken.read_bytes()[:100])
+    again = Store(tmp_path, study)
+    assert sorted(row["point"] for row in again.rows()) == list(range(5))
+    again.add(rows[3:9])
+    assert sorted(row["point"] for row in again.rows()) == list(range(9))
+    assert table(study, again.rows()).equals(table(study, rows[:9]))
+    other = Store(tmp_path, dataclasses.replace(study, grid=dataclasses.replace(GRID, force=(1e4,))))
+    assert other.count() == 0
+    again.clear()
+    assert again.count() == 0
+
+
+def test_results_say_what_they_are(study: Study, tmp_path: Path) -> None:
+    path = tmp_path / "results.parquet"
+    write_parquet(with_metadata(study, table(study, made_up(study))), path)
+    found = pq.read_table(path)
+    assert found.num_rows == 24
+    units = {field.name: field.metadata[b"unit"].decode() for field in found.schema}
+    assert units["secondary.clampingForce"] == "N"
+    assert units["initial.primarySpeed"] == "rad/s"
+    assert units["primary.torque"] == "N.m"
+    assert units["belt.speed"] == "m/s"
+    assert units["thrustRatio"] == units["slip"] == "1"
+    assert all(field.metadata[b"description"] for field in found.schema)
+    document = json.loads(found.schema.metadata[METADATA])
+    assert document["study"] == study.identity
+    assert document["fmu"]["guid"] == study.description.guid
+    assert document["parameters"]["geometry.beltLength"] == {"value": 0.703, "unit": "m"}
+    assert document["parameters"]["mesh.strand"]["value"] == 4
+    assert document["grid"]["friction.pulley"] == {"unit": "1", "values": [0.07, 0.09]}
+    assert (document["points"], document["failed"]) == (24, 6)
+    failed = found.filter(np.array(found["reason"].is_valid()))
+    assert set(failed["utilisation"].to_pylist()) == {1.2}
+    assert failed["thrustRatio"].null_count == len(failed)
+    assert failed["primary.torque"].null_count == 0
+
+
+# Checks and maps
+
+
+def changed(study: Study, index: int, **values: float) -> maps.Results:
+    """The made-up results with a point changed; double underscores stand for dots."""
+    rows = made_up(study)
+    rows[index] |= {name.replace("__", "."): value for name, value in values.items()}
+    return maps.Results(study.grid, table(study, rows))
+
+
+def test_checks_pass_what_is_right(study: Study) -> None:
+    results = maps.Results(study.grid, table(study, made_up(study)))
+    assert [check.statement for check in checks.evaluate(results) if not check.passed] == []
+    assert max(abs(spot.share) for spot in checks.spots(results)) < 0.03
+
+
+@pytest.mark.parametrize(
+    ("values", "statement"),
+    [
+        ({"thrustRatio": 2.5}, "Thrust ratio falls"),
+        ({"slip": 0.05}, "Slip grows"),
+        ({"efficiency": 0.9}, "Efficiency has one peak"),
+        ({"loss__total": 500.0}, "Losses sum"),
+        ({"drift": 0.01}, "Steady states stay"),
+    ],
+)
+def test_checks_find_a_spot(study: Study, values: dict, statement: str) -> None:
+    """Ratio 1.25, utilisation 0.5, μ 0.09."""
+    index = next(p.index for p in GRID.points() if (p.ratio, p.utilisation, p.friction) == (1.25, 0.5, 0.09))
+    failed = [check for check in checks.evaluate(changed(study, index, **values)) if not check.passed]
+    assert [check.statement[: len(statement)] for check in failed] == [statement]
+    assert "ratio 1.25" in failed[0].found
+
+
+def test_checks_find_a_hole(study: Study) -> None:
+    rows = made_up(study)
+    rows[4] = failure(4, "none found")
+    results = maps.Results(study.grid, table(study, rows))
+    failed = [check for check in checks.evaluate(results) if not check.passed]
+    assert [check.statement for check in failed] == ["Every utilisation below one that can be carried can be carried"]
+    assert checks.name_of(results, np.unravel_index(4, GRID.shape)) in failed[0].found
+
+
+def test_roughest_spot_comes_first(study: Study) -> None:
+    index = next(p.index for p in GRID.points() if (p.ratio, p.utilisation, p.friction) == (1.0, 0.5, 0.07))
+    worst = checks.spots(changed(study, index, thrustRatio=1.2))[0]
+    assert (worst.quantity, worst.value) == ("thrustRatio", 1.2)
+    assert worst.where.startswith("ratio 1, utilisation 0.5, μ 0.07")
+
+
+def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: Path) -> None:
+    several = dataclasses.replace(study, grid=dataclasses.replace(GRID, speed=rpm(1000, 2000)))
+    sheets = maps.sheets(maps.Results(several.grid, table(several, made_up(several))))
+    assert list(sheets) == ["thrust-ratio", "efficiency", "slip"]
+    for name, figure in sheets.items():
+        titles = [axes.get_title(loc="left") for axes in figure.axes]
+        assert titles[:4] == [f"μ = {m:g}, {n} rpm" for m in (0.07, 0.09) for n in (1000, 2000)]
+        figure.savefig(tmp_path / f"{name}.png")
+        maps.plt.close(figure)
+
+
+# On a worker
+
+
+@pytest.fixture(scope="module")
+def archive(fmu: Path) -> Iterator[Archive]:
+    unpacked = Archive.unpack(fmu)
+    yield unpacked
+    unpacked.remove()
+
+
+@pytest.fixture(scope="module")
+def solved(study: Study, archive: Archive) -> list[Row]:
+    """The whole study, solved by one instance, last point first."""
+    solver = Solver(archive)
+    found = [row for chunk in chunks(study, set())[::-1] for row in solver.solve(chunk)]
+    assert solver.instances == 1
+    solver.close()
+    return found
+
+
+def without_times(rows: list[Row]) -> dict[int, Row]:
+    """Rows by point, without what differs from run to run."""
+    return {row["point"]: {name: row[name] for name in row if name != "time"} for row in rows}
+
+
+def test_points_are_what_a_fresh_instance_finds(study: Study, archive: Archive, solved: list[Row]) -> None:
+    rows = without_times(solved)
+    for point in (study.grid.points()[k] for k in (2, 13)):
+        with Variator(archive, study.start_values(point)) as unit:
+            unit.initialise()
+            unit.step_to(1e-3)
+            outputs = unit.outputs()
+        assert {name: rows[point.index][name] for name in outputs} == outputs
+        assert -outputs["primary.shaftTorque"] == pytest.approx(study.start_values(point)["primary.torque"], rel=1e-4)
+        assert outputs["torqueUtilisation"] == pytest.approx(point.utilisation, rel=0.02)
+        assert outputs["ratio.geometric"] == pytest.approx(point.ratio, rel=1e-4)
+
+
+def test_beyond_capacity_is_a_reason(study: Study, solved: list[Row]) -> None:
+    reasons = {row["point"]: row["reason"] for row in solved if row["reason"]}
+    assert set(reasons) == {point.index for point in study.grid.points() if point.utilisation == 1.2}
+    assert all("beyond the capacity of the clamping forces" in reason for reason in reasons.values())
+
+
+def test_states_make_sense(study: Study, solved: list[Row]) -> None:
+    """The coarse mesh doesn't close the power balance to 0.2 % at low torque."""
+    results = maps.Results(study.grid, table(study, solved))
+    failed = [check.statement for check in checks.evaluate(results) if not check.passed]
+    assert [statement for statement in failed if not statement.startswith("Losses sum")] == []
+
+
+def test_a_point_that_is_refused_leaves_the_others_alone(study: Study, archive: Archive, solved: list[Row]) -> None:
+    solver, values = Solver(archive), [study.start_values(point) for point in study.grid.points()]
+    refused = {**values[1], "belt.play": -1.0}
+    unknown = {**values[1], "belt.colour": 1.0}
+    found = solver.solve([(0, values[0]), (1, refused), (100, unknown), (2, values[2])])
+    solver.close()
+    assert "belt.play" in found[1]["reason"]
+    assert "belt.colour" in found[2]["reason"]
+    expected = without_times(solved)
+    assert without_times([found[0], found[3]]) == {k: expected[k] for k in (0, 2)}
+
+
+def test_restart_after_an_error_is_as_new(study: Study, archive: Archive, solved: list[Row]) -> None:
+    first = study.start_values(study.grid.points()[0])
+    with Variator(archive, first) as unit:
+        unit.initialise()
+        with pytest.raises(UnitError):
+            unit.step_to(-1.0)
+        unit.restart(first)
+        unit.initialise()
+        unit.step_to(1e-3)
+        assert unit.outputs()["thrustRatio"] == without_times(solved)[0]["thrustRatio"]
+
+
+# On clusters
+
+
+def process(stack: ExitStack, folder: Path, module: str, *arguments: str) -> subprocess.Popen:
+    """A process of dask, without this project on its path; killed at the end."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    log = stack.enter_context((folder / f"{module}-{len(list(folder.iterdir()))}.log").open("w"))
+    started = subprocess.Popen(
+        [sys.executable, "-m", f"distributed.cli.{module}", *arguments],
+        cwd=folder,
+        env=environment,
+        stdout=log,
+        stderr=subprocess.STDOUT,
+    )
+    stack.callback(started.wait)
+    stack.callback(started.kill)
+    return started
+
+
+def wait_until(condition, seconds: float = 90.0) -> None:
+    """Waits for a condition."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "this took too long"
+        time.sleep(0.05)
+
+
+@contextmanager
+def cluster_of_processes(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen]]]:
+    """Address of a scheduler, and its two workers."""
+    file = folder / "scheduler.json"
+    with ExitStack() as stack:
+        local = ("--host", "127.0.0.1", "--no-dashboard")
+        process(stack, folder, "dask_scheduler", *local, "--port", "0", "--scheduler-file", str(file))
+        own = ("--scheduler-file", str(file), "--no-nanny", "--nthreads", "1", "--local-directory", str(folder))
+        wait_until(file.is_file)
+        workers = [process(stack, folder, "dask_worker", *local, *own) for _ in range(2)]
+        yield json.loads(file.read_text())["address"], workers
+
+
+def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path: Path) -> None:
+    heard: list[Progress] = []
+    with cluster_of_processes(tmp_path) as (address, workers):
+
+        def listen(progress: Progress) -> None:
+            heard.append(progress)
+            if progress.workers == 2 and 4 <= progress.done < 16 and workers[0].poll() is None:
+                workers[0].send_signal(signal.SIGKILL)
+                workers[0].wait()
+
+        found = sweep(study, tmp_path / "out", scheduler=address, chunk=2, progress=listen)
+        assert workers[0].poll() == -signal.SIGKILL
+        assert workers[1].poll() is None
+    assert heard[-1] == Progress(points=24, done=24, failed=6, workers=1)
+    assert found["point"].to_pylist() == list(range(24))
+    kept = [row for path in (tmp_path / "out").rglob("points-*") for row in pq.read_table(path)["point"].to_pylist()]
+    assert sorted(kept) == list(range(24))
+    assert found.drop_columns("time").equals(table(study, solved).drop_columns("time"))
+
+
+def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path: Path) -> None:
+    """Client and workers of a local cluster are killed; the same command goes on and ends."""
+    settings = [f"--set={name}={value}" for name, value in COARSE.items()]
+    axes = [f"--{name}={','.join(map(str, getattr(GRID, name)))}" for name in AXES]
+    command = [sys.executable, "-m", "pushbelt_sweep", f"--fmu={study.fmu}", f"--output={tmp_path}", "--workers=2"]
+    command += ["--chunk=2", *settings, *axes]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+    folder = tmp_path / "studies" / study.identity[:16]
+    first = subprocess.Popen(
+        command, env=environment, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        wait_until(lambda: len(list(folder.glob("points-*.parquet"))) >= 3)
+    finally:
+        os.killpg(first.pid, signal.SIGKILL)
+        first.wait()
+    kept = {path: path.stat().st_mtime_ns for path in folder.glob("points-*.parquet")}
+    assert 3 <= len(kept) < 12
+    second = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
+    assert second.returncode == 0, second.stderr
+    assert f"{2 * len(kept)} of 24 points are there already" in second.stdout
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    found = pq.read_table(tmp_path / "results.parquet")
+    assert found.drop_columns("time").equals(table(study, solved).drop_columns("time"))
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "beyond the capacity of the clamping forces" in report
+    assert "18 of 24" in report
+    assert {path.name for path in (tmp_path / "maps").iterdir()} == {"thrust-ratio.png", "efficiency.png", "slip.png"}
+
+
+def test_a_point_that_kills_its_worker_is_told_from_its_neighbours() -> None:
+    def solve(chunk: list) -> list[Row]:
+        for index, _ in chunk:
+            if index == 3:
+                os._exit(1)
+        return [{"point": index, "reason": None} for index, _ in chunk]
+
+    work = [[(index, {}) for index in range(start, start + 2)] for start in range(0, 8, 2)]
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}), cluster.connect(None, 1) as client:
+        found = [row for rows in cluster.rows(client, solve, work, lambda: None) for row in rows]
+    assert sorted(row["point"] for row in found) == list(range(8))
+    assert {row["point"]: row["reason"] for row in found if row["reason"]} == {3: cluster.WORKER_LOST}
+
+
+def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "CONNECT_TIMEOUT", 0.5)
+    with pytest.raises(cluster.ClusterError, match="127.0.0.1:9"), cluster.connect("tcp://127.0.0.1:9", None):
+        pass
