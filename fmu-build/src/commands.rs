@@ -7,4 +7,5 @@ pub mod describe;
 pub mod drive;
 pub mod linearize;
 pub mod paper;
+pub mod sweep;
 pub mod test;

@@ -48,6 +48,8 @@ enum Command {
     Drive(commands::drive::Arguments),
     /// Build the FMU, run the paper's examples with every ring model and write target/paper/report.html
     Paper(commands::paper::Arguments),
+    /// Build the FMU, solve for its steady states over a grid, on a cluster if need be, and write target/sweep/report.html
+    Sweep(commands::sweep::Arguments),
     /// Measure the speed of the model
     Bench(commands::bench::Arguments),
     /// Write A, B, C, D at a steady working point as JSON
@@ -74,6 +76,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
         Command::Drive(arguments) => commands::drive::run(&workspace, arguments),
         Command::Paper(arguments) => commands::paper::run(&workspace, arguments),
+        Command::Sweep(arguments) => commands::sweep::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),

@@ -1,0 +1,64 @@
+//! `cargo fmu sweep`: a parameter study with the FMU on a cluster, its maps, and a report.
+
+use clap::Args;
+
+use crate::cargo;
+use crate::commands::build;
+use crate::progress;
+use crate::python::{Environment, RUNNING};
+use crate::workspace::Workspace;
+
+/// Which study, and where.
+#[derive(Args)]
+pub struct Arguments {
+    /// 60 points instead of 2288
+    #[arg(long)]
+    short: bool,
+    /// A dask scheduler, tcp://host:port; without it a cluster of this machine's own
+    #[arg(long, value_name = "ADDRESS", conflicts_with = "workers")]
+    scheduler: Option<String>,
+    /// Processes of the machine's own cluster; as many as processors unless told
+    #[arg(long, value_name = "N")]
+    workers: Option<u32>,
+    /// Ring model
+    #[arg(long, value_parser = ["ALE", "ALE0"])]
+    model: Option<String>,
+    /// Measure points per second on one worker and on two instead
+    #[arg(long)]
+    measure: bool,
+    /// Passed on to the program, such as --ratio 0.5,1,2 or --set belt.play=3e-4; `-- --help` lists what it takes
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    passed_on: Vec<String>,
+}
+
+/// Runs the study, which prints where the report is.
+///
+/// # Errors
+/// The FMU doesn't build, the cluster can't be reached, or no point has a steady state.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    let fmu = build::run(workspace, &build::Arguments::default())?;
+    let environment = Environment::prepare(workspace, &RUNNING)?;
+    progress::headline("Solving");
+    let mut sweep = environment.command();
+    sweep
+        .args(["-m", "pushbelt_sweep", "--fmu"])
+        .arg(fmu)
+        .arg("--output")
+        .arg(workspace.target().join("sweep"));
+    for (flag, set) in [("--short", arguments.short), ("--measure", arguments.measure)] {
+        if set {
+            sweep.arg(flag);
+        }
+    }
+    for (flag, value) in [
+        ("--scheduler", arguments.scheduler.clone()),
+        ("--workers", arguments.workers.map(|count| count.to_string())),
+        ("--model", arguments.model.clone()),
+    ] {
+        if let Some(value) = value {
+            sweep.args([flag, &value]);
+        }
+    }
+    sweep.args(&arguments.passed_on);
+    cargo::run(&mut sweep)
+}
