@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -37,9 +39,14 @@ def connect(scheduler: str | None, workers: int | None) -> Iterator[Client]:
     with ExitStack() as stack:
         try:
             if scheduler is None:
-                local = LocalCluster(
-                    n_workers=workers, threads_per_worker=1, memory_limit=0, dashboard_address=":0", silence_logs="ERROR"
-                )
+                with interrupts_ignored():
+                    local = LocalCluster(
+                        n_workers=workers,
+                        threads_per_worker=1,
+                        memory_limit=0,
+                        dashboard_address=":0",
+                        silence_logs="ERROR",
+                    )
                 scheduler = stack.enter_context(local)
             client = stack.enter_context(Client(scheduler, timeout=CONNECT_TIMEOUT))
             client.wait_for_workers(1, timeout=WORKERS_TIMEOUT)
@@ -49,10 +56,30 @@ def connect(scheduler: str | None, workers: int | None) -> Iterator[Client]:
 
 
 @contextmanager
-def shipped(client: Client, name: str, fmu: bytes) -> Iterator[Callable[[Chunk], list[Row]]]:
-    """Brings the FMU and the code to the workers; gives the function that solves chunks there."""
-    with by_value(pushbelt_demo, worker, point):
-        client.register_plugin(UnitPlugin(name, fmu))
+def interrupts_ignored() -> Iterator[None]:
+    """Processes started meanwhile leave Ctrl-C to this one."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def shipped(client: Client, fmu: bytes) -> Iterator[Callable[[Chunk], list[Row]]]:
+    """Brings the FMU and the code to the workers; gives the function that solves chunks there.
+
+    Raises ClusterError where a worker can't load them.
+    """
+    name = f"pushbelt-{client.id}"
+    try:
+        with by_value(pushbelt_demo, worker, point):
+            client.register_plugin(UnitPlugin(name, fmu))
+    except Exception as error:  # Of any kind: it comes from a worker.
+        raise ClusterError(f"a worker can't load the FMU: {error}") from error
     try:
         yield solver(name)
     finally:
@@ -113,8 +140,8 @@ WORKER_LOST = "the worker process died, several times over"
 def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[Future]:
     """Futures as they finish or fail for good."""
     while not futures.is_empty():
-        waiting()
         if not futures.has_ready():
+            waiting()
             time.sleep(POLL)
             continue
         for future in futures.next_batch(block=False):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import random
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +21,8 @@ CHUNK = 8
 """Points of a chunk: some seconds, so that little is lost with a worker and the overhead is none."""
 MOST_CHUNKS = 5000
 """Larger studies have larger chunks: each is a file."""
+WORKERS_INTERVAL = 1.0
+"""How often the scheduler is asked for its workers, s."""
 
 
 @dataclass(frozen=True)
@@ -79,11 +83,15 @@ def sweep(
 def _solve(client: Client, study: Study, store: Store, missing: list[Chunk], kept: list, progress: Callable) -> list:
     """Solves what is missing; returns the points that lost their workers, which the next run tries again."""
     done, failed, lost = len(kept), sum(row["reason"] is not None for row in kept), []
+    workers, asked = 0, -math.inf
 
     def tell() -> None:
-        progress(Progress(len(study.grid), done, failed, len(client.scheduler_info(n_workers=-1)["workers"])))
+        nonlocal workers, asked
+        if time.monotonic() > asked + WORKERS_INTERVAL:
+            workers, asked = len(client.nthreads()), time.monotonic()
+        progress(Progress(len(study.grid), done, failed, workers))
 
-    with cluster.shipped(client, f"pushbelt-{study.identity[:16]}", study.archive) as solve:
+    with cluster.shipped(client, study.archive) as solve:
         for rows in cluster.rows(client, solve, missing, tell):
             if rows[0]["reason"] == cluster.WORKER_LOST:
                 lost += rows

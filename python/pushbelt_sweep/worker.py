@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,11 @@ class Solver:
     """The FMU ready to solve points, from as many threads as there are."""
 
     def __init__(self, archive: Archive) -> None:
-        self.instances = 0
+        """Loads the FMU: what can't be loaded is no matter of a point."""
+        self.instances = 1
         """Instances made so far."""
         self._archive = archive
-        self._idle: list[Variator] = []
+        self._idle = [Variator(archive, {})]
         self._lock = threading.Lock()
 
     def solve(self, chunk: Chunk) -> list[Row]:
@@ -61,15 +63,17 @@ class UnitPlugin(WorkerPlugin):
         self._fmu = fmu
 
     def setup(self, worker: Any) -> None:
-        """Unpacks the FMU into the worker's own folder."""
+        """Unpacks the FMU into the worker's own folder, and loads it."""
+        self._cleanup = ExitStack()
         folder = Path(worker.local_directory) / self.name
         folder.mkdir(parents=True, exist_ok=True)
         file = folder / "unit.fmu"
         file.write_bytes(self._fmu)
-        self.archive = Archive.unpack(file, folder / "unpacked")
-        self.solver = Solver(self.archive)
+        archive = Archive.unpack(file, folder / "unpacked")
+        self._cleanup.callback(archive.remove)
+        self.solver = Solver(archive)
+        self._cleanup.callback(self.solver.close)
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002
         """Frees the instances and removes the folder's contents."""
-        self.solver.close()
-        self.archive.remove()
+        self._cleanup.close()
