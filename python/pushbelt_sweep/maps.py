@@ -49,12 +49,13 @@ class Quantity:
     """Borders of the colours; evenly spaced ones if there are none."""
 
 
+SLIPS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
 QUANTITIES = (
     Quantity("thrust ratio", "thrustRatio", 1.0, ""),
     Quantity(
         "efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 90, 92, 94, 95, 96, 96.5, 97, 97.5, 98, 98.5, 99)
     ),
-    Quantity("slip", "slip", 100.0, "%", (0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)),
+    Quantity("slip", "slip", 100.0, "%", (*(-level for level in reversed(SLIPS)), 0.0, *SLIPS)),
 )
 
 
@@ -68,8 +69,6 @@ def maps(results: Results, quantity: Quantity, force: int) -> Figure:
     grid = results.grid
     values = quantity.scale * results[quantity.column][force]
     slipping = results["macroSlip"][force] > 0.0
-    if quantity.column == "slip":
-        values = np.abs(values)
     down, across = [f"μ = {friction:g}" for friction in grid.friction], [f"{in_rpm(w):.0f} rpm" for w in grid.speed]
     if len(down) > len(across):
         values, slipping = np.swapaxes(values, 0, 1), np.swapaxes(slipping, 0, 1)

@@ -44,6 +44,7 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     sheets = maps.sheets(results)
     for name, figure in sheets.items():
         figure.savefig(pictures / f"{name}.png", dpi=PICTURE_DPI)
+        figure.set_layout_engine("none")  # It is laid out now; a second time would take as long.
     path = folder / "report.html"
     path.write_text(page(__package__, "sweep.html.j2", _context(study, results, sheets, effort)), encoding="utf-8")
     plt.close("all")
