@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 import time
 from dataclasses import dataclass
@@ -19,6 +20,10 @@ GRID = Grid(
     utilisation=(0.2, 0.4, 0.5, 0.6, 0.8, 0.9),
 )
 """120 points."""
+
+
+LOAD = hasattr(os, "getloadavg")
+"""Windows has none."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,11 @@ def measure(study: Study, scheduler: str | None, workers: int | None) -> Speed:
 
 
 def table(study: Study, scheduler: str | None, workers: int | None) -> str:
-    """A table of what a cluster does: with one worker and with two, or as it was asked for."""
+    """A table of what a cluster does: with one worker and with two, or as it was asked for.
+
+    The load of this machine before says whether the workers had it to themselves.
+    """
+    busy = f"Of {os.cpu_count()} processors here {os.getloadavg()[0]:.1f} were asked for before." if LOAD else ""
     counts = [workers] if scheduler or workers else [1, 2]
     lines = ["| workers | points | s | points/s | processor time a point, s |", "|---|---|---|---|---|"]
     for count in counts:
@@ -58,4 +67,4 @@ def table(study: Study, scheduler: str | None, workers: int | None) -> str:
             f"| {speed.workers} | {speed.points} | {speed.seconds:.1f} | {speed.points / speed.seconds:.2f} "
             f"| {speed.processor_time / speed.points:.3f} |"
         )
-    return "\n".join(lines)
+    return "\n".join([*lines, busy]).rstrip()
