@@ -7,7 +7,7 @@ from typing import Any
 from tqdm import tqdm
 
 
-def progress_bar(total: int, description: str, done: int = 0) -> Any:
+def progress_bar(total: float, description: str, done: int = 0) -> Any:
     """A bar with the time left, on a terminal only; `done` of `total` were there before."""
     return tqdm(
         total=total,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from typing import Any
 
-from tqdm import tqdm
+from .progress import progress_bar
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 """A function of a module and its arguments."""
@@ -35,12 +35,7 @@ def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -
     context = multiprocessing.get_context("spawn")
     ticks = context.Queue()
     with (
-        tqdm(
-            total=total,
-            disable=None,
-            desc=title,
-            bar_format="  {desc} {bar:32} {percentage:3.0f} % [{elapsed}<{remaining}]",
-        ) as bar,
+        progress_bar(total, title) as bar,
         ProcessPoolExecutor(max(1, min(os.cpu_count() or 1, workers)), context, _prepare_worker, (ticks,)) as pool,
     ):
         futures = [pool.submit(function, *arguments) for function, arguments in calls]

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow as pa
 from pushbelt_demo.figures import svg
-from pushbelt_demo.report import image, page
+from pushbelt_demo.page import image, write_html
 
 from . import checks, maps
 from .maps import Results
@@ -46,7 +46,7 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
         figure.savefig(pictures / f"{name}.png", dpi=PICTURE_DPI)
         figure.set_layout_engine("none")  # It is laid out now; a second time would take as long.
     path = folder / "report.html"
-    path.write_text(page(__package__, "sweep.html.j2", _context(study, results, sheets, effort)), encoding="utf-8")
+    write_html(__package__, "sweep.html.j2", _context(study, results, sheets, effort), path)
     plt.close("all")
     return path
 
