@@ -166,7 +166,7 @@ class Runner:
             self.times(False),
             self.times(True) if wavy else None,
             bool(window.trace["macroSlip"].any()),
-            not any("steady state" in warning for warning in unit.warnings),
+            unit.not_steady is None,
             tuple(unit.warnings),
         )
 
