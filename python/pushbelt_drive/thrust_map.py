@@ -69,15 +69,15 @@ class ThrustMap:
                     writer.writerow([f"{x:.9g}" for x in (ratio, utilisation, self.thrust[m, n], self.slips[m, n])])
 
     @classmethod
-    def read(cls, path: Path, key: str) -> ThrustMap | None:
-        """Reads what `write` wrote; none if there is none or it was made with another key."""
+    def read(cls, path: Path, key: str | None = None) -> ThrustMap | None:
+        """Reads what `write` wrote; none if there is none or it was made with another key than the one given."""
         try:
             with path.open(encoding="utf-8", newline="") as file:
                 head = json.loads(file.readline().removeprefix("#"))
                 rows = np.array(list(csv.reader(file))[1:], dtype=float)
         except (OSError, ValueError):
             return None
-        if head.get("key") != key:
+        if key is not None and head.get("key") != key:
             return None
         ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
         shape = (len(ratios), len(utilisations))

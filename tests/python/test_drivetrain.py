@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
 from pushbelt_demo.unit import Archive, Variator  # noqa: E402
-from pushbelt_drive import report, simulate, thrust_map  # noqa: E402
+from pushbelt_drive import report, simulate, thrust_map, transmission  # noqa: E402
 from pushbelt_drive.car import Powertrain, demo_car  # noqa: E402
 from pushbelt_drive.control import (  # noqa: E402
     Friction,
@@ -256,9 +256,9 @@ def test_ratio_control_reaches_its_target(target: float) -> None:
 def test_target_ratio_is_limited_in_range_and_rate() -> None:
     target = 2.2
     for _ in range(1000):
-        before, target = target, simulate.ratio_target(200.0, 600.0, target, STEP)
+        before, target = target, transmission.ratio_target(200.0, 600.0, target, STEP)
         assert abs(math.log(target / before)) <= 1.2 * STEP + 1e-12
-    assert target == pytest.approx(simulate.RATIO_LIMITS[0])
+    assert target == pytest.approx(transmission.RATIO_LIMITS[0])
 
 
 # Documentation

@@ -1,0 +1,40 @@
+"""What the units have in common: variables by name."""
+
+from __future__ import annotations
+
+from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+INPUT, OUTPUT, PARAMETER = Fmi2Causality.input, Fmi2Causality.output, Fmi2Causality.parameter
+
+
+class Unit(Fmi2Slave):
+    """A unit whose variables live in `values`, by name: SI units, numbers or Booleans."""
+
+    author = "The pushbelt developers"
+
+    def __init__(self, **keywords: object) -> None:
+        super().__init__(**keywords)
+        self.values: dict[str, float | bool] = {}
+
+    def declare(self, causality: Fmi2Causality, variables: dict[str, tuple[float | bool, str]]) -> None:
+        """Declares variables: name, start value, description."""
+        for name, (start, description) in variables.items():
+            self.values[name] = start
+            kind = Boolean if isinstance(start, bool) else Real
+            self.register_variable(
+                kind(
+                    name,
+                    causality=causality,
+                    variability=_variability(causality, kind),
+                    description=description,
+                    getter=lambda name=name: self.values[name],
+                    setter=lambda value, name=name: self.values.__setitem__(name, value),
+                ),
+                nested=False,
+            )
+
+
+def _variability(causality: Fmi2Causality, kind: type) -> Fmi2Variability:
+    if causality == PARAMETER:
+        return Fmi2Variability.fixed
+    return Fmi2Variability.discrete if kind is Boolean else Fmi2Variability.continuous
