@@ -1,7 +1,8 @@
-"""The drive as a co-simulation of FMUs: variator, vehicle and transmission control, coupled by a master of others.
+"""The drive as a co-simulation of FMUs: variator, vehicle and transmission control, coupled by masters of others.
 
-    vehicle_unit, control_unit (Python in FMUs, `pythonfmu`) ─┐
-    PushbeltVariator.fmu ─────────────────────────────────────┴→ drive.ssp → ecos, libcosim → compared with `simulate`
+    slaves/vehicle_unit, slaves/control_unit (Python in FMUs, by `pythonfmu`) ─┐
+    PushbeltVariator.fmu ──────────────────────────────────────────────────────┴→ drive.ssp → ecos, libcosim
 
-The units call the very classes that `simulate` calls. `python -m pushbelt_drive.cosim` builds, runs and compares.
+The units call the classes that `pushbelt_drive.simulate` calls; `study` compares what comes out.
+`python -m pushbelt_drive.cosim` builds, runs and compares.
 """

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
 INPUT, OUTPUT, PARAMETER = Fmi2Causality.input, Fmi2Causality.output, Fmi2Causality.parameter
+
+MAP_FILE = "thrust-ratio-map.csv"
+"""Where the control unit finds its map, in the resources of its FMU."""
 
 
 class Unit(Fmi2Slave):
@@ -15,6 +20,16 @@ class Unit(Fmi2Slave):
     def __init__(self, **keywords: object) -> None:
         super().__init__(**keywords)
         self.values: dict[str, float | bool] = {}
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advances by a communication step."""
+        # libcosim's steps are differences of times: rounded, they are the same in every master.
+        self.advance(current_time, round(step_size, 9))
+        return True
+
+    @abstractmethod
+    def advance(self, time: float, step: float) -> None:
+        """Advances from a time by a step, s."""
 
     def declare(self, causality: Fmi2Causality, variables: dict[str, tuple[float | bool, str]]) -> None:
         """Declares variables: name, start value, description."""

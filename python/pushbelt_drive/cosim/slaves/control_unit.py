@@ -7,13 +7,10 @@ from pathlib import Path
 from pushbelt_demo.data import parameter_set
 from pushbelt_drive.car import demo_car
 from pushbelt_drive.control import Friction, Measured
-from pushbelt_drive.cosim.unit import INPUT, OUTPUT, PARAMETER, Unit
+from pushbelt_drive.cosim.unit import INPUT, MAP_FILE, OUTPUT, PARAMETER, Unit
 from pushbelt_drive.hydraulics import PressureCircuit
 from pushbelt_drive.thrust_map import ThrustMap
 from pushbelt_drive.transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, TransmissionControl
-
-MAP = "thrust-ratio-map.csv"
-"""In the FMU's resources."""
 
 
 class ControlUnit(Unit):
@@ -52,7 +49,7 @@ class ControlUnit(Unit):
     def exit_initialization_mode(self) -> None:
         """Takes the parameters and reads the map."""
         values = self.values
-        path = Path(self.resources) / MAP
+        path = Path(self.resources) / MAP_FILE
         thrust_map = ThrustMap.read(path)
         if thrust_map is None:
             raise ValueError(f"{path} is no thrust-ratio map")
@@ -60,7 +57,7 @@ class ControlUnit(Unit):
         strategy = "slip" if values["slipControl"] else "safety"
         self._control = TransmissionControl(demo_car(), strategy, friction, thrust_map)
 
-    def do_step(self, current_time: float, step_size: float) -> bool:  # noqa: ARG002
+    def advance(self, time: float, step: float) -> None:  # noqa: ARG002
         """Decides, and advances the hydraulics by a communication step."""
         values = self.values
         measured = Measured(
@@ -71,9 +68,8 @@ class ControlUnit(Unit):
             pitch_radius=values["primary.radius"],
             torque=values["torque.estimated"],
         )
-        signals = self._control.advance(values["power.demand"], values["secondary.speed"], measured, step_size)
+        signals = self._control.advance(values["power.demand"], values["secondary.speed"], measured, step)
         values.update({name: value for name, (value, _) in _outputs(signals).items()})
-        return True
 
 
 def _outputs(signals: ClampingSignals) -> dict[str, tuple[float | bool, str]]:

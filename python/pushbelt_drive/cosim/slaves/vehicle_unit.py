@@ -39,14 +39,13 @@ class VehicleUnit(Unit):
         cycle = wltc_class_3b().section(self.values["cycle.start"], self.values["cycle.stop"])
         self._vehicle = Vehicle(demo_car(), cycle)
 
-    def do_step(self, current_time: float, step_size: float) -> bool:
+    def advance(self, time: float, step: float) -> None:
         """Advances by a communication step."""
         values = self.values
         signals = self._vehicle.advance(
-            current_time, values["primary.speed"], values["secondary.speed"], values["ratio.geometric"], step_size
+            time, values["primary.speed"], values["secondary.speed"], values["ratio.geometric"], step
         )
         values.update({name: value for name, (value, _) in _outputs(signals).items()})
-        return True
 
 
 def _outputs(signals: VehicleSignals) -> dict[str, tuple[float | bool, str]]:
