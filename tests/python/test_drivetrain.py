@@ -28,7 +28,7 @@ from pushbelt_drive.control import (  # noqa: E402
     SlipControl,
     clamping_force,
 )
-from pushbelt_drive.cycle import PARTS, Cycle, wltc_class_3b  # noqa: E402
+from pushbelt_drive.cycle import PARTS, Cycle, nedc, wltc_class_3b  # noqa: E402
 from pushbelt_drive.driver import Driver  # noqa: E402
 from pushbelt_drive.hydraulics import PressureCircuit  # noqa: E402
 from pushbelt_drive.thrust_map import ThrustMap  # noqa: E402
@@ -56,6 +56,13 @@ def test_cycle_is_wltc_class_3b() -> None:
     assert cycle.distance == pytest.approx(23266.0, abs=1.0)
     assert 3.6 * cycle.speed.max() == pytest.approx(131.3)
     assert all(cycle.at(start) == 0.0 for start, _ in PARTS.values())
+
+
+def test_cycle_is_nedc() -> None:
+    cycle = nedc()
+    assert cycle.distance == pytest.approx(11007.0, rel=1e-3)  # nominal: four times 1013 m and 6955 m, UN Regulation No. 83
+    assert 3.6 * cycle.speed.max() == pytest.approx(120.0)
+    assert cycle.duration == 1179.0
 
 
 def test_section_starts_at_zero_and_at_standstill() -> None:
@@ -167,11 +174,13 @@ def test_map_is_bilinear_and_constant_beyond() -> None:
 
 def test_map_survives_its_cache(tmp_path: Path) -> None:
     path = tmp_path / "map.csv"
-    MAP.write(path, "key")
-    found = ThrustMap.read(path, "key")
-    assert found is not None
-    assert np.array_equal(found.thrust, MAP.thrust)
-    assert found.shift_gain == MAP.shift_gain
+    odd = dataclasses.replace(MAP, thrust=MAP.thrust / 3.0, shift_gain=MAP.shift_gain / 7.0)
+    odd.write(path, "key")
+    for key in ("key", None):
+        found = ThrustMap.read(path, key)
+        assert found is not None
+        assert np.array_equal(found.thrust, odd.thrust)
+        assert found.shift_gain == odd.shift_gain
     assert ThrustMap.read(path, "another key") is None
     assert ThrustMap.read(tmp_path / "none.csv", "key") is None
 
@@ -305,8 +314,8 @@ PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
 
 
 @pytest.fixture(scope="module")
-def table(fmu: Path, archive: Archive, tmp_path_factory: pytest.TempPathFactory) -> ThrustMap:
-    return thrust_map.load(fmu, archive, PARAMETERS, tmp_path_factory.mktemp("map") / "map.csv")
+def table(fmu: Path, archive: Archive, drive_folder: Path) -> ThrustMap:
+    return thrust_map.load(fmu, archive, PARAMETERS, drive_folder / "thrust-ratio-map-ALE.csv")
 
 
 def test_thrust_map_is_in_order(table: ThrustMap) -> None:

@@ -44,8 +44,10 @@ def with_libcosim(ssp: Path, step: float, count: int, names: Sequence[str], prog
     """By libcosim."""
     _find("libcosimpy")
     from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimObserver import CosimObserver
 
+    log_output_level(CosimLogLevel.ERROR)
     execution = CosimExecution.from_ssp_file(ssp_path=str(ssp), step_size=round(1e9 * step))
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer=observer)

@@ -41,6 +41,7 @@ class Plan:
         return self.section[1] - self.section[0]
 
 
+PACKAGE = "drive.ssp"
 FULL = Plan((10.0, 30.0), (0.01, 0.005, 0.0025))
 SHORT = Plan((10.0, 15.0), (0.02, 0.01, 0.005))
 
@@ -56,6 +57,8 @@ class Coupling:
     """Of the loop in which vehicle, control and variator step one after the other."""
     parallel: Mapping[float, Array]
     """Of the loop in which they step side by side, as in a master."""
+    refusals: tuple[str, ...] = ()
+    """Of masters that couldn't run it."""
 
     def refinement(self, master: str) -> Array:
         """Root mean square of x_h − x_{h/2} as a share of the signal's range, shape (steps − 1, signals)."""
@@ -94,14 +97,14 @@ def orders(errors: Array) -> Array:
 
 
 def build(fmu: Path, table: thrust_map.ThrustMap, plan: Plan, folder: Path) -> Path:
-    """Writes the package `drive.ssp` and the FMUs in it to a folder; returns its path."""
+    """Writes the package and the FMUs in it to a folder; returns its path."""
     vehicle, control = fmus.build(folder, table)
     parameters = simulate.unit_parameters(demo_car(), "ALE", "coarse")
     # libcosim knows no enumerations; ALE is what the FMU takes by itself.
     del parameters["ring.model"]
     start, stop = plan.section
     believed = {name: parameters[name] for name in ("friction.pulley", "geometry.wedgeAngle")}
-    path = folder / "drive.ssp"
+    path = folder / PACKAGE
     components = {
         "variator": package.Component(fmu, {**parameters, **simulate.at_rest()}),
         "vehicle": package.Component(vehicle, {"cycle.start": start, "cycle.stop": stop}),
@@ -126,7 +129,7 @@ def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MAST
             found, refusals = {}, []
             for name in masters:
                 try:
-                    found[name] = {h: _in_process(name, ssp, h, plan, bar.update) for h in plan.steps}
+                    found[name] = _in_process(name, ssp, plan, bar.update)
                 except UnitError as error:
                     refusals.append(f"{name}: {error}")
             if not found:
@@ -135,7 +138,7 @@ def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MAST
                 {h: _loop(archive, table, plan, h, parallel, bar.update) for h in plan.steps}
                 for parallel in (False, True)
             ]
-        return Coupling(plan, found, *loops)
+        return Coupling(plan, found, *loops, tuple(refusals))
     finally:
         archive.remove()
 
@@ -149,14 +152,12 @@ def _loop(
     return np.column_stack([run[name][1:] for name in SIGNALS])
 
 
-def _in_process(name: str, ssp: Path, step: float, plan: Plan, progress: Progress) -> Array:
+def _in_process(name: str, ssp: Path, plan: Plan, progress: Progress) -> dict[float, Array]:
     """A master in a process of its own: what a foreign library does there does not end this one."""
     context = multiprocessing.get_context("spawn")
     ticks = context.Queue()
-    # The loop keeps what holds before each step, so the last one is left out.
-    count = round(plan.duration / step) - 1
     with ProcessPoolExecutor(1, context, prepare_worker, (ticks,)) as pool:
-        future = pool.submit(_work, name, ssp, step, count)
+        future = pool.submit(_work, name, ssp, plan)
         while not future.done():
             drain(ticks, progress)
         drain(ticks, progress)
@@ -166,10 +167,12 @@ def _in_process(name: str, ssp: Path, step: float, plan: Plan, progress: Progres
             raise UnitError(f"{name} died while it ran {ssp.name}") from None
 
 
-def _work(name: str, ssp: Path, step: float, count: int) -> Array:
+def _work(name: str, ssp: Path, plan: Plan) -> dict[float, Array]:
+    # The loop keeps what holds before each step, so the last one is left out.
+    counts = {h: round(plan.duration / h) - 1 for h in plan.steps}
     try:
-        return MASTERS[name](ssp, step, count, SIGNALS, tick)
+        return {h: MASTERS[name](ssp, h, count, SIGNALS, tick) for h, count in counts.items()}
     except UnitError:
         raise
     except Exception as error:
-        raise UnitError(str(error)) from error
+        raise UnitError(f"{type(error).__name__}: {error}") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from xml.etree.ElementTree import Element, SubElement
 
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
@@ -30,6 +31,15 @@ class Unit(Fmi2Slave):
     @abstractmethod
     def advance(self, time: float, step: float) -> None:
         """Advances from a time by a step, s."""
+
+    def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
+        """The model description. pythonfmu leaves out the initial unknowns, which importers ask for."""
+        root = super().to_xml(model_options or {})
+        structure = root.find("ModelStructure")
+        unknowns = SubElement(structure, "InitialUnknowns")
+        for output in structure.iterfind("Outputs/Unknown"):
+            SubElement(unknowns, "Unknown", index=output.get("index"))
+        return root
 
     def declare(self, causality: Fmi2Causality, variables: dict[str, tuple[float | bool, str]]) -> None:
         """Declares variables: name, start value, description."""
