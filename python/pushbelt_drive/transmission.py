@@ -68,9 +68,7 @@ class TransmissionControl:
         """Forces of the pressures now: what holds before the first step."""
         return ClampingSignals(self.primary.force, self.secondary.force, self._target, self.clamping.intervening)
 
-    def advance(
-        self, power_demand: float, secondary_speed: float, measured: Measured, step: float
-    ) -> ClampingSignals:
+    def advance(self, power_demand: float, secondary_speed: float, measured: Measured, step: float) -> ClampingSignals:
         """Decides on what was measured and advances the hydraulics by a step, s; power in W, speed in rad/s."""
         lag = self.POWER_RISE if power_demand > self._power else self.POWER_FALL
         self._power += (power_demand - self._power) * step / lag

@@ -29,7 +29,13 @@ from pushbelt_drive.cosim.masters import MASTERS  # noqa: E402
 from pushbelt_drive.cosim.unit import MAP_FILE  # noqa: E402
 
 NAMESPACES = {"ssd": package.SSD, "ssc": package.SSC, "ssv": package.SSV}
-MAP = ThrustMap(*(np.array(values) for values in ([0.5, 2.0], [-1.0, 1.0], [[1.0, 1.5], [0.6, 1.0]], [[-0.01, 0.01]] * 2)), 8e-7)
+MAP = ThrustMap(
+    ratios=np.array([0.5, 2.0]),
+    utilisations=np.array([-1.0, 1.0]),
+    thrust=np.array([[1.0, 1.5], [0.6, 1.0]]),
+    slips=np.array([[-0.01, 0.01], [-0.01, 0.01]]),
+    shift_gain=8e-7,
+)
 PACKAGES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
 THERE = [name for name in MASTERS if importlib.util.find_spec(PACKAGES[name])]
 

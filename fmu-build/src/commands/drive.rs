@@ -31,7 +31,11 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     let environment = Environment::prepare(workspace, &RUNNING)?;
     progress::headline("Driving");
     let mut drive = environment.command();
-    let program = if arguments.cosim { "pushbelt_drive.cosim" } else { "pushbelt_drive" };
+    let program = if arguments.cosim {
+        "pushbelt_drive.cosim"
+    } else {
+        "pushbelt_drive"
+    };
     drive
         .args(["-m", program, "--fmu"])
         .arg(fmu)

@@ -1,4 +1,4 @@
-"""Masters that load the package: ecos and libcosim. All units step side by side, then the master carries values over."""
+"""Masters that load the package: ecos and libcosim. All units step side by side, then their outputs are handed on."""
 
 from __future__ import annotations
 

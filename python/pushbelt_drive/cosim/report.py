@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import jinja2
@@ -23,9 +24,9 @@ def text(result: Coupling) -> str:
     for master in result.masters:
         refinement, against = result.refinement(master), result.against_loop(master)
         rows = [
-            *zip([f"{master}, {a} against {b}" for a, b in zip(steps, steps[1:], strict=False)], refinement),
+            *zip([f"{master}, {a} against {b}" for a, b in pairwise(steps)], refinement, strict=True),
             (f"{master}, order", orders(refinement)[-1]),
-            *zip([f"{master} against the loop, both {step}" for step in steps], against),
+            *zip([f"{master} against the loop, both {step}" for step in steps], against, strict=True),
             (f"{master} against the loop, order", orders(against)[-1]),
         ]
         lines += [f"{name:>44}  " + "  ".join(f"{value:21.3g}" for value in values) for name, values in rows]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -63,8 +64,7 @@ class Coupling:
     def refinement(self, master: str) -> Array:
         """Root mean square of x_h − x_{h/2} as a share of the signal's range, shape (steps − 1, signals)."""
         found, steps = self.masters[master], self.plan.steps
-        pairs = zip(steps, steps[1:], strict=False)
-        return np.array([self._difference(found[whole], found[half], whole, half) for whole, half in pairs])
+        return np.array([self._difference(found[h], found[half], h, half) for h, half in pairwise(steps)])
 
     def against_loop(self, master: str) -> Array:
         """The same of master and loop at the same step, shape (steps, signals)."""
