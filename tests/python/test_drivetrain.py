@@ -273,7 +273,7 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
 # Documentation
 
 
-@pytest.mark.parametrize(("page", "program"), [("controller", "controller"), ("models", "wiring")])
+@pytest.mark.parametrize(("page", "program"), [("controller", "controller"), ("models", "wiring"), ("cosimulation", "coupled")])
 def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
     shown = (ROOT / "docs" / f"drivetrain-{page}.md").read_text(encoding="utf-8")
     code = (ROOT / "examples" / "drivetrain" / f"{program}.py").read_text(encoding="utf-8")
