@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import importlib.util
+import shutil
+import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -146,6 +148,25 @@ def coupling(fmu: Path, drive_folder: Path) -> study.Coupling:
     if not THERE:
         pytest.skip("no master has a wheel for this Python and machine")
     return study.run(fmu, study.SHORT, drive_folder, THERE)
+
+
+def test_program_runs(coupling: study.Coupling, drive_folder: Path, tmp_path: Path) -> None:
+    """The one on the page; what it prints is what was found at 10 ms."""
+    if "ecos" not in coupling.masters:
+        pytest.skip("ecospy has no wheel for this Python and machine")
+    (tmp_path / "target" / "drive").mkdir(parents=True)
+    shutil.copy(drive_folder / study.PACKAGE, tmp_path / "target" / "drive")
+    ran = subprocess.run(
+        [sys.executable, ROOT / "examples" / "drivetrain" / "coupled.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    ratio = coupling.masters["ecos"][0.01][399, 0]
+    assert "t 4 s" in ran.stdout and f"ratio {ratio:.3f}" in ran.stdout
 
 
 @pytest.mark.parametrize("master", MASTERS)
