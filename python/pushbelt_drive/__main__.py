@@ -12,6 +12,8 @@ from pushbelt_demo.unit import RING_MODELS, UnitError
 
 from . import report, runs
 
+FULL = {"wltc": runs.FULL, "nedc": runs.FULL_NEDC}
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Simulates, writes the report and says where it is."""
@@ -19,10 +21,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the results")
     parser.add_argument("--short", action="store_true", help="30 s of the cycle, 10 s of close-up")
+    parser.add_argument("--cycle", choices=list(FULL), default="wltc", help="which cycle, unless short")
     parser.add_argument("--until", type=float, metavar="SECONDS", help="only the first seconds of the cycle")
     parser.add_argument("--ring", choices=list(RING_MODELS), default="ALE", help="ring model of the long runs")
     options = parser.parse_args(arguments)
-    plan = dataclasses.replace(runs.SHORT if options.short else runs.FULL, ring=options.ring)
+    plan = dataclasses.replace(runs.SHORT if options.short else FULL[options.cycle], ring=options.ring)
     if options.until is not None:
         plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
     begin = time.perf_counter()

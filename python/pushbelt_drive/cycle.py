@@ -1,7 +1,8 @@
-"""The speed to follow: WLTC class 3b (UN Global Technical Regulation No. 15), read from the package `wltp`."""
+"""The speed to follow: WLTC class 3b (UN Global Technical Regulation No. 15) or NEDC, read from the package `wltp`."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,5 +54,23 @@ def wltc_class_3b() -> Cycle:
     # Only the table is loaded: the rest of the package needs pandas.
     from wltp.cycles import class3
 
-    speed = np.array(class3.class_data_b()["cycle"], dtype=float) / 3.6
+    return _by_seconds(class3.class_data_b()["cycle"])
+
+
+def nedc() -> Cycle:
+    """The New European Driving Cycle, 1180 s in steps of 1 s."""
+    from wltp.cycles import nedc as table
+
+    return _by_seconds(table.cycle_data()["cycle"])
+
+
+def _by_seconds(kilometres_per_hour: Sequence[float]) -> Cycle:
+    speed = np.array(kilometres_per_hour, dtype=float) / 3.6
     return Cycle(np.arange(len(speed), dtype=float), speed)
+
+
+CYCLES: Mapping[str, tuple[str, Callable[[], Cycle]]] = {
+    "wltc": ("WLTC class 3b", wltc_class_3b),
+    "nedc": ("NEDC", nedc),
+}
+"""By the name that a user gives: title and table."""

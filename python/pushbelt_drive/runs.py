@@ -11,7 +11,7 @@ from pushbelt_demo.unit import Archive
 
 from . import simulate, thrust_map
 from .car import demo_car
-from .cycle import wltc_class_3b
+from .cycle import CYCLES
 from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 
@@ -24,19 +24,26 @@ class Plan:
     """The runs of a report."""
 
     cycle: tuple[float, float]
-    """Section that both clamping strategies drive, s of the WLTC."""
+    """Section that both clamping strategies drive, s."""
     close_up: tuple[float, float]
-    """Section that is driven once more on the FMU's own mesh, s of the WLTC."""
+    """Section that is driven once more on the FMU's own mesh, s."""
     ring: str = "ALE"
     """Ring model of the first."""
     low_friction: tuple[float, float] = (10.0, 20.0)
-    """Section that both strategies drive with less friction than they believe in, s of the WLTC."""
+    """Section that both strategies drive with less friction than they believe in, s."""
     snapshots: tuple[float, ...] = ()
-    """Moments of the belt pictures, s of the WLTC."""
+    """Moments of the belt pictures, s."""
+    trace: str = "wltc"
+    """The cycle, a name in `CYCLES`."""
+
+    @property
+    def title(self) -> str:
+        """Name of the cycle."""
+        return CYCLES[self.trace][0]
 
     def setups(self) -> tuple[Setup, ...]:
         """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction."""
-        whole = wltc_class_3b()
+        whole = CYCLES[self.trace][1]()
         start, stop = self.cycle
         cycle = whole.section(start, stop)
         slippery = whole.section(*self.low_friction)
@@ -54,6 +61,7 @@ class Plan:
 
 FULL = Plan((0.0, 1800.0), (1478.0, 1598.0), snapshots=(20.0, 560.0, 1530.0, 1780.0))
 """The whole cycle; the first 120 s of its last part as close-up, with the launch and the largest torques."""
+FULL_NEDC = Plan((0.0, 1179.0), (780.0, 900.0), snapshots=(60.0, 850.0, 1110.0), trace="nedc")
 SHORT = Plan((10.0, 40.0), (10.0, 20.0), snapshots=(18.0, 38.0))
 
 

@@ -13,17 +13,23 @@ from pushbelt_demo.geometry import Array
 from pushbelt_demo.results import Profile, SteadyState
 from pushbelt_demo.unit import RING_MODELS, Archive, UnitError, Variator
 
-from .car import Car, Powertrain
-from .control import ClampingStrategy, Friction, Measured, RatioControl, SafetyFactor, SlipControl
+from .car import Car
+from .control import Friction, Measured
 from .cycle import Cycle
-from .driver import Driver
 from .hydraulics import PressureCircuit
 from .thrust_map import ThrustMap
+from .transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, TransmissionControl
+from .vehicle import Vehicle, VehicleSignals
 
 STEP = 0.01
+<<<<<<< HEAD
 """Communication and control step, s."""
 RATIO_LIMITS = 0.46, 2.2
 """Ratios that the strategy asks for."""
+=======
+"""Communication and control step unless a set-up says otherwise, s."""
+RING_MODELS = {"ALE0": 1, "ALE": 2}
+>>>>>>> e0c60049a19270e64094864f255436e8a42ec75f
 MESHES: Mapping[str, Mapping[str, float]] = {
     "coarse": {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4, "solver.tolerance": 1e-3},
     "default": {},
@@ -88,6 +94,11 @@ class Setup:
     """Times at which the fields along the belt are kept, s."""
     friction: float = 1.0
     """Friction of the belt as a share of what the controllers believe."""
+    step: float = STEP
+    """Communication and control step, s."""
+    parallel: bool = False
+    """Whether vehicle, control and FMU step side by side, each with what the others gave a step before, as units in a
+    master do; otherwise one after the other, each with what is known by then."""
 
 
 @dataclass(frozen=True)
@@ -101,8 +112,8 @@ class Run:
     """By name, each of shape (n,), SI units."""
     snapshots: Mapping[float, SteadyState]
     interventions: int
-    wall_time: float
-    """s."""
+    processor_time: float
+    """That it took, s."""
     messages: tuple[str, ...] = field(default=())
     """Warnings of the FMU."""
 
@@ -111,7 +122,7 @@ class Run:
 
     def energies(self) -> dict[str, float]:
         """Work and losses over the run, J: where the engine's work went."""
-        step, speed = STEP, self["speed.car"]
+        step, speed = self.setup.step, self["speed.car"]
         engine = self["work.engine"]
         losses = {part: step * float(self[f"loss.{part}"].sum()) for part in ("sheaves", "ring", "other")}
         return {
@@ -137,20 +148,6 @@ def unit_parameters(car: Car, ring: str, mesh: str) -> dict[str, float]:
     return {**parameters, "ring.model": RING_MODELS[ring], **MESHES[mesh]}
 
 
-def ratio_target(engine_speed: float, secondary_speed: float, before: float, step: float) -> float:
-    """Target ratio that lets the engine run at a wanted speed; it moves by at most 120 % a second."""
-    wanted = engine_speed / max(secondary_speed, 1.0)
-    change = float(np.clip(math.log(np.clip(wanted, *RATIO_LIMITS) / before), -1.2 * step, 1.2 * step))
-    return before * math.exp(change)
-
-
-def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap) -> ClampingStrategy:
-    """The clamping strategy of a set-up."""
-    if name == "slip":
-        return SlipControl(friction, thrust_map)
-    return SafetyFactor(friction)
-
-
 def run(
     archive: Archive,
     car: Car,
@@ -164,107 +161,107 @@ def run(
     """
     parameters = unit_parameters(car, setup.ring, setup.mesh)
     friction = Friction(parameters["friction.pulley"], parameters["geometry.wedgeAngle"])
-    clamping = strategy_of(setup.strategy, friction, thrust_map)
-    hydraulics = {"primary": PressureCircuit(pressure=8e5), "secondary": PressureCircuit(pressure=8e5)}
-    shifting = RatioControl(friction, thrust_map, hydraulics["primary"].limits)
-    powertrain, driver = Powertrain(car), Driver(car, setup.cycle)
-    steps = round(setup.cycle.duration / STEP)
-    table = np.empty((steps, len(READ)))
-    added = {name: np.zeros(steps) for name in ADDED}
-    kept = {round(moment / STEP): moment for moment in setup.snapshots}
+    vehicle = Vehicle(car, setup.cycle)
+    control = TransmissionControl(car, setup.strategy, friction, thrust_map)
+    step, count = setup.step, round(setup.cycle.duration / setup.step)
+    table = np.empty((count, len(READ)))
+    added = {name: np.zeros(count) for name in ADDED}
+    kept = {round(moment / step): moment for moment in setup.snapshots}
     snapshots: dict[float, SteadyState] = {}
-    target, power = RATIO_LIMITS[1], 0.0
-    begin = clock.perf_counter()
-    start = {
-        **parameters,
-        "friction.pulley": setup.friction * friction.coefficient,
-        "initial.ratio": target,
-        "initial.primarySpeed": 0.0,
-        "primary.torque": 0.0,
-        "secondary.torque": 0.0,
-        **{f"{pulley}.clampingForce": circuit.force for pulley, circuit in hydraulics.items()},
-    }
+    begin = clock.process_time()
+    start = {**parameters, **at_rest(), "friction.pulley": setup.friction * friction.coefficient}
     with Variator(archive, start) as unit:
         unit.initialise()
         reader = unit.reader(READ)
-        for step in range(steps):
-            time = step * STEP
+        given, clamped = VehicleSignals(), control.signals
+        for k in range(count):
+            time = k * step
             state = dict(zip(READ, unit.read(reader).tolist(), strict=True))
             macro_slip = unit.flag("macroSlip")
-            pulley, ratio = state["primary.speed"], state["ratio.geometric"]
-            speed = car.lever * state["secondary.speed"]
-
-            demand = driver.demand(time, speed, STEP)
-            wanted_torque = demand.force * car.lever / ratio
-            clutch = powertrain.advance(wanted_torque, pulley, STEP)
-            overrun = car.drag_torque(powertrain.speed) * ratio / car.lever if powertrain.locked else 0.0
-            brake = car.brake_force(max(-demand.force + overrun, 0.0), speed, STEP)
-            road = car.road_load(speed)
-
-            power += (demand.power - power) * STEP / (0.3 if demand.power > power else 1.5)
-            target = ratio_target(car.engine_speed_for(power), state["secondary.speed"], target, STEP)
-            expected = min(max(wanted_torque, 0.0), car.full_load(powertrain.speed)) if pulley > 20.0 else 0.0
+            earlier = given, clamped
+            given = vehicle.advance(
+                time, state["primary.speed"], state["secondary.speed"], state["ratio.geometric"], step
+            )
+            told = earlier[0] if setup.parallel else given
             measured = Measured(
-                primary_speed=pulley,
-                ratio=ratio,
+                primary_speed=state["primary.speed"],
+                ratio=state["ratio.geometric"],
                 slip=state["slip"],
                 macro_slip=macro_slip,
                 pitch_radius=state["primary.radius"],
-                torque=math.copysign(max(abs(clutch), expected), clutch),
+                torque=told.estimated_torque,
             )
-            secondary = clamping.force(measured, STEP)
-            demands = dict(
-                zip(("primary", "secondary"), shifting.forces(target, measured, secondary, STEP), strict=True)
-            )
-            forces = {pulley: circuit.advance(demands[pulley], STEP) for pulley, circuit in hydraulics.items()}
+            clamped = control.advance(told.power_demand, state["secondary.speed"], measured, step)
+            acting, closing = earlier if setup.parallel else (given, clamped)
 
-            table[step] = list(state.values())
+            table[k] = list(state.values())
             capacity = max(2.0 * friction.coefficient * state["secondary.axialForce"] * state["primary.radius"], 1e-3)
-            values = (
-                setup.cycle.at(time),
-                speed,
-                target,
-                powertrain.speed,
-                powertrain.torque,
-                clutch,
-                powertrain.locked,
-                brake,
-                road,
-                forces["primary"],
-                forces["secondary"],
-                macro_slip,
-                clamping.intervening,
-                -state["primary.shaftTorque"] * math.cos(friction.wedge_angle) / capacity,
-                powertrain.engine_work,
-                powertrain.clutch_loss,
-            )
-            for name, value in zip(ADDED, values, strict=True):
-                added[name][step] = value
-            if step in kept:
-                snapshots[kept[step]] = _snapshot(unit)
+            utilisation = -state["primary.shaftTorque"] * math.cos(friction.wedge_angle) / capacity
+            for name, value in _added(given, clamped, macro_slip, utilisation).items():
+                added[name][k] = value
+            if k in kept:
+                snapshots[kept[k]] = _snapshot(unit)
 
             unit.set(
                 {
-                    "primary.torque": clutch,
-                    "secondary.torque": -car.lever * (road + brake),
-                    **{f"{pulley}.clampingForce": force for pulley, force in forces.items()},
+                    "primary.torque": acting.primary_torque,
+                    "secondary.torque": acting.secondary_torque,
+                    "primary.clampingForce": closing.primary_force,
+                    "secondary.clampingForce": closing.secondary_force,
                 }
             )
             try:
-                unit.step_to((step + 1) * STEP)
+                unit.step_to((k + 1) * step)
             except UnitError as error:
                 raise UnitError(f"{setup.name}, from {time:.2f} s on: {error}") from error
-            progress(STEP)
+            progress(step)
         messages = tuple(unit.warnings)
     return Run(
         setup=setup,
-        time=np.arange(steps) * STEP,
+        time=np.arange(count) * step,
         columns={**{name: table[:, k] for k, name in enumerate(READ)}, **added},
         snapshots=snapshots,
-        interventions=getattr(clamping, "interventions", 0),
-        wall_time=clock.perf_counter() - begin,
+        interventions=control.interventions,
+        processor_time=clock.process_time() - begin,
         messages=messages,
     )
+
+
+def at_rest() -> dict[str, float]:
+    """Start values of the FMU in the standing car."""
+    signals = VehicleSignals()
+    force = PressureCircuit(START_PRESSURE).force
+    return {
+        "initial.ratio": RATIO_LIMITS[1],
+        "initial.primarySpeed": 0.0,
+        "primary.torque": signals.primary_torque,
+        "secondary.torque": signals.secondary_torque,
+        "primary.clampingForce": force,
+        "secondary.clampingForce": force,
+    }
+
+
+def _added(given: VehicleSignals, clamped: ClampingSignals, macro_slip: bool, utilisation: float) -> dict[str, float]:
+    """What is kept beside the FMU's variables, in the order of `ADDED`."""
+    values = (
+        given.target_speed,
+        given.speed,
+        clamped.target_ratio,
+        given.engine_speed,
+        given.engine_torque,
+        given.primary_torque,
+        given.clutch_locked,
+        given.brake_force,
+        given.road_load,
+        clamped.primary_force,
+        clamped.secondary_force,
+        macro_slip,
+        clamped.intervening,
+        utilisation,
+        given.engine_work,
+        given.clutch_loss,
+    )
+    return dict(zip(ADDED, values, strict=True))
 
 
 def _snapshot(unit: Variator) -> SteadyState:

@@ -58,7 +58,7 @@ class ThrustMap:
         return float((1.0 - p) * low + p * high)
 
     def write(self, path: Path, key: str) -> None:
-        """Writes it as CSV: a comment with key and shift gain, then one row a point."""
+        """Writes it as CSV, to the last bit: a comment with key and shift gain, then one row a point."""
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", encoding="utf-8", newline="") as file:
             file.write("# " + json.dumps({"key": key, "shiftGain": self.shift_gain}) + "\n")
@@ -66,18 +66,18 @@ class ThrustMap:
             writer.writerow(["ratio", "utilisation", "thrustRatio", "slip"])
             for m, ratio in enumerate(self.ratios):
                 for n, utilisation in enumerate(self.utilisations):
-                    writer.writerow([f"{x:.9g}" for x in (ratio, utilisation, self.thrust[m, n], self.slips[m, n])])
+                    writer.writerow([repr(float(x)) for x in (ratio, utilisation, self.thrust[m, n], self.slips[m, n])])
 
     @classmethod
-    def read(cls, path: Path, key: str) -> ThrustMap | None:
-        """Reads what `write` wrote; none if there is none or it was made with another key."""
+    def read(cls, path: Path, key: str | None = None) -> ThrustMap | None:
+        """Reads what `write` wrote; none if there is none or it was made with another key than the one given."""
         try:
             with path.open(encoding="utf-8", newline="") as file:
                 head = json.loads(file.readline().removeprefix("#"))
                 rows = np.array(list(csv.reader(file))[1:], dtype=float)
         except (OSError, ValueError):
             return None
-        if head.get("key") != key:
+        if key is not None and head.get("key") != key:
             return None
         ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
         shape = (len(ratios), len(utilisations))

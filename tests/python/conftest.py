@@ -48,6 +48,12 @@ def unzipped(fmu: Path) -> Iterator[str]:
     shutil.rmtree(directory, ignore_errors=True)
 
 
+@pytest.fixture(scope="session")
+def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where drives keep their thrust-ratio map, so that it is solved for once."""
+    return tmp_path_factory.mktemp("drive")
+
+
 class Slave:
     """One instance. Variables are called by name; messages are kept in `log` as (status, category, text)."""
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
 from pushbelt_demo.unit import Archive, Variator  # noqa: E402
-from pushbelt_drive import report, simulate, thrust_map  # noqa: E402
+from pushbelt_drive import report, simulate, thrust_map, transmission  # noqa: E402
 from pushbelt_drive.car import Powertrain, demo_car  # noqa: E402
 from pushbelt_drive.control import (  # noqa: E402
     Friction,
@@ -28,7 +28,7 @@ from pushbelt_drive.control import (  # noqa: E402
     SlipControl,
     clamping_force,
 )
-from pushbelt_drive.cycle import PARTS, Cycle, wltc_class_3b  # noqa: E402
+from pushbelt_drive.cycle import PARTS, Cycle, nedc, wltc_class_3b  # noqa: E402
 from pushbelt_drive.driver import Driver  # noqa: E402
 from pushbelt_drive.hydraulics import PressureCircuit  # noqa: E402
 from pushbelt_drive.thrust_map import ThrustMap  # noqa: E402
@@ -56,6 +56,13 @@ def test_cycle_is_wltc_class_3b() -> None:
     assert cycle.distance == pytest.approx(23266.0, abs=1.0)
     assert 3.6 * cycle.speed.max() == pytest.approx(131.3)
     assert all(cycle.at(start) == 0.0 for start, _ in PARTS.values())
+
+
+def test_cycle_is_nedc() -> None:
+    cycle = nedc()
+    assert cycle.distance == pytest.approx(4052.0 + 6955.0, rel=1e-3)  # UN Regulation No. 83
+    assert 3.6 * cycle.speed.max() == pytest.approx(120.0)
+    assert cycle.duration == 1179.0
 
 
 def test_section_starts_at_zero_and_at_standstill() -> None:
@@ -167,11 +174,13 @@ def test_map_is_bilinear_and_constant_beyond() -> None:
 
 def test_map_survives_its_cache(tmp_path: Path) -> None:
     path = tmp_path / "map.csv"
-    MAP.write(path, "key")
-    found = ThrustMap.read(path, "key")
-    assert found is not None
-    assert np.array_equal(found.thrust, MAP.thrust)
-    assert found.shift_gain == MAP.shift_gain
+    odd = dataclasses.replace(MAP, thrust=MAP.thrust / 3.0, shift_gain=MAP.shift_gain / 7.0)
+    odd.write(path, "key")
+    for key in ("key", None):
+        found = ThrustMap.read(path, key)
+        assert found is not None
+        assert np.array_equal(found.thrust, odd.thrust)
+        assert found.shift_gain == odd.shift_gain
     assert ThrustMap.read(path, "another key") is None
     assert ThrustMap.read(tmp_path / "none.csv", "key") is None
 
@@ -256,15 +265,15 @@ def test_ratio_control_reaches_its_target(target: float) -> None:
 def test_target_ratio_is_limited_in_range_and_rate() -> None:
     target = 2.2
     for _ in range(1000):
-        before, target = target, simulate.ratio_target(200.0, 600.0, target, STEP)
+        before, target = target, transmission.ratio_target(200.0, 600.0, target, STEP)
         assert abs(math.log(target / before)) <= 1.2 * STEP + 1e-12
-    assert target == pytest.approx(simulate.RATIO_LIMITS[0])
+    assert target == pytest.approx(transmission.RATIO_LIMITS[0])
 
 
 # Documentation
 
 
-@pytest.mark.parametrize(("page", "program"), [("controller", "controller"), ("models", "wiring")])
+@pytest.mark.parametrize(("page", "program"), [("controller", "controller"), ("models", "wiring"), ("cosimulation", "coupled")])
 def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
     shown = (ROOT / "docs" / f"drivetrain-{page}.md").read_text(encoding="utf-8")
     code = (ROOT / "examples" / "drivetrain" / f"{program}.py").read_text(encoding="utf-8")
@@ -305,8 +314,8 @@ PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
 
 
 @pytest.fixture(scope="module")
-def table(fmu: Path, archive: Archive, tmp_path_factory: pytest.TempPathFactory) -> ThrustMap:
-    return thrust_map.load(fmu, archive, PARAMETERS, tmp_path_factory.mktemp("map") / "map.csv")
+def table(fmu: Path, archive: Archive, drive_folder: Path) -> ThrustMap:
+    return thrust_map.load(fmu, archive, PARAMETERS, drive_folder / "thrust-ratio-map-ALE.csv")
 
 
 def test_thrust_map_is_in_order(table: ThrustMap) -> None:

@@ -14,6 +14,9 @@ pub struct Arguments {
     /// 30 s of the cycle instead of all 1800 s
     #[arg(long)]
     short: bool,
+    /// Couple variator, vehicle and control as FMUs in other masters, by an SSP package, and compare with the drive
+    #[arg(long)]
+    cosim: bool,
     /// Passed on to the program; `-- --help` lists what it takes
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
@@ -28,8 +31,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     let environment = Environment::prepare(workspace, &RUNNING)?;
     progress::headline("Driving");
     let mut drive = environment.command();
+    let program = if arguments.cosim {
+        "pushbelt_drive.cosim"
+    } else {
+        "pushbelt_drive"
+    };
     drive
-        .args(["-m", "pushbelt_drive", "--fmu"])
+        .args(["-m", program, "--fmu"])
         .arg(fmu)
         .arg("--output")
         .arg(workspace.target().join("drive"));

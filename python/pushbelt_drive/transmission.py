@@ -1,0 +1,83 @@
+"""The transmission control: which ratio, which clamping forces, and the hydraulics. One call a control step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .car import Car
+from .control import ClampingStrategy, Friction, Measured, RatioControl, SafetyFactor, SlipControl
+from .hydraulics import PressureCircuit
+from .thrust_map import ThrustMap
+
+RATIO_LIMITS = 0.46, 2.2
+"""Ratios that the strategy asks for; the car starts at the upper one."""
+START_PRESSURE = 8e5
+"""Of both circuits, Pa."""
+
+
+@dataclass(frozen=True)
+class ClampingSignals:
+    """What the transmission control gives over a control step."""
+
+    primary_force: float
+    """Mean clamping force on the primary pulley, N."""
+    secondary_force: float
+    """N."""
+    target_ratio: float
+    intervening: bool
+    """Whether the slip controller acts against macro-slip."""
+
+
+def ratio_target(engine_speed: float, secondary_speed: float, before: float, step: float) -> float:
+    """Target ratio that lets the engine run at a wanted speed; it moves by at most 120 % a second."""
+    wanted = engine_speed / max(secondary_speed, 1.0)
+    change = float(np.clip(math.log(np.clip(wanted, *RATIO_LIMITS) / before), -1.2 * step, 1.2 * step))
+    return before * math.exp(change)
+
+
+def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap) -> ClampingStrategy:
+    """A clamping strategy: `safety` for the fixed safety factor, `slip` for slip control."""
+    if name == "slip":
+        return SlipControl(friction, thrust_map)
+    return SafetyFactor(friction)
+
+
+class TransmissionControl:
+    """Ratio from the demanded power, clamping forces from strategy and ratio control, pressures from the hydraulics."""
+
+    POWER_RISE, POWER_FALL = 0.3, 1.5
+    """Time constants with which the ratio follows the demanded power, s."""
+
+    def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap) -> None:
+        self.car = car
+        self.clamping = strategy_of(strategy, friction, thrust_map)
+        self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)
+        self.shifting = RatioControl(friction, thrust_map, self.primary.limits)
+        self._target, self._power = RATIO_LIMITS[1], 0.0
+
+    @property
+    def interventions(self) -> int:
+        """How often the slip controller has stepped in so far."""
+        return getattr(self.clamping, "interventions", 0)
+
+    @property
+    def signals(self) -> ClampingSignals:
+        """Forces of the pressures now: what holds before the first step."""
+        return ClampingSignals(self.primary.force, self.secondary.force, self._target, self.clamping.intervening)
+
+    def advance(self, power_demand: float, secondary_speed: float, measured: Measured, step: float) -> ClampingSignals:
+        """Decides on what was measured and advances the hydraulics by a step, s; power in W, speed in rad/s."""
+        lag = self.POWER_RISE if power_demand > self._power else self.POWER_FALL
+        self._power += (power_demand - self._power) * step / lag
+        self._target = ratio_target(self.car.engine_speed_for(self._power), secondary_speed, self._target, step)
+        needed = self.clamping.force(measured, step)
+        primary, secondary = self.shifting.forces(self._target, measured, needed, step)
+        return ClampingSignals(
+            self.primary.advance(primary, step),
+            self.secondary.advance(secondary, step),
+            self._target,
+            self.clamping.intervening,
+        )

@@ -1,0 +1,199 @@
+"""The drive as a co-simulation of FMUs: the package, its units, and what masters of others make of it."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from lxml import etree
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "python"))
+
+from pushbelt_demo.unit import UnitError  # noqa: E402
+from pushbelt_drive.thrust_map import ThrustMap  # noqa: E402
+
+pythonfmu = pytest.importorskip("pythonfmu")
+if not pythonfmu.FmuBuilder.has_binary():
+    pytest.skip("pythonfmu has no binary for this machine", allow_module_level=True)
+
+from pushbelt_drive.cosim import __main__ as program  # noqa: E402
+from pushbelt_drive.cosim import fmus, package, report, study  # noqa: E402
+from pushbelt_drive.cosim.masters import MASTERS  # noqa: E402
+from pushbelt_drive.cosim.unit import MAP_FILE  # noqa: E402
+
+NAMESPACES = {"ssd": package.SSD, "ssc": package.SSC, "ssv": package.SSV}
+MAP = ThrustMap(
+    ratios=np.array([0.5, 2.0]),
+    utilisations=np.array([-1.0, 1.0]),
+    thrust=np.array([[1.0, 1.5], [0.6, 1.0]]),
+    slips=np.array([[-0.01, 0.01], [-0.01, 0.01]]),
+    shift_gain=8e-7,
+)
+PACKAGES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
+THERE = [name for name in MASTERS if importlib.util.find_spec(PACKAGES[name])]
+
+
+@pytest.fixture(scope="module")
+def ssp(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return study.build(fmu, MAP, study.SHORT, tmp_path_factory.mktemp("package"))
+
+
+def document(ssp: Path, name: str) -> etree._Element:
+    with zipfile.ZipFile(ssp) as archive:
+        return etree.fromstring(archive.read(name))
+
+
+def units(ssp: Path, folder: Path) -> dict[str, Path]:
+    """The FMUs in a package by the names of their components."""
+    with zipfile.ZipFile(ssp) as archive:
+        archive.extractall(folder)
+    found = document(ssp, "SystemStructure.ssd").iterfind(".//ssd:Component", NAMESPACES)
+    return {component.get("name"): folder / component.get("source") for component in found}
+
+
+def test_package_keeps_the_schema(ssp: Path) -> None:
+    package.validate(document(ssp, "SystemStructure.ssd"), "SystemStructureDescription")
+    for name in ("variator", "vehicle", "control"):
+        package.validate(document(ssp, f"resources/{name}.ssv"), "SystemStructureParameterValues")
+
+
+def test_the_schema_finds_mistakes(ssp: Path) -> None:
+    system = document(ssp, "SystemStructure.ssd")
+    del system.find(".//ssd:Connection", NAMESPACES).attrib["endConnector"]
+    with pytest.raises(ValueError, match="endConnector"):
+        package.validate(system, "SystemStructureDescription")
+
+
+def test_wires_join_what_the_units_have(ssp: Path, tmp_path: Path) -> None:
+    """Outputs to inputs of the same type; each wired input once, and none of vehicle and control left open."""
+    variables = {
+        unit: {variable.name: variable for variable in fmpy.read_model_description(path).modelVariables}
+        for unit, path in units(ssp, tmp_path).items()
+    }
+    reached = []
+    for wire in document(ssp, "SystemStructure.ssd").iterfind(".//ssd:Connection", NAMESPACES):
+        source = variables[wire.get("startElement")][wire.get("startConnector")]
+        sink = variables[wire.get("endElement")][wire.get("endConnector")]
+        assert (source.causality, sink.causality) == ("output", "input")
+        assert source.type == sink.type
+        reached.append((wire.get("endElement"), wire.get("endConnector")))
+    assert len(set(reached)) == len(reached)
+    for unit in ("vehicle", "control"):
+        inputs = {name for name, variable in variables[unit].items() if variable.causality == "input"}
+        assert inputs == {name for owner, name in reached if owner == unit}
+
+
+def test_parameters_are_known_to_their_units(ssp: Path, tmp_path: Path) -> None:
+    for unit, path in units(ssp, tmp_path).items():
+        types = {variable.name: variable.type for variable in fmpy.read_model_description(path).modelVariables}
+        values = document(ssp, f"resources/{unit}.ssv")
+        found = {p.get("name"): etree.QName(p[0]).localname for p in values.iterfind(".//ssv:Parameter", NAMESPACES)}
+        assert found
+        assert found.items() <= types.items()
+
+
+def test_units_hold_the_map_and_no_copy_of_the_laws(ssp: Path, tmp_path: Path) -> None:
+    """The packages in the FMU are those of the source tree."""
+    for unit in ("vehicle", "control"):
+        with zipfile.ZipFile(units(ssp, tmp_path)[unit]) as archive:
+            assert archive.read(f"resources/{MAP_FILE}")
+            for name in ("car", "control", "driver", "transmission", "vehicle"):
+                source = ROOT / "python" / "pushbelt_drive" / f"{name}.py"
+                assert archive.read(f"resources/pushbelt_drive/{name}.py") == source.read_bytes()
+
+
+def test_fmpy_runs_the_units(ssp: Path, tmp_path: Path) -> None:
+    """By themselves, unwired: at standstill the clutch is open and both pressures fall to their least."""
+    found = units(ssp, tmp_path)
+    for path in (found["vehicle"], found["control"]):
+        assert fmpy.validation.validate_fmu(str(path)) == []
+    at_rest = {"stop_time": 0.5, "step_size": 0.01, "output_interval": 0.01}
+    vehicle = fmpy.simulate_fmu(str(found["vehicle"]), start_values={"cycle.start": 10.0}, **at_rest)
+    assert np.all(vehicle["primary.torque"] == 0.0)
+    assert vehicle["engine.speed"][-1] == pytest.approx(84.0, rel=0.05)
+    control = fmpy.simulate_fmu(str(found["control"]), **at_rest)
+    assert control["primary.clampingForce"][0] == 8000.0
+    assert control["secondary.clampingForce"][-1] < 2100.0
+
+
+def test_refusal_is_one_line(
+    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    def refuse(path: str, *_: object) -> None:
+        raise OSError(f"{Path(path).name}: undefined symbol: Py_Initialize")
+
+    monkeypatch.setattr(ctypes, "CDLL", refuse)
+    with pytest.raises(UnitError, match="undefined symbol"):
+        fmus.build(tmp_path, MAP)
+
+    def fail(*_: object) -> None:
+        raise UnitError("this Python can't run FMUs of pythonfmu")
+
+    monkeypatch.setattr(study, "run", fail)
+    assert program.main(["--fmu", str(fmu), "--output", str(tmp_path)]) == 1
+    assert capsys.readouterr().err == "The co-simulation failed: this Python can't run FMUs of pythonfmu\n"
+
+
+@pytest.fixture(scope="module")
+def coupling(fmu: Path, drive_folder: Path) -> study.Coupling:
+    if not THERE:
+        pytest.skip("no master has a wheel for this Python and machine")
+    return study.run(fmu, study.SHORT, drive_folder, THERE)
+
+
+def test_program_runs(coupling: study.Coupling, drive_folder: Path, tmp_path: Path) -> None:
+    """The one on the page; what it prints is what was found at 10 ms."""
+    if "ecos" not in coupling.masters:
+        pytest.skip("ecospy has no wheel for this Python and machine")
+    (tmp_path / "target" / "drive").mkdir(parents=True)
+    shutil.copy(drive_folder / study.PACKAGE, tmp_path / "target" / "drive")
+    ran = subprocess.run(
+        [sys.executable, ROOT / "examples" / "drivetrain" / "coupled.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    ratio = coupling.masters["ecos"][0.01][399, 0]
+    assert "t 4 s" in ran.stdout and f"ratio {ratio:.3f}" in ran.stdout
+
+
+@pytest.mark.parametrize("master", MASTERS)
+class TestCoupling:
+    """A launch at communication steps of 20, 10 and 5 ms."""
+
+    @pytest.fixture(autouse=True)
+    def there(self, master: str) -> None:
+        if master not in THERE:
+            pytest.skip(f"{PACKAGES[master]} has no wheel for this Python and machine")
+
+    def test_master_is_the_loop_with_its_parts_side_by_side(self, coupling: study.Coupling, master: str) -> None:
+        """So nothing but the order of the parts sets a master apart from the loop."""
+        assert coupling.against_parallel(master) < 1e-9
+
+    def test_coupling_is_of_first_order(self, coupling: study.Coupling, master: str) -> None:
+        against = coupling.against_loop(master)
+        mean = np.log2(against[0] / against[-1]) / (len(against) - 1)
+        assert mean == pytest.approx(1.0, abs=0.2), dict(zip(study.SIGNALS, mean, strict=True))
+
+    def test_coupling_step_explains_the_difference(self, coupling: study.Coupling, master: str) -> None:
+        """Of first order, x_h is 2 (x_h − x_{h/2}) from its limit."""
+        estimated = 2.0 * coupling.refinement(master)
+        assert (coupling.against_loop(master)[:-1] < estimated).all()
+        assert (estimated < 0.1).all()
+
+    def test_report_shows_it(self, coupling: study.Coupling, master: str, tmp_path: Path) -> None:
+        assert f"{master} against the loop, order" in report.text(coupling)
+        report.write_html(coupling, tmp_path / "coupling.html")
+        assert f"{master} against the loop" in (tmp_path / "coupling.html").read_text(encoding="utf-8")
