@@ -23,7 +23,7 @@ from .results import CaseRun, Effort, SpeedPoint, Times, Window
 STEP = 1e-3
 """Communication step of runs whose computing time is taken, s."""
 
-WAVE_FREQUENCY = 100.0
+WAVE_FREQUENCY = 50.0
 """Frequency of a load torque that swings, Hz."""
 
 WAVE_DEPTH = 0.4

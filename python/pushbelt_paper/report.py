@@ -63,8 +63,6 @@ class Choice:
     """Smallest, median and largest computing time relative to the reference model's."""
     wavy: float | None
     """The same with a load that swings, median."""
-    speed: float
-    """Simulated time over computing time, median."""
 
 
 def _ends(values: list[float]) -> tuple[float, float]:
@@ -92,7 +90,6 @@ def choices(results: PaperResults) -> list[Choice]:
                 sum(run.slipped for run in runs),
                 (min(times), float(np.median(times)), max(times)),
                 float(np.median(wavy)) if wavy else None,
-                float(np.median([run.times.simulated / run.times.median for run in runs])),
             )
         )
     return lines

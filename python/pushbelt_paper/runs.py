@@ -43,7 +43,7 @@ class Plan:
 
 
 FULL = Plan(
-    Effort(settling=0.5, looking=0.25, samples=480, clocked=0.125, repetitions=3),
+    Effort(settling=0.4, looking=0.125, samples=480, clocked=0.05, repetitions=3),
     None,
     ("overdrive-50", "medium-50", "underdrive-50"),
     (0.5, 1.0, 1.5),
