@@ -22,14 +22,7 @@ from .transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, Transmi
 from .vehicle import Vehicle, VehicleSignals
 
 STEP = 0.01
-<<<<<<< HEAD
-"""Communication and control step, s."""
-RATIO_LIMITS = 0.46, 2.2
-"""Ratios that the strategy asks for."""
-=======
 """Communication and control step unless a set-up says otherwise, s."""
-RING_MODELS = {"ALE0": 1, "ALE": 2}
->>>>>>> e0c60049a19270e64094864f255436e8a42ec75f
 MESHES: Mapping[str, Mapping[str, float]] = {
     "coarse": {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4, "solver.tolerance": 1e-3},
     "default": {},
@@ -145,7 +138,11 @@ def unit_parameters(car: Car, ring: str, mesh: str) -> dict[str, float]:
     """Start values of the FMU: `bench168` with the car's inertia on the secondary shaft."""
     parameters = parameter_set("bench168")
     parameters["secondary.inertia"] += car.inertia
-    return {**parameters, "ring.model": RING_MODELS[ring], **MESHES[mesh]}
+    chosen = dict(MESHES[mesh])
+    if ring == "ALE0":
+        # One cell an element instead of two: the same cells.
+        chosen |= {name: 2 * count for name, count in chosen.items() if name.startswith("mesh.")}
+    return {**parameters, "ring.model": RING_MODELS[ring], **chosen}
 
 
 def run(
