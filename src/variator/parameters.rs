@@ -240,6 +240,7 @@ impl Default for Parameters {
                 mass_per_length: 0.24,
                 axial_stiffness: 5.57e6,
                 bending_stiffness: 0.0159,
+                lateral_bending_stiffness: 37.6,
                 damping: 2.0e-5,
             },
             friction: Friction {
