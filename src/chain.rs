@@ -99,12 +99,12 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         let c = self.c;
         let mut along = speed_dot + c * speed_gradient;
         let mut across = [T::zero(); 2];
-        for k in 0..D - 1 {
-            let turning = self.normals[k].dot(&point.slope_dot);
+        for (k, across) in across.iter_mut().enumerate().take(D - 1) {
+            let normal = &self.normals[k];
+            let turning = normal.dot(&point.slope_dot);
             let omega = turning / point.stretch + c * self.curvature[k];
             along -= omega * self.normal_speed[k];
-            across[k] =
-                self.normals[k].dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
+            *across = normal.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
         }
         (along, across)
     }

@@ -438,9 +438,9 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         point_load.position -= embed(push_out);
         flow -= push_out.dot(&in_plane(&point.slope));
         along -= drag.dot(&in_plane(&point.t));
-        for k in 0..D - 1 {
-            let normal = &chain.normals[k];
-            let inward = mass * a_n[k] + push.force * chain.curvature[k] - drag.dot(&in_plane(normal));
+        let across = chain.normals.iter().zip(&chain.curvature).zip(&a_n);
+        for ((normal, curvature), acceleration) in across.take(D - 1) {
+            let inward = mass * *acceleration + push.force * *curvature - drag.dot(&in_plane(normal));
             point_load.position += normal * inward;
         }
         // Both sheaves tilt alike, under the mean of their moments.

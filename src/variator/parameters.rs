@@ -65,7 +65,7 @@ pub struct Parameters {
     pub geometry: Geometry,
     /// The steel elements.
     pub belt: Belt,
-    /// The two ring sets, as one planar beam.
+    /// The two ring sets, as one beam.
     pub ring: Ring,
     /// Friction coefficients and their regularisation.
     pub friction: Friction,

@@ -360,9 +360,11 @@ mod tests {
 
     /// A variator at a state that slides, sticks, pushes and gaps.
     fn disturbed(model: RingModel, spatial: bool, speed: f64) -> (VariatorSystem, State) {
-        let mut parameters = Parameters::default();
-        parameters.ring_model = model;
-        parameters.spatial = spatial;
+        let mut parameters = Parameters {
+            ring_model: model,
+            spatial,
+            ..Parameters::default()
+        };
         parameters.geometry.pulley_offset = 5.0e-4;
         parameters.mesh = crate::variator::parameters::Mesh {
             primary_arc: 4,

@@ -17,7 +17,11 @@ use std::f64::consts::TAU;
 pub const FEW: usize = 12;
 
 /// A ring on the reference curve at Θ with deflections of a few per cent, in motion.
-pub fn waving<M: RingModel<D, N>, const D: usize, const N: usize>(system: &RingSystem<M, D, N>, theta: f64, amplitude: f64) -> State {
+pub fn waving<M: RingModel<D, N>, const D: usize, const N: usize>(
+    system: &RingSystem<M, D, N>,
+    theta: f64,
+    amplitude: f64,
+) -> State {
     let mut state = system.rest(theta);
     let length = system.model.length();
     let mut random = noise(11);
