@@ -64,11 +64,12 @@ struct Arguments {
 }
 
 fn band() -> Ring {
-    let (e, rho, width, thickness) = (2.1e11, 7800.0, 9.5e-3, 0.185e-3_f64);
+    let (e, rho, width, thickness) = (2.1e11, 7800.0, 9.5e-3_f64, 0.185e-3_f64);
     Ring {
         mass_per_length: rho * thickness * width,
         axial_stiffness: e * thickness * width,
         bending_stiffness: e * width * thickness.powi(3) / 12.0,
+        lateral_bending_stiffness: e * thickness * width.powi(3) / 12.0,
         damping: 0.0,
     }
 }

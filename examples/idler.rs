@@ -48,6 +48,7 @@ fn belt(string: bool) -> Ring {
         mass_per_length: rho * thickness * width,
         axial_stiffness: e * thickness * width,
         bending_stiffness: if string { 0.0 } else { bending },
+        lateral_bending_stiffness: 0.0,
         damping: 0.0,
     }
 }

@@ -18,13 +18,15 @@
 //! shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
 //! outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
 //!
+//! A ring in space has two normals, n̂ and b̂: what is said of n̂ holds of both, and their contributions add up.
+//!
 //! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙ + Ω(V − t̂·ṙ), where
 //! Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's path.
 
 use crate::ring::kinematics::RingPoint;
 use crate::scalar::{Real, smooth_plus};
 use crate::variator::parameters::Belt;
-use nalgebra::Vector2;
+use nalgebra::SVector;
 
 /// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
 pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
@@ -34,7 +36,7 @@ pub const SQUEEZE_SPEED: f64 = 1.0;
 
 /// The chain at a mesh point.
 #[derive(Clone, Copy, Debug)]
-pub struct ChainPoint<T: Real> {
+pub struct ChainPoint<T: Real, const D: usize = 2> {
     /// λ, pitch-line length per dξ.
     pub lambda: T,
     /// V, m/s.
@@ -43,49 +45,67 @@ pub struct ChainPoint<T: Real> {
     pub flow: T,
     /// c = J/λ, m/s.
     pub c: T,
+    /// Normals, D − 1 of them.
+    pub normals: [SVector<T, D>; 2],
     /// n̂·ṙ, m/s.
-    pub normal_speed: T,
+    pub normal_speed: [T; 2],
     /// True curvature κ̂ = n̂·r''/|r'| of the ring per dξ, 1/m.
-    pub curvature: T,
+    pub curvature: [T; 2],
 }
 
-impl<T: Real> ChainPoint<T> {
+impl<T: Real, const D: usize> ChainPoint<T, D> {
     /// Kinematics on a ring point at element speed `speed`.
     #[inline(always)]
-    pub fn new(pitch_offset: f64, point: &RingPoint<T>, theta_dot: T, speed: T) -> Self {
+    pub fn new(pitch_offset: f64, point: &RingPoint<T, D>, theta_dot: T, speed: T) -> Self {
         let reference = &point.reference;
         let lambda = point.stretch - reference.kappa * pitch_offset;
+        let normals = point.normals();
+        let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
+        for k in 0..D - 1 {
+            normal_speed[k] = normals[k].dot(&point.r_dot);
+            curvature[k] = normals[k].dot(&point.bend) / point.stretch;
+        }
         let flow = speed - point.t.dot(&point.r_dot) + reference.chi_theta * theta_dot * pitch_offset;
         Self {
             lambda,
             speed,
             flow,
             c: flow / lambda,
-            normal_speed: point.n.dot(&point.r_dot),
-            curvature: point.n.dot(&point.bend) / point.stretch,
+            normals,
+            normal_speed,
+            curvature,
         }
     }
 
     /// v_p, velocity at the pitch line, m/s.
     #[inline(always)]
-    pub fn pitch_velocity(&self, point: &RingPoint<T>) -> Vector2<T> {
-        point.t * self.speed + point.n * self.normal_speed
+    pub fn pitch_velocity(&self, point: &RingPoint<T, D>) -> SVector<T, D> {
+        let mut velocity = point.t * self.speed;
+        for k in 0..D - 1 {
+            velocity += self.normals[k] * self.normal_speed[k];
+        }
+        velocity
     }
 
     /// v_e, velocity at the ring centre line, m/s.
     #[inline(always)]
-    pub fn ring_line_velocity(&self, point: &RingPoint<T>) -> Vector2<T> {
+    pub fn ring_line_velocity(&self, point: &RingPoint<T, D>) -> SVector<T, D> {
         point.r_dot + point.slope * self.c
     }
 
-    /// (a·t̂, a·n̂) of an element; `speed_dot` = V̇, `speed_gradient` = ∂V/∂ξ. m/s².
+    /// a·t̂ of an element and a along the normals; `speed_dot` = V̇, `speed_gradient` = ∂V/∂ξ. m/s².
     #[inline(always)]
-    pub fn acceleration(&self, point: &RingPoint<T>, speed_dot: T, speed_gradient: T) -> (T, T) {
+    pub fn acceleration(&self, point: &RingPoint<T, D>, speed_dot: T, speed_gradient: T) -> (T, [T; 2]) {
         let c = self.c;
-        let turning = point.n.dot(&point.slope_dot);
-        let omega = turning / point.stretch + c * self.curvature;
-        let along = speed_dot + c * speed_gradient - omega * self.normal_speed;
-        let across = point.n.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
+        let mut along = speed_dot + c * speed_gradient;
+        let mut across = [T::zero(); 2];
+        for (k, across) in across.iter_mut().enumerate().take(D - 1) {
+            let normal = &self.normals[k];
+            let turning = normal.dot(&point.slope_dot);
+            let omega = turning / point.stretch + c * self.curvature[k];
+            along -= omega * self.normal_speed[k];
+            *across = normal.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
+        }
         (along, across)
     }
 }

@@ -11,6 +11,9 @@
 //! - friction −μ p_el (v_t, v_f)/√(v_t² + v_f² + v₀²), p_el the elastic part of p, which is never negative: friction
 //!   always takes energy.
 //!
+//! A belt that is off the middle of its pulley by δ, towards the movable sheave, presses on that one with g + δ and on the
+//! other with g − δ; δ moves as the element does along the axis, which enters closing and sliding in the same way.
+//!
 //! The normal force acts along the gradient of g, slopes of w included, so its power is −2 p cos β Dg/Dt and its energy
 //! 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an element's path.
 
@@ -31,6 +34,21 @@ pub struct FlankMotion<T> {
     pub tangential: T,
     /// v_f, m/s.
     pub along_flank: T,
+}
+
+impl<T: Real> FlankMotion<T> {
+    /// Of the flank towards which an element is off the middle by `offset`, m, and moves at `speed`, m/s; for the other
+    /// flank both are the opposite.
+    #[inline(always)]
+    #[must_use]
+    pub fn shifted(&self, offset: T, speed: T, sin_beta: f64) -> Self {
+        Self {
+            penetration: self.penetration + offset,
+            closing: self.closing + speed,
+            tangential: self.tangential,
+            along_flank: self.along_flank + speed * sin_beta,
+        }
+    }
 }
 
 /// Forces on the element per flank and pitch-line length, N/m.
@@ -69,11 +87,12 @@ pub fn flank_force<T: Real>(
     }
 }
 
-/// Elastic energy of both flanks per pitch-line length, J/m.
+/// Elastic energy of both flanks per pitch-line length, J/m, of an element that is off the middle by `offset`, m.
 #[must_use]
-pub fn energy_density(contact: &Contact, cos_beta: f64, penetration: f64) -> f64 {
+pub fn energy_density(contact: &Contact, cos_beta: f64, penetration: f64, offset: f64) -> f64 {
     let k = contact.stiffness * cos_beta * cos_beta;
-    2.0 * k * crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, 1.0)
+    let flank = |depth: f64| k * crate::scalar::smooth_plus_energy(depth, PENETRATION_SMOOTHING, 1.0);
+    flank(penetration + offset) + flank(penetration - offset)
 }
 
 #[cfg(test)]

@@ -343,17 +343,17 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
         let check = |tables: &mut Tables, what: &str, off: f64, bound: f64| {
             tables.check("1", what, S::NAME, off, 0.0, bound);
         };
-        check(tables, "P against differences, m", velocity_error::<S>(), 1.0e-8);
+        check(tables, "P against differences, m", velocity_error::<S, _, _>(), 1.0e-8);
         check(
             tables,
             "−∂V/∂q against differences, relative",
-            elastic_force_error::<S>(),
+            elastic_force_error::<S, _, _>(),
             1.0e-7,
         );
         check(
             tables,
             "inertia against differences of M, relative",
-            inertia_error::<S>(),
+            inertia_error::<S, _, _>(),
             1.0e-8,
         );
     });

@@ -1,9 +1,17 @@
-//! The ALE ring as a planar Kirchhoff beam: inertia and elastic energy (paper 4).
+//! The ALE ring as a Kirchhoff beam: inertia and elastic energy (paper 4). One law in the plane (D = 2) and in space.
 //!
 //! Energy V = ½∫EA γ² dξ + ½∫EI κ_n² dξ (17), γ = |r'| − 1 (20), stress-free when straight. The paper's
 //! κ_n = n_refᵀ r'' mixes stretch into bending; here
 //!
 //! κ_n = n_refᵀ r'' − κ_ref (t_refᵀ r' − 1).
+//!
+//! In space ½∫EI_b κ_b² dξ comes in, κ_b = b_refᵀ r'' = w'' (24), with w the deflection along z, and γ contains w'. b_ref is
+//! constant, so w bends, and is carried along, as a straight beam's deflection is; plane and binormal meet in |r'| alone.
+//! What (24) leaves out is the twist φ of the sections: with it, on an arc, κ_b = w'' + κ_ref φ and the torsion is
+//! φ' − κ_ref w'. φ = 0 says that sections stay upright, as elements between two flanks hold them; on strands
+//! (κ_ref = 0) nothing is left out, and the torsional stiffness of a thin band is small (G t³/3 against E w³/12·t). So a shift
+//! along z costs nothing, but a tilt of a whole free circle by ψ costs ½ EI_b ∮w''² dξ = ½π EI_b ψ²/R: its sections are not
+//! allowed to tilt with it.
 //!
 //! V is differentiated at fixed η, dξ = ξ_η dη included. That contains the border terms ½EI\[κ²\] dξ_k/dΘ that the
 //! paper's (18), (23b) lose where κ_ref jumps at a moving arc border.
@@ -16,12 +24,12 @@
 //! takes exactly ∫EA η (Dγ/Dt)² dξ.
 
 use super::Ring;
-use super::kinematics::{Load, RingPoint};
+use super::kinematics::{Load, RingPoint, embed, in_plane};
 use crate::scalar::Real;
 
 /// Adds inertia as the force m_r Dv/Dt against δv.
 #[inline(always)]
-pub fn add_inertia<T: Real>(ring: &Ring, point: &RingPoint<T>, load: &mut Load<T>) {
+pub fn add_inertia<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>, load: &mut Load<T, D>) {
     let force = point.acceleration() * T::from(ring.mass_per_length);
     load.position += force;
     load.drift += force.dot(&point.slope);
@@ -33,12 +41,12 @@ pub fn add_inertia<T: Real>(ring: &Ring, point: &RingPoint<T>, load: &mut Load<T
 ///
 /// λ = λ_Θ Θ̇ the rate at which dξ grows; `growth` = λ_Θ = (∂l/∂Θ)/l of the element, `theta_rate` = Θ̇.
 #[inline(always)]
-pub fn add_conservative_inertia<T: Real>(
+pub fn add_conservative_inertia<T: Real, const D: usize>(
     ring: &Ring,
-    point: &RingPoint<T>,
+    point: &RingPoint<T, D>,
     growth: T,
     theta_rate: T,
-    load: &mut Load<T>,
+    load: &mut Load<T, D>,
 ) {
     let mass = ring.mass_per_length;
     let velocity = point.velocity();
@@ -52,33 +60,53 @@ pub fn add_conservative_inertia<T: Real>(
 
 /// Bending measure κ_n, 1/m.
 #[inline(always)]
-pub fn curvature<T: Real>(point: &RingPoint<T>) -> T {
+pub fn curvature<T: Real, const D: usize>(point: &RingPoint<T, D>) -> T {
     let reference = &point.reference;
-    reference.n.dot(&point.bend) - reference.kappa * (reference.t.dot(&point.slope) - 1.0)
+    reference.n.dot(&in_plane(&point.bend)) - reference.kappa * (reference.t.dot(&in_plane(&point.slope)) - 1.0)
+}
+
+/// Bending energy per length, J/m.
+#[inline(always)]
+pub fn bending_energy_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
+    let kappa = curvature(point);
+    let mut sum = kappa * kappa * ring.bending_stiffness;
+    for i in 2..D {
+        sum += point.bend[i] * point.bend[i] * ring.lateral_bending_stiffness;
+    }
+    sum * 0.5
 }
 
 /// Elastic energy per length, J/m.
 #[inline(always)]
-pub fn energy_density<T: Real>(ring: &Ring, point: &RingPoint<T>) -> T {
-    let (gamma, kappa) = (point.strain(), curvature(point));
-    (gamma * gamma * ring.axial_stiffness + kappa * kappa * ring.bending_stiffness) * 0.5
+pub fn energy_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
+    let gamma = point.strain();
+    gamma * gamma * (0.5 * ring.axial_stiffness) + bending_energy_density(ring, point)
 }
 
 /// Adds ∂V/∂q and the damping force; `growth` = (∂l/∂Θ)/l of the element. Returns the ring tension T, N.
 #[inline(always)]
-pub fn add_elasticity<T: Real>(ring: &Ring, point: &RingPoint<T>, growth: T, load: &mut Load<T>) -> T {
+pub fn add_elasticity<T: Real, const D: usize>(
+    ring: &Ring,
+    point: &RingPoint<T, D>,
+    growth: T,
+    load: &mut Load<T, D>,
+) -> T {
     let reference = &point.reference;
     let kappa = curvature(point);
     let moment = kappa * ring.bending_stiffness;
     let viscous = point.strain_rate() * (ring.axial_stiffness * ring.damping);
     let tension = point.strain() * ring.axial_stiffness + viscous;
-    load.slope += point.t * tension - reference.t * (moment * reference.kappa);
-    load.bend += reference.n * moment;
+    load.slope += point.t * tension - embed(reference.t * (moment * reference.kappa));
+    load.bend += embed(reference.n * moment);
+    for i in 2..D {
+        load.bend[i] += point.bend[i] * ring.lateral_bending_stiffness;
+    }
     load.drift += viscous * point.strain_gradient();
     let chi_theta = reference.chi_theta;
-    let kappa_theta = -(chi_theta * reference.t.dot(&point.bend))
-        - reference.kappa_theta * (reference.t.dot(&point.slope) - 1.0)
-        - reference.kappa * chi_theta * reference.n.dot(&point.slope);
+    let slope = in_plane(&point.slope);
+    let kappa_theta = -(chi_theta * reference.t.dot(&in_plane(&point.bend)))
+        - reference.kappa_theta * (reference.t.dot(&slope) - 1.0)
+        - reference.kappa * chi_theta * reference.n.dot(&slope);
     load.theta += moment * kappa_theta + energy_density(ring, point) * growth;
     tension
 }

@@ -4,20 +4,28 @@
 //! q_f can make, so node 0 is locked to the reference curve: along the curve because of s, across it because of Θ. A
 //! curve without a ratio needs the first lock only; a second would hold the free ring. `ALE0` locks every node: the ring
 //! then has s and Θ alone.
+//!
+//! In space (D = 3) nodes deflect along z too. Nothing is locked there: s and Θ don't move along z.
 
 use super::Ring;
 use super::ale;
-use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
+use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane};
 use super::mesh::{RingMesh, Station};
-use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, RingModel, Shape, THETA};
+use super::model::{Coordinates, DIRECTIONS, Energy, RingModel, Shape};
 use super::particle::{Particle, ParticleLoad};
 use super::turning::{TurningElement, rotated_load, rotated_point};
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
 use crate::scalar::Real;
-use nalgebra::Vector2;
+use nalgebra::{SVector, Vector2};
 
-/// Node unknowns.
-const BLOCK: usize = 4;
+/// Says of a deflection with D components that N = 4D + 2 unknowns tell an element's motion: deflection and slope of two
+/// nodes, s and Θ.
+pub trait Unknowns<const N: usize> {}
+/// A deflection with D components.
+#[derive(Debug)]
+pub enum Deflection<const D: usize> {}
+impl Unknowns<DIRECTIONS> for Deflection<2> {}
+impl Unknowns<14> for Deflection<3> {}
 
 /// Form of the inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,9 +48,9 @@ pub enum Directions {
     Reference,
 }
 
-/// A ring in the Eulerian view on a reference curve.
+/// A ring in the Eulerian view on a reference curve; its deflection has D components.
 #[derive(Clone, Debug)]
-pub struct AleRing<C> {
+pub struct AleRing<C, const D: usize = 2> {
     /// Beam.
     pub ring: Ring,
     /// Reference curve.
@@ -57,16 +65,16 @@ pub struct AleRing<C> {
 }
 
 /// Motion of an element.
-struct Parts<T: Real> {
-    /// Overlay: in x and y, or along t and n.
-    element: ElementMotion<T>,
+struct Parts<T: Real, const D: usize> {
+    /// Overlay: in x and y, or along t and n; in space along z too.
+    element: ElementMotion<T, D>,
     reference: ReferenceMotion<T>,
     /// Of [`Directions::Reference`].
     turning: Option<TurningElement<T>>,
 }
 
 impl<C: ReferenceCurve> AleRing<C> {
-    /// A ring that deflects (`ALE`).
+    /// A ring that deflects in the plane (`ALE`).
     #[must_use]
     pub fn flexible(ring: Ring, curve: C, mesh: RingMesh) -> Self {
         Self::new(ring, curve, mesh, true)
@@ -77,6 +85,19 @@ impl<C: ReferenceCurve> AleRing<C> {
     pub fn rigid(ring: Ring, curve: C, mesh: RingMesh) -> Self {
         Self::new(ring, curve, mesh, false)
     }
+}
+
+impl<C: ReferenceCurve> AleRing<C, 3> {
+    /// A ring that deflects in the plane and along z.
+    #[must_use]
+    pub fn spatial(ring: Ring, curve: C, mesh: RingMesh) -> Self {
+        Self::new(ring, curve, mesh, true)
+    }
+}
+
+impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
+    /// Node unknowns.
+    const BLOCK: usize = 2 * D;
 
     fn new(ring: Ring, curve: C, mesh: RingMesh, flexible: bool) -> Self {
         Self {
@@ -89,11 +110,12 @@ impl<C: ReferenceCurve> AleRing<C> {
         }
     }
 
-    fn parts<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, motion: &Coordinates<T>) -> Parts<T> {
+    fn parts<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, motion: &[Motion<T>]) -> Parts<T, D> {
+        let (drift, theta) = (&motion[2 * Self::BLOCK], motion[2 * Self::BLOCK + 1]);
         let reference = ReferenceMotion {
-            theta: motion[THETA],
-            s_dot: motion[DRIFT].rate,
-            s_ddot: motion[DRIFT].acceleration,
+            theta,
+            s_dot: drift.rate,
+            s_ddot: drift.acceleration,
         };
         let place = &self.mesh.elements[element];
         let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
@@ -105,8 +127,8 @@ impl<C: ReferenceCurve> AleRing<C> {
             };
         }
         let node = |i: usize, of: fn(&Motion<T>) -> T| Node {
-            a: Vector2::new(of(&motion[BLOCK * i]), of(&motion[BLOCK * i + 2])),
-            b: Vector2::new(of(&motion[BLOCK * i + 1]), of(&motion[BLOCK * i + 3])),
+            a: SVector::from_fn(|k, _| of(&motion[Self::BLOCK * i + 2 * k])),
+            b: SVector::from_fn(|k, _| of(&motion[Self::BLOCK * i + 2 * k + 1])),
         };
         let mut nodes = [0, 1].map(|i| Motion {
             value: node(i, |m| m.value),
@@ -142,8 +164,8 @@ impl<C: ReferenceCurve> AleRing<C> {
         frame: &C::Frame<T>,
         element: usize,
         station: &Station,
-        parts: &Parts<T>,
-    ) -> RingPoint<T> {
+        parts: &Parts<T, D>,
+    ) -> RingPoint<T, D> {
         let reference = self.reference_point(frame, element, station);
         if parts.turning.is_none() {
             return RingPoint::new(reference, &station.shape, &parts.element, &parts.reference);
@@ -156,11 +178,11 @@ impl<C: ReferenceCurve> AleRing<C> {
     /// Adds a load over the length `weight`, m, on the ring at a station.
     fn add<T: Real<Constant = f64>>(
         station: &Station,
-        parts: &Parts<T>,
-        point: &RingPoint<T>,
-        load: &Load<T>,
+        parts: &Parts<T, D>,
+        point: &RingPoint<T, D>,
+        load: &Load<T, D>,
         weight: T,
-        sum: &mut ElementLoad<T>,
+        sum: &mut ElementLoad<T, D>,
     ) {
         if parts.turning.is_none() {
             sum.add(load, point, &station.shape, &parts.element, weight);
@@ -177,14 +199,24 @@ impl<C: ReferenceCurve> AleRing<C> {
         }
     }
 
-    fn rows<T: Real<Constant = f64>>(sum: &ElementLoad<T>, parts: &Parts<T>) -> [T; DIRECTIONS] {
+    fn rows<T: Real<Constant = f64>, const N: usize>(sum: &ElementLoad<T, D>, parts: &Parts<T, D>) -> [T; N] {
         let ([mut left, mut right], mut theta) = sum.nodes(&parts.element);
         if let Some(turning) = &parts.turning {
             turning.nodes([&mut left, &mut right], &mut theta);
         }
-        [
-            left.a.x, left.b.x, left.a.y, left.b.y, right.a.x, right.b.x, right.a.y, right.b.y, sum.s, theta,
-        ]
+        let nodes = [left, right];
+        std::array::from_fn(|k| match k.checked_sub(2 * Self::BLOCK) {
+            None => {
+                let (node, k) = (&nodes[k / Self::BLOCK], k % Self::BLOCK);
+                if k.is_multiple_of(2) {
+                    node.a[k / 2]
+                } else {
+                    node.b[k / 2]
+                }
+            }
+            Some(0) => sum.s,
+            Some(_) => theta,
+        })
     }
 
     /// The ring at the local coordinate x of an element as its mesh point sees it.
@@ -194,8 +226,8 @@ impl<C: ReferenceCurve> AleRing<C> {
         frame: &C::Frame<f64>,
         element: usize,
         x: f64,
-        motion: &Coordinates<f64>,
-    ) -> RingPoint<f64> {
+        motion: &[Motion<f64>],
+    ) -> RingPoint<f64, D> {
         let station = self.mesh.elements[element].station(x, 0.0, 0.0);
         self.point(frame, element, &station, &self.parts(frame, element, motion))
     }
@@ -204,8 +236,8 @@ impl<C: ReferenceCurve> AleRing<C> {
         &self,
         frame: &C::Frame<f64>,
         element: usize,
-        motion: &Coordinates<f64>,
-        mut f: impl FnMut(&RingPoint<f64>, f64),
+        motion: &[Motion<f64>],
+        mut f: impl FnMut(&RingPoint<f64, D>, f64),
     ) {
         let parts = self.parts(frame, element, motion);
         for station in &self.mesh.stations[element] {
@@ -215,8 +247,11 @@ impl<C: ReferenceCurve> AleRing<C> {
     }
 }
 
-impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
-    const BLOCK: usize = BLOCK;
+impl<C: ReferenceCurve + std::fmt::Debug, const D: usize, const N: usize> RingModel<D, N> for AleRing<C, D>
+where
+    Deflection<D>: Unknowns<N>,
+{
+    const BLOCK: usize = Self::BLOCK;
     const LAGRANGIAN: bool = false;
 
     type Frame<T: Real> = C::Frame<T>;
@@ -246,7 +281,7 @@ impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
     }
 
     fn held(&self) -> Vec<usize> {
-        let blocks = self.elements() * BLOCK;
+        let blocks = self.elements() * Self::BLOCK;
         let ratio = self.curve.has_ratio();
         // At ξ = 0, the leftmost point, y is along the curve and x across it.
         let (along, across) = match self.directions {
@@ -279,22 +314,26 @@ impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
         (element, 2.0 * (fraction - place.start) / place.share - 1.0)
     }
 
-    fn lay(&self, shape: Shape<'_>, q: &mut [f64]) {
-        let frame = self.curve.frame(q[self.elements() * BLOCK + 1]);
-        for (block, element) in q.chunks_exact_mut(BLOCK).zip(&self.mesh.elements) {
+    fn lay(&self, shape: Shape<'_, D>, q: &mut [f64]) {
+        let frame = self.curve.frame(q[self.elements() * Self::BLOCK + 1]);
+        for (block, element) in q.chunks_exact_mut(Self::BLOCK).zip(&self.mesh.elements) {
             let point = C::point::<f64>(&frame, element.segment, element.start);
             let [r, slope] = shape(point.xi.v);
-            let (a, b) = (r - point.r, slope - point.t);
-            let [a, b] = match self.directions {
-                Directions::Fixed => [a, b],
-                Directions::Reference => [a, b].map(|v| Vector2::new(v.dot(&point.t), v.dot(&point.n))),
-            };
-            block.copy_from_slice(&[a.x, b.x, a.y, b.y]);
+            let (mut a, mut b) = (r - embed(point.r), slope - embed(point.t));
+            if self.directions == Directions::Reference {
+                for v in [&mut a, &mut b] {
+                    let planar: Vector2<f64> = in_plane(v);
+                    (v[0], v[1]) = (planar.dot(&point.t), planar.dot(&point.n));
+                }
+            }
+            for k in 0..D {
+                (block[2 * k], block[2 * k + 1]) = (a[k], b[k]);
+            }
         }
     }
 
     fn lay_on_curve(&self, q: &mut [f64]) {
-        q[..self.elements() * BLOCK].fill(0.0);
+        q[..self.elements() * Self::BLOCK].fill(0.0);
     }
 
     fn particle<T: Real<Constant = f64>>(
@@ -302,8 +341,8 @@ impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
         frame: &C::Frame<T>,
         element: usize,
         x: f64,
-        motion: &Coordinates<T>,
-    ) -> (Particle<T>, T) {
+        motion: &Coordinates<T, N>,
+    ) -> (Particle<T, D>, T) {
         let station = self.mesh.elements[element].station(x, 0.0, 0.0);
         let parts = self.parts(frame, element, motion);
         let point = self.point(frame, element, &station, &parts);
@@ -315,9 +354,9 @@ impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
         frame: &C::Frame<T>,
         element: usize,
         x: f64,
-        motion: &Coordinates<T>,
-        load: &ParticleLoad<T>,
-    ) -> [T; DIRECTIONS] {
+        motion: &Coordinates<T, N>,
+        load: &ParticleLoad<T, D>,
+    ) -> [T; N] {
         let station = self.mesh.elements[element].station(x, 0.0, 0.0);
         let parts = self.parts(frame, element, motion);
         let point = self.point(frame, element, &station, &parts);
@@ -337,8 +376,8 @@ impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
         &self,
         frame: &C::Frame<T>,
         element: usize,
-        motion: &Coordinates<T>,
-    ) -> [T; DIRECTIONS] {
+        motion: &Coordinates<T, N>,
+    ) -> [T; N] {
         let parts = self.parts(frame, element, motion);
         let length = parts.element.length;
         let growth = length.d / length.v;
@@ -359,7 +398,7 @@ impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
         Self::rows(&sum, &parts)
     }
 
-    fn energy(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64>) -> Energy {
+    fn energy(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy {
         let half = |stiffness: f64, measure: f64| 0.5 * stiffness * measure * measure;
         let ring = &self.ring;
         let mut sum = Energy::default();
@@ -367,13 +406,13 @@ impl<C: ReferenceCurve + std::fmt::Debug> RingModel for AleRing<C> {
             sum += Energy {
                 kinetic: weight * half(ring.mass_per_length, p.velocity().norm()),
                 membrane: weight * half(ring.axial_stiffness, p.strain()),
-                bending: weight * half(ring.bending_stiffness, ale::curvature(p)),
+                bending: weight * ale::bending_energy_density(ring, p),
             };
         });
         sum
     }
 
-    fn dissipation(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64>) -> f64 {
+    fn dissipation(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> f64 {
         let viscosity = self.ring.axial_stiffness * self.ring.damping;
         let mut sum = 0.0;
         self.integrate(frame, element, motion, |p, weight| {

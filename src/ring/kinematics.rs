@@ -2,7 +2,8 @@
 //! to it.
 //!
 //! Position r = R(ξ, Θ) + B q_f (10) with A_i = identity and cubic Hermite functions (paper 5.2) on elements whose
-//! borders stay on the arc borders. At fixed mesh point η:
+//! borders stay on the arc borders. The reference curve is planar, the deflection has D components: x and y, and in space
+//! w along z, the direction of the binormal. At fixed mesh point η:
 //!
 //! - ring velocity v = ṙ + w r', w = ṡ − ξ̇_η (12),
 //! - ring acceleration Dv/Dt = r̈ + ẇ r' + 2w (r')˙ + w² r'',
@@ -13,8 +14,27 @@
 use super::particle::ParticleLoad;
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::scalar::{Real, turn_right};
-use nalgebra::Vector2;
+use nalgebra::{SVector, Vector2};
 use std::ops::Mul;
+
+/// Components in the plane of the drive.
+#[inline(always)]
+pub fn in_plane<T: Real, const D: usize>(v: &SVector<T, D>) -> Vector2<T> {
+    Vector2::new(v[0], v[1])
+}
+
+/// A vector in the plane of the drive as one of D components.
+#[inline(always)]
+pub fn embed<T: Real, const D: usize>(v: Vector2<T>) -> SVector<T, D> {
+    SVector::from_fn(|i, _| if i < 2 { v[i] } else { T::zero() })
+}
+
+/// Inward normal n̂ of a curve of D components in the plane of the drive, ⊥ to the unit tangent `t`.
+#[inline(always)]
+pub fn inward_normal<T: Real, const D: usize>(t: &SVector<T, D>) -> SVector<T, D> {
+    let n = turn_right(in_plane(t));
+    embed(if D == 2 { n } else { n * n.dot(&n).sqrt().recip() })
+}
 
 /// Cubic Hermite functions of the element at a local coordinate x ∈ [−1, 1] (paper 5.2), and their x derivatives.
 #[derive(Clone, Copy, Debug)]
@@ -51,11 +71,11 @@ impl<L: Real> Hermite<L> {
 
 /// Deflection and slope of a node, or a time derivative of them.
 #[derive(Clone, Copy, Debug)]
-pub struct Node<T: Real> {
+pub struct Node<T: Real, const D: usize = 2> {
     /// Deflection, m.
-    pub a: Vector2<T>,
+    pub a: SVector<T, D>,
     /// Slope ∂/∂ξ of the deflection.
-    pub b: Vector2<T>,
+    pub b: SVector<T, D>,
 }
 
 /// A quantity with its first and second time derivative at fixed η.
@@ -82,21 +102,21 @@ pub struct ReferenceMotion<T> {
 
 /// An element's overlay in the length-free coordinates d, or none of it (`ALE0`).
 #[derive(Clone, Copy, Debug)]
-pub struct ElementMotion<T: Real> {
+pub struct ElementMotion<T: Real, const D: usize = 2> {
     /// Element length l(Θ), m.
     pub length: Jet<T>,
-    overlay: Option<Overlay<T>>,
+    overlay: Option<Overlay<T, D>>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Overlay<T: Real> {
-    d: [Vector2<T>; 4],
-    rate: [Vector2<T>; 4],
-    acceleration: [Vector2<T>; 4],
-    slope: [Vector2<T>; 2],
+struct Overlay<T: Real, const D: usize> {
+    d: [SVector<T, D>; 4],
+    rate: [SVector<T, D>; 4],
+    acceleration: [SVector<T, D>; 4],
+    slope: [SVector<T, D>; 2],
 }
 
-impl<T: Real> ElementMotion<T> {
+impl<T: Real, const D: usize> ElementMotion<T, D> {
     /// An element that follows the reference curve.
     #[inline(always)]
     pub fn rigid(length: Jet<T>) -> Self {
@@ -105,14 +125,14 @@ impl<T: Real> ElementMotion<T> {
 
     /// An element between two nodes.
     #[inline(always)]
-    pub fn flexible(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T>>; 2]) -> Self {
+    pub fn flexible(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T, D>>; 2]) -> Self {
         let l = length.v;
         let l_dot = length.d * theta.rate;
         let l_ddot = length.dd * theta.rate * theta.rate + length.d * theta.acceleration;
         let mut overlay = Overlay {
-            d: [Vector2::zeros(); 4],
-            rate: [Vector2::zeros(); 4],
-            acceleration: [Vector2::zeros(); 4],
+            d: [SVector::zeros(); 4],
+            rate: [SVector::zeros(); 4],
+            acceleration: [SVector::zeros(); 4],
             slope: [nodes[0].value.b, nodes[1].value.b],
         };
         for (i, node) in nodes.iter().enumerate() {
@@ -133,36 +153,36 @@ impl<T: Real> ElementMotion<T> {
 
 /// Σ weights·d; the weights are mesh constants or, where the mesh moves under the place, numbers like d.
 #[inline(always)]
-pub(super) fn combine<T: Real + Mul<W, Output = T>, W: Copy>(weights: &[W; 4], d: &[Vector2<T>; 4]) -> Vector2<T> {
-    let sum = |f: fn(&Vector2<T>) -> T| {
-        f(&d[0]) * weights[0] + f(&d[1]) * weights[1] + f(&d[2]) * weights[2] + f(&d[3]) * weights[3]
-    };
-    Vector2::new(sum(|v| v.x), sum(|v| v.y))
+pub(super) fn combine<T: Real + Mul<W, Output = T>, W: Copy, const D: usize>(
+    weights: &[W; 4],
+    d: &[SVector<T, D>; 4],
+) -> SVector<T, D> {
+    SVector::from_fn(|i, _| d[0][i] * weights[0] + d[1][i] * weights[1] + d[2][i] * weights[2] + d[3][i] * weights[3])
 }
 
 /// The ring at a mesh point.
 #[derive(Clone, Copy, Debug)]
-pub struct RingPoint<T: Real> {
+pub struct RingPoint<T: Real, const D: usize = 2> {
     /// Reference curve there.
     pub reference: ReferencePoint<T>,
     /// Position r, m.
-    pub r: Vector2<T>,
+    pub r: SVector<T, D>,
     /// ṙ at fixed η, m/s.
-    pub r_dot: Vector2<T>,
+    pub r_dot: SVector<T, D>,
     /// r̈ at fixed η, m/s².
-    pub r_ddot: Vector2<T>,
+    pub r_ddot: SVector<T, D>,
     /// r' = ∂r/∂ξ.
-    pub slope: Vector2<T>,
+    pub slope: SVector<T, D>,
     /// (r')˙ at fixed η, 1/s.
-    pub slope_dot: Vector2<T>,
+    pub slope_dot: SVector<T, D>,
     /// r'', 1/m.
-    pub bend: Vector2<T>,
+    pub bend: SVector<T, D>,
     /// |r'|.
     pub stretch: T,
     /// Tangent t̂ = r'/|r'|.
-    pub t: Vector2<T>,
-    /// Inward normal n̂.
-    pub n: Vector2<T>,
+    pub t: SVector<T, D>,
+    /// Inward normal n̂, in the plane of the drive.
+    pub n: SVector<T, D>,
     /// Material speed through the mesh w = ṡ − ξ̇_η, m/s.
     pub w: T,
     /// ẇ at fixed η, m/s².
@@ -170,21 +190,43 @@ pub struct RingPoint<T: Real> {
 }
 
 impl<T: Real> RingPoint<T> {
+    /// Kinematics of a ring that keeps to the reference curve.
+    #[inline(always)]
+    pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> Self {
+        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
+        Self {
+            reference,
+            r: reference.r,
+            r_dot: reference.r_theta * rate,
+            r_ddot: reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration,
+            slope: reference.t,
+            slope_dot: reference.n * (reference.chi_theta * rate),
+            bend: reference.n * reference.kappa,
+            stretch: T::one(),
+            t: reference.t,
+            n: reference.n,
+            w: motion.s_dot - reference.xi.d * rate,
+            w_dot: motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate,
+        }
+    }
+}
+
+impl<T: Real, const D: usize> RingPoint<T, D> {
     /// Kinematics at `shape` of an element.
     #[inline(always)]
     pub fn new(
         reference: ReferencePoint<T>,
         shape: &Hermite<T::Constant>,
-        element: &ElementMotion<T>,
+        element: &ElementMotion<T, D>,
         motion: &ReferenceMotion<T>,
     ) -> Self {
         let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
-        let mut r = reference.r;
-        let mut r_dot = reference.r_theta * rate;
-        let mut r_ddot = reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration;
-        let mut slope = reference.t;
-        let mut slope_dot = reference.n * (reference.chi_theta * rate);
-        let mut bend = reference.n * reference.kappa;
+        let mut r: SVector<T, D> = embed(reference.r);
+        let mut r_dot: SVector<T, D> = embed(reference.r_theta * rate);
+        let mut r_ddot: SVector<T, D> = embed(reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration);
+        let mut slope: SVector<T, D> = embed(reference.t);
+        let mut slope_dot: SVector<T, D> = embed(reference.n * (reference.chi_theta * rate));
+        let mut bend: SVector<T, D> = embed(reference.n * reference.kappa);
         if let Some(overlay) = &element.overlay {
             let g = element.length.v.recip() * 2.0;
             let u_slope = combine(&shape.dn, &overlay.d) * g;
@@ -207,41 +249,35 @@ impl<T: Real> RingPoint<T> {
             bend,
             stretch,
             t,
-            n: turn_right(t),
+            n: inward_normal(&t),
             w: motion.s_dot - reference.xi.d * rate,
             w_dot: motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate,
         }
     }
 
-    /// Kinematics of a ring that keeps to the reference curve.
+    /// Normals of the ring: n̂, and in space b̂ = t̂ × n̂.
     #[inline(always)]
-    pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> Self {
-        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
-        Self {
-            reference,
-            r: reference.r,
-            r_dot: reference.r_theta * rate,
-            r_ddot: reference.r_theta2 * (rate * rate) + reference.r_theta * acceleration,
-            slope: reference.t,
-            slope_dot: reference.n * (reference.chi_theta * rate),
-            bend: reference.n * reference.kappa,
-            stretch: T::one(),
-            t: reference.t,
-            n: reference.n,
-            w: motion.s_dot - reference.xi.d * rate,
-            w_dot: motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate,
+    pub fn normals(&self) -> [SVector<T, D>; 2] {
+        let mut binormal = SVector::zeros();
+        if D == 3 {
+            let (t, n) = (&self.t, &self.n);
+            binormal = SVector::from_fn(|i, _| {
+                let (j, k) = ((i + 1) % D, (i + 2) % D);
+                t[j] * n[k] - t[k] * n[j]
+            });
         }
+        [self.n, binormal]
     }
 
     /// Ring velocity v (12), m/s.
     #[inline(always)]
-    pub fn velocity(&self) -> Vector2<T> {
+    pub fn velocity(&self) -> SVector<T, D> {
         self.r_dot + self.slope * self.w
     }
 
     /// Ring acceleration Dv/Dt, m/s².
     #[inline(always)]
-    pub fn acceleration(&self) -> Vector2<T> {
+    pub fn acceleration(&self) -> SVector<T, D> {
         self.r_ddot + self.slope * self.w_dot + self.slope_dot * (self.w * 2.0) + self.bend * (self.w * self.w)
     }
 
@@ -266,27 +302,27 @@ impl<T: Real> RingPoint<T> {
 
 /// Forces per length conjugate to the virtual motions of a mesh point. Sign: residual = inertia − forces.
 #[derive(Clone, Copy, Debug)]
-pub struct Load<T: Real> {
+pub struct Load<T: Real, const D: usize = 2> {
     /// Conjugate to δr, N/m.
-    pub position: Vector2<T>,
+    pub position: SVector<T, D>,
     /// Conjugate to δr', N.
-    pub slope: Vector2<T>,
+    pub slope: SVector<T, D>,
     /// Conjugate to δr'', N·m.
-    pub bend: Vector2<T>,
+    pub bend: SVector<T, D>,
     /// Conjugate to δw, N/m.
     pub drift: T,
     /// Conjugate to δΘ beyond what the other entries carry, N·m/m.
     pub theta: T,
 }
 
-impl<T: Real> Load<T> {
+impl<T: Real, const D: usize> Load<T, D> {
     /// No load.
     #[inline(always)]
     pub fn zero() -> Self {
         Self {
-            position: Vector2::zeros(),
-            slope: Vector2::zeros(),
-            bend: Vector2::zeros(),
+            position: SVector::zeros(),
+            slope: SVector::zeros(),
+            bend: SVector::zeros(),
             drift: T::zero(),
             theta: T::zero(),
         }
@@ -295,7 +331,7 @@ impl<T: Real> Load<T> {
     /// A load on the particle that passes a mesh point: virtual displacements at fixed x̄ are δr|_η + r' δσ, δσ the
     /// drift through the mesh. Of a load k on r'' the part in δσ is left out: a mesh point does not know r'''.
     #[inline(always)]
-    pub fn of_particle(load: &ParticleLoad<T>, point: &RingPoint<T>) -> Self {
+    pub fn of_particle(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> Self {
         Self {
             position: load.position,
             slope: load.slope,
@@ -308,21 +344,21 @@ impl<T: Real> Load<T> {
 
 /// Generalised forces of an element.
 #[derive(Clone, Copy, Debug)]
-pub struct ElementLoad<T: Real> {
+pub struct ElementLoad<T: Real, const D: usize = 2> {
     /// Conjugate to the length-free coordinates d.
-    d: [Vector2<T>; 4],
+    d: [SVector<T, D>; 4],
     /// Conjugate to Θ (the part through d excepted until [`ElementLoad::nodes`]).
     pub theta: T,
     /// Conjugate to s.
     pub s: T,
 }
 
-impl<T: Real> ElementLoad<T> {
+impl<T: Real, const D: usize> ElementLoad<T, D> {
     /// No load.
     #[inline(always)]
     pub fn zero() -> Self {
         Self {
-            d: [Vector2::zeros(); 4],
+            d: [SVector::zeros(); 4],
             theta: T::zero(),
             s: T::zero(),
         }
@@ -332,23 +368,23 @@ impl<T: Real> ElementLoad<T> {
     #[inline(always)]
     pub fn add(
         &mut self,
-        load: &Load<T>,
-        point: &RingPoint<T>,
+        load: &Load<T, D>,
+        point: &RingPoint<T, D>,
         shape: &Hermite<T::Constant>,
-        element: &ElementMotion<T>,
+        element: &ElementMotion<T, D>,
         weight: T,
     ) {
         let reference = &point.reference;
         self.s += load.drift * weight;
         let bend_theta = reference.n * reference.kappa_theta - reference.t * (reference.kappa * reference.chi_theta);
-        let mut theta = load.theta + load.position.dot(&reference.r_theta) - load.drift * reference.xi.d
-            + load.slope.dot(&reference.n) * reference.chi_theta
-            + load.bend.dot(&bend_theta);
+        let mut theta = load.theta + in_plane(&load.position).dot(&reference.r_theta) - load.drift * reference.xi.d
+            + in_plane(&load.slope).dot(&reference.n) * reference.chi_theta
+            + in_plane(&load.bend).dot(&bend_theta);
         if element.overlay.is_some() {
             let g = element.length.v.recip() * 2.0;
             let growth = element.length.d * g * 0.5;
-            let u_slope = point.slope - reference.t;
-            let u_bend = point.bend - reference.n * reference.kappa;
+            let u_slope = point.slope - embed(reference.t);
+            let u_bend = point.bend - embed(reference.n * reference.kappa);
             theta -= (load.slope.dot(&u_slope) + load.bend.dot(&u_bend) * 2.0) * growth;
             let (f0, f1, f2) = (
                 load.position * weight,
@@ -357,8 +393,9 @@ impl<T: Real> ElementLoad<T> {
             );
             for k in 0..4 {
                 let (n, dn, ddn) = (shape.n[k], shape.dn[k], shape.ddn[k]);
-                self.d[k].x += f0.x * n + f1.x * dn + f2.x * ddn;
-                self.d[k].y += f0.y * n + f1.y * dn + f2.y * ddn;
+                for i in 0..D {
+                    self.d[k][i] += f0[i] * n + f1[i] * dn + f2[i] * ddn;
+                }
             }
         }
         self.theta += theta * weight;
@@ -366,7 +403,7 @@ impl<T: Real> ElementLoad<T> {
 
     /// Conjugates of the nodal degrees of freedom, and of Θ complete.
     #[inline(always)]
-    pub fn nodes(&self, element: &ElementMotion<T>) -> ([Node<T>; 2], T) {
+    pub fn nodes(&self, element: &ElementMotion<T, D>) -> ([Node<T, D>; 2], T) {
         let l = element.length;
         let node = |i: usize| Node {
             a: self.d[2 * i],

@@ -14,7 +14,7 @@ pub mod rcm;
 pub mod system;
 mod turning;
 
-/// The ring sets, as one planar beam.
+/// The ring sets, as one beam.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ring {
     /// Mass m_r per length, kg/m.
@@ -23,6 +23,8 @@ pub struct Ring {
     pub axial_stiffness: f64,
     /// Bending stiffness EI_n in the plane of the drive, N·m².
     pub bending_stiffness: f64,
+    /// Bending stiffness EI_b out of the plane of the drive, N·m²; of rings that deflect in space.
+    pub lateral_bending_stiffness: f64,
     /// Kelvin–Voigt damping time η of the axial strain, s.
     pub damping: f64,
 }

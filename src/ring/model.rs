@@ -1,13 +1,14 @@
 //! What a ring model is: the law of one element in the unknowns it depends on.
 //!
 //! Unknowns stand in blocks around the loop, one a ring element: its left node, then what belongs to the element alone.
-//! The border holds the drift s and Θ. An element depends on ten of them: eight of its own block and the next one's node,
-//! s, and Θ. A model tells the ring's [`Particle`]s from their motion, takes forces on particles, and knows its balance
-//! of inertia and elasticity.
+//! The border holds the drift s and Θ. An element depends on N of them: those of its own block and the next one's node,
+//! s, and Θ; N = 10 in the plane. A model tells the ring's [`Particle`]s from their motion, takes forces on particles, and
+//! knows its balance of inertia and elasticity. Particles have D = 2 components, or 3 in space.
 //!
 //! | model | mesh | block | s | Θ |
 //! |---|---|---|---|---|
 //! | [`AleRing`](super::ale_ring::AleRing) | stands in space, material flows through | a_x, b_x, a_y, b_y: overlay and its slope | unknown of the motion | unknown of the motion |
+//! | the same in space, N = 14 | the same | a_x, b_x, a_y, b_y, a_z, b_z | the same | the same |
 //! | the same with q_f = 0 (`ALE0`) | the same | locked | the same | the same |
 //! | [`Ancf`](super::ancf::Ancf) | travels with the ring | x, x', y, y' | follows: mean drift | held |
 //! | [`Rcm`](super::rcm::Rcm) | travels with the ring | x, y, φ, c_L, c_R | follows: mean drift | held |
@@ -16,19 +17,17 @@ use super::Ring;
 use super::kinematics::Motion;
 use super::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
-use nalgebra::Vector2;
+use nalgebra::SVector;
 
-/// Unknowns that an element depends on: eight of its block and the next node, then s and Θ.
+/// Unknowns that an element of a planar ring depends on: eight of its block and the next node, then s and Θ.
 pub const DIRECTIONS: usize = 10;
 /// Those of blocks.
 pub const NODAL: usize = 8;
 /// Place of s among the [`DIRECTIONS`].
 pub const DRIFT: usize = 8;
-/// Place of Θ among the [`DIRECTIONS`].
-pub const THETA: usize = 9;
 
 /// Motion of the unknowns that an element depends on.
-pub type Coordinates<T> = [Motion<T>; DIRECTIONS];
+pub type Coordinates<T, const N: usize = DIRECTIONS> = [Motion<T>; N];
 
 /// Energies of a ring or of a part of it, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,10 +57,10 @@ impl std::ops::AddAssign for Energy {
 }
 
 /// Where a ring runs and how it is sloped: (r, r') at ξ.
-pub type Shape<'a> = &'a dyn Fn(f64) -> [Vector2<f64>; 2];
+pub type Shape<'a, const D: usize = 2> = &'a dyn Fn(f64) -> [SVector<f64, D>; 2];
 
-/// A ring model on its mesh.
-pub trait RingModel: Clone + std::fmt::Debug {
+/// A ring model on its mesh: of D components, with N unknowns an element, s and Θ the last two.
+pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + std::fmt::Debug {
     /// Unknowns in a block.
     const BLOCK: usize;
 
@@ -100,7 +99,7 @@ pub trait RingModel: Clone + std::fmt::Debug {
     fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> (usize, f64);
 
     /// Lays the nodes of a ring that has not drifted on a shape; `q[Θ]` is given.
-    fn lay(&self, shape: Shape<'_>, q: &mut [f64]);
+    fn lay(&self, shape: Shape<'_, D>, q: &mut [f64]);
 
     /// Lays the nodes on the reference curve; `q[Θ]` is given.
     fn lay_on_curve(&self, q: &mut [f64]);
@@ -111,8 +110,8 @@ pub trait RingModel: Clone + std::fmt::Debug {
         frame: &Self::Frame<T>,
         element: usize,
         x: f64,
-        motion: &Coordinates<T>,
-    ) -> (Particle<T>, T);
+        motion: &Coordinates<T, N>,
+    ) -> (Particle<T, D>, T);
 
     /// Generalised forces of a load on the particle at x, N: the transpose of [`RingModel::particle`]'s velocities.
     fn project<T: Real<Constant = f64>>(
@@ -120,30 +119,30 @@ pub trait RingModel: Clone + std::fmt::Debug {
         frame: &Self::Frame<T>,
         element: usize,
         x: f64,
-        motion: &Coordinates<T>,
-        load: &ParticleLoad<T>,
-    ) -> [T; DIRECTIONS];
+        motion: &Coordinates<T, N>,
+        load: &ParticleLoad<T, D>,
+    ) -> [T; N];
 
     /// Balance of an element, inertia less forces, in the order of the directions.
     fn balance<T: Real<Constant = f64>>(
         &self,
         frame: &Self::Frame<T>,
         element: usize,
-        motion: &Coordinates<T>,
-    ) -> [T; DIRECTIONS];
+        motion: &Coordinates<T, N>,
+    ) -> [T; N];
 
     /// Energies of an element.
-    fn energy(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64>) -> Energy;
+    fn energy(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy;
 
     /// Power that damping takes in an element, W.
-    fn dissipation(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64>) -> f64;
+    fn dissipation(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> f64;
 
     /// Indices of the vector of the unknowns that an element depends on.
-    fn directions(&self, element: usize) -> [usize; DIRECTIONS] {
+    fn directions(&self, element: usize) -> [usize; N] {
         let blocks = self.elements() * Self::BLOCK;
         std::array::from_fn(|k| match k {
-            0..NODAL => (element * Self::BLOCK + k) % blocks,
-            _ => blocks + k - NODAL,
+            k if k < N - 2 => (element * Self::BLOCK + k) % blocks,
+            _ => blocks + k + 2 - N,
         })
     }
 }

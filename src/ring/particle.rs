@@ -7,29 +7,29 @@
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 
-use super::kinematics::{ReferenceMotion, RingPoint};
+use super::kinematics::{ReferenceMotion, RingPoint, inward_normal};
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, turn_right};
-use nalgebra::Vector2;
+use nalgebra::SVector;
 
 /// The ring at a place, and its material there.
 #[derive(Clone, Copy, Debug)]
-pub struct Particle<T: Real> {
+pub struct Particle<T: Real, const D: usize = 2> {
     /// Position r, m.
-    pub r: Vector2<T>,
+    pub r: SVector<T, D>,
     /// r'.
-    pub slope: Vector2<T>,
+    pub slope: SVector<T, D>,
     /// r'', 1/m.
-    pub bend: Vector2<T>,
+    pub bend: SVector<T, D>,
     /// Velocity v, m/s.
-    pub velocity: Vector2<T>,
+    pub velocity: SVector<T, D>,
     /// Velocity gradient v' = D(r')/Dt, 1/s.
-    pub velocity_slope: Vector2<T>,
+    pub velocity_slope: SVector<T, D>,
     /// Acceleration Dv/Dt, m/s².
-    pub acceleration: Vector2<T>,
+    pub acceleration: SVector<T, D>,
 }
 
-impl<T: Real> Particle<T> {
+impl<T: Real, const D: usize> Particle<T, D> {
     /// Axial strain γ = |r'| − 1 (20).
     #[inline(always)]
     pub fn strain(&self) -> T {
@@ -42,15 +42,9 @@ impl<T: Real> Particle<T> {
         self.slope.dot(&self.velocity_slope) * self.slope.dot(&self.slope).sqrt().recip()
     }
 
-    /// Turning of the tangent per unstretched length, (r' × r'')/|r'|², 1/m; positive inwards.
-    #[inline(always)]
-    pub fn curvature(&self) -> T {
-        turn_right(self.slope).dot(&self.bend) * self.slope.dot(&self.slope).recip()
-    }
-
     /// As seen at a mesh point that is at `reference` now and follows its curve.
     #[inline(always)]
-    pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T> {
+    pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T, D> {
         let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
         let w = motion.s_dot - reference.xi.d * rate;
         let w_dot = motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate;
@@ -67,16 +61,24 @@ impl<T: Real> Particle<T> {
             bend: self.bend,
             stretch,
             t,
-            n: turn_right(t),
+            n: inward_normal(&t),
             w,
             w_dot,
         }
     }
 }
 
-impl<T: Real> From<&RingPoint<T>> for Particle<T> {
+impl<T: Real> Particle<T> {
+    /// Turning of the tangent per unstretched length, (r' × r'')/|r'|², 1/m; positive inwards.
     #[inline(always)]
-    fn from(point: &RingPoint<T>) -> Self {
+    pub fn curvature(&self) -> T {
+        turn_right(self.slope).dot(&self.bend) * self.slope.dot(&self.slope).recip()
+    }
+}
+
+impl<T: Real, const D: usize> From<&RingPoint<T, D>> for Particle<T, D> {
+    #[inline(always)]
+    fn from(point: &RingPoint<T, D>) -> Self {
         Self {
             r: point.r,
             slope: point.slope,
@@ -90,23 +92,23 @@ impl<T: Real> From<&RingPoint<T>> for Particle<T> {
 
 /// Forces per length on a particle, conjugate to its virtual displacement and to the primes of that.
 #[derive(Clone, Copy, Debug)]
-pub struct ParticleLoad<T: Real> {
+pub struct ParticleLoad<T: Real, const D: usize = 2> {
     /// Conjugate to δr, N/m.
-    pub position: Vector2<T>,
+    pub position: SVector<T, D>,
     /// Conjugate to δr', N.
-    pub slope: Vector2<T>,
+    pub slope: SVector<T, D>,
     /// Conjugate to δr'', N·m.
-    pub bend: Vector2<T>,
+    pub bend: SVector<T, D>,
 }
 
-impl<T: Real> ParticleLoad<T> {
+impl<T: Real, const D: usize> ParticleLoad<T, D> {
     /// No load.
     #[inline(always)]
     pub fn zero() -> Self {
         Self {
-            position: Vector2::zeros(),
-            slope: Vector2::zeros(),
-            bend: Vector2::zeros(),
+            position: SVector::zeros(),
+            slope: SVector::zeros(),
+            bend: SVector::zeros(),
         }
     }
 }

@@ -1,16 +1,16 @@
-//! The ring alone, free in the plane, as an implicit system: no chain, contact or pulleys (paper 5.3).
+//! The ring alone, free in the plane or in space, as an implicit system: no chain, contact or pulleys (paper 5.3).
 //!
 //! ∫ m_r Pᵀ Dv/Dt dξ + ∂V/∂q + damping = 0 (25) for any [`RingModel`]. Unknowns are the rates: blocks of the model around
 //! the loop, then ṡ and Θ̇ in the border, so the Jacobian is an arrow matrix whatever the model.
 
 use super::kinematics::Motion;
-use super::model::{Coordinates, DIRECTIONS, Energy, NODAL, RingModel, Shape};
+use super::model::{Coordinates, DIRECTIONS, Energy, RingModel, Shape};
 use super::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
 use crate::solver::arrow::{Arrow, ArrowLu, Shape as MatrixShape, Singular};
 use crate::solver::sdirk::{Evolution, Sdirk, Stalled};
 use crate::solver::{System, View};
-use nalgebra::{DMatrix, SVector, Vector2};
+use nalgebra::{DMatrix, SVector};
 use num_dual::{Derivative, DualSVec64};
 use std::f64::consts::TAU;
 
@@ -43,7 +43,7 @@ impl State {
 
 /// A free ring.
 #[derive(Clone, Debug)]
-pub struct RingSystem<M> {
+pub struct RingSystem<M, const D: usize = 2, const N: usize = DIRECTIONS> {
     /// Ring model on its mesh.
     pub model: M,
     /// Position error of a step that is tolerated, in units of L (deflection, drift) and 1 (slope, Θ). Infinite:
@@ -56,7 +56,7 @@ pub struct RingSystem<M> {
     has_position: Vec<bool>,
 }
 
-impl<M: RingModel> RingSystem<M> {
+impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     /// A free ring of this model.
     ///
     /// # Panics
@@ -108,7 +108,7 @@ impl<M: RingModel> RingSystem<M> {
 
     /// At rest on a shape: (r, r') at ξ. Nodes stand on it exactly, what is between them as the model can.
     #[must_use]
-    pub fn rest_on(&self, theta: f64, shape: Shape<'_>) -> State {
+    pub fn rest_on(&self, theta: f64, shape: Shape<'_, D>) -> State {
         self.at_rest(theta, |model, q| model.lay(shape, q))
     }
 
@@ -128,7 +128,11 @@ impl<M: RingModel> RingSystem<M> {
     ///
     /// # Errors
     /// The mass matrix is singular: the ring has no mass, or too few unknowns are held.
-    pub fn set_in_motion(&mut self, state: &mut State, velocity: impl Fn(f64) -> Vector2<f64>) -> Result<(), Singular> {
+    pub fn set_in_motion(
+        &mut self,
+        state: &mut State,
+        velocity: impl Fn(f64) -> SVector<f64, D>,
+    ) -> Result<(), Singular> {
         state.y.fill(0.0);
         let mut mass = Arrow::new(self.shape());
         self.jacobian(state.view(), 1.0, 0.0, &mut mass);
@@ -191,7 +195,7 @@ impl<M: RingModel> RingSystem<M> {
         element: usize,
         [alpha, beta]: [f64; 2],
         seed: impl Fn(f64, usize, f64) -> T,
-    ) -> Coordinates<T> {
+    ) -> Coordinates<T, N> {
         let at = self.model.directions(element);
         std::array::from_fn(|k| Motion {
             value: seed(view.q[at[k]], k, beta),
@@ -202,7 +206,7 @@ impl<M: RingModel> RingSystem<M> {
 
     /// Motion of an element's unknowns.
     #[must_use]
-    pub fn values(&self, view: View<'_>, element: usize) -> Coordinates<f64> {
+    pub fn values(&self, view: View<'_>, element: usize) -> Coordinates<f64, N> {
         self.motion(view, element, [0.0; 2], |value, _, _| value)
     }
 
@@ -214,20 +218,20 @@ impl<M: RingModel> RingSystem<M> {
 
     /// The particle at the local coordinate x ∈ [−1, 1] of an element.
     #[must_use]
-    pub fn particle(&self, view: View<'_>, element: usize, x: f64) -> Particle<f64> {
+    pub fn particle(&self, view: View<'_>, element: usize, x: f64) -> Particle<f64, D> {
         let motion = self.values(view, element);
         self.model.particle(&self.frame(view), element, x, &motion).0
     }
 
     /// The particle at the place ξ, m, wherever the mesh stands: x̄ = ξ − s (1).
     #[must_use]
-    pub fn particle_at(&self, view: View<'_>, xi: f64) -> Particle<f64> {
+    pub fn particle_at(&self, view: View<'_>, xi: f64) -> Particle<f64, D> {
         let (element, x) = self.model.locate(&self.frame(view), view.q[self.drift()], xi);
         self.particle(view, element, x)
     }
 
     /// ∫ `f` dξ over the ring.
-    pub fn integrate(&self, view: View<'_>, mut f: impl FnMut(&Particle<f64>) -> f64) -> f64 {
+    pub fn integrate(&self, view: View<'_>, mut f: impl FnMut(&Particle<f64, D>) -> f64) -> f64 {
         let frame = self.frame(view);
         let mut sum = 0.0;
         for element in 0..self.model.elements() {
@@ -294,12 +298,12 @@ impl<M: RingModel> RingSystem<M> {
     }
 }
 
-impl<M: RingModel> System for RingSystem<M> {
+impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M, D, N> {
     fn shape(&self) -> MatrixShape {
         MatrixShape {
             blocks: self.model.elements(),
             block: M::BLOCK,
-            border: DIRECTIONS - NODAL,
+            border: 2,
         }
     }
 
@@ -324,11 +328,11 @@ impl<M: RingModel> System for RingSystem<M> {
     fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         out.clear();
         let seed = |value: f64, direction: usize, slope: f64| {
-            let mut eps = SVector::<f64, DIRECTIONS>::zeros();
+            let mut eps = SVector::<f64, N>::zeros();
             eps[direction] = slope;
             DualSVec64::new(value, Derivative::some(eps))
         };
-        let frame = self.model.frame(seed(view.q[self.theta()], DIRECTIONS - 1, beta));
+        let frame = self.model.frame(seed(view.q[self.theta()], N - 1, beta));
         for element in 0..self.model.elements() {
             let motion = self.motion(view, element, [alpha, beta], seed);
             let rows = self.model.balance(&frame, element, &motion);
@@ -357,7 +361,7 @@ impl<M: RingModel> System for RingSystem<M> {
     }
 }
 
-impl<M: RingModel> Evolution for RingSystem<M> {
+impl<M: RingModel<D, N>, const D: usize, const N: usize> Evolution for RingSystem<M, D, N> {
     fn error_norm(&self, _view: View<'_>, _y_error: &[f64], q_error: &[f64]) -> f64 {
         let length = self.model.length();
         let sum: f64 = q_error
@@ -389,7 +393,7 @@ mod tests {
     use crate::ring::mesh::RingMesh;
     use crate::ring::rcm::Rcm;
 
-    fn jacobian_matches_differences(model: impl RingModel) {
+    fn jacobian_matches_differences<const D: usize, const N: usize>(model: impl RingModel<D, N>) {
         let mut system = RingSystem::new(model);
         let mut state = system.rest(0.2);
         let n = state.y.len();
@@ -441,14 +445,19 @@ mod tests {
             mass_per_length: 0.24,
             axial_stiffness: 5.57e3,
             bending_stiffness: 0.0159,
+            lateral_bending_stiffness: 0.031,
             damping: 2.0e-4,
         };
         let curve = TwoPulley::new(0.168, 0.703);
         let mesh = RingMesh::even(&[1, 1, 2, 1, 1], 3);
-        let mut ale = AleRing::flexible(ring.clone(), curve.clone(), mesh);
-        jacobian_matches_differences(ale.clone());
-        ale.directions = Directions::Reference;
-        jacobian_matches_differences(ale);
+        for directions in [Directions::Fixed, Directions::Reference] {
+            let mut planar = AleRing::flexible(ring.clone(), curve.clone(), mesh.clone());
+            planar.directions = directions;
+            jacobian_matches_differences(planar);
+            let mut spatial = AleRing::spatial(ring.clone(), curve.clone(), mesh.clone());
+            spatial.directions = directions;
+            jacobian_matches_differences(spatial);
+        }
         jacobian_matches_differences(Ancf::new(ring.clone(), curve.clone(), 8, 3));
         jacobian_matches_differences(Rcm::new(ring, curve, 8, 5));
     }

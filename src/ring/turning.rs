@@ -1,4 +1,5 @@
-//! The overlay in directions that turn with the reference curve: A_i = [t, n]_ref in (10).
+//! The overlay in directions that turn with the reference curve: A_i = [t, n]_ref in (10). In space the third column is
+//! e_z; b_ref = t × n = −e_z is as constant, and with this sign w is the same number for either choice of A_i.
 //!
 //! With d = (d_t, d_n) along t and n, κ and χ of the reference curve, and J v = (v_n, −v_t):
 //!
@@ -9,10 +10,12 @@
 //! and jumps in between, so with d' continuous the tangent of the ring would not be: nodes hold e, and an element's
 //! d' = e + κ J d with the curvature of its own side.
 
-use super::kinematics::{ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint};
+use super::kinematics::{
+    ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane, inward_normal,
+};
 use crate::reference_curve::{Jet, ReferencePoint, Turning};
 use crate::scalar::{Real, turn_right};
-use nalgebra::Vector2;
+use nalgebra::{SVector, Vector2};
 
 /// What an element needs to change between the slopes e of its nodes and its own d'.
 pub struct TurningElement<T: Real> {
@@ -22,24 +25,25 @@ pub struct TurningElement<T: Real> {
 
 impl<T: Real> TurningElement<T> {
     /// Changes the slopes of `nodes` from e to d'; `curvature` of the reference curve at the two ends.
-    pub fn new(curvature: [Jet<T>; 2], theta: &Motion<T>, nodes: &mut [Motion<Node<T>>; 2]) -> Self {
-        let deflection = [nodes[0].value.a, nodes[1].value.a];
+    pub fn new<const D: usize>(curvature: [Jet<T>; 2], theta: &Motion<T>, nodes: &mut [Motion<Node<T, D>>; 2]) -> Self {
+        let deflection = [in_plane(&nodes[0].value.a), in_plane(&nodes[1].value.a)];
         for (node, k) in nodes.iter_mut().zip(&curvature) {
             let rate = k.d * theta.rate;
             let acceleration = k.dd * theta.rate * theta.rate + k.d * theta.acceleration;
-            let [a, a_dot, a_ddot] = [node.value.a, node.rate.a, node.acceleration.a].map(turn_right);
-            node.value.b += a * k.v;
-            node.rate.b += a * rate + a_dot * k.v;
-            node.acceleration.b += a * acceleration + a_dot * (rate * 2.0) + a_ddot * k.v;
+            let [a, a_dot, a_ddot] = [node.value.a, node.rate.a, node.acceleration.a].map(|a| turn_right(in_plane(&a)));
+            node.value.b += embed(a * k.v);
+            node.rate.b += embed(a * rate + a_dot * k.v);
+            node.acceleration.b += embed(a * acceleration + a_dot * (rate * 2.0) + a_ddot * k.v);
         }
         Self { curvature, deflection }
     }
 
     /// Conjugates of the nodes' e and of Θ from those of d'.
-    pub fn nodes(&self, nodes: [&mut Node<T>; 2], theta: &mut T) {
+    pub fn nodes<const D: usize>(&self, nodes: [&mut Node<T, D>; 2], theta: &mut T) {
         for ((node, k), a) in nodes.into_iter().zip(&self.curvature).zip(&self.deflection) {
-            *theta += turn_right(*a).dot(&node.b) * k.d;
-            node.a -= turn_right(node.b) * k.v;
+            let b = in_plane(&node.b);
+            *theta += turn_right(*a).dot(&b) * k.d;
+            node.a -= embed(turn_right(b) * k.v);
         }
     }
 }
@@ -60,73 +64,86 @@ fn nowhere<T: Real>(reference: &ReferencePoint<T>) -> ReferencePoint<T> {
     }
 }
 
-fn deflection<T: Real>(
+fn deflection<T: Real, const D: usize>(
     reference: &ReferencePoint<T>,
     shape: &Hermite<T::Constant>,
-    element: &ElementMotion<T>,
+    element: &ElementMotion<T, D>,
     motion: &ReferenceMotion<T>,
-) -> RingPoint<T> {
+) -> RingPoint<T, D> {
     RingPoint::new(nowhere(reference), shape, element, motion)
 }
 
+/// `v` with other components in the plane.
+fn turned<T: Real, const D: usize>(in_plane: Vector2<T>, v: &SVector<T, D>) -> SVector<T, D> {
+    SVector::from_fn(|i, _| if i < 2 { in_plane[i] } else { v[i] })
+}
+
 /// Kinematics at `shape` of an element whose overlay is d.
-pub fn rotated_point<T: Real>(
+pub fn rotated_point<T: Real, const D: usize>(
     reference: ReferencePoint<T>,
     turning: &Turning<T>,
     shape: &Hermite<T::Constant>,
-    element: &ElementMotion<T>,
+    element: &ElementMotion<T, D>,
     motion: &ReferenceMotion<T>,
-) -> RingPoint<T> {
+) -> RingPoint<T, D> {
     let d = deflection(&reference, shape, element, motion);
     let theta = &motion.theta;
     let chi_dot = turning.chi.d * theta.rate;
     let chi_ddot = turning.chi.dd * theta.rate * theta.rate + turning.chi.d * theta.acceleration;
     let kappa = reference.kappa;
     let kappa_dot = reference.kappa_theta * theta.rate;
-    let e = d.slope - turn_right(d.r) * kappa;
-    let e_dot = d.slope_dot - turn_right(d.r) * kappa_dot - turn_right(d.r_dot) * kappa;
-    let a = |c: Vector2<T>| reference.t * c.x + reference.n * c.y;
+    let [r, r_dot, r_ddot] = [d.r, d.r_dot, d.r_ddot].map(|v| in_plane(&v));
+    let [slope, slope_dot, bend] = [d.slope, d.slope_dot, d.bend].map(|v| in_plane(&v));
+    let e = slope - turn_right(r) * kappa;
+    let e_dot = slope_dot - turn_right(r) * kappa_dot - turn_right(r_dot) * kappa;
+    let a = |c: Vector2<T>, whole: &SVector<T, D>| turned(reference.t * c.x + reference.n * c.y, whole);
     let rigid = ElementMotion::rigid(element.length);
     let mut point = RingPoint::new(reference, shape, &rigid, motion);
-    point.r += a(d.r);
-    point.r_dot += a(d.r_dot - turn_right(d.r) * chi_dot);
-    point.r_ddot +=
-        a(d.r_ddot - turn_right(d.r_dot) * (chi_dot * 2.0) - turn_right(d.r) * chi_ddot - d.r * (chi_dot * chi_dot));
-    point.slope += a(e);
-    point.slope_dot += a(e_dot - turn_right(e) * chi_dot);
-    point.bend += a(d.bend - turn_right(d.slope) * (kappa * 2.0) - d.r * (kappa * kappa));
+    point.r += a(r, &d.r);
+    point.r_dot += a(r_dot - turn_right(r) * chi_dot, &d.r_dot);
+    point.r_ddot += a(
+        r_ddot - turn_right(r_dot) * (chi_dot * 2.0) - turn_right(r) * chi_ddot - r * (chi_dot * chi_dot),
+        &d.r_ddot,
+    );
+    point.slope += a(e, &d.slope);
+    point.slope_dot += a(e_dot - turn_right(e) * chi_dot, &d.slope_dot);
+    point.bend += a(bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa), &d.bend);
     point.stretch = point.slope.dot(&point.slope).sqrt();
     point.t = point.slope * point.stretch.recip();
-    point.n = turn_right(point.t);
+    point.n = inward_normal(&point.t);
     point
 }
 
 /// Adds a load over the length `weight`, m, at a point of [`rotated_point`]: its transpose.
-pub fn rotated_load<T: Real>(
-    load: &Load<T>,
-    point: &RingPoint<T>,
+pub fn rotated_load<T: Real, const D: usize>(
+    load: &Load<T, D>,
+    point: &RingPoint<T, D>,
     shape: &Hermite<T::Constant>,
-    element: &ElementMotion<T>,
+    element: &ElementMotion<T, D>,
     motion: &ReferenceMotion<T>,
     weight: T,
-    sum: &mut ElementLoad<T>,
+    sum: &mut ElementLoad<T, D>,
 ) {
     let reference = &point.reference;
     let d = deflection(reference, shape, element, motion);
     let kappa = reference.kappa;
-    let e = d.slope - turn_right(d.r) * kappa;
-    let h = d.bend - turn_right(d.slope) * (kappa * 2.0) - d.r * (kappa * kappa);
-    let local = |v: &Vector2<T>| Vector2::new(v.dot(&reference.t), v.dot(&reference.n));
+    let [r, slope, bend] = [d.r, d.slope, d.bend].map(|v| in_plane(&v));
+    let e = slope - turn_right(r) * kappa;
+    let h = bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa);
+    let local = |v: &SVector<T, D>| {
+        let v = in_plane(v);
+        Vector2::new(v.dot(&reference.t), v.dot(&reference.n))
+    };
     let [f, m, k] = [local(&load.position), local(&load.slope), local(&load.bend)];
-    let by_chi = -(f.dot(&turn_right(d.r)) + m.dot(&turn_right(e)) + k.dot(&turn_right(h)));
-    let by_kappa = -(m.dot(&turn_right(d.r)) + k.dot(&turn_right(d.slope)) * 2.0 + k.dot(&d.r) * kappa * 2.0);
+    let by_chi = -(f.dot(&turn_right(r)) + m.dot(&turn_right(e)) + k.dot(&turn_right(h)));
+    let by_kappa = -(m.dot(&turn_right(r)) + k.dot(&turn_right(slope)) * 2.0 + k.dot(&r) * kappa * 2.0);
     let mut of_curve = *load;
     of_curve.theta += by_chi * reference.chi_theta + by_kappa * reference.kappa_theta;
     sum.add(&of_curve, point, shape, &ElementMotion::rigid(element.length), weight);
     let of_deflection = Load {
-        position: f + turn_right(m) * kappa - k * (kappa * kappa),
-        slope: m + turn_right(k) * (kappa * 2.0),
-        bend: k,
+        position: turned(f + turn_right(m) * kappa - k * (kappa * kappa), &load.position),
+        slope: turned(m + turn_right(k) * (kappa * 2.0), &load.slope),
+        bend: turned(k, &load.bend),
         drift: T::zero(),
         theta: T::zero(),
     };

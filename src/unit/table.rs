@@ -288,6 +288,9 @@ fn outputs(t: &mut Rows) {
     t.read("pushForce.max", 15, (Output, "N", typical(1000.0)), "Largest push force between elements", read!(push_force_max));
     t.read("ring.tensionMax", 16, (Output, "N", typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
     t.read("ring.tensionMin", 17, (Output, "N", typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
+    t.read("belt.misalignment", 20, (Output, "m", typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves stand on opposite sides", read!(misalignment));
+    t.read("belt.lateralMax", 21, (Output, "m", not_negative(1e-3)), "Largest deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", read!(lateral_max));
+    t.read("belt.skew", 22, (Output, "rad", typical(1e-2)), "Mean inclination of the strands against the plane of the drive, from secondary to primary; 0 without ring.spatial", read!(skew));
 }
 
 #[rustfmt::skip]
@@ -300,6 +303,7 @@ fn parameters(t: &mut Rows) {
     t.set("geometry.centerDistance", 1021, Parameter, "m", "Distance of the pulley axes", set!(parameters.geometry.center_distance));
     t.set("geometry.beltLength", 1022, Parameter, "m", "Length of the unstretched ring centre line", set!(parameters.geometry.belt_length));
     t.set("geometry.wedgeAngle", 1023, Parameter, "rad", "Half wedge angle of the sheaves", set!(parameters.geometry.wedge_angle));
+    t.set("geometry.pulleyOffset", 1024, Parameter, "m", "Axial offset at ratio 1 of the primary belt plane from the secondary's, towards the movable primary sheave; felt with ring.spatial", set!(parameters.geometry.pulley_offset));
     t.set("belt.pitchOffset", 1031, Parameter, "m", "Distance of the pitch line (rocking edge) inside the ring centre line", set!(parameters.belt.pitch_offset));
     t.set("belt.play", 1032, Parameter, "m", "End play: pitch-line length less the stacked thickness of all elements", set!(parameters.belt.play));
     t.set("belt.massPerLength", 1033, Parameter, "kg/m", "Mass of the elements alone per pitch-line length", set!(parameters.belt.mass_per_length));
@@ -309,6 +313,8 @@ fn parameters(t: &mut Rows) {
     t.set("ring.massPerLength", 1041, Parameter, "kg/m", "Mass of the ring sets per length", set!(parameters.ring.mass_per_length));
     t.set("ring.axialStiffness", 1042, Parameter, "N", "Axial stiffness EA of the ring sets", set!(parameters.ring.axial_stiffness));
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));
+    t.set("ring.lateralBendingStiffness", 1046, Parameter, "N.m2", "Bending stiffness EI of the ring sets out of the plane of the drive, with ring.spatial", set!(parameters.ring.lateral_bending_stiffness));
+    t.switch("ring.spatial", 1047, "Whether the ring deflects out of the plane of the drive too, as misaligned pulleys make it do; ring.model ALE only", set!(parameters.spatial));
     t.count("ring.elements", 1045, "Elements of a ring that travels with its mesh (RCM, ANCF), at least 16; 0: 32 for RCM, 40 for ANCF. More of them need a finer mesh of the cells, which carry the ring in between", set!(parameters.ring_elements));
     t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
     t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave", set!(parameters.friction.pulley));
@@ -334,4 +340,5 @@ fn locals(t: &mut Rows) {
     t.profile("normalForce", 10_301, "N/m", 1e5, "Normal force per flank and length", |outputs, at| outputs.profile.normal_force[at]);
     t.profile("radialDeviation", 10_401, "m", 1e-4, "Radius less the mean radius of the arc (on strands: outward distance from the tangent line)", |outputs, at| outputs.profile.radial_deviation[at]);
     t.profile("slidingSpeed", 10_501, "m/s", 0.01, "Tangential sliding speed of the flanks", |outputs, at| outputs.profile.sliding_speed[at]);
+    t.profile("lateralDeflection", 10_601, "m", 1e-3, "Deflection of the ring from the middle between the two belt planes, along the pulley axes", |outputs, at| outputs.profile.lateral_deflection[at]);
 }

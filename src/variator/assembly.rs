@@ -12,16 +12,21 @@ use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use nalgebra::Vector2;
+use nalgebra::SVector;
 use num_traits::Zero;
 
-/// Derivative directions of a cell with a deflecting ring: 8 node motions, V, V, N, and six globals.
-pub(super) const FLEXIBLE: usize = 17;
-/// Derivative directions of a cell of `ALE0`: V, V, N, T, T, and six globals.
-const RIGID: usize = 11;
-/// Directions before the globals.
-const FLEXIBLE_LOCAL: usize = 11;
-const RIGID_LOCAL: usize = 5;
+/// Most derivative directions of a cell: 12 node motions in space, V, V, N, and six globals.
+pub(super) const MOST: usize = 21;
+
+/// Directions of a cell before the globals: node motions, V, V, N; of `ALE0` V, V, N, T, T.
+const fn own_directions(flexible: bool, components: usize) -> usize {
+    if flexible { 4 * components + 3 } else { 5 }
+}
+
+/// All directions of a cell.
+const fn directions(flexible: bool, components: usize) -> usize {
+    own_directions(flexible, components) + 6
+}
 
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
@@ -38,8 +43,9 @@ pub(super) struct Pack {
     face: Station<Lanes>,
     stations: Vec<Station<Lanes>>,
     axis: Lanes,
+    plane: [Lanes; 2],
     /// Unknowns of the directions.
-    at: [[usize; LANES]; FLEXIBLE],
+    at: [[usize; LANES]; MOST],
     /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
     entries: Vec<[usize; LANES]>,
 }
@@ -54,16 +60,16 @@ pub(super) struct PulleySum {
 
 /// Positions, values and rates of the unknowns of a cell, or of one in each lane.
 struct Unknowns<L> {
-    position: [L; FLEXIBLE],
-    value: [L; FLEXIBLE],
-    rate: [L; FLEXIBLE],
+    position: [L; MOST],
+    value: [L; MOST],
+    rate: [L; MOST],
 }
 
 impl<L: Copy> Unknowns<L> {
     #[inline(always)]
     fn gather(view: View<'_>, count: usize, zero: L, pick: impl Fn(&[f64], usize) -> L) -> Self {
         let gather = |from: &[f64]| {
-            let mut to = [zero; FLEXIBLE];
+            let mut to = [zero; MOST];
             for (k, x) in to[..count].iter_mut().enumerate() {
                 *x = pick(from, k);
             }
@@ -106,7 +112,7 @@ impl VariatorSystem {
         let cells = self.mesh.cells.len();
         let segment = |cell: usize| self.mesh.elements[self.mesh.cells[cell].element].segment;
         let directions = |cell: usize| {
-            let mut at = [0; FLEXIBLE];
+            let mut at = [0; MOST];
             let count = self.directions(cell, &mut at);
             (at, count)
         };
@@ -139,6 +145,10 @@ impl VariatorSystem {
                     .map(|i| Station::pack(member.map(|c| &c.stations[i])))
                     .collect(),
                 axis: Lanes::new(member.map(|c| self.law.axes[c.pulley])),
+                plane: [
+                    Lanes::new(member.map(|c| self.law.planes[c.pulley].side)),
+                    Lanes::new(member.map(|c| self.law.planes[c.pulley].middle)),
+                ],
                 at: std::array::from_fn(|k| at.map(|(at, _)| at[k])),
                 entries,
             });
@@ -169,30 +179,35 @@ impl VariatorSystem {
 
     /// The direction that is the element amount, whose row the fluxes fill.
     fn amount_direction(&self) -> usize {
-        if self.layout.flexible { 10 } else { 2 }
+        if self.layout.flexible {
+            4 * self.layout.components + 2
+        } else {
+            2
+        }
     }
 
     /// Global indices of a cell's directions: its own unknowns, then s, Θ, z, ψ_x, ψ_y, ω.
-    fn directions(&self, cell: usize, out: &mut [usize; FLEXIBLE]) -> usize {
+    fn directions(&self, cell: usize, out: &mut [usize; MOST]) -> usize {
         let layout = &self.layout;
         let place = &self.mesh.cells[cell];
         let local = if layout.flexible {
+            let size = 2 * layout.components;
             for i in 0..2 {
-                for k in 0..4 {
-                    out[4 * i + k] = layout.node(place.element + i, k);
+                for k in 0..size {
+                    out[size * i + k] = layout.node(place.element + i, k);
                 }
             }
-            out[8] = layout.speed(cell);
-            out[9] = layout.speed(cell + 1);
-            out[10] = layout.amount(cell);
-            FLEXIBLE_LOCAL
+            out[2 * size] = layout.speed(cell);
+            out[2 * size + 1] = layout.speed(cell + 1);
+            out[2 * size + 2] = layout.amount(cell);
+            own_directions(true, layout.components)
         } else {
             out[0] = layout.speed(cell);
             out[1] = layout.speed(cell + 1);
             out[2] = layout.amount(cell);
             out[3] = layout.tension(cell);
             out[4] = layout.tension(cell + 1);
-            RIGID_LOCAL
+            own_directions(false, 0)
         };
         let j = place.pulley;
         out[local] = layout.global(Global::Drift, 0);
@@ -206,11 +221,11 @@ impl VariatorSystem {
 
     /// Motion of the nodes (`ALE`).
     #[inline(always)]
-    fn nodes<T: Real>(
+    fn nodes<T: Real, const D: usize>(
         unknowns: &Unknowns<T::Constant>,
         [alpha, beta]: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
-    ) -> [Motion<Node<T>>; 2] {
+    ) -> [Motion<Node<T, D>>; 2] {
         [0, 1].map(|i| Motion {
             value: node(i, |k| seed(unknowns.position[k], k, beta)),
             rate: node(i, |k| seed(unknowns.value[k], k, 1.0)),
@@ -226,20 +241,15 @@ impl VariatorSystem {
 
     /// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
-    fn motion<T: Real>(
+    fn motion<T: Real, const FLEX: bool, const D: usize>(
         unknowns: &Unknowns<T::Constant>,
-        flexible: bool,
         [alpha, beta]: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> CellMotion<T> {
         let value = |k: usize| seed(unknowns.value[k], k, 1.0);
         let rate = |k: usize| seed(unknowns.rate[k], k, alpha);
         let position = |k: usize| seed(unknowns.position[k], k, beta);
-        let (own, g) = if flexible {
-            (8, FLEXIBLE_LOCAL)
-        } else {
-            (0, RIGID_LOCAL)
-        };
+        let (own, g) = (if FLEX { 4 * D } else { 0 }, own_directions(FLEX, D));
         CellMotion {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
@@ -265,24 +275,23 @@ impl VariatorSystem {
 
     /// Rows of the balance in the order of the directions; the amount has its own balance, the flux.
     #[inline(always)]
-    fn rows<T: Real>(b: &CellBalance<T>, ring: &RingForces<T>, flexible: bool) -> [T; FLEXIBLE] {
-        let mut rows = [T::zero(); FLEXIBLE];
-        let g = if flexible {
+    fn rows<T: Real, const FLEX: bool, const D: usize>(b: &CellBalance<T>, ring: &RingForces<T, D>) -> [T; MOST] {
+        let mut rows = [T::zero(); MOST];
+        let g = own_directions(FLEX, D);
+        if FLEX {
             for (i, node) in ring.nodes.iter().enumerate() {
-                rows[4 * i] = node.a.x;
-                rows[4 * i + 1] = node.b.x;
-                rows[4 * i + 2] = node.a.y;
-                rows[4 * i + 3] = node.b.y;
+                for k in 0..D {
+                    rows[2 * (D * i + k)] = node.a[k];
+                    rows[2 * (D * i + k) + 1] = node.b[k];
+                }
             }
-            rows[8] = b.speed[0];
-            rows[9] = b.speed[1];
-            FLEXIBLE_LOCAL
+            rows[4 * D] = b.speed[0];
+            rows[4 * D + 1] = b.speed[1];
         } else {
             rows[0] = b.speed[0];
             rows[1] = b.speed[1];
             rows[3] = ring.tension;
-            RIGID_LOCAL
-        };
+        }
         rows[g] = ring.drift;
         rows[g + 1] = ring.theta;
         rows[g + 2] = b.axial;
@@ -298,15 +307,17 @@ impl VariatorSystem {
         out.resize(cells * self.mesh.points, Sample::default());
         if let Some(travelling) = &self.travelling {
             with_ring!(&**travelling, ring => self.sample_travelling(ring, view, out));
-        } else if self.layout.flexible {
-            self.sample_packs::<true>(view, out);
         } else {
-            self.sample_packs::<false>(view, out);
+            match (self.layout.flexible, self.layout.components) {
+                (false, _) => self.sample_packs::<false, 2>(view, out),
+                (true, 3) => self.sample_packs::<true, 3>(view, out),
+                (true, _) => self.sample_packs::<true, 2>(view, out),
+            }
         }
     }
 
-    fn sample_packs<const FLEX: bool>(&self, view: View<'_>, out: &mut [Sample]) {
-        let count = if FLEX { FLEXIBLE } else { RIGID };
+    fn sample_packs<const FLEX: bool, const D: usize>(&self, view: View<'_>, out: &mut [Sample]) {
+        let count = directions(FLEX, D);
         let points = self.mesh.points;
         let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
         for pack in &self.packs {
@@ -318,13 +329,13 @@ impl VariatorSystem {
                 }
                 station += 1;
             });
-            self.pack_balance::<_, _, FLEX>(pack, &frame, &unknowns, [0.0; 2], |value, _, _| value, &mut sampler);
+            self.pack_balance::<_, _, FLEX, D>(pack, &frame, &unknowns, [0.0; 2], |value, _, _| value, &mut sampler);
         }
     }
 
     /// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
-    fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, const FLEX: bool>(
+    fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, const FLEX: bool, const D: usize>(
         &self,
         pack: &Pack,
         frame: &TwoPulleyFrame<T>,
@@ -332,12 +343,13 @@ impl VariatorSystem {
         slopes: [f64; 2],
         seed: impl Fn(Lanes, usize, f64) -> T,
         probe: &mut S,
-    ) -> (CellBalance<T>, RingForces<T>) {
-        let motion = Self::motion(unknowns, FLEX, slopes, &seed);
+    ) -> (CellBalance<T>, RingForces<T, D>) {
+        let motion = Self::motion::<T, FLEX, D>(unknowns, slopes, &seed);
         let place = Place {
             face: &pack.face,
             stations: &pack.stations,
             axis: pack.axis,
+            plane: pack.plane,
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, pack.segment), pack.share),
         };
         let reference = |slot: usize| {
@@ -371,31 +383,37 @@ impl VariatorSystem {
 
     /// One pass over a pack: derivatives in the directions `first` and on.
     #[inline(never)]
-    fn pack_pass<const FLEX: bool>(
+    fn pack_pass<const FLEX: bool, const D: usize>(
         &self,
         pack: &Pack,
         frame: &TwoPulleyFrame<Tangent<PASS>>,
         unknowns: &Unknowns<Lanes>,
         slopes: [f64; 2],
         first: usize,
-    ) -> ([Tangent<PASS>; FLEXIBLE], Tangent<PASS>, Tangent<PASS>) {
+    ) -> ([Tangent<PASS>; MOST], Tangent<PASS>, Tangent<PASS>) {
         let seed =
             |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-        let (b, ring) = self.pack_balance::<_, _, FLEX>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
-        (Self::rows(&b, &ring, FLEX), b.flow, b.density)
+        let (b, ring) = self.pack_balance::<_, _, FLEX, D>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
+        (Self::rows::<_, FLEX, D>(&b, &ring), b.flow, b.density)
     }
 
-    pub(super) fn assemble_residual<const FLEX: bool>(&mut self, view: View<'_>, out: &mut [f64]) {
-        let count = if FLEX { FLEXIBLE } else { RIGID };
+    pub(super) fn assemble_residual<const FLEX: bool, const D: usize>(&mut self, view: View<'_>, out: &mut [f64]) {
+        let count = directions(FLEX, D);
         let amount = self.amount_direction();
-        let first_global = if FLEX { FLEXIBLE_LOCAL } else { RIGID_LOCAL } + 2;
+        let first_global = own_directions(FLEX, D) + 2;
         let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
-            let (b, ring) =
-                self.pack_balance::<_, _, FLEX>(pack, &frame, &unknowns, [0.0; 2], |value, _, _| value, &mut NoProbe);
+            let (b, ring) = self.pack_balance::<_, _, FLEX, D>(
+                pack,
+                &frame,
+                &unknowns,
+                [0.0; 2],
+                |value, _, _| value,
+                &mut NoProbe,
+            );
             // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
-            for (k, (row, at)) in Self::rows(&b, &ring, FLEX)[..first_global]
+            for (k, (row, at)) in Self::rows::<_, FLEX, D>(&b, &ring)[..first_global]
                 .iter()
                 .zip(&pack.at)
                 .enumerate()
@@ -441,18 +459,14 @@ impl VariatorSystem {
         chain::flux_slopes(flow, before, after)
     }
 
-    pub(super) fn assemble_jacobian<const FLEX: bool>(
+    pub(super) fn assemble_jacobian<const FLEX: bool, const D: usize>(
         &mut self,
         view: View<'_>,
         alpha: f64,
         beta: f64,
         out: &mut Arrow,
     ) {
-        let (count, theta) = if FLEX {
-            (FLEXIBLE, FLEXIBLE_LOCAL + 1)
-        } else {
-            (RIGID, RIGID_LOCAL + 1)
-        };
+        let (count, theta) = (directions(FLEX, D), own_directions(FLEX, D) + 1);
         let amount = self.amount_direction();
         let shape = self.curve.shape(self.theta(view));
         let still = shape.frame(Tangent::zero());
@@ -462,7 +476,7 @@ impl VariatorSystem {
             for first in (0..count).step_by(PASS) {
                 let frame = if first == theta / PASS * PASS { &moving } else { &still };
                 let pass = first..(first + PASS).min(count);
-                let (rows, flow, density) = self.pack_pass::<FLEX>(pack, frame, &unknowns, [alpha, beta], first);
+                let (rows, flow, density) = self.pack_pass::<FLEX, D>(pack, frame, &unknowns, [alpha, beta], first);
                 let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
                 for ((_, row), entries) in rows.zip(pack.entries.chunks_exact(count)) {
                     for (eps, entry) in row.eps.iter().zip(&entries[pass.clone()]) {
@@ -513,9 +527,9 @@ impl VariatorSystem {
 
 /// Node `i` of a cell from its directions.
 #[inline(always)]
-fn node<T: Real>(i: usize, f: impl Fn(usize) -> T) -> Node<T> {
+fn node<T: Real, const D: usize>(i: usize, f: impl Fn(usize) -> T) -> Node<T, D> {
     Node {
-        a: Vector2::new(f(4 * i), f(4 * i + 2)),
-        b: Vector2::new(f(4 * i + 1), f(4 * i + 3)),
+        a: SVector::from_fn(|k, _| f(2 * (D * i + k))),
+        b: SVector::from_fn(|k, _| f(2 * (D * i + k) + 1)),
     }
 }

@@ -13,7 +13,7 @@ use super::ring::{Action, CellRing};
 use crate::chain::{self, ChainPoint, collision_force, push_force};
 use crate::contact::{self, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
-use crate::ring::kinematics::{Load, ReferenceMotion};
+use crate::ring::kinematics::{Load, ReferenceMotion, embed, in_plane};
 use crate::scalar::{Lanes, Real, smooth_plus};
 use nalgebra::Vector2;
 
@@ -31,6 +31,43 @@ pub struct CellLaw {
     pub r0: f64,
     /// Pulley axes, x coordinate, [`S`](super::mesh::S) and [`P`](super::mesh::P), m.
     pub axes: [f64; 2],
+    /// Where the sheaves stand along z.
+    pub planes: [SheavePlane; 2],
+}
+
+/// The middle of a pulley along z: it moves away from the movable sheave by half of what that closes.
+///
+/// The movable sheaves stand on opposite sides of the belt, so both middles go the same way when the ratio changes. They
+/// part by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii don't change equally.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheavePlane {
+    /// Where the movable sheave stands: +1 or −1 along z.
+    pub side: f64,
+    /// Middle of the pulley at z_j = 0, m.
+    pub middle: f64,
+}
+
+impl SheavePlane {
+    /// Planes of [`S`](super::mesh::S) and [`P`](super::mesh::P) that are `offset` apart at ratio 1.
+    #[must_use]
+    pub fn pair(offset: f64) -> [Self; 2] {
+        [-1.0, 1.0].map(|side| Self {
+            side,
+            middle: 0.5 * side * offset,
+        })
+    }
+
+    /// Side and middle.
+    #[must_use]
+    pub fn constants(&self) -> [f64; 2] {
+        [self.side, self.middle]
+    }
+
+    /// Middle of the pulley whose sheave has closed by `z`, m.
+    #[must_use]
+    pub fn middle(&self, z: f64) -> f64 {
+        self.middle - 0.5 * self.side * z
+    }
 }
 
 /// Motion of a pulley.
@@ -111,6 +148,10 @@ pub struct Sample<L = f64> {
     pub sliding: L,
     /// Penetration, m.
     pub penetration: L,
+    /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the plane.
+    pub offset: L,
+    /// Deflection w along z, m, and its slope w'.
+    pub lateral: [L; 2],
     /// J, m/s.
     pub flow: L,
     /// V, m/s.
@@ -150,6 +191,8 @@ impl Sample<Lanes> {
             torque: of(self.torque),
             sliding: of(self.sliding),
             penetration: of(self.penetration),
+            offset: of(self.offset),
+            lateral: self.lateral.map(of),
             flow: of(self.flow),
             speed: of(self.speed),
             sheave_loss: of(self.sheave_loss),
@@ -168,7 +211,7 @@ impl Sample {
     pub fn elastic(&self, law: &CellLaw) -> f64 {
         let p = &law.parameters;
         let stack = chain::energy_density(&p.belt, self.density);
-        let flanks = contact::energy_density(&p.contact, law.wedge[1], self.penetration);
+        let flanks = contact::energy_density(&p.contact, law.wedge[1], self.penetration, self.offset);
         self.ring_elastic + self.lambda * (stack + flanks)
     }
 }
@@ -182,6 +225,8 @@ pub struct Place<'a, T: Real> {
     pub stations: &'a [Station<T::Constant>],
     /// Pulley axis, x coordinate, m.
     pub axis: T::Constant,
+    /// Side of the pulley's movable sheave and its middle at z_j = 0, as in [`SheavePlane`].
+    pub plane: [T::Constant; 2],
     /// Length of the element.
     pub length: Jet<T>,
 }
@@ -223,6 +268,40 @@ impl<T, F: FnMut(Sample<T>)> Probe<T> for Sampler<F> {
     }
 }
 
+/// What flanks do to an element, per ring length.
+#[derive(Clone, Copy, Debug)]
+struct FlankLoads<T> {
+    /// Outward, at the ring centre line, N/m.
+    radial: T,
+    /// Along e_t, at the pitch line, N/m.
+    around: T,
+    /// On the pulley, N.
+    torque: T,
+    /// Axial force on the sheave, N/m.
+    axial: T,
+    /// Normal force, N/m.
+    normal: T,
+    /// Power of friction, W/m.
+    loss: T,
+    /// Power of damping, W/m.
+    viscous: T,
+}
+
+impl<T: Real> FlankLoads<T> {
+    #[inline(always)]
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            radial: self.radial + other.radial,
+            around: self.around + other.around,
+            torque: self.torque + other.torque,
+            axial: self.axial + other.axial,
+            normal: self.normal + other.normal,
+            loss: self.loss + other.loss,
+            viscous: self.viscous + other.viscous,
+        }
+    }
+}
+
 /// Linear between the two faces of a cell.
 #[inline(always)]
 pub(super) fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
@@ -232,7 +311,7 @@ pub(super) fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
 /// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference curve
 /// at the face (0) and at the stations (1 and on); `probe` sees every station.
 #[inline(always)]
-pub fn balance<T: Real, R: CellRing<T>, S: Probe<T>>(
+pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     law: &CellLaw,
     place: &Place<'_, T>,
     motion: &CellMotion<T>,
@@ -257,7 +336,9 @@ pub fn balance<T: Real, R: CellRing<T>, S: Probe<T>>(
         let chain = ChainPoint::new(e, &point, theta_dot, speed);
         let weight = length.v * station.weight;
         pitch_length += weight * chain.lambda;
-        carried += weight * chain.curvature * chain.normal_speed;
+        for k in 0..D - 1 {
+            carried += weight * chain.curvature[k] * chain.normal_speed[k];
+        }
         through += weight * chain.flow;
         *slot = Some((point, chain, weight));
     }
@@ -301,10 +382,9 @@ pub fn balance<T: Real, R: CellRing<T>, S: Probe<T>>(
         let mass = density * chain.lambda * p.belt.mass_per_length;
         let (a_t, a_n) = chain.acceleration(point, speed_dot, speed_gradient);
         along += mass * a_t;
-        let inward = mass * a_n + push.force * chain.curvature;
 
         // Contact.
-        let arm = point.r - Vector2::new(T::constant(place.axis), T::zero());
+        let arm = in_plane(&point.r) - Vector2::new(T::constant(place.axis), T::zero());
         let distance = arm.dot(&arm).sqrt();
         let e_r = arm * distance.recip();
         let e_t = Vector2::new(e_r.y, -e_r.x);
@@ -314,7 +394,7 @@ pub fn balance<T: Real, R: CellRing<T>, S: Probe<T>>(
         let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
         let v_e = chain.ring_line_velocity(point);
         let v_p = chain.pitch_velocity(point);
-        let (v_r, v_around) = (v_e.dot(&e_r), v_p.dot(&e_t));
+        let (v_r, v_around) = (in_plane(&v_e).dot(&e_r), in_plane(&v_p).dot(&e_t));
         let surface = pulley.z_dot * 0.5 - opening_rate;
         let closing_surface = surface - pulley.omega * rho * opening_slope;
         let flank = FlankMotion {
@@ -323,25 +403,52 @@ pub fn balance<T: Real, R: CellRing<T>, S: Probe<T>>(
             tangential: v_around - pulley.omega * rho,
             along_flank: v_r * cos_beta + closing_surface * sin_beta,
         };
-        let force = flank_force(&p.contact, &p.friction, cos_beta, &flank);
         let lambda = chain.lambda;
-        let axial_normal = force.normal * cos_beta * lambda;
-        let radial = (axial_normal * (opening + tan_beta) + force.along_flank * lambda * cos_beta) * 2.0;
-        let around = (axial_normal * opening_slope + force.tangential * lambda) * 2.0;
-        let axial_friction = force.along_flank * lambda * sin_beta;
-        let axial = axial_normal - axial_friction;
-        let push_out = e_r * radial;
-        let drag = e_t * around;
-        point_load.position -= push_out;
-        flow -= push_out.dot(&point.slope);
-        along -= drag.dot(&point.t);
-        let inward = inward - drag.dot(&point.n);
-        point_load.position += point.n * inward;
-        out.axial += axial * weight;
+        let one = |flank: &FlankMotion<T>| {
+            let force = flank_force(&p.contact, &p.friction, cos_beta, flank);
+            let axial_normal = force.normal * cos_beta * lambda;
+            let axial_friction = force.along_flank * lambda * sin_beta;
+            FlankLoads {
+                radial: axial_normal * (opening + tan_beta) + force.along_flank * lambda * cos_beta,
+                around: axial_normal * opening_slope + force.tangential * lambda,
+                torque: -(force.tangential * lambda + axial_friction * opening_slope) * rho,
+                axial: axial_normal - axial_friction,
+                normal: force.normal * lambda,
+                loss: lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank) * -1.0,
+                viscous: force.viscous * cos_beta * lambda * flank.closing,
+            }
+        };
+        // In the plane the flanks are alike. In space the element may be off the middle.
+        let [side, middle] = place.plane;
+        let mut offset = T::zero();
+        let (flanks, on_movable) = if D == 2 {
+            let flank = one(&flank);
+            (flank.plus(&flank), flank.axial)
+        } else {
+            offset = (point.r[D - 1] - T::constant(middle)) * side + pulley.z * 0.5;
+            let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
+            let movable = one(&flank.shifted(offset, speed, sin_beta));
+            let fixed = one(&flank.shifted(-offset, -speed, sin_beta));
+            point_load.position[D - 1] += (movable.axial - fixed.axial) * side;
+            flow += (movable.axial - fixed.axial) * side * point.slope[D - 1];
+            (movable.plus(&fixed), movable.axial)
+        };
+        let push_out = e_r * flanks.radial;
+        let drag = e_t * flanks.around;
+        point_load.position -= embed(push_out);
+        flow -= push_out.dot(&in_plane(&point.slope));
+        along -= drag.dot(&in_plane(&point.t));
+        let across = chain.normals.iter().zip(&chain.curvature).zip(&a_n);
+        for ((normal, curvature), acceleration) in across.take(D - 1) {
+            let inward = mass * *acceleration + push.force * *curvature - drag.dot(&in_plane(normal));
+            point_load.position += normal * inward;
+        }
+        // Both sheaves tilt alike, under the mean of their moments.
+        let axial = flanks.axial * 0.5;
+        out.axial += on_movable * weight;
         out.tilting[0] += axial * rho * e_r.x * weight;
         out.tilting[1] -= axial * rho * e_r.y * weight;
-        let torque = -(force.tangential * lambda + axial_friction * opening_slope) * rho * 2.0;
-        out.torque += torque * weight;
+        out.torque += flanks.torque * weight;
 
         // Ring on elements.
         let (ring_load, _) = smooth_plus(
@@ -378,33 +485,36 @@ pub fn balance<T: Real, R: CellRing<T>, S: Probe<T>>(
         if S::ACTIVE {
             let of_ring = ring.density(point);
             let stack = (collision * difference - push.viscous * lengthening) / cell_length;
-            let flanks = force.viscous * cos_beta * lambda * flank.closing * 2.0;
-            let from_axis = face.r - Vector2::new(T::constant(place.axis), T::zero());
+            let from_axis = in_plane(&face.r) - Vector2::new(T::constant(place.axis), T::zero());
             probe.take(Sample {
                 xi: point.reference.xi.v,
                 weight,
-                r: [point.r.x, point.r.y],
+                r: [point.r[0], point.r[1]],
                 pitch_radius: rho,
                 face_radius: from_axis.dot(&from_axis).sqrt() - e,
                 lambda,
                 density,
                 push: push.force,
                 tension,
-                normal: force.normal * lambda,
-                axial,
-                torque,
+                normal: flanks.normal * 0.5,
+                axial: on_movable,
+                torque: flanks.torque,
                 sliding: flank.tangential,
                 penetration: flank.penetration,
+                offset,
+                lateral: if D == 2 {
+                    [T::zero(); 2]
+                } else {
+                    [point.r[D - 1], point.slope[D - 1]]
+                },
                 flow: chain.flow,
                 speed: chain.speed,
-                sheave_loss: lambda
-                    * (force.tangential * flank.tangential + force.along_flank * flank.along_flank)
-                    * -2.0,
+                sheave_loss: flanks.loss,
                 ring_loss: ring_friction * sliding,
-                damping_loss: of_ring.viscous + stack + flanks,
+                damping_loss: of_ring.viscous + stack + flanks.viscous,
                 kinetic: of_ring.kinetic + mass * v_p.dot(&v_p) * 0.5,
                 ring_elastic: of_ring.elastic,
-                outward: -((point.r - point.reference.r).dot(&point.reference.n)),
+                outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
             });
         }
     }

@@ -48,7 +48,7 @@ impl Evolution for VariatorSystem {
         }
         if layout.flexible {
             for node in 0..layout.elements {
-                for k in [0, 2] {
+                for k in (0..2 * layout.components).step_by(2) {
                     let x = q_error[layout.node(node, k)] / (1.0e-2 * tolerance);
                     local += x * x;
                 }

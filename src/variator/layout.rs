@@ -1,6 +1,6 @@
 //! Where each unknown stands. The unknowns are velocities and first-order states; positions follow from q̇ = y.
 //!
-//! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y), then for each cell the speed V of its
+//! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z), then for each cell the speed V of its
 //! left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left face. The border holds
 //! the globals.
 //!
@@ -38,6 +38,8 @@ pub struct Layout {
     pub cells_per_element: usize,
     /// Whether nodes deflect (`ALE`) or the tension is an unknown (`ALE0`).
     pub flexible: bool,
+    /// Components of the deflection: 2, or 3 in space.
+    pub components: usize,
     /// Node in the middle of the primary arc, opposite to node 0.
     pub opposite: usize,
     /// Nodes that travel with the ring (`ANCF`, `RCM`).
@@ -47,15 +49,22 @@ pub struct Layout {
 impl Layout {
     /// Layout on a mesh.
     #[must_use]
-    pub fn new(mesh: &BeltMesh, flexible: bool) -> Self {
+    pub fn new(mesh: &BeltMesh, flexible: bool, components: usize) -> Self {
         Self {
             elements: mesh.elements.len(),
             cells_per_element: mesh.cells_per_element,
             flexible,
+            components,
             opposite: mesh.elements.iter().take_while(|e| e.segment < 2).count()
                 + mesh.elements.iter().filter(|e| e.segment == 2).count() / 2,
             travelling: None,
         }
+    }
+
+    /// Whether the ring deflects along z too.
+    #[must_use]
+    pub fn is_spatial(&self) -> bool {
+        self.flexible && self.components == 3
     }
 
     /// Unknowns of the cells of a ring that travels.
@@ -80,7 +89,7 @@ impl Layout {
     }
 
     fn node_size(&self) -> usize {
-        if self.flexible { 4 } else { 0 }
+        if self.flexible { 2 * self.components } else { 0 }
     }
 
     fn cell_size(&self) -> usize {
@@ -109,7 +118,7 @@ impl Layout {
         self.elements * self.cells_per_element
     }
 
-    /// Component `k` of node `node`: a_x, b_x, a_y, b_y; of a ring that travels, what its model has there.
+    /// Component `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; of a ring that travels, what its model has there.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
         if let Some(t) = &self.travelling {

@@ -114,10 +114,11 @@ impl Observer {
         let tensions = || self.tensions.iter().map(|e| e.tension);
         out.ring_tension_max = tensions().fold(f64::NEG_INFINITY, f64::max);
         out.ring_tension_min = tensions().fold(f64::INFINITY, f64::min);
+        lateral(system, view, survey, out);
         out.stored_energy = system.belt_energy(survey) + system.pulley_energy(view);
         let ledger = &system.ledger;
         out.energy_residual = ledger.supplied - ledger.lost - (out.stored_energy - context.initial_energy);
-        self.profile(system, survey, radii, out);
+        self.profile(system, view, survey, radii, out);
     }
 
     /// The tension of a cubic element swings about its mean wherever the curvature changes fast; the mean is what the
@@ -139,9 +140,11 @@ impl Observer {
     }
 
     /// Linear between stations, around the loop.
-    fn profile(&self, system: &VariatorSystem, survey: &Survey, radii: [f64; 2], out: &mut Outputs) {
+    fn profile(&self, system: &VariatorSystem, view: View<'_>, survey: &Survey, radii: [f64; 2], out: &mut Outputs) {
         let length = system.law.parameters.geometry.belt_length;
         let profile = &mut out.profile;
+        let [secondary, primary] = system.middles(view);
+        let plane = 0.5 * (secondary + primary);
         let (mut place, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
@@ -165,9 +168,36 @@ impl Observer {
                 self.tensions[before].tension * (1.0 - part) + self.tensions[after].tension * part;
             profile.normal_force[k] = between(|s| s.normal);
             profile.sliding_speed[k] = between(|s| if s.normal > 100.0 { s.sliding } else { 0.0 });
+            if system.layout.is_spatial() {
+                profile.lateral_deflection[k] = between(|s| s.lateral[0]) - plane;
+            }
             profile.radial_deviation[k] = deviation(a) * (1.0 - share) + deviation(b) * share;
         }
     }
+}
+
+/// How far the pulleys are off each other along z, and what a ring in space makes of it.
+fn lateral(system: &VariatorSystem, view: View<'_>, survey: &Survey, out: &mut Outputs) {
+    let middles = system.middles(view);
+    out.misalignment = middles[P] - middles[S];
+    if !system.layout.is_spatial() {
+        return;
+    }
+    let plane = 0.5 * (middles[S] + middles[P]);
+    let (mut largest, mut rise, mut length) = (0.0_f64, 0.0, 0.0);
+    for (cell, sample) in survey.stations(&system.mesh) {
+        let [w, slope] = sample.lateral;
+        largest = largest.max((w - plane).abs());
+        let towards_primary = match system.mesh.elements[cell.element].segment {
+            1 => 1.0,
+            3 => -1.0,
+            _ => continue,
+        };
+        rise += towards_primary * slope * sample.weight;
+        length += sample.weight;
+    }
+    out.lateral_max = largest;
+    out.skew = rise / length;
 }
 
 /// What a pulley shows.

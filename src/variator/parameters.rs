@@ -55,6 +55,8 @@ pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
 pub struct Parameters {
     /// Level of detail of the ring.
     pub ring_model: RingModel,
+    /// Whether the ring deflects along z too, out of the plane of the drive (`ALE`).
+    pub spatial: bool,
     /// Elements of a ring that travels with its mesh (`RCM`, `ANCF`); 0 stands for the paper's 160 degrees of freedom, 32
     /// and 40. The stations of the cells carry the ring, which sags in between where its elements can follow: more
     /// elements, or a coarser mesh than the default, let it swing as the stations pass.
@@ -63,7 +65,7 @@ pub struct Parameters {
     pub geometry: Geometry,
     /// The steel elements.
     pub belt: Belt,
-    /// The two ring sets, as one planar beam.
+    /// The two ring sets, as one beam.
     pub ring: Ring,
     /// Friction coefficients and their regularisation.
     pub friction: Friction,
@@ -90,6 +92,9 @@ pub struct Geometry {
     pub belt_length: f64,
     /// Half wedge angle β of the sheaves, rad.
     pub wedge_angle: f64,
+    /// Axial offset at ratio 1 of the primary pulley's belt plane from the secondary's, along z, where the movable primary
+    /// sheave stands, m. Felt by a ring in space.
+    pub pulley_offset: f64,
 }
 
 /// Push elements.
@@ -222,11 +227,13 @@ impl Default for Parameters {
         };
         Self {
             ring_model: RingModel::Ale,
+            spatial: false,
             ring_elements: 0,
             geometry: Geometry {
                 center_distance: 0.168,
                 belt_length: 0.703,
                 wedge_angle: 11.0_f64.to_radians(),
+                pulley_offset: 0.0,
             },
             belt: Belt {
                 pitch_offset: 1.0e-3,
@@ -240,6 +247,7 @@ impl Default for Parameters {
                 mass_per_length: 0.24,
                 axial_stiffness: 5.57e6,
                 bending_stiffness: 0.0159,
+                lateral_bending_stiffness: 37.6,
                 damping: 2.0e-5,
             },
             friction: Friction {

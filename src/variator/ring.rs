@@ -7,12 +7,13 @@ use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
 use crate::ring::{Ring, ale};
 use crate::scalar::Real;
+use nalgebra::SVector;
 
 /// What happens at a station, per dξ.
 #[derive(Clone, Copy, Debug)]
-pub struct Action<T: Real> {
+pub struct Action<T: Real, const D: usize = 2> {
     /// Loads on the ring: its own, and those of chain and contact.
-    pub load: Load<T>,
+    pub load: Load<T, D>,
     /// Ring tension T, N.
     pub tension: T,
     /// All forces across the ring, inwards, N/m.
@@ -35,26 +36,26 @@ pub struct RingDensity<T> {
 }
 
 /// A ring as a cell sees it. Slot 0 is the left face of the cell, the slots from 1 on are its stations.
-pub trait CellRing<T: Real> {
+pub trait CellRing<T: Real, const D: usize = 2> {
     /// The ring where the reference curve is at `reference`.
-    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T>;
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D>;
 
     /// Adds the forces that the ring exerts by itself, inertia included; returns its tension, N. A ring that balances
     /// these on elements of its own adds nothing.
-    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut Load<T>) -> T;
+    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T;
 
     /// Takes the loads at a station.
-    fn take(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>);
+    fn take(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>);
 
     /// Energies at a station; none of a ring that counts them on elements of its own.
-    fn density(&self, point: &RingPoint<T>) -> RingDensity<T>;
+    fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T>;
 }
 
 /// Generalised forces of a cell on an Eulerian ring (inertia − forces).
 #[derive(Clone, Copy, Debug)]
-pub struct RingForces<T: Real> {
+pub struct RingForces<T: Real, const D: usize = 2> {
     /// Conjugates of the node motions (`ALE`).
-    pub nodes: [Node<T>; 2],
+    pub nodes: [Node<T, D>; 2],
     /// Tension balance along the cell (`ALE0`), N.
     pub tension: T,
     /// Conjugate of s; in `ALE0` the normal balance around the loop, N.
@@ -64,30 +65,30 @@ pub struct RingForces<T: Real> {
 }
 
 #[inline(always)]
-fn kinetic<T: Real>(ring: &Ring, point: &RingPoint<T>) -> T {
+fn kinetic<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
     let velocity = point.velocity();
     velocity.dot(&velocity) * (0.5 * ring.mass_per_length)
 }
 
-/// `ALE`: the ring deflects from the reference curve.
+/// `ALE`: the ring deflects from the reference curve, in D components.
 #[derive(Debug)]
-pub struct Deflecting<'a, T: Real> {
+pub struct Deflecting<'a, T: Real, const D: usize = 2> {
     ring: &'a Ring,
     place: &'a Place<'a, T>,
-    element: ElementMotion<T>,
+    element: ElementMotion<T, D>,
     motion: &'a ReferenceMotion<T>,
     growth: T,
-    sum: ElementLoad<T>,
+    sum: ElementLoad<T, D>,
 }
 
-impl<'a, T: Real> Deflecting<'a, T> {
+impl<'a, T: Real, const D: usize> Deflecting<'a, T, D> {
     /// The ring between two nodes.
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,
         place: &'a Place<'a, T>,
         motion: &'a ReferenceMotion<T>,
-        nodes: &[Motion<Node<T>>; 2],
+        nodes: &[Motion<Node<T, D>>; 2],
     ) -> Self {
         Self {
             ring,
@@ -101,7 +102,7 @@ impl<'a, T: Real> Deflecting<'a, T> {
 
     /// What it has taken.
     #[inline(always)]
-    pub fn forces(&self) -> RingForces<T> {
+    pub fn forces(&self) -> RingForces<T, D> {
         let (nodes, theta) = self.sum.nodes(&self.element);
         RingForces {
             nodes,
@@ -112,26 +113,26 @@ impl<'a, T: Real> Deflecting<'a, T> {
     }
 }
 
-impl<T: Real> CellRing<T> for Deflecting<'_, T> {
+impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     #[inline(always)]
-    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
         RingPoint::new(reference, &self.place.slot(slot).shape, &self.element, self.motion)
     }
 
     #[inline(always)]
-    fn own_load(&self, _slot: usize, point: &RingPoint<T>, load: &mut Load<T>) -> T {
+    fn own_load(&self, _slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T {
         ale::add_inertia(self.ring, point, load);
         ale::add_elasticity(self.ring, point, self.growth, load)
     }
 
     #[inline(always)]
-    fn take(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
+    fn take(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
         let shape = &self.place.slot(slot).shape;
         self.sum.add(&action.load, point, shape, &self.element, action.weight);
     }
 
     #[inline(always)]
-    fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
+    fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T> {
         let viscosity = self.ring.axial_stiffness * self.ring.damping;
         let rate = point.strain_rate();
         RingDensity {
@@ -152,7 +153,9 @@ pub struct Guided<'a, T: Real> {
     growth: T,
     tension: [T; 2],
     sum: ElementLoad<T>,
-    out: RingForces<T>,
+    /// Balance of the tension along the cell, and of normal forces around the loop, N.
+    balance: T,
+    across: T,
 }
 
 impl<'a, T: Real> Guided<'a, T> {
@@ -161,7 +164,6 @@ impl<'a, T: Real> Guided<'a, T> {
     pub fn new(ring: &'a Ring, place: &'a Place<'a, T>, motion: &'a ReferenceMotion<T>, tension: [T; 2]) -> Self {
         let element = ElementMotion::rigid(place.length);
         let sum = ElementLoad::zero();
-        let (nodes, _) = sum.nodes(&element);
         Self {
             ring,
             place,
@@ -170,21 +172,23 @@ impl<'a, T: Real> Guided<'a, T> {
             growth: place.length.d / place.length.v,
             tension,
             sum,
-            out: RingForces {
-                nodes,
-                tension: tension[0] - tension[1],
-                drift: T::zero(),
-                theta: T::zero(),
-            },
+            balance: tension[0] - tension[1],
+            across: T::zero(),
         }
     }
 
     /// What it has taken.
     #[inline(always)]
-    pub fn forces(&self) -> RingForces<T> {
+    pub fn forces<const D: usize>(&self) -> RingForces<T, D> {
+        let still = Node {
+            a: SVector::zeros(),
+            b: SVector::zeros(),
+        };
         RingForces {
+            nodes: [still; 2],
+            tension: self.balance,
+            drift: self.across,
             theta: self.sum.theta,
-            ..self.out
         }
     }
 }
@@ -207,8 +211,8 @@ impl<T: Real> CellRing<T> for Guided<'_, T> {
     fn take(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
         let shape = &self.place.slot(slot).shape;
         self.sum.add(&action.load, point, shape, &self.element, action.weight);
-        self.out.drift += (action.across - action.tension * point.reference.kappa) * action.weight;
-        self.out.tension += action.along * action.weight;
+        self.across += (action.across - action.tension * point.reference.kappa) * action.weight;
+        self.balance += action.along * action.weight;
     }
 
     #[inline(always)]

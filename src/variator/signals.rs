@@ -107,6 +107,8 @@ pub struct Profile {
     pub radial_deviation: [f64; PROFILE_POINTS],
     /// Tangential sliding speed of the flanks on the nearer pulley; 0 where there is no contact, m/s.
     pub sliding_speed: [f64; PROFILE_POINTS],
+    /// Deflection w along z from the middle between the two belt planes, m; 0 of a planar ring.
+    pub lateral_deflection: [f64; PROFILE_POINTS],
 }
 
 impl Default for Profile {
@@ -119,6 +121,7 @@ impl Default for Profile {
             normal_force: zero,
             radial_deviation: zero,
             sliding_speed: zero,
+            lateral_deflection: zero,
         }
     }
 }
@@ -159,6 +162,12 @@ pub struct Outputs {
     pub ring_tension_max: f64,
     /// Smallest ring tension, N.
     pub ring_tension_min: f64,
+    /// Middle of the primary pulley less that of the secondary along z, m.
+    pub misalignment: f64,
+    /// Largest lateral deflection from the middle between the two belt planes, either way, m; 0 of a planar ring.
+    pub lateral_max: f64,
+    /// Mean inclination w' of the strands from S to P, rad; 0 of a planar ring.
+    pub skew: f64,
     /// Stored energy, J.
     pub stored_energy: f64,
     /// Energy balance since the start: supplied − lost − stored, J.

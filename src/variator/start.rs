@@ -61,6 +61,29 @@ pub fn kinematic_state(system: &VariatorSystem, start: &Start) -> Result<State, 
         state.y[layout.amount(i)] = density * ring * (1.0 - e * kappa);
         state.y[layout.speed(i)] = speed;
     }
+    if layout.is_spatial() {
+        let middle = system.middles(state.view());
+        let rise = middle[P] - middle[S];
+        for (node, element) in system.mesh.elements.iter().enumerate() {
+            // Across a strand along a cubic that leaves and arrives in the planes.
+            let (w, slope) = match element.segment {
+                1 | 3 => {
+                    let x = element.start;
+                    let share = if element.segment == 1 { x } else { 1.0 - x };
+                    let length = TwoPulley::segment_length::<f64>(&frame, element.segment).v;
+                    let sign = if element.segment == 1 { 1.0 } else { -1.0 };
+                    (
+                        middle[S] + rise * share * share * (3.0 - 2.0 * share),
+                        sign * rise * 6.0 * share * (1.0 - share) / length,
+                    )
+                }
+                2 => (middle[P], 0.0),
+                _ => (middle[S], 0.0),
+            };
+            state.q[layout.node(node, 4)] = w;
+            state.q[layout.node(node, 5)] = slope;
+        }
+    }
     Ok(state)
 }
 

@@ -1,8 +1,8 @@
 //! The variator as an implicit system: cells, pulleys and boundary conditions assembled, with the exact Jacobian.
 
-use super::assembly::{FLEXIBLE, Pack, PulleySum};
+use super::assembly::{MOST, Pack, PulleySum};
 use super::boundary::{Boundary, Course, SheaveMode, SpeedMode};
-use super::cell::CellLaw;
+use super::cell::{CellLaw, SheavePlane};
 use super::evolution::Ledger;
 use super::layout::{Global, Layout};
 use super::mesh::{BeltMesh, P, S};
@@ -66,10 +66,10 @@ pub struct VariatorSystem {
     pub(super) packs: Vec<Pack>,
     pub(super) flows: Vec<(f64, f64)>,
     pub(super) sums: [PulleySum; 2],
-    pub(super) flow_slopes: Vec<[[f64; FLEXIBLE]; 2]>,
+    pub(super) flow_slopes: Vec<[[f64; MOST]; 2]>,
     /// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts before and in the cell; then the same for
     /// the directions of the cell before.
-    pub(super) flux_entries: Vec<[[[usize; 2]; FLEXIBLE]; 2]>,
+    pub(super) flux_entries: Vec<[[[usize; 2]; MOST]; 2]>,
     /// The ring that travels with its mesh, if it does, with its working memory.
     pub(super) travelling: Option<Arc<TravellingRing>>,
     pub(super) mean_tensions: Vec<MeanTension>,
@@ -135,7 +135,11 @@ impl VariatorSystem {
         let r0 = radius - parameters.belt.pitch_offset;
         let (sin, cos) = geometry.wedge_angle.sin_cos();
         let mesh = BeltMesh::new(&parameters.mesh, parameters.ring_model);
-        let mut layout = Layout::new(&mesh, parameters.ring_model == RingModel::Ale);
+        let mut layout = Layout::new(
+            &mesh,
+            parameters.ring_model == RingModel::Ale,
+            if parameters.spatial { 3 } else { 2 },
+        );
         let ring = TravellingRing::new(parameters, &curve);
         if let Some(ring) = &ring {
             layout.travelling = Some(travelling(ring, &layout, &mesh, parameters, &curve));
@@ -143,7 +147,7 @@ impl VariatorSystem {
         let mut has_position = vec![false; layout.len()];
         if layout.flexible {
             for node in 0..layout.elements {
-                for k in 0..4 {
+                for k in 0..2 * layout.components {
                     has_position[layout.node(node, k)] = true;
                 }
             }
@@ -166,6 +170,7 @@ impl VariatorSystem {
                 wedge: [sin, cos, sin / cos],
                 r0,
                 axes: [0.0, geometry.center_distance],
+                planes: SheavePlane::pair(geometry.pulley_offset),
             },
             mesh,
             layout,
@@ -182,7 +187,7 @@ impl VariatorSystem {
             has_position,
             flows: vec![(0.0, 0.0); cells],
             sums: [PulleySum::default(); 2],
-            flow_slopes: vec![[[0.0; FLEXIBLE]; 2]; cells],
+            flow_slopes: vec![[[0.0; MOST]; 2]; cells],
             packs: Vec::new(),
             flux_entries: Vec::new(),
             mean_tensions: vec![MeanTension::default(); layout.travelling.map_or(0, |t| t.nodes)],
@@ -198,6 +203,12 @@ impl VariatorSystem {
     #[must_use]
     pub fn pulley(&self, j: usize) -> &Pulley {
         pulley(&self.law.parameters, j)
+    }
+
+    /// Middles of the pulleys along z, m.
+    #[must_use]
+    pub fn middles(&self, view: View<'_>) -> [f64; 2] {
+        [S, P].map(|j| self.law.planes[j].middle(view.q[self.layout.global(Global::Sheave, j)]))
     }
 
     /// Whether a sheave counts as rigid.
@@ -258,10 +269,12 @@ impl System for VariatorSystem {
         self.sums = [PulleySum::default(); 2];
         if let Some(travelling) = self.travelling.clone() {
             with_ring!(&*travelling, ring => self.travelling_residual(ring, view, out));
-        } else if self.layout.flexible {
-            self.assemble_residual::<true>(view, out);
         } else {
-            self.assemble_residual::<false>(view, out);
+            match (self.layout.flexible, self.layout.components) {
+                (false, _) => self.assemble_residual::<false, 2>(view, out),
+                (true, 3) => self.assemble_residual::<true, 3>(view, out),
+                (true, _) => self.assemble_residual::<true, 2>(view, out),
+            }
         }
         self.global_residual(view, out);
         for c in self.gauge() {
@@ -276,10 +289,12 @@ impl System for VariatorSystem {
         out.clear();
         if let Some(travelling) = self.travelling.clone() {
             with_ring!(&*travelling, ring => self.travelling_jacobian(ring, view, alpha, beta, out));
-        } else if self.layout.flexible {
-            self.assemble_jacobian::<true>(view, alpha, beta, out);
         } else {
-            self.assemble_jacobian::<false>(view, alpha, beta, out);
+            match (self.layout.flexible, self.layout.components) {
+                (false, _) => self.assemble_jacobian::<false, 2>(view, alpha, beta, out),
+                (true, 3) => self.assemble_jacobian::<true, 3>(view, alpha, beta, out),
+                (true, _) => self.assemble_jacobian::<true, 2>(view, alpha, beta, out),
+            }
         }
         self.global_jacobian(view, alpha, beta, out);
         for c in self.gauge() {
@@ -298,7 +313,7 @@ impl System for VariatorSystem {
         let slip = 2.0e-3 * self.law.parameters.friction.velocity;
         if layout.flexible {
             for node in 0..layout.elements {
-                for k in 0..4 {
+                for k in 0..2 * layout.components {
                     out[layout.node(node, k)] = if k % 2 == 0 { velocity } else { velocity * 1.0e3 };
                 }
             }
@@ -344,9 +359,13 @@ mod tests {
     use crate::noise::noise;
 
     /// A variator at a state that slides, sticks, pushes and gaps.
-    fn disturbed(model: RingModel, speed: f64) -> (VariatorSystem, State) {
-        let mut parameters = Parameters::default();
-        parameters.ring_model = model;
+    fn disturbed(model: RingModel, spatial: bool, speed: f64) -> (VariatorSystem, State) {
+        let mut parameters = Parameters {
+            ring_model: model,
+            spatial,
+            ..Parameters::default()
+        };
+        parameters.geometry.pulley_offset = 5.0e-4;
         parameters.mesh = crate::variator::parameters::Mesh {
             primary_arc: 4,
             secondary_arc: 4,
@@ -392,8 +411,8 @@ mod tests {
     }
 
     /// The Jacobian against central differences.
-    fn check_jacobian(model: RingModel, speed: f64) {
-        let (mut system, state) = disturbed(model, speed);
+    fn check_jacobian(model: RingModel, spatial: bool, speed: f64) {
+        let (mut system, state) = disturbed(model, spatial, speed);
         let n = state.y.len();
         let (alpha, beta) = (1.0e4, 1.0e-4);
         let mut size = vec![0.0; n];
@@ -443,7 +462,7 @@ mod tests {
     #[test]
     fn a_travelling_ring_may_be_counted_from_any_node() {
         for model in [RingModel::Rcm, RingModel::Ancf] {
-            let (mut system, state) = disturbed(model, 200.0);
+            let (mut system, state) = disturbed(model, false, 200.0);
             let (layout, n) = (system.layout, state.y.len());
             let travelling = layout.travelling.expect("it travels");
             // Where an unknown stands when the nodes are counted from the one before.
@@ -478,19 +497,71 @@ mod tests {
 
     #[test]
     fn jacobians_of_rings_that_travel_match_differences() {
-        check_jacobian(RingModel::Rcm, 200.0);
-        check_jacobian(RingModel::Ancf, -200.0);
+        check_jacobian(RingModel::Rcm, false, 200.0);
+        check_jacobian(RingModel::Ancf, false, -200.0);
     }
 
     #[test]
     fn jacobian_of_ale_matches_differences() {
-        check_jacobian(RingModel::Ale, 200.0);
-        check_jacobian(RingModel::Ale, -200.0);
+        check_jacobian(RingModel::Ale, false, 200.0);
+        check_jacobian(RingModel::Ale, false, -200.0);
+    }
+
+    #[test]
+    fn jacobian_in_space_matches_differences() {
+        check_jacobian(RingModel::Ale, true, 200.0);
+        check_jacobian(RingModel::Ale, true, -200.0);
+    }
+
+    /// Space mirrored in the plane of the drive: sheaves on the other sides, w the other way, everything else alike.
+    #[test]
+    fn mirrored_in_the_plane() {
+        let mut parameters = Parameters {
+            spatial: true,
+            ..Parameters::default()
+        };
+        parameters.geometry.pulley_offset = 7.0e-4;
+        let mut system = VariatorSystem::new(&parameters);
+        let start = Start {
+            ratio: 1.6,
+            primary_speed: 200.0,
+            clamping: [1.0e4, 1.3e4],
+        };
+        let mut state = kinematic_state(&system, &start).unwrap();
+        let mut random = noise(3);
+        let mut size = vec![0.0; state.y.len()];
+        system.newton_scale(1.0e-4, &mut size);
+        for (i, &size) in size.iter().enumerate() {
+            state.y[i] += 200.0 * size * random();
+            state.q[i] += 0.1 * size * random();
+        }
+        let mut other = system.clone();
+        for plane in &mut other.law.planes {
+            (plane.side, plane.middle) = (-plane.side, -plane.middle);
+        }
+        other.pack();
+        let mut mirrored = state.clone();
+        let places: Vec<usize> = (0..system.layout.elements)
+            .flat_map(|node| [4, 5].map(|k| system.layout.node(node, k)))
+            .collect();
+        for &i in &places {
+            for values in [&mut mirrored.y, &mut mirrored.y_dot, &mut mirrored.q] {
+                values[i] = -values[i];
+            }
+        }
+        let (mut rows, mut reflected) = (vec![0.0; size.len()], vec![0.0; size.len()]);
+        system.residual(state.view(), &mut rows);
+        other.residual(mirrored.view(), &mut reflected);
+        for &i in &places {
+            reflected[i] = -reflected[i];
+        }
+        assert!(places.iter().any(|&i| rows[i].abs() > 1.0));
+        assert_eq!(rows, reflected);
     }
 
     #[test]
     fn jacobian_of_ale0_matches_differences() {
-        check_jacobian(RingModel::Ale0, 200.0);
-        check_jacobian(RingModel::Ale0, 0.0);
+        check_jacobian(RingModel::Ale0, false, 200.0);
+        check_jacobian(RingModel::Ale0, false, 0.0);
     }
 }

@@ -330,6 +330,7 @@ impl VariatorSystem {
             face: &of_mesh.face,
             stations: &of_mesh.stations,
             axis: self.law.axes[of_mesh.pulley],
+            plane: self.law.planes[of_mesh.pulley].constants(),
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
         };
         let references: [Option<ReferencePoint<T>>; SLOTS] = std::array::from_fn(|slot| {

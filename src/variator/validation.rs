@@ -4,7 +4,7 @@
 //! each other (the belt around the pulleys, the stops, the wedge above the friction angle). The ranges only shut out
 //! what can't be meant, so they are wide: a limit case of theory is a legal variator.
 
-use super::parameters::{Parameters, Pulley};
+use super::parameters::{Parameters, Pulley, RingModel};
 use super::signals::{Inputs, PulleyInputs};
 use crate::reference_curve::TwoPulley;
 use std::f64::consts::PI;
@@ -76,6 +76,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("geometry.centerDistance", geometry.center_distance, 1e-2, 10.0),
     limit!("geometry.beltLength", geometry.belt_length, 2e-2, 100.0),
     limit!("geometry.wedgeAngle", geometry.wedge_angle, 1e-2, 0.785),
+    limit!("geometry.pulleyOffset", geometry.pulley_offset, -0.1, 0.1),
     limit!("belt.pitchOffset", belt.pitch_offset, 0.0, 0.1),
     limit!("belt.play", belt.play, 0.0, 10.0),
     limit!("belt.massPerLength", belt.mass_per_length, 1e-3, 1e3),
@@ -85,6 +86,12 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("ring.massPerLength", ring.mass_per_length, 1e-3, 1e3),
     limit!("ring.axialStiffness", ring.axial_stiffness, 1e3, 1e13),
     limit!("ring.bendingStiffness", ring.bending_stiffness, 1e-6, 1e6),
+    limit!(
+        "ring.lateralBendingStiffness",
+        ring.lateral_bending_stiffness,
+        1e-6,
+        1e9
+    ),
     limit!("ring.damping", ring.damping, 0.0, 1e-2),
     limit!("friction.pulley", friction.pulley, 0.0, 1.0),
     limit!("friction.ring", friction.ring, 0.0, 1.0),
@@ -177,9 +184,16 @@ impl Parameters {
         ))
     }
 
-    /// An element that travels must not turn by a radian on the smallest arc.
+    /// An element that travels must not turn by a radian on the smallest arc. Only the Eulerian ring deflects in space.
     fn validate_ring(&self) -> Result<(), ParameterError> {
         const FEWEST: i32 = 16;
+        if self.spatial && self.ring_model != RingModel::Ale {
+            return Err(ParameterError::new(
+                "ring.spatial",
+                1.0,
+                "false, unless ring.model is ALE".to_string(),
+            ));
+        }
         if self.ring_elements == 0 || self.ring_elements >= FEWEST {
             return Ok(());
         }

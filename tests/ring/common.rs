@@ -22,6 +22,7 @@ pub fn solid() -> Ring {
         mass_per_length: 154.0,
         axial_stiffness: 154.0 / 7800.0 * 2.1e11,
         bending_stiffness: 35_000.0,
+        lateral_bending_stiffness: 35_000.0,
         damping: 0.0,
     }
 }
@@ -32,11 +33,12 @@ pub fn solid_curve() -> TwoPulley {
 
 /// A steel band of `thickness`, 9.5 mm wide.
 pub fn band(thickness: f64) -> Ring {
-    let (e, rho, width) = (2.1e11, 7800.0, 9.5e-3);
+    let (e, rho, width) = (2.1e11, 7800.0, 9.5e-3_f64);
     Ring {
         mass_per_length: rho * thickness * width,
         axial_stiffness: e * thickness * width,
         bending_stiffness: e * width * thickness.powi(3) / 12.0,
+        lateral_bending_stiffness: e * thickness * width.powi(3) / 12.0,
         damping: 0.0,
     }
 }
@@ -60,6 +62,7 @@ pub fn without_stiffness(ring: &Ring) -> Ring {
     Ring {
         axial_stiffness: 0.0,
         bending_stiffness: 0.0,
+        lateral_bending_stiffness: 0.0,
         ..ring.clone()
     }
 }
@@ -69,9 +72,9 @@ mod numbers;
 pub use numbers::noise;
 
 /// A ring model under test.
-pub trait Case {
+pub trait Case<const D: usize = 2, const N: usize = 10> {
     /// The model on a curve.
-    type Model<C: ReferenceCurve + Debug>: RingModel;
+    type Model<C: ReferenceCurve + Debug>: RingModel<D, N>;
     const NAME: &'static str;
     /// Order of frequencies in the element length when stretch and bending both matter.
     const ORDER: f64;
@@ -79,7 +82,7 @@ pub trait Case {
     const ELEMENTS: usize = 40;
     /// With about `elements` elements, with exactly so many on a circle.
     fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Self::Model<C>;
-    fn system<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> RingSystem<Self::Model<C>> {
+    fn system<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> RingSystem<Self::Model<C>, D, N> {
         RingSystem::new(Self::model(ring, curve, elements))
     }
 }
@@ -95,6 +98,8 @@ pub fn aligned(segments: usize, elements: usize, points: usize) -> RingMesh {
 
 pub struct Ale;
 pub struct AleTurning;
+pub struct AleSpatial;
+pub struct AleSpatialTurning;
 pub struct AbsoluteNodal;
 pub struct CoRotational;
 
@@ -114,6 +119,27 @@ impl Case for AleTurning {
     const ORDER: f64 = 4.0;
     fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C> {
         let mut model = Ale::model(ring, curve, elements);
+        model.directions = Directions::Reference;
+        model
+    }
+}
+
+impl Case<3, 14> for AleSpatial {
+    type Model<C: ReferenceCurve + Debug> = AleRing<C, 3>;
+    const NAME: &'static str = "ALE in space";
+    const ORDER: f64 = 4.0;
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C, 3> {
+        let mesh = aligned(curve.segments(), elements, 3);
+        AleRing::spatial(ring, curve, mesh)
+    }
+}
+
+impl Case<3, 14> for AleSpatialTurning {
+    type Model<C: ReferenceCurve + Debug> = AleRing<C, 3>;
+    const NAME: &'static str = "ALE in space, overlay along t, n and b";
+    const ORDER: f64 = 4.0;
+    fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C, 3> {
+        let mut model = AleSpatial::model(ring, curve, elements);
         model.directions = Directions::Reference;
         model
     }
@@ -139,14 +165,20 @@ impl Case for CoRotational {
     }
 }
 
-pub fn residual<M: RingModel>(system: &mut RingSystem<M>, view: View<'_>) -> DVector<f64> {
+pub fn residual<M: RingModel<D, N>, const D: usize, const N: usize>(
+    system: &mut RingSystem<M, D, N>,
+    view: View<'_>,
+) -> DVector<f64> {
     let mut out = vec![0.0; view.y.len()];
     system.residual(view, &mut out);
     DVector::from_vec(out)
 }
 
 /// (13) and (14) from differences of the mass matrix: M q̈ + Ṁ q̇ − ∂T/∂q.
-pub fn inertia_by_differences<M: RingModel>(system: &RingSystem<M>, state: &State) -> DVector<f64> {
+pub fn inertia_by_differences<M: RingModel<D, N>, const D: usize, const N: usize>(
+    system: &RingSystem<M, D, N>,
+    state: &State,
+) -> DVector<f64> {
     let rate = DVector::from_column_slice(&state.y);
     let moved = |i: Option<usize>, h: f64| {
         let mut q = state.q.clone();
@@ -168,21 +200,34 @@ pub fn inertia_by_differences<M: RingModel>(system: &RingSystem<M>, state: &Stat
 
 /// Integrator with fixed steps. Errors that Newton's method leaves in the velocities add up over the steps of a ladder's
 /// last rung, so it is held tighter than its default.
-pub fn fixed_steps<M: RingModel>(system: &mut RingSystem<M>, step: f64) -> Sdirk {
+pub fn fixed_steps<M: RingModel<D, N>, const D: usize, const N: usize>(
+    system: &mut RingSystem<M, D, N>,
+    step: f64,
+) -> Sdirk {
     system.tolerance = f64::INFINITY;
     let mut integrator = Sdirk::new(system, step, step);
     integrator.newton_tolerance = 0.05;
     integrator
 }
 
-pub fn run<M: RingModel>(system: &mut RingSystem<M>, integrator: &mut Sdirk, state: &mut State, from: f64, to: f64) {
+pub fn run<M: RingModel<D, N>, const D: usize, const N: usize>(
+    system: &mut RingSystem<M, D, N>,
+    integrator: &mut Sdirk,
+    state: &mut State,
+    from: f64,
+    to: f64,
+) {
     integrator
         .advance(system, &mut state.y, &mut state.y_dot, &mut state.q, from, to)
         .expect("the free ring can be integrated");
 }
 
 /// Angular frequency and shape of the small oscillation about the rest state `state` nearest to `near`, rad/s.
-pub fn mode<M: RingModel>(system: &RingSystem<M>, state: &State, near: f64) -> (f64, Vec<f64>) {
+pub fn mode<M: RingModel<D, N>, const D: usize, const N: usize>(
+    system: &RingSystem<M, D, N>,
+    state: &State,
+    near: f64,
+) -> (f64, Vec<f64>) {
     let mut system = system.clone();
     if M::LAGRANGIAN {
         // s follows, it takes no part.
@@ -190,7 +235,7 @@ pub fn mode<M: RingModel>(system: &RingSystem<M>, state: &State, near: f64) -> (
         system.held.push(s);
     }
     let n = state.y.len();
-    let matrix = |system: &mut RingSystem<M>, alpha: f64, beta: f64| {
+    let matrix = |system: &mut RingSystem<M, D, N>, alpha: f64, beta: f64| {
         let mut a = Arrow::new(system.shape());
         system.jacobian(state.view(), alpha, beta, &mut a);
         a

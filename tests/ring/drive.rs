@@ -46,6 +46,7 @@ fn soft() -> Ring {
         mass_per_length: 0.24,
         axial_stiffness: 5.57e3,
         bending_stiffness: 0.5,
+        lateral_bending_stiffness: 0.5,
         damping: 0.0,
     }
 }

@@ -8,3 +8,4 @@ mod drive;
 #[allow(dead_code, reason = "the report on the paper uses the rest")]
 mod measure;
 mod models;
+mod spatial;

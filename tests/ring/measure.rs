@@ -17,7 +17,11 @@ use std::f64::consts::TAU;
 pub const FEW: usize = 12;
 
 /// A ring on the reference curve at Θ with deflections of a few per cent, in motion.
-pub fn waving<M: RingModel>(system: &RingSystem<M>, theta: f64, amplitude: f64) -> State {
+pub fn waving<M: RingModel<D, N>, const D: usize, const N: usize>(
+    system: &RingSystem<M, D, N>,
+    theta: f64,
+    amplitude: f64,
+) -> State {
     let mut state = system.rest(theta);
     let length = system.model.length();
     let mut random = noise(11);
@@ -42,12 +46,12 @@ pub fn waving<M: RingModel>(system: &RingSystem<M>, theta: f64, amplitude: f64) 
     state
 }
 
-pub fn lagrangian<M: RingModel>(_: &RingSystem<M>) -> bool {
+pub fn lagrangian<M: RingModel<D, N>, const D: usize, const N: usize>(_: &RingSystem<M, D, N>) -> bool {
     M::LAGRANGIAN
 }
 
 /// Unknowns whose rows are balances of force: without s and Θ on a mesh that travels.
-fn forces<M: RingModel>(system: &RingSystem<M>) -> usize {
+fn forces<M: RingModel<D, N>, const D: usize, const N: usize>(system: &RingSystem<M, D, N>) -> usize {
     if M::LAGRANGIAN {
         system.drift()
     } else {
@@ -58,7 +62,7 @@ fn forces<M: RingModel>(system: &RingSystem<M>) -> usize {
 pub const PLACES: [f64; 8] = [0.01, 0.093, 0.2, 0.31, 0.505, 0.62, 0.81, 0.97];
 
 /// P (12): the velocity at a unit rate is how fast the particle at ξ = x̄ + s moves. Largest difference of the columns, m.
-pub fn velocity_error<S: Case>() -> f64 {
+pub fn velocity_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let system = S::system(solid(), solid_curve(), FEW);
     let mut state = waving(&system, 0.25, 1.0);
     let (s, h) = (system.drift(), 3.0e-6);
@@ -84,7 +88,7 @@ pub fn velocity_error<S: Case>() -> f64 {
 
 /// The residual at rest is ∂V/∂q, moving arc borders included: there the curvature jumps. Largest difference relative to
 /// the largest force.
-pub fn elastic_force_error<S: Case>() -> f64 {
+pub fn elastic_force_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let mut system = S::system(solid(), solid_curve(), FEW);
     system.held.clear();
     let mut state = waving(&system, 0.25, 0.3);
@@ -106,7 +110,7 @@ pub fn elastic_force_error<S: Case>() -> f64 {
 }
 
 /// Inertia is M q̈ + Ṁq̇ − ∂T/∂q of the discrete ring. Largest difference relative to the largest force.
-pub fn inertia_error<S: Case>() -> f64 {
+pub fn inertia_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let mut system = S::system(solid(), solid_curve(), FEW);
     *system.model.ring_mut() = without_stiffness(system.model.ring());
     system.held.clear();

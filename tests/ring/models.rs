@@ -2,28 +2,28 @@
 
 use crate::common::*;
 use crate::measure::*;
-use nalgebra::Vector2;
+use nalgebra::{SVector, Vector2};
 use num_dual::Dual64;
 use pushbelt::reference_curve::ReferenceCurve;
 use pushbelt::ring::Ring;
 use pushbelt::ring::ancf::AncfElement;
 use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt::ring::lagrangian::{LagrangianElement, LagrangianRing};
-use pushbelt::ring::model::{NODAL, RingModel};
+use pushbelt::ring::model::RingModel;
 use pushbelt::ring::particle::ParticleLoad;
 use pushbelt::ring::rcm::RcmElement;
 use pushbelt::ring::system::RingSystem;
 use std::f64::consts::TAU;
 
 /// P (12) is the velocity.
-fn velocity_follows_the_particle<S: Case>() {
-    let off = velocity_error::<S>();
+fn velocity_follows_the_particle<S: Case<D, N>, const D: usize, const N: usize>() {
+    let off = velocity_error::<S, D, N>();
     assert!(off < 1e-8, "{off}");
 }
 
 /// Dv/Dt, v', strain rate and velocity on a path q(t): differences in time of the particle's place and slope. The Eulerian
 /// view sees the same at a station that stands in space.
-fn acceleration_follows_the_particle<S: Case>() {
+fn acceleration_follows_the_particle<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let state = waving(&system, -0.3, 1.0);
     let at_time = |t: f64| {
@@ -34,7 +34,7 @@ fn acceleration_follows_the_particle<S: Case>() {
         moved
     };
     let h = 1.0e-5;
-    let close = |a: Vector2<f64>, b: Vector2<f64>, tolerance: f64, what: &str, xi: f64| {
+    let close = |a: SVector<f64, D>, b: SVector<f64, D>, tolerance: f64, what: &str, xi: f64| {
         assert!((a - b).norm() < tolerance * b.norm(), "{what} at ξ = {xi}: {a} {b}");
     };
     for xi in PLACES {
@@ -71,7 +71,7 @@ fn acceleration_follows_the_particle<S: Case>() {
 }
 
 /// r' and r'' are derivatives along ξ inside an element.
-fn primes_are_derivatives<S: Case>() {
+fn primes_are_derivatives<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let state = waving(&system, 0.25, 1.0);
     let frame = system.frame(state.view());
@@ -85,7 +85,7 @@ fn primes_are_derivatives<S: Case>() {
             };
             let (now, scale) = at(x);
             let (before, after) = (at(x - h).0, at(x + h).0);
-            let along = |a: Vector2<f64>, b: Vector2<f64>| (a - b) / (2.0 * h * scale);
+            let along = |a: SVector<f64, D>, b: SVector<f64, D>| (a - b) / (2.0 * h * scale);
             assert!((now.slope - along(after.r, before.r)).norm() < 1e-7);
             assert!((now.bend - along(after.slope, before.slope)).norm() < 1e-6 * now.bend.norm().max(1.0));
             let gradient = along(after.velocity, before.velocity);
@@ -95,7 +95,7 @@ fn primes_are_derivatives<S: Case>() {
 }
 
 /// What a station in space sees of the passing particle: differences in time of place and slope at fixed ξ.
-fn a_station_sees_the_particle_pass<S: Case>() {
+fn a_station_sees_the_particle_pass<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let mut state = waving(&system, 0.25, 1.0);
     // Stations at fixed ξ, so Θ stands still.
@@ -123,7 +123,7 @@ fn a_station_sees_the_particle_pass<S: Case>() {
         let point = at(0.0).at_station(curve.at(&curve.frame::<f64>(0.25), xi), &motion);
         let h = 1.0e-5;
         let (before, after) = (at(-h), at(h));
-        let close = |a: Vector2<f64>, b: Vector2<f64>, tolerance: f64| {
+        let close = |a: SVector<f64, D>, b: SVector<f64, D>, tolerance: f64| {
             assert!((a - b).norm() < tolerance * b.norm(), "{a} {b}")
         };
         let near = [-0.2 * h, 0.2 * h].map(at);
@@ -136,12 +136,12 @@ fn a_station_sees_the_particle_pass<S: Case>() {
 }
 
 /// Power of a load on a particle = its generalised forces on the rates.
-fn projection_is_the_transpose<S: Case>() {
+fn projection_is_the_transpose<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let state = waving(&system, 0.25, 1.0);
     let frame = system.frame(state.view());
     let mut random = noise(7);
-    let mut vector = || Vector2::new(random(), random());
+    let mut vector = || SVector::from_fn(|_, _| random());
     for element in 0..system.model.elements() {
         let motion = system.values(state.view(), element);
         for x in [-1.0, -0.3, 0.8] {
@@ -158,19 +158,19 @@ fn projection_is_the_transpose<S: Case>() {
                 (power - expected).abs() < 1e-10 * expected.abs().max(1.0),
                 "{power} {expected}"
             );
-            assert!(!lagrangian(&system) || rows[NODAL..].iter().all(|&row| row == 0.0));
+            assert!(!lagrangian(&system) || rows[N - 2..].iter().all(|&row| row == 0.0));
         }
     }
 }
 
 /// −∂V/∂q, moving arc borders included.
-fn elastic_force_is_the_gradient_of_the_energy<S: Case>() {
-    let off = elastic_force_error::<S>();
+fn elastic_force_is_the_gradient_of_the_energy<S: Case<D, N>, const D: usize, const N: usize>() {
+    let off = elastic_force_error::<S, D, N>();
     assert!(off < 1e-7, "{off}");
 }
 
 /// What the damping force takes is what the model says it takes.
-fn damping_takes_what_it_says<S: Case>() {
+fn damping_takes_what_it_says<S: Case<D, N>, const D: usize, const N: usize>() {
     let damped = Ring {
         damping: 1.0e-4,
         ..solid()
@@ -187,8 +187,8 @@ fn damping_takes_what_it_says<S: Case>() {
 }
 
 /// M q̈ + Ṁq̇ − ∂T/∂q.
-fn inertia_is_lagranges<S: Case>() {
-    let off = inertia_error::<S>();
+fn inertia_is_lagranges<S: Case<D, N>, const D: usize, const N: usize>() {
+    let off = inertia_error::<S, D, N>();
     println!("{}: inertia off by {off:.1e}", S::NAME);
     assert!(off < 1e-8);
 }
@@ -358,21 +358,34 @@ fn places_on_lagrangian_elements_may_carry_derivatives() {
 }
 
 macro_rules! suite {
-    ($($name:ident: $case:ty),*) => {$(
-        mod $name {
-            suite!(@tests $case: velocity_follows_the_particle, acceleration_follows_the_particle,
-                primes_are_derivatives, a_station_sees_the_particle_pass, projection_is_the_transpose, elastic_force_is_the_gradient_of_the_energy,
-                damping_takes_what_it_says, inertia_is_lagranges, deformable_ring_bulges_and_conserves_energy,
-                running_ring_stays_round, free_ring_frequency, two_arc_oscillation, free_ring_swings_at_its_frequency,
-                order_in_space, order_in_time);
+    (plane: $($name:ident: $case:ty),*; space: $($spatial:ident: $of:ty),*) => {
+        $(mod $name {
+            suite!(@laws $case);
+            suite!(@motions $case: deformable_ring_bulges_and_conserves_energy, running_ring_stays_round, free_ring_frequency,
+                two_arc_oscillation, free_ring_swings_at_its_frequency, order_in_space, order_in_time);
+        })*
+        $(mod $spatial {
+            suite!(@laws $of);
+        })*
+    };
+    (@laws $case:ty) => {
+        suite!(@laws $case: velocity_follows_the_particle, acceleration_follows_the_particle, primes_are_derivatives,
+            a_station_sees_the_particle_pass, projection_is_the_transpose, elastic_force_is_the_gradient_of_the_energy,
+            damping_takes_what_it_says, inertia_is_lagranges);
+    };
+    (@laws $case:ty: $($test:ident),*) => {$(
+        #[test]
+        fn $test() {
+            super::$test::<$case, _, _>();
         }
     )*};
-    (@tests $case:ty: $($test:ident),*) => {$(
+    (@motions $case:ty: $($test:ident),*) => {$(
         #[test]
         fn $test() {
             super::$test::<$case>();
         }
     )*};
 }
-suite!(ale: crate::common::Ale, ale_turning: crate::common::AleTurning, ancf: crate::common::AbsoluteNodal,
-    rcm: crate::common::CoRotational);
+suite!(plane: ale: crate::common::Ale, ale_turning: crate::common::AleTurning, ancf: crate::common::AbsoluteNodal,
+    rcm: crate::common::CoRotational;
+    space: ale_spatial: crate::common::AleSpatial, ale_spatial_turning: crate::common::AleSpatialTurning);

@@ -1,0 +1,266 @@
+//! The belt out of its plane: misaligned pulleys, and a ring that deflects along z.
+
+mod common;
+
+use common::{At, Run, SPEED, Steady, assert_close, given, inputs, mesh, refined, steady, variator};
+use pushbelt::solver::System;
+use pushbelt::variator::layout::{Global, Layout};
+use pushbelt::variator::mesh::P;
+use pushbelt::variator::parameters::{Parameters, RingModel};
+
+/// Ratio of the steady states.
+const RATIO: f64 = 2.0;
+
+/// A variator whose ring deflects in space. Its belt planes are `misalignment` apart at the ratio of the tests.
+fn spatial(misalignment: f64) -> Parameters {
+    let mut parameters = Parameters {
+        spatial: true,
+        ..variator(RingModel::Ale)
+    };
+    parameters.geometry.pulley_offset = misalignment - OWN;
+    parameters
+}
+
+/// What the ratio and the penetration make of aligned pulleys, m.
+const OWN: f64 = 4.60e-4;
+
+fn at_ratio(parameters: &Parameters, ratio: f64) -> Steady {
+    steady(parameters, &given(ratio, P, 1.0e4, 6.0e-3), [SPEED / ratio, SPEED])
+}
+
+/// Places of the same unknown in two layouts.
+fn shared(flat: &Layout, space: &Layout) -> Vec<(usize, usize)> {
+    let nodes = (0..flat.elements).flat_map(|node| (0..4).map(move |k| (node, k)));
+    let cells = 0..flat.cells();
+    let globals = flat.global(Global::Drift, 0)..flat.len();
+    nodes
+        .map(|(node, k)| (flat.node(node, k), space.node(node, k)))
+        .chain(cells.clone().map(|cell| (flat.speed(cell), space.speed(cell))))
+        .chain(cells.map(|cell| (flat.amount(cell), space.amount(cell))))
+        .chain(globals.zip(space.global(Global::Drift, 0)..))
+        .collect()
+}
+
+/// Where the belt planes are one, the planar belt is in balance in space.
+#[test]
+fn aligned_pulleys_keep_the_belt_in_its_plane() {
+    let flat = at_ratio(&variator(RingModel::Ale), RATIO);
+    let mut parameters = spatial(0.0);
+    parameters.geometry.pulley_offset = -flat.outputs.misalignment;
+    let mut space = pushbelt::variator::system::VariatorSystem::new(&parameters);
+    space.boundary = flat.system.boundary;
+    let places = shared(&flat.system.layout, &space.layout);
+    let n = space.layout.len();
+    let (mut y, mut y_dot, mut q) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    for &(i, j) in &places {
+        (y[j], y_dot[j], q[j]) = (flat.state.y[i], flat.state.y_dot[i], flat.state.q[i]);
+    }
+    let view = pushbelt::solver::View {
+        y: &y,
+        y_dot: &y_dot,
+        q: &q,
+    };
+    let [secondary, primary] = space.middles(view);
+    assert!((primary - secondary).abs() < 1e-16);
+    for node in 0..space.layout.elements {
+        q[space.layout.node(node, 4)] = primary;
+    }
+    let mut planar = vec![0.0; flat.state.y.len()];
+    flat.system.clone().residual(flat.state.view(), &mut planar);
+    let mut rows = vec![0.0; n];
+    space.residual(
+        pushbelt::solver::View {
+            y: &y,
+            y_dot: &y_dot,
+            q: &q,
+        },
+        &mut rows,
+    );
+    // In units of the contact forces on an element.
+    let scale = 100.0;
+    for &(i, j) in &places {
+        let off = (planar[i] - rows[j]).abs();
+        assert!(off < 1e-9 * scale, "row {i}: {} and {}", planar[i], rows[j]);
+        rows[j] = 0.0;
+    }
+    let most = rows.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+    println!("largest lateral force {most:.1e} N");
+    assert!(most < 1e-9 * scale);
+    let solved = at_ratio(&parameters, RATIO);
+    let (a, b) = (flat.outputs.thrust_ratio, solved.outputs.thrust_ratio);
+    println!(
+        "thrust ratio {a:.9} and {b:.9}, w up to {:.1e} m",
+        solved.outputs.lateral_max
+    );
+    assert!((a / b - 1.0).abs() < 1e-6 && solved.outputs.lateral_max < 1e-8);
+}
+
+/// Slope w' at the stations of a strand beside their distance from its start, m.
+fn slopes(state: &Steady, segment: usize) -> (Vec<(f64, f64)>, Vec<At>) {
+    let stations: Vec<At> = state
+        .stations()
+        .into_iter()
+        .filter(|at| at.segment == segment)
+        .collect();
+    let start = stations[0].sample.xi;
+    let slopes = stations
+        .iter()
+        .map(|at| (at.sample.xi - start, at.sample.lateral[1]))
+        .collect();
+    (slopes, stations)
+}
+
+/// A soft ring crosses the strands on straight lines with layers of width √(EI_b/N) at their ends, where
+/// N = T − Q − (m_r + m_e)V²: the push force buckles what the tension straightens.
+#[test]
+fn strands_are_straight_between_boundary_layers() {
+    let mut parameters = spatial(1.0e-3);
+    parameters.ring.lateral_bending_stiffness = 0.1;
+    parameters.mesh = mesh(16, 24);
+    let state = at_ratio(&parameters, RATIO);
+    let mass = parameters.ring.mass_per_length + parameters.belt.mass_per_length;
+    for segment in [1, 3] {
+        let (slopes, stations) = slopes(&state, segment);
+        let length = slopes.last().expect("a station").0;
+        let net = |at: &At| at.sample.tension - at.sample.push;
+        let force: f64 = stations.iter().map(net).sum::<f64>() / stations.len() as f64
+            - mass * state.outputs.belt_speed * state.outputs.belt_speed;
+        let at = |x: f64| {
+            let i = slopes.partition_point(|s| s.0 < x);
+            let ((x0, a), (x1, b)) = (slopes[i - 1], slopes[i]);
+            a + (b - a) * (x - x0) / (x1 - x0)
+        };
+        let straight = at(0.5 * length);
+        let width = (0.1 / force).sqrt();
+        for x in [0.35, 0.65] {
+            let layers = (-0.35 * length / width).exp();
+            assert_close(at(x * length), straight, 2.0 * layers + 5e-4, "slope of a strand");
+        }
+        let nearest = |x: f64| {
+            slopes
+                .iter()
+                .copied()
+                .min_by(|a, b| (a.0 - x).abs().total_cmp(&(b.0 - x).abs()))
+                .expect("stations")
+        };
+        let (near, far) = (nearest(1.5 * width), nearest(3.5 * width));
+        let found = (far.0 - near.0) / ((1.0 - near.1 / straight) / (1.0 - far.1 / straight)).ln();
+        println!("segment {segment}: N = {force:.0} N, width {width:.3e} m, found {found:.3e} m");
+        assert_close(found, width, 0.03, "width of the boundary layer");
+    }
+}
+
+/// At the stiffness of the ring sets both ends of a strand feel each other: an S between two clamps, and the arcs hold
+/// the belt in their planes.
+#[test]
+fn belt_follows_the_planes_of_its_pulleys() {
+    let state = at_ratio(&spatial(1.0e-3), RATIO);
+    let o = &state.outputs;
+    println!(
+        "misalignment {:.4e} m, w {:.4e} m, skew {:.3e}",
+        o.misalignment, o.lateral_max, o.skew
+    );
+    assert_close(o.misalignment, 1.0e-3, 1e-2, "misalignment");
+    assert_close(o.lateral_max, 0.5 * o.misalignment, 2e-2, "largest deflection");
+    let strand = 0.168 * (1.0 - (o.primary.radius - o.secondary.radius).powi(2) / 0.168_f64.powi(2)).sqrt();
+    // The flanks give way within about a centimetre of the arc borders, so not all of it is left to the strands.
+    let share = o.skew * strand / o.misalignment;
+    assert!((0.95..1.0).contains(&share), "{share}");
+    let largest = state
+        .stations()
+        .iter()
+        .map(|at| at.sample)
+        .filter(|s| s.normal > 5.0e4)
+        .map(|s| s.offset.abs())
+        .fold(0.0, f64::max);
+    println!("off the middle of the pulleys by {largest:.1e} m");
+    assert!(largest < 2.0e-5);
+}
+
+/// The movable sheaves stand on opposite sides, so the planes part by (r_P + r_S − 2r₀) tan β: nothing at ratio 1 and to
+/// the same side in underdrive and overdrive.
+#[test]
+fn misalignment_follows_the_ratio() {
+    let parameters = variator(RingModel::Ale);
+    for ratio in [0.5, 1.0, 2.0] {
+        let state = at_ratio(&parameters, ratio);
+        let o = &state.outputs;
+        let law = &state.system.law;
+        let geometric = -(o.primary.radius + o.secondary.radius - 2.0 * law.r0) * law.wedge[2];
+        println!(
+            "ratio {ratio}: {:.3e} m, of the radii {geometric:.3e} m",
+            o.misalignment
+        );
+        // The flanks' penetration closes the pulleys a little more.
+        assert!((o.misalignment - geometric).abs() < 1.5e-4);
+        assert!((ratio - 1.0).abs() < 0.1 || o.misalignment > 3.0e-4);
+        assert_eq!(o.lateral_max, 0.0);
+    }
+}
+
+/// Skewed strands cost little, with the square of the misalignment. On the movable sheave acts half the lateral force of the
+/// strands besides, which changes its sign with the misalignment.
+#[test]
+fn misalignment_costs_its_square() {
+    let state = |misalignment: f64| at_ratio(&spatial(misalignment), RATIO);
+    let aligned = state(0.0);
+    let loss = |s: &Steady| s.outputs.losses.total() / s.outputs.primary.power;
+    let even = |m: f64| {
+        let [a, b] = [state(m), state(-m)];
+        for s in [&a, &b] {
+            assert!(s.power_defect().abs() < 1e-3, "{}", s.power_defect());
+            assert_close(
+                s.outputs.thrust_ratio,
+                aligned.outputs.thrust_ratio,
+                1e-2,
+                "thrust ratio",
+            );
+        }
+        println!(
+            "±{m} m: thrust ratio {:.5}, {:.5}; loss {:.5}, {:.5}; aligned {:.5}, {:.5}",
+            a.outputs.thrust_ratio,
+            b.outputs.thrust_ratio,
+            loss(&a),
+            loss(&b),
+            aligned.outputs.thrust_ratio,
+            loss(&aligned)
+        );
+        0.5 * (loss(&a) + loss(&b)) - loss(&aligned)
+    };
+    let (small, large) = (even(4.0e-4), even(8.0e-4));
+    println!("more loss: {small:.3e} and {large:.3e} of the power");
+    assert!(small > 0.0 && large < 5e-3);
+    assert_close(large / small, 4.0, 0.15, "loss at twice the misalignment");
+}
+
+/// What power the misaligned belt seems to lose beyond its losses falls with the mesh.
+#[test]
+fn power_balance_out_of_plane() {
+    let mut parameters = spatial(1.0e-3);
+    let coarse = at_ratio(&parameters, RATIO).power_defect();
+    parameters.mesh = refined(&parameters.mesh, 2);
+    let fine = at_ratio(&parameters, RATIO).power_defect();
+    println!("power defect {coarse:.2e}, {fine:.2e} on twice the elements");
+    assert!(coarse.abs() < 1e-3 && fine.abs() < 0.7 * coarse.abs());
+}
+
+/// A shift carries the whole belt along its pulleys' axes; the books stay balanced.
+#[test]
+fn books_of_a_shift() {
+    let mut parameters = spatial(0.0);
+    parameters.geometry.pulley_offset = 5.0e-4;
+    let mut run = Run::new(parameters, inputs((50.0, 1.4e4), (-49.0, 1.0e4)));
+    let start = run.variator.outputs().primary.position;
+    run.go(0.05, 1.0e-3);
+    run.inputs.primary.clamping_force = 1.9e4;
+    let o = run.go(0.2, 1.0e-3);
+    println!(
+        "sheave by {:.2e} m, misalignment {:.2e} m, skew {:.2e}, residual {:.2e} of what is allowed",
+        o.primary.position - start,
+        o.misalignment,
+        o.skew,
+        run.residual
+    );
+    assert!(o.primary.position - start > 1.0e-4);
+    run.assert_books();
+}
