@@ -54,6 +54,10 @@ def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("drive")
 
 
+LOGGERS: list = []
+"""fmpy hands messages to the logger that was registered last, whoever speaks, so none may ever be freed."""
+
+
 class Slave:
     """One instance. Variables are called by name; messages are kept in `log` as (status, category, text)."""
 
@@ -69,6 +73,7 @@ class Slave:
 
         self.callbacks = fmi2.fmi2CallbackFunctions()
         self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(hear)
+        LOGGERS.append(self.callbacks)
         addLoggerProxy(ctypes.byref(self.callbacks))
         self.fmu = fmi2.FMU2Slave(
             guid=description.guid,
