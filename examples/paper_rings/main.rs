@@ -373,10 +373,11 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
         let travels = S::Model::<TwoPulley>::LAGRANGIAN;
         let found = running_ring::<S>(40, if travels { plan.turn_steps } else { 0 });
         // A ring that travels keeps the integrator's error of a turn.
-        let bound = match (travels, plan.orders) {
-            (false, _) => 1.0e-9,
-            (true, true) => 2.0e-6,
-            (true, false) => 1.0e-4,
+        let (bound, strain_bound) = match (travels, plan.orders) {
+            (false, _) => (1.0e-9, 1.0e-2),
+            (true, true) => (2.0e-6, 1.0e-2),
+            // The short form takes steps four times as long.
+            (true, false) => (1.0e-4, 5.0e-2),
         };
         let check = |tables: &mut Tables, what: &str, off: f64, bound: f64| {
             tables.check("4", what, S::NAME, off, 0.0, bound);
@@ -385,7 +386,7 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
             tables,
             "strain against m ṡ²/(EA − m ṡ²), relative",
             found.strain,
-            1.0e-2,
+            strain_bound,
         );
         check(tables, "shape after one turn, of the radius", found.shape, bound);
         tables.work("running ring, one turn", S::NAME, 40, 0, f64::NAN, &found.counts);
