@@ -65,10 +65,6 @@ class Reader:
         self.values = (ctypes.c_double * len(references))()
 
 
-_LOGGERS: list[fmi2.fmi2CallbackFunctions] = []
-"""fmpy hands messages to the logger that was registered last, whoever speaks, so none may ever be freed."""
-
-
 class Variator:
     """One instance of the FMU. A context manager: the instance is freed at its end."""
 
@@ -80,7 +76,8 @@ class Variator:
         self._errors: list[str] = []
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._hear)
-        _LOGGERS.append(self._callbacks)
+        # fmpy hands messages to the logger that was registered last, whoever speaks: none may ever be freed.
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
         logging.addLoggerProxy(ctypes.byref(self._callbacks))
         self._slave = fmi2.FMU2Slave(
             guid=description.guid,
