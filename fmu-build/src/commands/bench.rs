@@ -12,7 +12,7 @@ pub struct Arguments {
     /// Compiled for this machine's processor
     #[arg(long)]
     native: bool,
-    /// Passed on to `cargo bench`
+    /// Passed on to the programs: `-- --quick` runs everything once
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -28,6 +28,6 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.native {
         cargo::native(workspace, &mut bench);
     }
-    bench.args(&arguments.passed_on);
+    bench.arg("--").args(&arguments.passed_on);
     cargo::run(&mut bench)
 }
