@@ -1,10 +1,8 @@
 //! The scalar type that every law is generic over: a plain number, a pack of them, or either with derivatives.
 
-mod gradient;
 mod lanes;
 mod tangent;
 
-pub use gradient::Gradient;
 pub use lanes::{LANES, Lanes};
 pub use tangent::Tangent;
 

@@ -1,4 +1,4 @@
-//! Packed numbers with N slopes: forward differentiation.
+//! Numbers with N slopes, packed or one at a time: forward differentiation.
 
 use super::{Lanes, Real};
 use num_traits::{One, Zero};
@@ -7,27 +7,36 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// Numbers and their slopes in N directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tangent<const N: usize> {
+pub struct Tangent<const N: usize, L = Lanes> {
     /// Value.
-    pub re: Lanes,
+    pub re: L,
     /// Slopes.
-    pub eps: [Lanes; N],
+    pub eps: [L; N],
 }
 
-impl<const N: usize> Tangent<N> {
+impl<const N: usize, L: Real> Tangent<N, L> {
+    /// Numbers without slopes.
+    #[inline(always)]
+    fn plain(value: L) -> Self {
+        Self {
+            re: value,
+            eps: [L::zero(); N],
+        }
+    }
+
     /// `value` with slope `slope` in `direction`; a constant if there is no such direction.
     #[inline(always)]
     #[must_use]
-    pub fn seed(value: Lanes, direction: usize, slope: f64) -> Self {
+    pub fn seed(value: L, direction: usize, slope: f64) -> Self {
         Self {
             re: value,
-            eps: from_fn(|i| Lanes::from(if i == direction { slope } else { 0.0 })),
+            eps: from_fn(|i| L::from(if i == direction { slope } else { 0.0 })),
         }
     }
 
     /// The function with value `value` and derivative `slope` here.
     #[inline(always)]
-    fn chain(&self, value: Lanes, slope: Lanes) -> Self {
+    fn chain(&self, value: L, slope: L) -> Self {
         Self {
             re: value,
             eps: from_fn(|i| self.eps[i] * slope),
@@ -36,7 +45,7 @@ impl<const N: usize> Tangent<N> {
 
     /// A function of two numbers with value `value` and derivatives `slope`, `other_slope` here.
     #[inline(always)]
-    fn join(&self, other: &Self, value: Lanes, slope: Lanes, other_slope: Lanes) -> Self {
+    fn join(&self, other: &Self, value: L, slope: L, other_slope: L) -> Self {
         Self {
             re: value,
             eps: from_fn(|i| self.eps[i] * slope + other.eps[i] * other_slope),
@@ -44,15 +53,15 @@ impl<const N: usize> Tangent<N> {
     }
 }
 
-impl<const N: usize> Real for Tangent<N> {
-    type Constant = Lanes;
+impl<const N: usize, L: Real<Constant = L>> Real for Tangent<N, L>
+where
+    Self: Mul<L, Output = Self>,
+{
+    type Constant = L;
 
     #[inline(always)]
-    fn constant(value: Lanes) -> Self {
-        Self {
-            re: value,
-            eps: [Lanes::zero(); N],
-        }
+    fn constant(value: L) -> Self {
+        Self::plain(value)
     }
 
     #[inline(always)]
@@ -63,7 +72,7 @@ impl<const N: usize> Real for Tangent<N> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
-        self.chain(root, Lanes::from(0.5) / root)
+        self.chain(root, L::from(0.5) / root)
     }
 
     #[inline(always)]
@@ -90,14 +99,14 @@ impl<const N: usize> Real for Tangent<N> {
     }
 }
 
-impl<const N: usize> From<f64> for Tangent<N> {
+impl<const N: usize, L: Real> From<f64> for Tangent<N, L> {
     #[inline(always)]
     fn from(value: f64) -> Self {
-        Self::constant(Lanes::from(value))
+        Self::plain(L::from(value))
     }
 }
 
-impl<const N: usize> Neg for Tangent<N> {
+impl<const N: usize, L: Real> Neg for Tangent<N, L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -108,7 +117,7 @@ impl<const N: usize> Neg for Tangent<N> {
     }
 }
 
-impl<const N: usize> Add for Tangent<N> {
+impl<const N: usize, L: Real> Add for Tangent<N, L> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -119,7 +128,7 @@ impl<const N: usize> Add for Tangent<N> {
     }
 }
 
-impl<const N: usize> Sub for Tangent<N> {
+impl<const N: usize, L: Real> Sub for Tangent<N, L> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -130,7 +139,7 @@ impl<const N: usize> Sub for Tangent<N> {
     }
 }
 
-impl<const N: usize> Mul for Tangent<N> {
+impl<const N: usize, L: Real> Mul for Tangent<N, L> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -138,7 +147,7 @@ impl<const N: usize> Mul for Tangent<N> {
     }
 }
 
-impl<const N: usize> Div for Tangent<N> {
+impl<const N: usize, L: Real> Div for Tangent<N, L> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
@@ -149,62 +158,62 @@ impl<const N: usize> Div for Tangent<N> {
 }
 
 macro_rules! with_constants {
-    ($constant:ty) => {
-        impl<const N: usize> Add<$constant> for Tangent<N> {
+    ([$($generic:tt)*] $constant:ty, $number:ty) => {
+        impl<const N: usize $($generic)*> Add<$constant> for Tangent<N, $number> {
             type Output = Self;
             #[inline(always)]
             fn add(mut self, other: $constant) -> Self {
-                self.re += Lanes::from(other);
+                self.re += <$number>::from(other);
                 self
             }
         }
 
-        impl<const N: usize> Sub<$constant> for Tangent<N> {
+        impl<const N: usize $($generic)*> Sub<$constant> for Tangent<N, $number> {
             type Output = Self;
             #[inline(always)]
             fn sub(mut self, other: $constant) -> Self {
-                self.re -= Lanes::from(other);
+                self.re -= <$number>::from(other);
                 self
             }
         }
 
-        impl<const N: usize> Mul<$constant> for Tangent<N> {
+        impl<const N: usize $($generic)*> Mul<$constant> for Tangent<N, $number> {
             type Output = Self;
             #[inline(always)]
             fn mul(self, other: $constant) -> Self {
-                self.chain(self.re * other, Lanes::from(other))
+                self.chain(self.re * other, <$number>::from(other))
             }
         }
     };
 }
-with_constants!(f64);
-with_constants!(Lanes);
+with_constants!([, L: Real] f64, L);
+with_constants!([] Lanes, Lanes);
 
-impl<const N: usize> AddAssign for Tangent<N> {
+impl<const N: usize, L: Real> AddAssign for Tangent<N, L> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<const N: usize> SubAssign for Tangent<N> {
+impl<const N: usize, L: Real> SubAssign for Tangent<N, L> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl<const N: usize> MulAssign for Tangent<N> {
+impl<const N: usize, L: Real> MulAssign for Tangent<N, L> {
     #[inline(always)]
     fn mul_assign(&mut self, other: Self) {
         *self = *self * other;
     }
 }
 
-impl<const N: usize> Zero for Tangent<N> {
+impl<const N: usize, L: Real> Zero for Tangent<N, L> {
     #[inline(always)]
     fn zero() -> Self {
-        Self::constant(Lanes::zero())
+        Self::plain(L::zero())
     }
 
     fn is_zero(&self) -> bool {
@@ -212,9 +221,37 @@ impl<const N: usize> Zero for Tangent<N> {
     }
 }
 
-impl<const N: usize> One for Tangent<N> {
+impl<const N: usize, L: Real> One for Tangent<N, L> {
     #[inline(always)]
     fn one() -> Self {
-        Self::constant(Lanes::one())
+        Self::plain(L::one())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_dual::Derivative;
+    use num_dual::DualSVec64;
+
+    /// Every operation against num-dual.
+    #[test]
+    fn agrees_with_num_dual() {
+        fn law<T: Real>(a: T, b: T) -> T {
+            let (sin, cos) = (a * 0.7 - b).sin_cos();
+            let [plus, slope, bend] = (a * b - 0.3).smooth_plus(0.2);
+            let mut sum = (sin + 2.0) * (cos + 3.0) / (a * a + 1.0) - plus * slope + bend;
+            sum -= (b * b + 0.5).sqrt() + (a + 4.0).recip();
+            sum *= -a;
+            sum
+        }
+        let (x, y) = (0.9, 0.4);
+        let found = law(Tangent::<2, f64>::seed(x, 0, 1.0), Tangent::seed(y, 1, 1.0));
+        let unit = |k: usize| Derivative::some(nalgebra::SVector::<f64, 2>::ith(k, 1.0));
+        let expected = law(DualSVec64::new(x, unit(0)), DualSVec64::new(y, unit(1)));
+        assert!((found.re - expected.re).abs() < 1e-14);
+        for (found, expected) in found.eps.iter().zip(expected.eps.0.iter().flatten()) {
+            assert!((found - expected).abs() < 1e-13, "{found} {expected}");
+        }
     }
 }

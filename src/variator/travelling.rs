@@ -27,7 +27,7 @@ use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::model::{Coordinates, DIRECTIONS, Energy, NODAL, RingModel as _};
 use crate::ring::particle::{Particle, ParticleLoad};
 use crate::ring::rcm::Rcm;
-use crate::scalar::{Gradient, Real};
+use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use std::ops::Mul;
@@ -46,7 +46,7 @@ const THETA: usize = 4;
 
 /// Directions differentiated in one pass over a cell.
 const PASS: usize = 10;
-type Slopes = Gradient<PASS>;
+type Slopes = Tangent<PASS, f64>;
 
 /// The ring models that travel with their mesh.
 #[derive(Clone, Debug)]
@@ -516,7 +516,7 @@ impl VariatorSystem {
         self.order.find(&self.layout, &self.mesh, &frame, s);
         out.reorder(&self.order.order);
         for element in 0..ring.elements() {
-            let seed = Gradient::<NODAL>::seed;
+            let seed = Tangent::<NODAL, f64>::seed;
             let motion = self.coordinates(view, element, slopes, seed);
             let rows: [_; DIRECTIONS] = ring.balance(&(), element, &motion);
             let at: [usize; NODAL] = std::array::from_fn(|k| self.layout.nodal(element, k));
