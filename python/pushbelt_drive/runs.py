@@ -85,16 +85,7 @@ class Results:
 
 
 def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
-    pending = 0.0
-
-    def progress(seconds: float) -> None:
-        nonlocal pending
-        pending += seconds
-        if pending >= 0.5:
-            tick(pending)
-            pending = 0.0
-
-    return simulate.run(archive, demo_car(), table, setup, progress)
+    return simulate.run(archive, demo_car(), table, setup, tick)
 
 
 def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 from pushbelt_demo.geometry import Array
+from pushbelt_demo.progress import progress_bar
+from pushbelt_demo.side_by_side import run_in_workers, tick
 from pushbelt_demo.unit import Archive, UnitError
-from tqdm import tqdm
 
 from .. import simulate, thrust_map
 from ..car import demo_car
 from ..cycle import wltc_class_3b
-from ..progress import BAR, drain, prepare_worker, tick
 from . import fmus, package
 from .masters import MASTERS, Progress
 
@@ -125,7 +123,7 @@ def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MAST
         table = thrust_map.load(fmu, archive, parameters, folder / "thrust-ratio-map-ALE.csv")
         ssp = build(fmu, table, plan, folder)
         total = (2 + len(masters)) * len(plan.steps) * plan.duration
-        with tqdm(total=round(total), disable=None, desc="coupling", bar_format=BAR) as bar:
+        with progress_bar(round(total), "coupling") as bar:
             found, refusals = {}, []
             for name in masters:
                 try:
@@ -154,17 +152,11 @@ def _loop(
 
 def _in_process(name: str, ssp: Path, plan: Plan, progress: Progress) -> dict[float, Array]:
     """A master in a process of its own: what a foreign library does there does not end this one."""
-    context = multiprocessing.get_context("spawn")
-    ticks = context.Queue()
-    with ProcessPoolExecutor(1, context, prepare_worker, (ticks,)) as pool:
-        future = pool.submit(_work, name, ssp, plan)
-        while not future.done():
-            drain(ticks, progress)
-        drain(ticks, progress)
-        try:
-            return future.result()
-        except BrokenProcessPool:
-            raise UnitError(f"{name} died while it ran {ssp.name}") from None
+    try:
+        (found,) = run_in_workers([(_work, (name, ssp, plan))], progress, 1)
+    except BrokenProcessPool:
+        raise UnitError(f"{name} died while it ran {ssp.name}") from None
+    return found
 
 
 def _work(name: str, ssp: Path, plan: Plan) -> dict[float, Array]:
