@@ -328,6 +328,26 @@ fn a_steady_start_does_not_bang() {
     }
 }
 
+/// Shafts held at speeds 12 % apart have a steady state, in which the belt slips through: told from the start on.
+#[test]
+fn a_start_in_macro_slip_is_told() {
+    for model in MODELS {
+        for (share, slips) in [(0.88, true), (0.99, false)] {
+            let mut parameters = coarse(model);
+            parameters.primary.drive = Drive::Speed;
+            parameters.secondary.drive = Drive::Speed;
+            let mut inputs = inputs((0.0, 12e3), (0.0, 9e3));
+            inputs.secondary.speed_setpoint *= share / parameters.initial.ratio;
+            let mut run = Run::new(parameters, inputs);
+            let o = run.variator.outputs().clone();
+            println!("{model:?}: slip {:.3}, macro-slip {}", o.slip, o.macro_slip);
+            assert_eq!(o.macro_slip, slips, "{model:?} at {share}");
+            assert_eq!(run.warned("macro-slip"), slips, "{model:?} at {share}");
+            assert_close(o.slip, 1.0 - share, 0.05, "slip");
+        }
+    }
+}
+
 /// Torque beyond capacity has no steady state: the run starts from the nearest one, and says which and why.
 #[test]
 fn torque_beyond_capacity_starts_from_the_nearest_state() {

@@ -210,7 +210,6 @@ impl Variator {
             kinematic_state(system, start).map_err(|e| InitialisationError::NoState(e.to_string()))
         };
         self.time = time;
-        self.macro_slip = false;
         self.buckling = false;
         self.ramp_end = f64::NEG_INFINITY;
         self.integrator = integrator(&self.system, &parameters);
@@ -240,6 +239,13 @@ impl Variator {
         };
         self.apply();
         self.system.open_ledger(self.state.view());
+        self.macro_slip = macro_slip(&self.system, self.state.view(), &self.system.ledger.last.sums, false);
+        if self.macro_slip {
+            self.say(
+                true,
+                "the belt slips through (macro-slip) in the state that the run starts from".into(),
+            );
+        }
         self.hold_external();
         self.initial_energy =
             self.system.belt_energy(&self.system.ledger.last) + self.system.pulley_energy(self.state.view());
