@@ -55,11 +55,13 @@ const COLD_STEP: f64 = 1.0e-6;
 const WARM_STEP: f64 = 1.0e-3;
 /// Relative force error of an equilibrium.
 const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
-const EQUILIBRIUM_ITERATIONS: usize = 25;
+const EQUILIBRIUM_ITERATIONS: usize = 150;
 /// Most Newton solves for one state on the way.
 const EQUILIBRIUM_SOLVES: usize = 200;
-/// Largest change of ln(ratio) between two states on the way.
+/// Largest change of ln(ratio) between two states on the way. Where that is too large, the way goes on in small changes, for
+/// which friction stays sharp.
 const LARGEST_RATIO_STEP: f64 = 0.05;
+const SMALL_RATIO_STEP: f64 = 0.8 * SHARP_WAY;
 /// Times in which the reaction force and the set point of Θ are corrected, s.
 const FORCE_TIME: f64 = 0.02;
 const RATIO_TIME: f64 = 0.2;
@@ -191,11 +193,13 @@ pub fn solve_equilibrium(
     let mut f = defect(system);
     // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
     let mut slope = if reaction == P { 0.5 } else { -0.5 };
+    let mut longest = LARGEST_RATIO_STEP;
+    let mut near = state.clone();
     for _ in 0..EQUILIBRIUM_ITERATIONS {
         if f.abs() < EQUILIBRIUM_TOLERANCE {
             break;
         }
-        let next = (x - (f / slope).clamp(-LARGEST_RATIO_STEP, LARGEST_RATIO_STEP)).clamp(lowest, highest);
+        let next = (x - (f / slope).clamp(-longest, longest)).clamp(lowest, highest);
         if (next - x).abs() < 1.0e-9 {
             break;
         }
@@ -204,8 +208,17 @@ pub fn solve_equilibrium(
             warm: true,
             ..*task
         };
-        solve(system, newton, state, &warm, EQUILIBRIUM_SOLVES)?;
+        if let Err(report) = solve(system, newton, state, &warm, EQUILIBRIUM_SOLVES) {
+            if longest <= SMALL_RATIO_STEP {
+                return Err(report);
+            }
+            longest = SMALL_RATIO_STEP;
+            state.clone_from(&near);
+            continue;
+        }
+        near.clone_from(state);
         let reached = defect(system);
+
         let secant = (reached - f) / (next - x);
         if secant * slope > 0.0 {
             slope = secant;
