@@ -1,6 +1,6 @@
 //! The variator as an implicit system: cells, pulleys and boundary conditions assembled, with the exact Jacobian.
 
-use super::assembly::{MOST, Pack, PulleySum};
+use super::assembly::{MOST, Pack, PulleySum, for_kind};
 use super::boundary::{Boundary, Course, SheaveMode, SpeedMode};
 use super::cell::{CellLaw, SheavePlane};
 use super::evolution::Ledger;
@@ -270,11 +270,7 @@ impl System for VariatorSystem {
         if let Some(travelling) = self.travelling.clone() {
             with_ring!(&*travelling, ring => self.travelling_residual(ring, view, out));
         } else {
-            match (self.layout.flexible, self.layout.components) {
-                (false, _) => self.assemble_residual::<false, 2>(view, out),
-                (true, 3) => self.assemble_residual::<true, 3>(view, out),
-                (true, _) => self.assemble_residual::<true, 2>(view, out),
-            }
+            for_kind!(&mut *self, assemble_residual(view, out));
         }
         self.global_residual(view, out);
         for c in self.gauge() {
@@ -290,11 +286,7 @@ impl System for VariatorSystem {
         if let Some(travelling) = self.travelling.clone() {
             with_ring!(&*travelling, ring => self.travelling_jacobian(ring, view, alpha, beta, out));
         } else {
-            match (self.layout.flexible, self.layout.components) {
-                (false, _) => self.assemble_jacobian::<false, 2>(view, alpha, beta, out),
-                (true, 3) => self.assemble_jacobian::<true, 3>(view, alpha, beta, out),
-                (true, _) => self.assemble_jacobian::<true, 2>(view, alpha, beta, out),
-            }
+            for_kind!(&mut *self, assemble_jacobian(view, alpha, beta, out));
         }
         self.global_jacobian(view, alpha, beta, out);
         for c in self.gauge() {
@@ -367,6 +359,7 @@ mod tests {
         };
         parameters.geometry.pulley_offset = 5.0e-4;
         parameters.mesh = crate::variator::parameters::Mesh {
+            aligned: true,
             primary_arc: 4,
             secondary_arc: 4,
             strand: 3,
