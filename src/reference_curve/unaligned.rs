@@ -64,11 +64,7 @@ impl<C: ReferenceCurve> Unaligned<C> {
     }
 
     /// Fraction of a segment at the fraction of the whole curve: its value, and what derivatives of Θ add to it.
-    fn within<T: Real>(
-        frame: &UnalignedFrame<C::Frame<T>>,
-        segment: usize,
-        fraction: T::Constant,
-    ) -> (T::Constant, T) {
+    fn within<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, segment: usize, fraction: T::Constant) -> (T::Constant, T) {
         let mut rest = T::constant(fraction * frame.length);
         for before in 0..segment {
             rest -= C::segment_length(&frame.frame, before).v;
@@ -217,7 +213,10 @@ mod tests {
     fn lanes_of_a_pack_stand_where_they_stand_alone() {
         let pulleys = TwoPulley::new(0.168, 0.703);
         let theta = -0.35;
-        let pack = Unaligned::seen(&pulleys, pulleys.shape(theta).frame(Tangent::<2>::seed(Lanes::from(0.0), 1, 1.0)));
+        let pack = Unaligned::seen(
+            &pulleys,
+            pulleys.shape(theta).frame(Tangent::<2>::seed(Lanes::from(0.0), 1, 1.0)),
+        );
         let alone = Unaligned { curve: pulleys }.frame(Dual64::new(theta, 1.0));
         for k in 0..40 {
             let f: [f64; LANES] = std::array::from_fn(|lane| ((f64::from(k) + 23.0 * lane as f64) / 40.0 + 0.01) % 1.0);

@@ -147,6 +147,29 @@ mod tests {
     use super::*;
 
     #[test]
+    fn evenly_spaced_elements_fill_the_belt_and_halves_touch_one_pulley_each() {
+        let parameters = super::super::parameters::Parameters::default().mesh;
+        let even = Mesh {
+            aligned: false,
+            ..parameters.clone()
+        };
+        let (even, aligned) = (
+            BeltMesh::new(&even, RingModel::Ale),
+            BeltMesh::new(&parameters, RingModel::Ale),
+        );
+        assert_eq!(even.elements.len(), aligned.elements.len());
+        assert_eq!((even.opposite(), aligned.opposite()), (26, 26));
+        let share = 1.0 / even.elements.len() as f64;
+        assert!(
+            even.elements
+                .iter()
+                .all(|e| e.segment == 0 && (e.share - share).abs() < 1e-15)
+        );
+        let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
+        assert_eq!((touching(S), touching(P)), (52, 52));
+    }
+
+    #[test]
     fn segments_are_filled_and_weights_sum_to_one() {
         let mesh = BeltMesh::new(&super::super::parameters::Parameters::default().mesh, RingModel::Ale);
         for segment in 0..5 {

@@ -351,7 +351,7 @@ mod tests {
     use crate::noise::noise;
 
     /// A variator at a state that slides, sticks, pushes and gaps.
-    fn disturbed(model: RingModel, spatial: bool, speed: f64) -> (VariatorSystem, State) {
+    fn disturbed(model: RingModel, spatial: bool, aligned: bool, speed: f64) -> (VariatorSystem, State) {
         let mut parameters = Parameters {
             ring_model: model,
             spatial,
@@ -359,7 +359,7 @@ mod tests {
         };
         parameters.geometry.pulley_offset = 5.0e-4;
         parameters.mesh = crate::variator::parameters::Mesh {
-            aligned: true,
+            aligned,
             primary_arc: 4,
             secondary_arc: 4,
             strand: 3,
@@ -405,7 +405,11 @@ mod tests {
 
     /// The Jacobian against central differences.
     fn check_jacobian(model: RingModel, spatial: bool, speed: f64) {
-        let (mut system, state) = disturbed(model, spatial, speed);
+        check_jacobian_on(model, spatial, true, speed);
+    }
+
+    fn check_jacobian_on(model: RingModel, spatial: bool, aligned: bool, speed: f64) {
+        let (mut system, state) = disturbed(model, spatial, aligned, speed);
         let n = state.y.len();
         let (alpha, beta) = (1.0e4, 1.0e-4);
         let mut size = vec![0.0; n];
@@ -455,7 +459,7 @@ mod tests {
     #[test]
     fn a_travelling_ring_may_be_counted_from_any_node() {
         for model in [RingModel::Rcm, RingModel::Ancf] {
-            let (mut system, state) = disturbed(model, false, 200.0);
+            let (mut system, state) = disturbed(model, false, true, 200.0);
             let (layout, n) = (system.layout, state.y.len());
             let travelling = layout.travelling.expect("it travels");
             // Where an unknown stands when the nodes are counted from the one before.
@@ -498,6 +502,13 @@ mod tests {
     fn jacobian_of_ale_matches_differences() {
         check_jacobian(RingModel::Ale, false, 200.0);
         check_jacobian(RingModel::Ale, false, -200.0);
+    }
+
+    #[test]
+    fn jacobian_on_evenly_spaced_elements_matches_differences() {
+        check_jacobian_on(RingModel::Ale, false, false, 200.0);
+        check_jacobian_on(RingModel::Ale, true, false, -200.0);
+        check_jacobian_on(RingModel::Ale0, false, false, 200.0);
     }
 
     #[test]
