@@ -127,8 +127,9 @@ def rings(results: PaperResults) -> list[Statement]:
             f"Θ rises from 0.4 to {ale.theta.max():.2f} at {1e3 * ale.time[int(ale.theta.argmax())]:.2f} ms; until "
             f"{1e3 * ale.time[-1]:.0f} ms the centre of mass gets off by {1e3 * abs(_centre(found, 'ALE')):.0f} mm (RCM: "
             f"{1e3 * abs(_centre(found, 'RCM')):.1f} mm)",
-            "The left end has to go inwards, and only Θ can take it there. The bending measure (23) counts from the reference "
-            "curve, which does not go with the ring: no energy is lost, but momentum is not kept. RCM and ANCF have no such curve.",
+            "The left end has to go inwards, and only Θ can take it there. The lock bears a force, because the bending measure (23) "
+            "counts from the curve and resists a change of Θ alone: no energy is lost, but momentum goes into the lock. With Θ held "
+            "instead of the node the centre of mass rests to rounding (tests/ring/ale.rs). RCM and ANCF have no such lock.",
         ),
         Statement(
             "5.3, fig. 7",
