@@ -16,9 +16,9 @@ from pushbelt_demo.data import load_case_speed
 from pushbelt_demo.geometry import Array, ratio_of
 from pushbelt_demo.load_cases import held_primary, steady_state
 from pushbelt_demo.results import LoadCase, SteadyState, Trace
-from pushbelt_demo.unit import Archive, Variator, output_names
+from pushbelt_demo.unit import SPEED_DRIVE, Archive, Variator, output_names
 
-from .results import CaseRun, Effort, SpeedPoint, Times, Window
+from .results import CaseRun, Effort, Shift, SpeedPoint, Times, Window
 
 STEP = 1e-3
 """Communication step of runs whose computing time is taken, s."""
@@ -31,6 +31,17 @@ WAVE_DEPTH = 0.4
 
 RIGID = 1e12
 """Tilt stiffness from which on sheaves are rigid, N·m/rad."""
+
+MESHES: Mapping[str, Mapping[str, float]] = {
+    "aligned": {},
+    "even": {"mesh.aligned": False},
+    "even, fine": {"mesh.aligned": False, "mesh.primaryArc": 48, "mesh.secondaryArc": 48, "mesh.strand": 30},
+    "fine": {"mesh.primaryArc": 48, "mesh.secondaryArc": 48, "mesh.strand": 30},
+}
+"""Meshes of `ALE`: the default, as many elements evenly spaced, three times as many of either."""
+
+SHIFT_FORCE = 1.2
+"""Primary clamping force of the shift on two meshes over that at rest."""
 
 ORDER = ("RCM", "ANCF", "ALE0", "ALE")
 """The paper's order of the ring models."""
@@ -66,6 +77,30 @@ def with_rigid_sheaves(archive: Archive, parameters: Mapping[str, float], case: 
     """Thrust ratios of `ALE` and `ALE0` on sheaves that do not tilt."""
     rigid = {**parameters, "primary.tiltStiffness": RIGID, "secondary.tiltStiffness": RIGID}
     return {model: steady(archive, rigid, case, model)["thrustRatio"] for model in ("ALE", "ALE0")}
+
+
+def on_meshes(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> dict[str, SteadyState]:
+    """The steady state of `ALE` on meshes whose borders follow the arcs, or do not, or which are finer."""
+    return {name: steady(archive, {**parameters, **mesh}, case) for name, mesh in MESHES.items()}
+
+
+def shift_on_meshes(archive: Archive, parameters: Mapping[str, float], duration: float) -> dict[str, Shift]:
+    """`ALE` from its equilibrium at ratio 1 under a primary clamping force that is `SHIFT_FORCE` times as large."""
+    found = {}
+    for name in ("aligned", "even"):
+        start = {**parameters, **MESHES[name], "ring.model": ring_models(archive)["ALE"], "primary.drive": SPEED_DRIVE}
+        with Variator(archive, start) as unit:
+            unit.initialise()
+            force = unit.outputs()["primary.axialForce"]
+            unit.set({"primary.clampingForce": SHIFT_FORCE * force})
+            outputs = unit.reader(("ratio.geometric", "energy.residual", "thrustRatio"))
+            rows, begin = [unit.read(outputs)], time.process_time()
+            for moment in _moments(duration):
+                unit.step_to(float(moment))
+                rows.append(unit.read(outputs))
+            spent = time.process_time() - begin
+        found[name] = Shift(spent, *np.array(rows).T)
+    return found
 
 
 def wave(load: float, moment: float) -> float:

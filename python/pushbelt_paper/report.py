@@ -164,10 +164,11 @@ def context(results: PaperResults) -> dict[str, Any]:
         "checks_passed": sum(bool(check.passed) for check in judged),
         "checks_judged": len(judged),
         "rows": case_rows(results),
-        "chosen": run_of(results.reference).case,
         "speed": load_case_speed() * 30.0 / np.pi,
         "wave": (cases.WAVE_FREQUENCY, cases.WAVE_DEPTH),
         "step": cases.STEP,
+        "mesh_names": [name for name in cases.MESHES if name != "fine"],
+        "residuals": {name: float(np.abs(shift.residual).max()) for name, shift in results.shifts.items()},
         "turning": TURNING,
         "label": figures.label,
         "pictures": {name: page.image(svg) for name, svg in pictures.items()},
@@ -221,6 +222,15 @@ def write_tables(results: PaperResults, folder: Path) -> None:
             for row in zip(*profiles.arc(results.parameters, run, pulley), strict=True)
         ),
         digits=6,
+    )
+    page.write_table(
+        folder / "meshes.csv",
+        ["case", "mesh", "thrustRatio", "efficiency", "ring.tensionMin", "ring.tensionMax"],
+        (
+            [case, mesh, *(state[name] for name in ("thrustRatio", "efficiency", "ring.tensionMin", "ring.tensionMax"))]
+            for case, states in results.meshes.items()
+            for mesh, state in states.items()
+        ),
     )
     page.write_table(
         folder / "figure-9.csv",

@@ -8,7 +8,7 @@ from statistics import median
 
 import numpy as np
 from pushbelt_demo.geometry import Array
-from pushbelt_demo.results import LoadCase, Trace
+from pushbelt_demo.results import LoadCase, SteadyState, Trace
 
 from .rings import Rings
 
@@ -154,6 +154,24 @@ class SpeedPoint:
 
 
 @dataclass(frozen=True)
+class Shift:
+    """A change of ratio on one mesh, sampled at communication points."""
+
+    spent: float
+    """Processor time, s."""
+    ratio: Array
+    """Geometric ratio."""
+    residual: Array
+    """Energy supplied less lost less stored, J."""
+    thrust_ratio: Array
+
+    @property
+    def ripple(self) -> float:
+        """Root mean square of the thrust ratio's second differences over communication steps."""
+        return float(np.sqrt(np.mean(np.diff(self.thrust_ratio, 2) ** 2)))
+
+
+@dataclass(frozen=True)
 class PaperResults:
     """All of it."""
 
@@ -167,6 +185,10 @@ class PaperResults:
     """Thrust ratios at other speeds, by case."""
     rigid: Mapping[str, Mapping[str, float]]
     """Thrust ratios of ALE and ALE0 in their steady states with rigid sheaves, by case."""
+    meshes: Mapping[str, Mapping[str, SteadyState]]
+    """Steady states of ALE on several meshes, by case."""
+    shifts: Mapping[str, Shift]
+    """The same shift of ALE on two meshes."""
     failures: tuple[Failure, ...]
     """Cases with a failure are left out of `runs` for all models."""
     effort: Effort

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from pushbelt_demo import side_by_side
@@ -12,7 +12,7 @@ from pushbelt_demo.side_by_side import Call, tick
 from pushbelt_demo.unit import Archive, UnitError
 
 from . import rings
-from .cases import Runner, at_speeds, ring_models, steady, with_rigid_sheaves
+from .cases import Runner, at_speeds, on_meshes, ring_models, shift_on_meshes, steady, with_rigid_sheaves
 from .results import CHOSEN_CASE, CaseRun, Effort, Failure, PaperResults
 from .rings import Rings
 
@@ -33,21 +33,18 @@ class Plan:
     """Primary speeds relative to the load cases'."""
     rigid: tuple[str, ...]
     """Load cases whose steady states are also found with rigid sheaves."""
+    shift: float
+    """Duration of the shift that is run on two meshes, s."""
     short: bool
-
-    def effort_of(self, case: LoadCase) -> Effort:
-        """The case whose element is followed around the belt is looked at for a whole revolution."""
-        if self.short or case.name != CHOSEN_CASE:
-            return self.effort
-        return replace(self.effort, looking=1.0)
 
 
 FULL = Plan(
-    Effort(settling=0.4, looking=0.125, samples=480, clocked=0.05, repetitions=3),
+    Effort(settling=0.4, looking=1.0, samples=480, clocked=0.05, repetitions=3),
     None,
     ("overdrive-50", "medium-50", "underdrive-50"),
     (0.5, 1.0, 1.5),
     ("overdrive-50",),
+    shift=0.3,
     short=False,
 )
 SHORT = Plan(
@@ -56,6 +53,7 @@ SHORT = Plan(
     ("medium-50",),
     (),
     (),
+    shift=0.02,
     short=True,
 )
 
@@ -116,10 +114,9 @@ def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> Paper
     # The longest first.
     for model in sorted(models, key=lambda model: -WEIGHTS.get(model, 1.0)):
         for case in cases:
-            effort = plan.effort_of(case)
             wavy = case.name in plan.wavy
-            total += WEIGHTS.get(model, 1.0) * effort.revolutions(wavy)
-            calls.append((_case, (archive, model, case, states[case], effort, wavy)))
+            total += WEIGHTS.get(model, 1.0) * plan.effort.revolutions(wavy)
+            calls.append((_case, (archive, model, case, states[case], plan.effort, wavy)))
     found, *runs = side_by_side.run_all(calls, total, "rings alone and load cases", WORKERS)
     failures = tuple(run for run in runs if isinstance(run, Failure))
     left_out = {failure.case for failure in failures}
@@ -135,6 +132,8 @@ def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> Paper
         rings=found,
         speeds={c.name: at_speeds(archive, parameters, c, speeds) for c in cases if c.name in plan.wavy and speeds},
         rigid={c.name: with_rigid_sheaves(archive, parameters, c) for c in cases if c.name in plan.rigid},
+        meshes={c.name: on_meshes(archive, parameters, c) for c in cases},
+        shifts=shift_on_meshes(archive, parameters, plan.shift),
         failures=failures,
         effort=plan.effort,
         short=plan.short,

@@ -101,6 +101,35 @@ pub struct ReferencePoint<T: Real> {
     pub xi: Jet<T>,
 }
 
+impl<T: Real> Jet<T> {
+    /// The pack whose `lane` is that of `other`.
+    fn with_lane(self, lane: usize, other: Self) -> Self {
+        Self {
+            v: self.v.with_lane(lane, other.v),
+            d: self.d.with_lane(lane, other.d),
+            dd: self.dd.with_lane(lane, other.dd),
+        }
+    }
+}
+
+impl<T: Real> ReferencePoint<T> {
+    /// The pack whose `lane` is that of `other`.
+    fn with_lane(self, lane: usize, other: Self) -> Self {
+        let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
+        Self {
+            r: vector(self.r, other.r),
+            r_theta: vector(self.r_theta, other.r_theta),
+            r_theta2: vector(self.r_theta2, other.r_theta2),
+            t: vector(self.t, other.t),
+            n: vector(self.n, other.n),
+            chi_theta: self.chi_theta.with_lane(lane, other.chi_theta),
+            kappa: self.kappa.with_lane(lane, other.kappa),
+            kappa_theta: self.kappa_theta.with_lane(lane, other.kappa_theta),
+            xi: self.xi.with_lane(lane, other.xi),
+        }
+    }
+}
+
 /// How the tangent of the reference curve turns with Θ.
 #[derive(Clone, Copy, Debug)]
 pub struct Turning<T> {
@@ -108,6 +137,16 @@ pub struct Turning<T> {
     pub chi: Jet<T>,
     /// Curvature κ at fixed η, 1/m.
     pub kappa: Jet<T>,
+}
+
+impl<T: Real> Turning<T> {
+    /// The pack whose `lane` is that of `other`.
+    fn with_lane(self, lane: usize, other: Self) -> Self {
+        Self {
+            chi: self.chi.with_lane(lane, other.chi),
+            kappa: self.kappa.with_lane(lane, other.kappa),
+        }
+    }
 }
 
 /// A closed curve with one ratio coordinate. Another belt system is another implementation (paper section 7).

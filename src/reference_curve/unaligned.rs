@@ -23,54 +23,63 @@ pub struct UnalignedFrame<F> {
     segments: usize,
 }
 
-/// Segment at fixed ξ, and the fraction of it: its value, and what derivatives of Θ add to it.
-fn place<C: ReferenceCurve, T: Real>(frame: &UnalignedFrame<C::Frame<T>>, xi: f64) -> (usize, f64, T) {
-    let mut rest = T::from(xi);
-    let mut segment = 0;
-    loop {
-        let length = C::segment_length(&frame.frame, segment).v;
-        if segment + 1 == frame.segments || rest.re() < length.re() {
-            let fraction = rest / length;
-            let value = fraction.re();
-            return (segment, value, fraction - value);
-        }
-        rest -= length;
-        segment += 1;
-    }
-}
-
-/// Scalars that carry derivatives carry first ones. Not for packs of numbers: their lanes would lie on different segments.
-impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
-    type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
-
-    fn length(&self) -> f64 {
-        self.curve.length()
-    }
-
-    fn segments(&self) -> usize {
-        1
-    }
-
-    fn has_ratio(&self) -> bool {
-        self.curve.has_ratio()
-    }
-
-    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T> {
+impl<C: ReferenceCurve> Unaligned<C> {
+    /// What `frame` of `curve` is to a mesh that does not follow its arcs.
+    #[must_use]
+    pub fn seen<T: Real>(curve: &C, frame: C::Frame<T>) -> UnalignedFrame<C::Frame<T>> {
         UnalignedFrame {
-            frame: self.curve.frame(theta),
-            length: self.curve.length(),
-            segments: self.curve.segments(),
+            frame,
+            length: curve.length(),
+            segments: curve.segments(),
         }
     }
 
-    fn segment_length<T: Real>(frame: &Self::Frame<T>, _segment: usize) -> Jet<T> {
-        Jet::constant(frame.length)
+    /// Segment in which the fraction of the whole curve lies.
+    fn segment<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, fraction: f64) -> usize {
+        let mut rest = fraction * frame.length;
+        (0..frame.segments - 1)
+            .find(|&segment| {
+                rest -= C::segment_length(&frame.frame, segment).v.re();
+                rest < 0.0
+            })
+            .unwrap_or(frame.segments - 1)
     }
 
-    fn point<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
-        let xi = fraction.re() * frame.length;
-        let (segment, f, df) = place::<C, T>(frame, xi);
-        let f = T::Constant::from(f);
+    /// What `of` finds in the segment of each place of a pack, merged by `merge`.
+    fn gather<T: Real, R>(
+        frame: &UnalignedFrame<C::Frame<T>>,
+        fraction: T::Constant,
+        of: impl Fn(usize) -> R,
+        merge: impl Fn(R, usize, R) -> R,
+    ) -> R {
+        let first = Self::segment(frame, fraction.lane(0));
+        (1..T::WIDTH).fold(of(first), |found, lane| {
+            let segment = Self::segment(frame, fraction.lane(lane));
+            if segment == first {
+                found
+            } else {
+                merge(found, lane, of(segment))
+            }
+        })
+    }
+
+    /// Fraction of a segment at the fraction of the whole curve: its value, and what derivatives of Θ add to it.
+    fn within<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, segment: usize, fraction: T::Constant) -> (T::Constant, T) {
+        let mut rest = T::constant(fraction * frame.length);
+        for before in 0..segment {
+            rest -= C::segment_length(&frame.frame, before).v;
+        }
+        let fraction = rest / C::segment_length(&frame.frame, segment).v;
+        let value = fraction.value();
+        (value, fraction - T::constant(value))
+    }
+
+    fn point_in<T: Real>(
+        frame: &UnalignedFrame<C::Frame<T>>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> ReferencePoint<T> {
+        let (f, df) = Self::within(frame, segment, fraction);
         let p = C::point(&frame.frame, segment, f);
         let chi = C::turning(&frame.frame, segment, f).chi;
         let length = C::segment_length(&frame.frame, segment);
@@ -94,14 +103,15 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
             chi_theta: turn,
             kappa: p.kappa,
             kappa_theta: p.kappa_theta,
-            xi: Jet::constant(xi),
+            xi: Jet {
+                v: T::constant(fraction * frame.length),
+                ..Jet::constant(0.0)
+            },
         }
     }
 
-    fn turning<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> Turning<T> {
-        let xi = fraction.re() * frame.length;
-        let (segment, f, df) = place::<C, T>(frame, xi);
-        let f = T::Constant::from(f);
+    fn turning_in<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, segment: usize, fraction: T::Constant) -> Turning<T> {
+        let (f, df) = Self::within(frame, segment, fraction);
         let Turning { chi, kappa } = C::turning(&frame.frame, segment, f);
         let length = C::segment_length(&frame.frame, segment);
         let place = C::point(&frame.frame, segment, f).xi;
@@ -124,10 +134,47 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
     }
 }
 
+/// Scalars that carry derivatives carry first ones. Places in the lanes of a pack may lie on different segments; Θ is the
+/// same in all.
+impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
+    type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
+
+    fn length(&self) -> f64 {
+        self.curve.length()
+    }
+
+    fn segments(&self) -> usize {
+        1
+    }
+
+    fn has_ratio(&self) -> bool {
+        self.curve.has_ratio()
+    }
+
+    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T> {
+        Self::seen(&self.curve, self.curve.frame(theta))
+    }
+
+    fn segment_length<T: Real>(frame: &Self::Frame<T>, _segment: usize) -> Jet<T> {
+        Jet::constant(frame.length)
+    }
+
+    fn point<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+        let of = |segment| Self::point_in(frame, segment, fraction);
+        Self::gather::<T, _>(frame, fraction, of, ReferencePoint::with_lane)
+    }
+
+    fn turning<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> Turning<T> {
+        let of = |segment| Self::turning_in(frame, segment, fraction);
+        Self::gather::<T, _>(frame, fraction, of, Turning::with_lane)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::reference_curve::TwoPulley;
+    use crate::scalar::{LANES, Lanes, Tangent};
     use nalgebra::Vector2;
     use num_dual::Dual64;
 
@@ -158,6 +205,38 @@ mod tests {
             close(dual.r_theta.map(|x| x.eps), p.r_theta2, 1e-11);
             close(dual.t.map(|x| x.eps), p.n * p.chi_theta, 1e-11);
             assert!((dual.chi_theta.eps - chi.dd).abs() < 1e-10);
+        }
+    }
+
+    /// Places of a pack lie on different segments; each lane is what it would be alone.
+    #[test]
+    fn lanes_of_a_pack_stand_where_they_stand_alone() {
+        let pulleys = TwoPulley::new(0.168, 0.703);
+        let theta = -0.35;
+        let pack = Unaligned::seen(
+            &pulleys,
+            pulleys.shape(theta).frame(Tangent::<2>::seed(Lanes::from(0.0), 1, 1.0)),
+        );
+        let alone = Unaligned { curve: pulleys }.frame(Dual64::new(theta, 1.0));
+        for k in 0..40 {
+            let f: [f64; LANES] = std::array::from_fn(|lane| ((f64::from(k) + 23.0 * lane as f64) / 40.0 + 0.01) % 1.0);
+            let packed = Unaligned::<TwoPulley>::point(&pack, 0, Lanes::new(f));
+            for (lane, &f) in f.iter().enumerate() {
+                let single = Unaligned::<TwoPulley>::point(&alone, 0, f);
+                for (packed, single) in [
+                    (packed.r.x, single.r.x),
+                    (packed.t.y, single.t.y),
+                    (packed.r_theta.y, single.r_theta.y),
+                    (packed.chi_theta, single.chi_theta),
+                    (packed.kappa, single.kappa),
+                    (packed.kappa_theta, single.kappa_theta),
+                    (packed.xi.v, single.xi.v),
+                ] {
+                    let size = 1.0 + single.re.abs() + single.eps.abs();
+                    assert!((packed.re.to_array()[lane] - single.re).abs() < 1e-13 * size);
+                    assert!((packed.eps[1].to_array()[lane] - single.eps).abs() < 1e-12 * size);
+                }
+            }
         }
     }
 }

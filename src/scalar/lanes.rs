@@ -109,9 +109,28 @@ impl One for Lanes {
 impl Real for Lanes {
     type Constant = Self;
 
+    const WIDTH: usize = LANES;
+
     #[inline(always)]
     fn constant(value: Self) -> Self {
         value
+    }
+
+    #[inline(always)]
+    fn value(&self) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f64 {
+        self.to_array()[lane]
+    }
+
+    #[inline(always)]
+    fn with_lane(self, lane: usize, other: Self) -> Self {
+        let mut values = self.to_array();
+        values[lane] = other.lane(lane);
+        Self::new(values)
     }
 
     #[inline(always)]

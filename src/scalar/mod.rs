@@ -39,8 +39,25 @@ pub trait Real:
     /// A number without derivatives.
     fn constant(value: Self::Constant) -> Self;
 
+    /// The number without its derivatives.
+    fn value(&self) -> Self::Constant;
+
     /// The plain number; of a pack, its first.
     fn re(&self) -> f64;
+
+    /// Numbers in a pack.
+    const WIDTH: usize = 1;
+
+    /// The plain number in a lane of a pack.
+    fn lane(&self, _lane: usize) -> f64 {
+        self.re()
+    }
+
+    /// The pack whose `lane` is that of `other`.
+    #[must_use]
+    fn with_lane(self, _lane: usize, other: Self) -> Self {
+        other
+    }
 
     /// √x.
     #[must_use]
@@ -65,6 +82,11 @@ impl Real for f64 {
     #[inline(always)]
     fn constant(value: Self) -> Self {
         value
+    }
+
+    #[inline(always)]
+    fn value(&self) -> Self {
+        *self
     }
 
     #[inline(always)]
@@ -106,6 +128,10 @@ macro_rules! real_by_num_dual {
 
             fn constant(value: f64) -> Self {
                 Self::from_re(value)
+            }
+
+            fn value(&self) -> f64 {
+                self.re
             }
 
             fn re(&self) -> f64 {

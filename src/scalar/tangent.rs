@@ -59,9 +59,29 @@ where
 {
     type Constant = L;
 
+    const WIDTH: usize = L::WIDTH;
+
     #[inline(always)]
     fn constant(value: L) -> Self {
         Self::plain(value)
+    }
+
+    #[inline(always)]
+    fn value(&self) -> L {
+        self.re
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f64 {
+        self.re.lane(lane)
+    }
+
+    #[inline(always)]
+    fn with_lane(self, lane: usize, other: Self) -> Self {
+        Self {
+            re: self.re.with_lane(lane, other.re),
+            eps: from_fn(|i| self.eps[i].with_lane(lane, other.eps[i])),
+        }
     }
 
     #[inline(always)]

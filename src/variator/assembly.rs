@@ -7,7 +7,7 @@ use super::ring::{Deflecting, Guided, RingForces};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
 use crate::chain;
-use crate::reference_curve::{Jet, ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame, Unaligned};
 use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
@@ -102,6 +102,44 @@ impl Station<Lanes> {
 /// Stands for a place outside the matrix.
 const NOWHERE: usize = usize::MAX;
 
+/// The reference curve as a mesh stands on it.
+pub(super) trait Standing: ReferenceCurve {
+    /// What a frame of the curve is to the mesh.
+    fn stand<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T>;
+}
+
+/// Element borders follow the arc borders.
+impl Standing for TwoPulley {
+    #[inline(always)]
+    fn stand<T: Real>(_curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> TwoPulleyFrame<T> {
+        frame
+    }
+}
+
+/// Elements stand still.
+impl Standing for Unaligned<TwoPulley> {
+    fn stand<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T> {
+        Self::seen(curve, frame)
+    }
+}
+
+/// Calls a method for the ring and the mesh of a system: whether nodes deflect, in how many components, on which curve.
+macro_rules! for_kind {
+    ($system:expr, $method:ident($($argument:expr),*)) => {{
+        use $crate::reference_curve::{TwoPulley, Unaligned};
+        let system = $system;
+        match (system.mesh.aligned, system.layout.flexible, system.layout.components) {
+            (true, false, _) => system.$method::<false, 2, TwoPulley>($($argument),*),
+            (true, true, 3) => system.$method::<true, 3, TwoPulley>($($argument),*),
+            (true, true, _) => system.$method::<true, 2, TwoPulley>($($argument),*),
+            (false, false, _) => system.$method::<false, 2, Unaligned<TwoPulley>>($($argument),*),
+            (false, true, 3) => system.$method::<true, 3, Unaligned<TwoPulley>>($($argument),*),
+            (false, true, _) => system.$method::<true, 2, Unaligned<TwoPulley>>($($argument),*),
+        }
+    }};
+}
+pub(super) use for_kind;
+
 impl VariatorSystem {
     /// Packs neighbours, and finds the places of their derivatives.
     pub(super) fn pack(&mut self) {
@@ -175,6 +213,31 @@ impl VariatorSystem {
             })
             .collect();
         self.packs = packs;
+    }
+
+    /// Length of an element, m.
+    pub(super) fn element_length(&self, frame: &TwoPulleyFrame<f64>, element: usize) -> f64 {
+        let element = &self.mesh.elements[element];
+        let segment = if self.mesh.aligned {
+            TwoPulley::segment_length(frame, element.segment).v
+        } else {
+            self.curve.length()
+        };
+        segment * element.share
+    }
+
+    /// The reference curve at a fraction of the segment of an element.
+    pub(super) fn reference_point(
+        &self,
+        frame: &TwoPulleyFrame<f64>,
+        element: usize,
+        fraction: f64,
+    ) -> ReferencePoint<f64> {
+        if self.mesh.aligned {
+            TwoPulley::point(frame, self.mesh.elements[element].segment, fraction)
+        } else {
+            self.curve.at(frame, fraction * self.curve.length())
+        }
     }
 
     /// The direction that is the element amount, whose row the fluxes fill.
@@ -308,18 +371,14 @@ impl VariatorSystem {
         if let Some(travelling) = &self.travelling {
             with_ring!(&**travelling, ring => self.sample_travelling(ring, view, out));
         } else {
-            match (self.layout.flexible, self.layout.components) {
-                (false, _) => self.sample_packs::<false, 2>(view, out),
-                (true, 3) => self.sample_packs::<true, 3>(view, out),
-                (true, _) => self.sample_packs::<true, 2>(view, out),
-            }
+            for_kind!(self, sample_packs(view, out));
         }
     }
 
-    fn sample_packs<const FLEX: bool, const D: usize>(&self, view: View<'_>, out: &mut [Sample]) {
+    fn sample_packs<const FLEX: bool, const D: usize, C: Standing>(&self, view: View<'_>, out: &mut [Sample]) {
         let count = directions(FLEX, D);
         let points = self.mesh.points;
-        let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
+        let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
             let mut station = 0;
@@ -329,16 +388,17 @@ impl VariatorSystem {
                 }
                 station += 1;
             });
-            self.pack_balance::<_, _, FLEX, D>(pack, &frame, &unknowns, [0.0; 2], |value, _, _| value, &mut sampler);
+            let seed = |value, _, _| value;
+            self.pack_balance::<_, _, FLEX, D, C>(pack, &frame, &unknowns, [0.0; 2], seed, &mut sampler);
         }
     }
 
     /// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
-    fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, const FLEX: bool, const D: usize>(
+    fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, const FLEX: bool, const D: usize, C: Standing>(
         &self,
         pack: &Pack,
-        frame: &TwoPulleyFrame<T>,
+        frame: &C::Frame<T>,
         unknowns: &Unknowns<Lanes>,
         slopes: [f64; 2],
         seed: impl Fn(Lanes, usize, f64) -> T,
@@ -350,7 +410,7 @@ impl VariatorSystem {
             stations: &pack.stations,
             axis: pack.axis,
             plane: pack.plane,
-            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, pack.segment), pack.share),
+            length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, pack.segment), pack.share),
         };
         let reference = |slot: usize| {
             let station = if slot == 0 {
@@ -358,7 +418,7 @@ impl VariatorSystem {
             } else {
                 &pack.stations[slot - 1]
             };
-            TwoPulley::point(frame, pack.segment, station.fraction)
+            C::point(frame, pack.segment, station.fraction)
         };
         let (law, ring) = (&self.law, &self.law.parameters.ring);
         if FLEX {
@@ -383,28 +443,32 @@ impl VariatorSystem {
 
     /// One pass over a pack: derivatives in the directions `first` and on.
     #[inline(never)]
-    fn pack_pass<const FLEX: bool, const D: usize>(
+    fn pack_pass<const FLEX: bool, const D: usize, C: Standing>(
         &self,
         pack: &Pack,
-        frame: &TwoPulleyFrame<Tangent<PASS>>,
+        frame: &C::Frame<Tangent<PASS>>,
         unknowns: &Unknowns<Lanes>,
         slopes: [f64; 2],
         first: usize,
     ) -> ([Tangent<PASS>; MOST], Tangent<PASS>, Tangent<PASS>) {
         let seed =
             |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-        let (b, ring) = self.pack_balance::<_, _, FLEX, D>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
+        let (b, ring) = self.pack_balance::<_, _, FLEX, D, C>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
         (Self::rows::<_, FLEX, D>(&b, &ring), b.flow, b.density)
     }
 
-    pub(super) fn assemble_residual<const FLEX: bool, const D: usize>(&mut self, view: View<'_>, out: &mut [f64]) {
+    pub(super) fn assemble_residual<const FLEX: bool, const D: usize, C: Standing>(
+        &mut self,
+        view: View<'_>,
+        out: &mut [f64],
+    ) {
         let count = directions(FLEX, D);
         let amount = self.amount_direction();
         let first_global = own_directions(FLEX, D) + 2;
-        let frame = self.curve.shape(self.theta(view)).frame(Lanes::zero());
+        let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
-            let (b, ring) = self.pack_balance::<_, _, FLEX, D>(
+            let (b, ring) = self.pack_balance::<_, _, FLEX, D, C>(
                 pack,
                 &frame,
                 &unknowns,
@@ -459,7 +523,7 @@ impl VariatorSystem {
         chain::flux_slopes(flow, before, after)
     }
 
-    pub(super) fn assemble_jacobian<const FLEX: bool, const D: usize>(
+    pub(super) fn assemble_jacobian<const FLEX: bool, const D: usize, C: Standing>(
         &mut self,
         view: View<'_>,
         alpha: f64,
@@ -469,14 +533,17 @@ impl VariatorSystem {
         let (count, theta) = (directions(FLEX, D), own_directions(FLEX, D) + 1);
         let amount = self.amount_direction();
         let shape = self.curve.shape(self.theta(view));
-        let still = shape.frame(Tangent::zero());
-        let moving = shape.frame(Tangent::seed(Lanes::zero(), theta % PASS, beta));
+        let still = C::stand(&self.curve, shape.frame(Tangent::zero()));
+        let moving = C::stand(
+            &self.curve,
+            shape.frame(Tangent::seed(Lanes::zero(), theta % PASS, beta)),
+        );
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
             for first in (0..count).step_by(PASS) {
                 let frame = if first == theta / PASS * PASS { &moving } else { &still };
                 let pass = first..(first + PASS).min(count);
-                let (rows, flow, density) = self.pack_pass::<FLEX, D>(pack, frame, &unknowns, [alpha, beta], first);
+                let (rows, flow, density) = self.pack_pass::<FLEX, D, C>(pack, frame, &unknowns, [alpha, beta], first);
                 let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
                 for ((_, row), entries) in rows.zip(pack.entries.chunks_exact(count)) {
                     for (eps, entry) in row.eps.iter().zip(&entries[pass.clone()]) {

@@ -61,7 +61,7 @@ pub struct Sliding {
 
 impl BeltSums {
     /// Adds a station of a cell on pulley `j`.
-    pub fn add(&mut self, j: usize, arc: bool, s: &Sample) {
+    pub fn add(&mut self, j: usize, s: &Sample) {
         self.losses.sheaves += s.sheave_loss * s.weight;
         self.losses.ring += s.ring_loss * s.weight;
         self.losses.other += s.damping_loss * s.weight;
@@ -75,7 +75,7 @@ impl BeltSums {
         if s.sliding > 0.0 {
             sliding.forward += load;
         }
-        if !arc {
+        if !s.on_arc() {
             self.strand_force = self.strand_force.min(s.tension - s.push);
         }
     }
@@ -90,7 +90,7 @@ impl VariatorSystem {
             ..BeltSums::default()
         };
         for (cell, sample) in survey.stations(&self.mesh) {
-            sums.add(cell.pulley, cell.arc, sample);
+            sums.add(cell.pulley, sample);
         }
         let (energy, loss) = self.travelling_energy(view);
         sums.losses.other += loss;

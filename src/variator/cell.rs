@@ -122,6 +122,8 @@ pub struct CellBalance<T: Real> {
 pub struct Sample<L = f64> {
     /// ξ, m.
     pub xi: L,
+    /// Reference curvature κ there and at the left face of the cell, 1/m: 0 on a strand.
+    pub curvature: [L; 2],
     /// Ring length dξ that the station stands for, m.
     pub weight: L,
     /// Position of the ring centre line, m.
@@ -179,6 +181,7 @@ impl Sample<Lanes> {
         Sample {
             r: self.r.map(of),
             xi: of(self.xi),
+            curvature: self.curvature.map(of),
             weight: of(self.weight),
             pitch_radius: of(self.pitch_radius),
             face_radius: of(self.face_radius),
@@ -206,6 +209,12 @@ impl Sample<Lanes> {
 }
 
 impl Sample {
+    /// Whether the station lies on an arc.
+    #[must_use]
+    pub fn on_arc(&self) -> bool {
+        self.curvature[0] > 0.0
+    }
+
     /// Elastic energy of ring, stack and flanks, J/m.
     #[must_use]
     pub fn elastic(&self, law: &CellLaw) -> f64 {
@@ -488,6 +497,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
             let from_axis = in_plane(&face.r) - Vector2::new(T::constant(place.axis), T::zero());
             probe.take(Sample {
                 xi: point.reference.xi.v,
+                curvature: [point.reference.kappa, face.reference.kappa],
                 weight,
                 r: [point.r[0], point.r[1]],
                 pitch_radius: rho,

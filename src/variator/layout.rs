@@ -55,8 +55,7 @@ impl Layout {
             cells_per_element: mesh.cells_per_element,
             flexible,
             components,
-            opposite: mesh.elements.iter().take_while(|e| e.segment < 2).count()
-                + mesh.elements.iter().filter(|e| e.segment == 2).count() / 2,
+            opposite: mesh.opposite(),
             travelling: None,
         }
     }

@@ -1,10 +1,16 @@
-//! The border-aligned mesh: five segments, each divided into ring elements, each element into chain cells.
+//! The mesh: ring elements around the belt, each divided into chain cells.
 //!
+//! It has five segments by default, each divided into elements.
 //! Element borders lie on the arc borders for every Θ, so every quadrature point stays on its own arc or strand and all
 //! integrals are smooth in Θ. Elements are graded towards the arc borders, where the contact begins (pressure rises over
 //! about 5 mm) and the ring has its bending boundary layer (√(EI/T) ≈ 2 mm).
+//!
+//! The other mesh is the paper's: elements evenly spaced along ξ, which stand still while arc borders move through them. Where
+//! a border passes a quadrature point, the reference curvature jumps there. A cell knows its pulley here too: no arc reaches
+//! the quarters of the belt, ξ = L/4 and 3L/4, at any ratio that the stops allow.
 
 use super::parameters::{Mesh, RingModel};
+use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::mesh::{Spacing, divide, parts};
 
 pub use crate::ring::mesh::{Element, Station};
@@ -26,8 +32,6 @@ pub struct Cell {
     pub element: usize,
     /// Pulley whose sheaves it can touch: [`S`] or [`P`].
     pub pulley: usize,
-    /// Whether it lies on an arc.
-    pub arc: bool,
     /// Its left face.
     pub face: Station,
     /// Quadrature points.
@@ -37,6 +41,8 @@ pub struct Cell {
 /// Elements and cells around the loop; the first node is at ξ = 0.
 #[derive(Clone, Debug)]
 pub struct BeltMesh {
+    /// Whether element borders follow the arc borders. If not, all elements lie on one segment, the whole curve.
+    pub aligned: bool,
     /// Ring elements.
     pub elements: Vec<Element>,
     /// Chain cells.
@@ -47,13 +53,27 @@ pub struct BeltMesh {
     pub points: usize,
 }
 
+/// Number and spacing of the elements on each segment.
+fn segments(mesh: &Mesh) -> Vec<(usize, Spacing)> {
+    let half = (mesh.secondary_arc / 2) as usize;
+    let (strand, arc) = (mesh.strand as usize, mesh.primary_arc as usize);
+    if mesh.aligned {
+        vec![
+            (half, Spacing::End(ARC_GRADING)),
+            (strand, Spacing::Both(STRAND_GRADING)),
+            (arc, Spacing::Both(ARC_GRADING)),
+            (strand, Spacing::Both(STRAND_GRADING)),
+            (half, Spacing::Start(ARC_GRADING)),
+        ]
+    } else {
+        vec![(2 * (half + strand) + arc, Spacing::Even)]
+    }
+}
+
 impl BeltMesh {
     /// Mesh of a belt on two pulleys with this ring model.
     #[must_use]
     pub fn new(mesh: &Mesh, ring: RingModel) -> Self {
-        let half = (mesh.secondary_arc / 2) as usize;
-        let (strand, arc) = (mesh.strand as usize, mesh.primary_arc as usize);
-        let counts = [half, strand, arc, strand, half];
         let cells_per_element = if ring == RingModel::Ale0 {
             1
         } else {
@@ -67,47 +87,87 @@ impl BeltMesh {
             // two points a cell.
             RingModel::Rcm | RingModel::Ancf => 3,
         };
-        let mut elements = Vec::new();
+        let elements: Vec<Element> = segments(mesh)
+            .into_iter()
+            .enumerate()
+            .flat_map(|(segment, (count, spacing))| divide(segment, count, spacing))
+            .collect();
         let mut cells = Vec::new();
-        for (segment, &count) in counts.iter().enumerate() {
-            let spacing = match segment {
-                0 => Spacing::End(ARC_GRADING),
-                2 => Spacing::Both(ARC_GRADING),
-                4 => Spacing::Start(ARC_GRADING),
-                _ => Spacing::Both(STRAND_GRADING),
-            };
-            for element in divide(segment, count, spacing) {
-                for (face, stations) in parts(&element, cells_per_element, points) {
-                    let middle = 0.5 * (stations[0].fraction + stations[stations.len() - 1].fraction);
-                    let pulley = match segment {
-                        2 => P,
-                        1 if middle > 0.5 => P,
-                        3 if middle < 0.5 => P,
-                        _ => S,
-                    };
-                    cells.push(Cell {
-                        element: elements.len(),
-                        pulley,
-                        arc: segment % 2 == 0,
-                        face,
-                        stations,
-                    });
-                }
-                elements.push(element);
+        for (k, element) in elements.iter().enumerate() {
+            for (face, stations) in parts(element, cells_per_element, points) {
+                let middle = 0.5 * (stations[0].fraction + stations[stations.len() - 1].fraction);
+                let touches_primary = match element.segment {
+                    0 if !mesh.aligned => (0.25..0.75).contains(&middle),
+                    1 => middle > 0.5,
+                    2 => true,
+                    3 => middle < 0.5,
+                    _ => false,
+                };
+                cells.push(Cell {
+                    element: k,
+                    pulley: if touches_primary { P } else { S },
+                    face,
+                    stations,
+                });
             }
         }
         Self {
+            aligned: mesh.aligned,
             elements,
             cells,
             cells_per_element,
             points,
         }
     }
+
+    /// Segment of the reference curve, and the fraction of it, at which an element starts.
+    #[must_use]
+    pub fn start(&self, curve: &TwoPulley, frame: &TwoPulleyFrame<f64>, element: usize) -> (usize, f64) {
+        let Element { segment, start, .. } = self.elements[element];
+        if self.aligned {
+            (segment, start)
+        } else {
+            curve.locate(frame, start * curve.length())
+        }
+    }
+
+    /// Node in the middle of the primary arc, opposite to node 0.
+    #[must_use]
+    pub fn opposite(&self) -> usize {
+        if !self.aligned {
+            return self.elements.len() / 2;
+        }
+        let of = |segment| self.elements.iter().filter(move |e| e.segment == segment).count();
+        of(0) + of(1) + of(2) / 2
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn evenly_spaced_elements_fill_the_belt_and_halves_touch_one_pulley_each() {
+        let parameters = super::super::parameters::Parameters::default().mesh;
+        let even = Mesh {
+            aligned: false,
+            ..parameters.clone()
+        };
+        let (even, aligned) = (
+            BeltMesh::new(&even, RingModel::Ale),
+            BeltMesh::new(&parameters, RingModel::Ale),
+        );
+        assert_eq!(even.elements.len(), aligned.elements.len());
+        assert_eq!((even.opposite(), aligned.opposite()), (26, 26));
+        let share = 1.0 / even.elements.len() as f64;
+        assert!(
+            even.elements
+                .iter()
+                .all(|e| e.segment == 0 && (e.share - share).abs() < 1e-15)
+        );
+        let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
+        assert_eq!((touching(S), touching(P)), (52, 52));
+    }
 
     #[test]
     fn segments_are_filled_and_weights_sum_to_one() {

@@ -156,7 +156,7 @@ impl Observer {
                     &system.mesh.cells[station / system.mesh.points],
                     &survey.samples[station],
                 );
-                if cell.arc {
+                if sample.on_arc() {
                     sample.pitch_radius - radii[cell.pulley]
                 } else {
                     sample.outward
@@ -185,14 +185,14 @@ fn lateral(system: &VariatorSystem, view: View<'_>, survey: &Survey, out: &mut O
     }
     let plane = 0.5 * (middles[S] + middles[P]);
     let (mut largest, mut rise, mut length) = (0.0_f64, 0.0, 0.0);
-    for (cell, sample) in survey.stations(&system.mesh) {
+    let length_of_belt = system.law.parameters.geometry.belt_length;
+    for sample in &survey.samples {
         let [w, slope] = sample.lateral;
         largest = largest.max((w - plane).abs());
-        let towards_primary = match system.mesh.elements[cell.element].segment {
-            1 => 1.0,
-            3 => -1.0,
-            _ => continue,
-        };
+        if sample.on_arc() {
+            continue;
+        }
+        let towards_primary = if sample.xi < 0.5 * length_of_belt { 1.0 } else { -1.0 };
         rise += towards_primary * slope * sample.weight;
         length += sample.weight;
     }
@@ -212,18 +212,18 @@ fn pulley(
     let layout = &system.layout;
     let speed = view.y[layout.global(Global::Speed, j)];
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-    // Faces too: the radius changes fastest at the arc borders, where the last station is not.
-    let mut left_arc = system.mesh.cells.last().is_some_and(|c| c.arc && c.pulley == j);
-    for (cell, sample) in survey.stations(&system.mesh) {
-        let on_arc = cell.arc && cell.pulley == j;
-        if on_arc {
-            range.0 = range.0.min(sample.pitch_radius.min(sample.face_radius));
-            range.1 = range.1.max(sample.pitch_radius.max(sample.face_radius));
-        } else if left_arc && cell.pulley == j {
-            range.0 = range.0.min(sample.face_radius);
-            range.1 = range.1.max(sample.face_radius);
+    let mut widen = |radius: f64| range = (range.0.min(radius), range.1.max(radius));
+    // Faces too: the radius changes fastest at the arc borders, where the last station is not. On the aligned mesh the face
+    // after an arc is its end.
+    let mut left_arc = false;
+    for (_, sample) in survey.stations(&system.mesh).filter(|(cell, _)| cell.pulley == j) {
+        if sample.on_arc() {
+            widen(sample.pitch_radius);
         }
-        left_arc = on_arc;
+        if sample.curvature[1] > 0.0 || left_arc {
+            widen(sample.face_radius);
+        }
+        left_arc = system.mesh.aligned && sample.on_arc();
     }
     let torque = survey.sums.torque[j];
     PulleyOutputs {

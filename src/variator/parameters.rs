@@ -162,6 +162,9 @@ pub struct Pulley {
 /// Elements along the belt: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary arc).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
+    /// Whether element borders lie on the arc borders and move with them. If not, as many elements stand evenly spaced at fixed
+    /// ξ, as the paper's do, and arc borders move through them (`ALE0`, `ALE`).
+    pub aligned: bool,
     /// Ring elements on the primary arc.
     pub primary_arc: i32,
     /// Ring elements on the secondary arc; even, since ξ = 0 divides it in two.
@@ -262,6 +265,7 @@ impl Default for Parameters {
             primary: pulley.clone(),
             secondary: pulley,
             mesh: Mesh {
+                aligned: true,
                 primary_arc: 16,
                 secondary_arc: 16,
                 strand: 10,

@@ -3,9 +3,9 @@
 //! evenly (strand forces, uniform stretch, push force) was tried: it needs as many Newton iterations.
 
 use super::layout::Global;
-use super::mesh::{P, S};
+use super::mesh::{Cell, P, S, Station};
 use super::system::{State, VariatorSystem};
-use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, ratio_of_theta};
+use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
 use std::f64::consts::TAU;
 
 /// What the start state is built for.
@@ -50,28 +50,21 @@ pub fn kinematic_state(system: &VariatorSystem, start: &Start) -> Result<State, 
     let length = parameters.geometry.belt_length - TAU * e;
     let density = 1.0 - parameters.belt.play / length;
     for (i, cell) in system.mesh.cells.iter().enumerate() {
-        let element = &system.mesh.elements[cell.element];
-        let ring =
-            TwoPulley::segment_length(&frame, element.segment).v * element.share / layout.cells_per_element as f64;
-        let kappa = if cell.arc {
-            1.0 / frame.radius[cell.pulley].v
-        } else {
-            0.0
-        };
-        state.y[layout.amount(i)] = density * ring * (1.0 - e * kappa);
+        let ring = system.element_length(&frame, cell.element) / layout.cells_per_element as f64;
+        state.y[layout.amount(i)] = density * ring * (1.0 - e * mean_curvature(system, &frame, cell));
         state.y[layout.speed(i)] = speed;
     }
     if layout.is_spatial() {
         let middle = system.middles(state.view());
         let rise = middle[P] - middle[S];
-        for (node, element) in system.mesh.elements.iter().enumerate() {
+        for node in 0..layout.elements {
+            let (segment, x) = system.mesh.start(&system.curve, &frame, node);
             // Across a strand along a cubic that leaves and arrives in the planes.
-            let (w, slope) = match element.segment {
+            let (w, slope) = match segment {
                 1 | 3 => {
-                    let x = element.start;
-                    let share = if element.segment == 1 { x } else { 1.0 - x };
-                    let length = TwoPulley::segment_length::<f64>(&frame, element.segment).v;
-                    let sign = if element.segment == 1 { 1.0 } else { -1.0 };
+                    let share = if segment == 1 { x } else { 1.0 - x };
+                    let length = TwoPulley::segment_length::<f64>(&frame, segment).v;
+                    let sign = if segment == 1 { 1.0 } else { -1.0 };
                     (
                         middle[S] + rise * share * share * (3.0 - 2.0 * share),
                         sign * rise * 6.0 * share * (1.0 - share) / length,
@@ -85,6 +78,15 @@ pub fn kinematic_state(system: &VariatorSystem, start: &Start) -> Result<State, 
         }
     }
     Ok(state)
+}
+
+/// Mean reference curvature of a cell as its stations see it, 1/m.
+fn mean_curvature(system: &VariatorSystem, frame: &TwoPulleyFrame<f64>, cell: &Cell) -> f64 {
+    let of = |station: &Station| system.reference_point(frame, cell.element, station.fraction).kappa;
+    let first = of(&cell.stations[0]);
+    let weight: f64 = cell.stations.iter().map(|station| station.weight).sum();
+    let others = cell.stations.iter().map(|s| s.weight * (of(s) - first));
+    first + others.sum::<f64>() / weight
 }
 
 /// Reference ratio and radii (r_P, r_S) at which the pitch radii have the quotient `ratio`.

@@ -1,6 +1,6 @@
 //! The variator as an implicit system: cells, pulleys and boundary conditions assembled, with the exact Jacobian.
 
-use super::assembly::{MOST, Pack, PulleySum};
+use super::assembly::{MOST, Pack, PulleySum, for_kind};
 use super::boundary::{Boundary, Course, SheaveMode, SpeedMode};
 use super::cell::{CellLaw, SheavePlane};
 use super::evolution::Ledger;
@@ -270,11 +270,7 @@ impl System for VariatorSystem {
         if let Some(travelling) = self.travelling.clone() {
             with_ring!(&*travelling, ring => self.travelling_residual(ring, view, out));
         } else {
-            match (self.layout.flexible, self.layout.components) {
-                (false, _) => self.assemble_residual::<false, 2>(view, out),
-                (true, 3) => self.assemble_residual::<true, 3>(view, out),
-                (true, _) => self.assemble_residual::<true, 2>(view, out),
-            }
+            for_kind!(&mut *self, assemble_residual(view, out));
         }
         self.global_residual(view, out);
         for c in self.gauge() {
@@ -290,11 +286,7 @@ impl System for VariatorSystem {
         if let Some(travelling) = self.travelling.clone() {
             with_ring!(&*travelling, ring => self.travelling_jacobian(ring, view, alpha, beta, out));
         } else {
-            match (self.layout.flexible, self.layout.components) {
-                (false, _) => self.assemble_jacobian::<false, 2>(view, alpha, beta, out),
-                (true, 3) => self.assemble_jacobian::<true, 3>(view, alpha, beta, out),
-                (true, _) => self.assemble_jacobian::<true, 2>(view, alpha, beta, out),
-            }
+            for_kind!(&mut *self, assemble_jacobian(view, alpha, beta, out));
         }
         self.global_jacobian(view, alpha, beta, out);
         for c in self.gauge() {
@@ -359,7 +351,7 @@ mod tests {
     use crate::noise::noise;
 
     /// A variator at a state that slides, sticks, pushes and gaps.
-    fn disturbed(model: RingModel, spatial: bool, speed: f64) -> (VariatorSystem, State) {
+    fn disturbed(model: RingModel, spatial: bool, aligned: bool, speed: f64) -> (VariatorSystem, State) {
         let mut parameters = Parameters {
             ring_model: model,
             spatial,
@@ -367,6 +359,7 @@ mod tests {
         };
         parameters.geometry.pulley_offset = 5.0e-4;
         parameters.mesh = crate::variator::parameters::Mesh {
+            aligned,
             primary_arc: 4,
             secondary_arc: 4,
             strand: 3,
@@ -412,7 +405,11 @@ mod tests {
 
     /// The Jacobian against central differences.
     fn check_jacobian(model: RingModel, spatial: bool, speed: f64) {
-        let (mut system, state) = disturbed(model, spatial, speed);
+        check_jacobian_on(model, spatial, true, speed);
+    }
+
+    fn check_jacobian_on(model: RingModel, spatial: bool, aligned: bool, speed: f64) {
+        let (mut system, state) = disturbed(model, spatial, aligned, speed);
         let n = state.y.len();
         let (alpha, beta) = (1.0e4, 1.0e-4);
         let mut size = vec![0.0; n];
@@ -462,7 +459,7 @@ mod tests {
     #[test]
     fn a_travelling_ring_may_be_counted_from_any_node() {
         for model in [RingModel::Rcm, RingModel::Ancf] {
-            let (mut system, state) = disturbed(model, false, 200.0);
+            let (mut system, state) = disturbed(model, false, true, 200.0);
             let (layout, n) = (system.layout, state.y.len());
             let travelling = layout.travelling.expect("it travels");
             // Where an unknown stands when the nodes are counted from the one before.
@@ -505,6 +502,13 @@ mod tests {
     fn jacobian_of_ale_matches_differences() {
         check_jacobian(RingModel::Ale, false, 200.0);
         check_jacobian(RingModel::Ale, false, -200.0);
+    }
+
+    #[test]
+    fn jacobian_on_evenly_spaced_elements_matches_differences() {
+        check_jacobian_on(RingModel::Ale, false, false, 200.0);
+        check_jacobian_on(RingModel::Ale, true, false, -200.0);
+        check_jacobian_on(RingModel::Ale0, false, false, 200.0);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use super::parameters::{Parameters, Pulley, RingModel};
 use super::signals::{Inputs, PulleyInputs};
-use crate::reference_curve::TwoPulley;
+use crate::reference_curve::{ReferenceCurve, TwoPulley, ratio_of_theta};
 use std::f64::consts::PI;
 
 /// A value out of its range.
@@ -174,14 +174,21 @@ impl Parameters {
 
     fn validate_mesh(&self) -> Result<(), ParameterError> {
         let elements = self.mesh.secondary_arc;
-        if elements % 2 == 0 {
-            return Ok(());
+        if elements % 2 != 0 {
+            return Err(ParameterError::new(
+                "mesh.secondaryArc",
+                elements.into(),
+                "an even number, since ξ = 0 divides this arc in two".to_string(),
+            ));
         }
-        Err(ParameterError::new(
-            "mesh.secondaryArc",
-            elements.into(),
-            "an even number, since ξ = 0 divides this arc in two".to_string(),
-        ))
+        if !self.mesh.aligned && self.ring_model.travels() {
+            return Err(ParameterError::new(
+                "mesh.aligned",
+                0.0,
+                "true, unless ring.model is ALE0 or ALE".to_string(),
+            ));
+        }
+        Ok(())
     }
 
     /// An element that travels must not turn by a radian on the smallest arc. Only the Eulerian ring deflects in space.
@@ -246,6 +253,7 @@ impl Parameters {
                 ));
             }
         }
+        self.validate_quarters()?;
         let ratio = self.initial.ratio;
         if self.not_too_high(ratio) && self.not_too_low(ratio) {
             return Ok(());
@@ -258,6 +266,29 @@ impl Parameters {
             "none, since no belt of this length fits between the stops".to_string()
         };
         Err(ParameterError::new("initial.ratio", ratio, range))
+    }
+
+    /// Cells of a mesh that stands still know their pulley if no arc reaches a quarter of the belt.
+    fn validate_quarters(&self) -> Result<(), ParameterError> {
+        let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
+        let extremes = [
+            boundary(|ratio| !self.not_too_low(ratio)),
+            boundary(|ratio| self.not_too_high(ratio)),
+        ];
+        let arc = |ratio: f64| {
+            let frame = curve.frame(ratio_of_theta(ratio));
+            let length = |segment| TwoPulley::segment_length::<f64>(&frame, segment).v;
+            (2.0 * length(0)).max(length(2))
+        };
+        let longest = extremes.into_iter().map(arc).fold(0.0, f64::max);
+        if self.mesh.aligned || longest < 0.5 * self.geometry.belt_length {
+            return Ok(());
+        }
+        Err(ParameterError::new(
+            "mesh.aligned",
+            0.0,
+            "true, since at an end stop an arc is longer than half the belt".to_string(),
+        ))
     }
 
     /// Pitch radii (primary, secondary) at a ratio, m.

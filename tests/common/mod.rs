@@ -26,6 +26,7 @@ pub const MODELS: [RingModel; 2] = [RingModel::Ale0, RingModel::Ale];
 /// Elements on each arc and each strand, in `ALE` two cells in each.
 pub fn mesh(arc: i32, strand: i32) -> Mesh {
     Mesh {
+        aligned: true,
         primary_arc: arc,
         secondary_arc: arc,
         strand,
@@ -36,6 +37,7 @@ pub fn mesh(arc: i32, strand: i32) -> Mesh {
 /// Every element divided by `factor`.
 pub fn refined(mesh: &Mesh, factor: i32) -> Mesh {
     Mesh {
+        aligned: mesh.aligned,
         primary_arc: factor * mesh.primary_arc,
         secondary_arc: factor * mesh.secondary_arc,
         strand: factor * mesh.strand,

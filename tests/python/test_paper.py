@@ -15,8 +15,10 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
+from pushbelt_demo.data import load_cases, parameter_set  # noqa: E402
 from pushbelt_demo.geometry import TwoPulleyCurve  # noqa: E402
-from pushbelt_demo.results import LoadCase, Trace  # noqa: E402
+from pushbelt_demo.results import Trace  # noqa: E402
+from pushbelt_demo.unit import Archive  # noqa: E402
 from pushbelt_paper import __main__, cases, report, tracer  # noqa: E402
 from pushbelt_paper.results import Times, Window  # noqa: E402
 from pushbelt_paper.runs import FULL, SHORT  # noqa: E402
@@ -102,10 +104,24 @@ def test_the_load_swings_below_that_of_the_case() -> None:
     assert loads[0] == loads[-1] == pytest.approx(-50.0)
 
 
-def test_the_chosen_case_is_looked_at_all_the_way_round() -> None:
-    chosen, other = LoadCase("underdrive", -0.4, 30.0, 6000.0), LoadCase("medium", 0.0, 30.0, 6000.0)
-    assert FULL.effort_of(chosen).looking == 1.0 > FULL.effort_of(other).looking
-    assert SHORT.effort_of(chosen) == SHORT.effort
+def test_elements_are_followed_all_the_way_round() -> None:
+    assert FULL.effort.looking == 1.0 > SHORT.effort.looking
+
+
+def test_an_evenly_spaced_mesh_is_near_and_keeps_worse_books(fmu: Path) -> None:
+    archive = Archive.unpack(fmu)
+    try:
+        parameters = parameter_set("bench168")
+        case = next(case for case in load_cases(parameters) if case.name == "overdrive-50")
+        states = {name: cases.steady(archive, {**parameters, **cases.MESHES[name]}, case) for name in ("aligned", "even")}
+        shifts = cases.shift_on_meshes(archive, parameters, 0.05)
+    finally:
+        archive.remove()
+    thrust = {name: state["thrustRatio"] for name, state in states.items()}
+    tension = {name: state["ring.tensionMin"] / state["ring.tensionMax"] for name, state in states.items()}
+    assert 0.0 < abs(thrust["even"] / thrust["aligned"] - 1.0) < 0.1
+    assert tension["even"] < tension["aligned"]
+    assert abs(shifts["even"].residual).max() > 5.0 * abs(shifts["aligned"].residual).max()
 
 
 def test_numbers_are_brief() -> None:
