@@ -56,7 +56,7 @@ class Archive:
 
 
 class Reader:
-    """Real variables that are read together again and again."""
+    """Real variables that are read, or set, together again and again."""
 
     def __init__(self, names: Iterable[str], references: Iterable[int]) -> None:
         self.names = tuple(names)
@@ -139,6 +139,17 @@ class Variator:
         for name, value in values.items():
             variable = self.variables[name]
             self._call(setters[variable.type], [variable.valueReference], [value])
+
+    def set_along(self, inputs: Reader, values: Iterable[float], rates: Iterable[float]) -> None:
+        """Sets real inputs that change in proportion to time over the next step: values now and rates, 1/s."""
+        count = len(inputs.names)
+        array = ctypes.c_double * count
+        slave = self._slave
+        self._call(slave.fmi2SetReal, slave.component, inputs.references, count, array(*values))
+        orders = (ctypes.c_int32 * count)(*[1] * count)
+        self._call(
+            slave.fmi2SetRealInputDerivatives, slave.component, inputs.references, count, orders, array(*rates)
+        )
 
     def reader(self, names: Iterable[str]) -> Reader:
         """Prepares real variables to be read together."""

@@ -155,7 +155,8 @@ class RatioControl:
 
         F_P = κ(i, u) F_S − (λ* + k_p e + k_i ∫e dt)/(g ω_P),   e = λ* − λ
 
-    κ is the thrust ratio of the map at the ratio and the torque utilisation u, g the shift gain. The integral stands
+    κ is the thrust ratio of the map at the ratio and the torque utilisation u, g the shift gain at the ratio. k_p and a short
+    filter damp what the flywheel does when a shift changes its speed (docs/drivetrain.md). The integral stands
     still while F_P is at a limit in its direction. A primary force below what carries the torque is not allowed:
     to shift down faster the secondary force rises instead.
     """
@@ -164,11 +165,11 @@ class RatioControl:
     """k, 1/s."""
     FASTEST = 1.0
     """λ_max, 1/s."""
-    PROPORTIONAL, INTEGRAL = 0.3, 3.0
+    PROPORTIONAL, INTEGRAL = 1.8, 3.0
     """k_p, 1, and k_i, 1/s."""
     LEAST_SPEED = 40.0
     """Below it the belt hardly shifts: only the map acts, rad/s."""
-    FILTER = 0.04
+    FILTER = 0.01
     """Time constant of the measured shift speed, s."""
 
     def __init__(self, friction: Friction, thrust_map: ThrustMap, limits: tuple[float, float]) -> None:
@@ -195,7 +196,7 @@ class RatioControl:
         wanted = self.APPROACH * (math.log(target) - ratio_log)
         wanted = float(np.clip(wanted, -self.FASTEST, self.FASTEST))
         error = wanted - self._shift_speed
-        per_speed = 1.0 / (self.map.shift_gain * measured.primary_speed)
+        per_speed = 1.0 / (self.map.shift_gain(measured.ratio) * measured.primary_speed)
         primary = kappa * secondary - per_speed * (wanted + self.PROPORTIONAL * error + self._integral)
         least = max(self.friction.clamping_force(measured, 1.1), low)
         if primary < least:

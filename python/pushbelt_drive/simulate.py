@@ -52,6 +52,9 @@ READ = (
 )
 """FMU variables that are kept over time."""
 
+STEERED = ("primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
+"""Inputs of the FMU."""
+
 ADDED = (
     "speed.target",
     "speed.car",
@@ -90,8 +93,9 @@ class Setup:
     step: float = STEP
     """Communication and control step, s."""
     parallel: bool = False
-    """Whether vehicle, control and FMU step side by side, each with what the others gave a step before, as units in a
-    master do; otherwise one after the other, each with what is known by then."""
+    """Whether vehicle, control and FMU step side by side, each with what the others gave a step before and holds, as units
+    in a master do; otherwise one after the other, each with what is known by then, and torques and forces reach what was
+    decided at the end of the step, in proportion to time."""
 
 
 @dataclass(frozen=True)
@@ -169,8 +173,9 @@ def run(
     start = {**parameters, **at_rest(), "friction.pulley": setup.friction * friction.coefficient}
     with Variator(archive, start) as unit:
         unit.initialise()
-        reader = unit.reader(READ)
+        reader, steered = unit.reader(READ), unit.reader(STEERED)
         given, clamped = VehicleSignals(), control.signals
+        before = _steering(given, clamped)
         for k in range(count):
             time = k * step
             state = dict(zip(READ, unit.read(reader).tolist(), strict=True))
@@ -199,14 +204,11 @@ def run(
             if k in kept:
                 snapshots[kept[k]] = _snapshot(unit)
 
-            unit.set(
-                {
-                    "primary.torque": acting.primary_torque,
-                    "secondary.torque": acting.secondary_torque,
-                    "primary.clampingForce": closing.primary_force,
-                    "secondary.clampingForce": closing.secondary_force,
-                }
-            )
+            # Without jumps the FMU takes one step where it else takes several, with ten times the work.
+            after = _steering(acting, closing)
+            course = after if setup.parallel else before
+            unit.set_along(steered, course, [(end - start) / step for start, end in zip(course, after, strict=True)])
+            before = after
             try:
                 unit.step_to((k + 1) * step)
             except UnitError as error:
@@ -236,6 +238,11 @@ def at_rest() -> dict[str, float]:
         "primary.clampingForce": force,
         "secondary.clampingForce": force,
     }
+
+
+def _steering(given: VehicleSignals, clamped: ClampingSignals) -> tuple[float, ...]:
+    """Values of `STEERED`."""
+    return given.primary_torque, given.secondary_torque, clamped.primary_force, clamped.secondary_force
 
 
 def _added(given: VehicleSignals, clamped: ClampingSignals, macro_slip: bool, utilisation: float) -> dict[str, float]:

@@ -39,8 +39,12 @@ class ThrustMap:
     """Thrust ratio, shape (m, n)."""
     slips: Array
     """Slip, shape (m, n)."""
-    shift_gain: float
-    """g of d(ln i)/dt = −g ω_P (F_P − κ F_S), 1/(N·rad): the middle one of those measured at the ratios."""
+    shift_gains: Array
+    """g of d(ln i)/dt = −g ω_P (F_P − κ F_S) at the ratios, 1/(N·rad), shape (m,)."""
+
+    def shift_gain(self, ratio: float) -> float:
+        """Shift gain at a ratio, 1/(N·rad): a power law between the points, constant beyond them."""
+        return float(np.exp(np.interp(np.log(ratio), np.log(self.ratios), np.log(self.shift_gains))))
 
     def thrust_ratio(self, ratio: float, utilisation: float) -> float:
         """Thrust ratio that holds a ratio."""
@@ -58,10 +62,10 @@ class ThrustMap:
         return float((1.0 - p) * low + p * high)
 
     def write(self, path: Path, key: str) -> None:
-        """Writes it as CSV, to the last bit: a comment with key and shift gain, then one row a point."""
+        """Writes it as CSV, to the last bit: a comment with key and shift gains, then one row a point."""
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", encoding="utf-8", newline="") as file:
-            file.write("# " + json.dumps({"key": key, "shiftGain": self.shift_gain}) + "\n")
+            file.write("# " + json.dumps({"key": key, "shiftGains": self.shift_gains.tolist()}) + "\n")
             writer = csv.writer(file)
             writer.writerow(["ratio", "utilisation", "thrustRatio", "slip"])
             for m, ratio in enumerate(self.ratios):
@@ -77,11 +81,12 @@ class ThrustMap:
                 rows = np.array(list(csv.reader(file))[1:], dtype=float)
         except (OSError, ValueError):
             return None
-        if key is not None and head.get("key") != key:
+        if (key is not None and head.get("key") != key) or "shiftGains" not in head:
             return None
         ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
         shape = (len(ratios), len(utilisations))
-        return cls(ratios, utilisations, rows[:, 2].reshape(shape), rows[:, 3].reshape(shape), head["shiftGain"])
+        gains = np.array(head["shiftGains"])
+        return cls(ratios, utilisations, rows[:, 2].reshape(shape), rows[:, 3].reshape(shape), gains)
 
 
 def _place(grid: Array, value: float) -> tuple[int, float]:
@@ -155,9 +160,9 @@ def _shift_gain(archive: Archive, parameters: Parameters, ratio: float) -> float
 def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
     """Solves for the map. Points that slip through are left out and filled from their neighbour."""
     rows = [_row(archive, parameters, ratio) for ratio in RATIOS]
-    gain = float(np.median([_shift_gain(archive, parameters, ratio) for ratio in RATIOS]))
+    gains = np.array([_shift_gain(archive, parameters, ratio) for ratio in RATIOS])
     thrust, slip = (np.array([row[k] for row in rows]) for k in (0, 1))
-    return ThrustMap(np.array(RATIOS), np.array(UTILISATIONS), thrust, slip, gain)
+    return ThrustMap(np.array(RATIOS), np.array(UTILISATIONS), thrust, slip, gains)
 
 
 def load(fmu: Path, archive: Archive, parameters: Parameters, cache: Path) -> ThrustMap:

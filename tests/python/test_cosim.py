@@ -36,7 +36,7 @@ MAP = ThrustMap(
     utilisations=np.array([-1.0, 1.0]),
     thrust=np.array([[1.0, 1.5], [0.6, 1.0]]),
     slips=np.array([[-0.01, 0.01], [-0.01, 0.01]]),
-    shift_gain=8e-7,
+    shift_gains=np.full(2, 8e-7),
 )
 PACKAGES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
 THERE = [name for name in MASTERS if importlib.util.find_spec(PACKAGES[name])]
