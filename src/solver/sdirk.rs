@@ -60,6 +60,9 @@ pub struct Sdirk {
     /// Size of the step whose stages are kept; none after an attempt that failed, s.
     kept: Option<f64>,
     stages: [Buffers; 2],
+    /// ẏ at the end of the last step, before loads jumped: what the first stage is guessed with. A sheave follows its force in less than a
+    /// step, so its jump would lead far off.
+    slope: Vec<f64>,
     base: Vec<f64>,
     position: Vec<f64>,
     y_error: Vec<f64>,
@@ -93,6 +96,7 @@ impl Sdirk {
             newton_tolerance: 1.0,
             kept: None,
             stages: [buffers(), buffers()],
+            slope: vec![0.0; n],
             base: vec![0.0; n],
             position: vec![0.0; n],
             y_error: vec![0.0; n],
@@ -115,6 +119,7 @@ impl Sdirk {
         self.newton.pass(tape);
         tape.real(&mut self.step);
         tape.option(&mut self.kept);
+        tape.reals(&mut self.slope);
         for stage in &mut self.stages {
             tape.reals(&mut stage.y_dot);
         }
@@ -129,7 +134,7 @@ impl Sdirk {
         let n = y.len();
         let [first, second] = &mut self.stages;
         for i in 0..n {
-            first.y[i] = y[i] + GAMMA * h * y_dot[i];
+            first.y[i] = y[i] + GAMMA * h * self.slope[i];
         }
         first.q.copy_from_slice(q);
         let mut stage = Stage {
@@ -208,6 +213,7 @@ impl Sdirk {
                     system.accumulate(View { y, y_dot, q }, after, h);
                     y.copy_from_slice(&end.y);
                     y_dot.copy_from_slice(&end.y_dot);
+                    self.slope.copy_from_slice(&end.y_dot);
                     q.copy_from_slice(&end.q);
                     self.newton.counts.steps += 1;
                     // Slopes over less than this differ by rounding only.
