@@ -165,7 +165,7 @@ class RatioControl:
     """k, 1/s."""
     FASTEST = 1.0
     """λ_max, 1/s."""
-    PROPORTIONAL, INTEGRAL = 1.8, 3.0
+    PROPORTIONAL, INTEGRAL = 1.0, 3.0
     """k_p, 1, and k_i, 1/s."""
     LEAST_SPEED = 40.0
     """Below it the belt hardly shifts: only the map acts, rad/s."""
