@@ -171,7 +171,7 @@ def test_program_runs(coupling: study.Coupling, drive_folder: Path, tmp_path: Pa
 
 @pytest.mark.parametrize("master", MASTERS)
 class TestCoupling:
-    """A launch at communication steps of 20, 10 and 5 ms."""
+    """A launch at communication steps of 10, 5 and 2.5 ms: the control is made for 10 ms, its shift speed is filtered by as much."""
 
     @pytest.fixture(autouse=True)
     def there(self, master: str) -> None:

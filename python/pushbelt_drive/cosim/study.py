@@ -42,7 +42,7 @@ class Plan:
 
 PACKAGE = "drive.ssp"
 FULL = Plan((10.0, 30.0), (0.01, 0.005, 0.0025))
-SHORT = Plan((10.0, 15.0), (0.02, 0.01, 0.005))
+SHORT = Plan((10.0, 15.0), (0.01, 0.005, 0.0025))
 
 
 @dataclass(frozen=True)
