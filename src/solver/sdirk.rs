@@ -133,8 +133,8 @@ impl Sdirk {
         let alpha = 1.0 / (h * GAMMA);
         let n = y.len();
         let [first, second] = &mut self.stages;
-        for i in 0..n {
-            first.y[i] = y[i] + GAMMA * h * self.slope[i];
+        for ((guess, y), slope) in first.y.iter_mut().zip(y).zip(&self.slope) {
+            *guess = y + GAMMA * h * slope;
         }
         first.q.copy_from_slice(q);
         let mut stage = Stage {
