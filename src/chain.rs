@@ -12,7 +12,7 @@
 //! J is the same on both sides of a moving arc border although κ_ref jumps there, because χ̇ (the turning of the
 //! elements with the mesh point) is continuous.
 //!
-//! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, Φ = J ν_upwind, smooth in the sign of J; ν = N/ℓ, ℓ = ∫λ dξ.
+//! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`outflow`]).
 //!
 //! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) with H the slope of ⟨·⟩₊: damping acts in contact only. The material
 //! shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
@@ -31,8 +31,14 @@ use nalgebra::SVector;
 /// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
 pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 
+/// Difference of V across a cell over which it goes from opening to closing, m/s. Where gaps close it is some 0.1 m/s.
+pub const CLOSING_SMOOTHING: f64 = 1.0e-2;
+
 /// Flow below which [`collision_force`] no longer falls, m/s: at standstill the oil squeezed between elements takes over.
 pub const SQUEEZE_SPEED: f64 = 1.0;
+
+/// Flow far above which elements that part carry nothing of their neighbours' speed, m/s.
+pub const FREE_FLOW: f64 = 3.0;
 
 /// The chain at a mesh point.
 #[derive(Clone, Copy, Debug)]
@@ -117,6 +123,8 @@ pub struct Push<T> {
     pub force: T,
     /// The damping part of Q, N.
     pub viscous: T,
+    /// H, from 0 (gaps) to 1 (contact).
+    pub contact: T,
 }
 
 /// Push force from element density `nu` and its material rate `nu_rate`, 1/s.
@@ -127,19 +135,28 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     Push {
         force: strain * belt.push_stiffness + viscous,
         viscous,
+        contact,
     }
 }
 
-/// Force that opposes a difference of V across a cell, N: ½ m_e ν |J| ΔV.
+/// Weight of upwind convection, from 0 to 1: 1 where elements close up and near standstill, 0 where they part in a fast flow.
+#[inline(always)]
+pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
+    let closing = smooth_plus(-difference, CLOSING_SMOOTHING).1;
+    let slow = (flow * flow * FREE_FLOW.powi(-2) + 1.0).recip();
+    closing + (-closing + 1.0) * slow
+}
+
+/// Force that opposes a difference of V across a cell whose elements close up, N: ½ m_e ν |J| ΔV, with the weight of [`upwinding`].
 ///
 /// Elements that fly freely through gaps carry their speed along, and a faster one is stopped by the one that it hits.
 /// Central differences of J V′ alone would leave a sawtooth of V there; with this force the convection of V is upwind.
 /// Its power, ½ m_e ν |J| ΔV², is what inelastic collisions take; it vanishes with the square of the cell length in a
-/// smooth field.
+/// smooth field. Elements that part don't touch, so nothing opposes them.
 #[inline(always)]
-pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T) -> T {
+pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwinding: T) -> T {
     let size = (flow * flow + SQUEEZE_SPEED * SQUEEZE_SPEED).sqrt();
-    nu * size * difference * (0.5 * belt.mass_per_length)
+    nu * size * difference * upwinding * (0.5 * belt.mass_per_length)
 }
 
 /// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' = k_e⟨ν−1⟩₊/ν².
@@ -149,16 +166,15 @@ pub fn energy_density(belt: &Belt, nu: f64) -> f64 {
     belt.push_stiffness * crate::scalar::smooth_plus_energy(nu - 1.0, belt.contact_strain, 0.1)
 }
 
-/// Amount per time through a face: J ν_upwind.
+/// Amounts per time that leave a cell through its left and its right face: J ν.
+///
+/// J is the cell's mean. In a steady state J ν is the same all around, so ν then belongs to the middle of the cell, of second order. That
+/// counts where elements leave a pulley: within 3 mm the push force falls to its last newtons, ν passes where the flow is as fast as
+/// waves in the stack, and what is left sets the gaps in the strand. In contact, and with the weight of [`upwinding`], J is taken at the face
+/// downstream instead: with means alone a sawtooth of V would leave all amounts as they are.
 #[inline(always)]
-pub fn flux<T: Real>(flow: T, nu_before: T, nu_after: T) -> T {
-    let (forward, _) = smooth_plus(flow, UPWIND_SMOOTHING);
-    forward * nu_before + (flow - forward) * nu_after
-}
-
-/// Derivatives of [`flux`] with respect to its three arguments.
-#[must_use]
-pub fn flux_slopes(flow: f64, nu_before: f64, nu_after: f64) -> [f64; 3] {
-    let (forward, slope) = smooth_plus(flow, UPWIND_SMOOTHING);
-    [slope * nu_before + (1.0 - slope) * nu_after, forward, flow - forward]
+pub fn outflow<T: Real>(nu: T, flow: T, difference: T, contact: T, upwinding: T) -> [T; 2] {
+    let at_face = contact + (-contact + 1.0) * upwinding;
+    let shift = at_face * difference * 0.5;
+    [shift - flow, shift + flow].map(|out| smooth_plus(out, UPWIND_SMOOTHING).0 * nu)
 }

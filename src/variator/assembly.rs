@@ -6,7 +6,6 @@ use super::mesh::Station;
 use super::ring::{Deflecting, Guided, RingForces};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
-use crate::chain;
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame, Unaligned};
 use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
@@ -450,11 +449,11 @@ impl VariatorSystem {
         unknowns: &Unknowns<Lanes>,
         slopes: [f64; 2],
         first: usize,
-    ) -> ([Tangent<PASS>; MOST], Tangent<PASS>, Tangent<PASS>) {
+    ) -> ([Tangent<PASS>; MOST], [Tangent<PASS>; 2]) {
         let seed =
             |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
         let (b, ring) = self.pack_balance::<_, _, FLEX, D, C>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
-        (Self::rows::<_, FLEX, D>(&b, &ring), b.flow, b.density)
+        (Self::rows::<_, FLEX, D>(&b, &ring), b.outflow)
     }
 
     pub(super) fn assemble_residual<const FLEX: bool, const D: usize, C: Standing>(
@@ -489,8 +488,15 @@ impl VariatorSystem {
                     }
                 }
             }
-            let [axial, torque, x, y, flow, density] =
-                [b.axial, b.torque, b.tilting[0], b.tilting[1], b.flow, b.density].map(Lanes::to_array);
+            let [axial, torque, x, y, left, right] = [
+                b.axial,
+                b.torque,
+                b.tilting[0],
+                b.tilting[1],
+                b.outflow[0],
+                b.outflow[1],
+            ]
+            .map(Lanes::to_array);
             for lane in 0..pack.used {
                 let cell = pack.cells[lane];
                 let sum = &mut self.sums[self.mesh.cells[cell].pulley];
@@ -498,7 +504,7 @@ impl VariatorSystem {
                 sum.torque += torque[lane];
                 sum.tilting[0] += x[lane];
                 sum.tilting[1] += y[lane];
-                self.flows[cell] = (flow[lane], density[lane]);
+                self.outflows[cell] = [left[lane], right[lane]];
             }
         }
         self.add_fluxes(view, out);
@@ -509,18 +515,11 @@ impl VariatorSystem {
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
-            let flux = chain::flux(self.flows[cell].0, self.flows[before].1, self.flows[cell].1);
+            let flux = self.outflows[before][1] - self.outflows[cell][0];
             let (into, from) = (self.layout.amount(cell), self.layout.amount(before));
             out[into] += view.y_dot[into] - flux;
             out[from] += flux;
         }
-    }
-
-    /// Slopes of the flux through the left face of a cell in the flow there and in the densities before and after it.
-    pub(super) fn flux_slopes(&self, cell: usize) -> [f64; 3] {
-        let cells = self.mesh.cells.len();
-        let ((flow, after), (_, before)) = (self.flows[cell], self.flows[(cell + cells - 1) % cells]);
-        chain::flux_slopes(flow, before, after)
     }
 
     pub(super) fn assemble_jacobian<const FLEX: bool, const D: usize, C: Standing>(
@@ -543,7 +542,7 @@ impl VariatorSystem {
             for first in (0..count).step_by(PASS) {
                 let frame = if first == theta / PASS * PASS { &moving } else { &still };
                 let pass = first..(first + PASS).min(count);
-                let (rows, flow, density) = self.pack_pass::<FLEX, D, C>(pack, frame, &unknowns, [alpha, beta], first);
+                let (rows, outflow) = self.pack_pass::<FLEX, D, C>(pack, frame, &unknowns, [alpha, beta], first);
                 let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
                 for ((_, row), entries) in rows.zip(pack.entries.chunks_exact(count)) {
                     for (eps, entry) in row.eps.iter().zip(&entries[pass.clone()]) {
@@ -553,14 +552,11 @@ impl VariatorSystem {
                         }
                     }
                 }
-                for (lane, (f, d)) in flow.re.to_array().into_iter().zip(density.re.to_array()).enumerate() {
-                    self.flows[pack.cells[lane]] = (f, d);
-                }
-                for ((l, f), d) in pass.clone().zip(&flow.eps).zip(&density.eps) {
-                    for (lane, (f, d)) in f.to_array().into_iter().zip(d.to_array()).enumerate() {
-                        let [flow, density] = &mut self.flow_slopes[pack.cells[lane]];
-                        flow[l] = f;
-                        density[l] = d;
+                for (side, outflow) in outflow.iter().enumerate() {
+                    for (k, slope) in pass.clone().zip(&outflow.eps) {
+                        for (lane, slope) in slope.to_array().into_iter().enumerate() {
+                            self.outflow_slopes[pack.cells[lane]][side][k] = slope;
+                        }
                     }
                 }
             }
@@ -573,14 +569,10 @@ impl VariatorSystem {
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
-            let [by_flow, by_before, by_after] = self.flux_slopes(cell);
-            let [flow, density] = &self.flow_slopes[cell];
-            let [_, density_before] = &self.flow_slopes[before];
+            let ([left, _], [_, right]) = (&self.outflow_slopes[cell], &self.outflow_slopes[before]);
             let [own, other] = &self.flux_entries[cell];
             for k in 0..count {
-                let slope = by_flow * flow[k] + by_after * density[k];
-                let slope_before = by_before * density_before[k];
-                for (entries, slope) in [(own[k], slope), (other[k], slope_before)] {
+                for (entries, slope) in [(own[k], -left[k]), (other[k], right[k])] {
                     for (entry, value) in entries.into_iter().zip([slope, -slope]) {
                         if entry != NOWHERE {
                             out.add_at(entry, value);

@@ -111,10 +111,8 @@ pub struct CellBalance<T: Real> {
     pub tilting: [T; 2],
     /// Torque of the belt on the pulley, N·m.
     pub torque: T,
-    /// J at the left face, m/s.
-    pub flow: T,
-    /// ν.
-    pub density: T,
+    /// Amounts per time that leave through the left and the right face, m/s.
+    pub outflow: [T; 2],
 }
 
 /// What a station tells: values for outputs, losses and energies; of one cell, or of one in each lane of `L`.
@@ -359,16 +357,16 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         .iter()
         .fold(T::zero(), |sum, s| sum + length.v * s.weight);
     let difference = motion.speed[1] - motion.speed[0];
-    let collision = collision_force(&p.belt, density, through / cell_length, difference);
+    let flow = through / cell_length;
+    let upwinding = chain::upwinding(flow, difference);
+    let collision = collision_force(&p.belt, density, flow, difference, upwinding);
 
-    let face = ring.point(0, reference(0));
     let mut out = CellBalance {
         speed: [push.force - collision, collision - push.force],
         axial: T::zero(),
         tilting: [T::zero(); 2],
         torque: T::zero(),
-        flow: ChainPoint::new(e, &face, theta_dot, motion.speed[0]).flow,
-        density,
+        outflow: chain::outflow(density, flow, difference, push.contact, upwinding),
     };
     let speed_gradient = difference / cell_length;
     let pulley = &motion.pulley;
@@ -492,6 +490,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         out.speed[1] += along * weight * right;
 
         if S::ACTIVE {
+            let face = ring.point(0, reference(0));
             let of_ring = ring.density(point);
             let stack = (collision * difference - push.viscous * lengthening) / cell_length;
             let from_axis = in_plane(&face.r) - Vector2::new(T::constant(place.axis), T::zero());

@@ -21,7 +21,7 @@ pub const S: usize = 0;
 pub const P: usize = 1;
 
 /// Grading of the arcs: an element at the border has 1 − this of the mean size.
-const ARC_GRADING: f64 = 0.8;
+const ARC_GRADING: f64 = 0.7;
 /// Grading of the strands.
 const STRAND_GRADING: f64 = 0.88;
 

@@ -266,9 +266,9 @@ impl Default for Parameters {
             secondary: pulley,
             mesh: Mesh {
                 aligned: true,
-                primary_arc: 16,
-                secondary_arc: 16,
-                strand: 10,
+                primary_arc: 20,
+                secondary_arc: 20,
+                strand: 12,
                 cells_per_element: 2,
             },
             solver: Solver {

@@ -64,9 +64,10 @@ pub struct VariatorSystem {
     pub ledger: Ledger,
     has_position: Vec<bool>,
     pub(super) packs: Vec<Pack>,
-    pub(super) flows: Vec<(f64, f64)>,
+    /// Amounts per time that leave each cell through its left and its right face, and their slopes in the cell's directions.
+    pub(super) outflows: Vec<[f64; 2]>,
     pub(super) sums: [PulleySum; 2],
-    pub(super) flow_slopes: Vec<[[f64; MOST]; 2]>,
+    pub(super) outflow_slopes: Vec<[[f64; MOST]; 2]>,
     /// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts before and in the cell; then the same for
     /// the directions of the cell before.
     pub(super) flux_entries: Vec<[[[usize; 2]; MOST]; 2]>,
@@ -185,9 +186,9 @@ impl VariatorSystem {
             inertia_factor: 1.0,
             ledger: Ledger::default(),
             has_position,
-            flows: vec![(0.0, 0.0); cells],
+            outflows: vec![[0.0; 2]; cells],
             sums: [PulleySum::default(); 2],
-            flow_slopes: vec![[[0.0; MOST]; 2]; cells],
+            outflow_slopes: vec![[[0.0; MOST]; 2]; cells],
             packs: Vec::new(),
             flux_entries: Vec::new(),
             mean_tensions: vec![MeanTension::default(); layout.travelling.map_or(0, |t| t.nodes)],

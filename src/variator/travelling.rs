@@ -489,7 +489,7 @@ impl VariatorSystem {
             sum.torque += b.torque;
             sum.tilting[0] += b.tilting[0];
             sum.tilting[1] += b.tilting[1];
-            self.flows[cell] = (b.flow, b.density);
+            self.outflows[cell] = b.outflow;
         }
         self.add_fluxes(view, out);
         for i in self.layout.free() {
@@ -537,12 +537,7 @@ impl VariatorSystem {
             let pulley = self.mesh.cells[cell].pulley;
             let under = self.under(&frame, cell, s);
             of_cell.count = under.directions(&self.layout, cell, pulley, &mut of_cell.at);
-            let CellSlopes {
-                at,
-                count,
-                flow,
-                density,
-            } = of_cell;
+            let CellSlopes { at, count, outflow } = of_cell;
             let (own, count) = (under.nodal(), *count);
             for first in (0..count).step_by(PASS) {
                 let seed = |value: f64, direction: usize, slope: f64| {
@@ -572,10 +567,9 @@ impl VariatorSystem {
                 for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
                     add(at[own + k], row);
                 }
-                self.flows[cell] = (rows.balance.flow.re, rows.balance.density.re);
-                let used = columns.len();
-                flow[first..first + used].copy_from_slice(&rows.balance.flow.eps[..used]);
-                density[first..first + used].copy_from_slice(&rows.balance.density.eps[..used]);
+                for (slopes, outflow) in outflow.iter_mut().zip(&rows.balance.outflow) {
+                    slopes[first..][..columns.len()].copy_from_slice(&outflow.eps[..columns.len()]);
+                }
             }
         }
         let cells = self.mesh.cells.len();
@@ -583,7 +577,6 @@ impl VariatorSystem {
             let before = (cell + cells - 1) % cells;
             let rows = [self.layout.amount(before), self.layout.amount(cell)];
             out.add(rows[1], rows[1], alpha);
-            let [by_flow, by_before, by_after] = self.flux_slopes(cell);
             let (own, other) = (&memory[cell], &memory[before]);
             let mut add = |column: usize, slope: f64| {
                 for (row, value) in rows.into_iter().zip([slope, -slope]) {
@@ -593,10 +586,10 @@ impl VariatorSystem {
                 }
             };
             for k in 0..own.count {
-                add(own.at[k], by_flow * own.flow[k] + by_after * own.density[k]);
+                add(own.at[k], -own.outflow[0][k]);
             }
             for k in 0..other.count {
-                add(other.at[k], by_before * other.density[k]);
+                add(other.at[k], other.outflow[1][k]);
             }
         }
         self.passing_slopes = memory;
@@ -653,13 +646,12 @@ impl VariatorSystem {
     }
 }
 
-/// Slopes of the flow through the left face of a cell and of its density, in the directions `at`.
+/// Slopes of the amounts that leave a cell through its left and its right face, in the directions `at`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellSlopes {
     at: [usize; MOST],
     count: usize,
-    flow: [f64; MOST],
-    density: [f64; MOST],
+    outflow: [[f64; MOST]; 2],
 }
 
 impl Default for CellSlopes {
@@ -667,8 +659,7 @@ impl Default for CellSlopes {
         Self {
             at: [0; MOST],
             count: 0,
-            flow: [0.0; MOST],
-            density: [0.0; MOST],
+            outflow: [[0.0; MOST]; 2],
         }
     }
 }
