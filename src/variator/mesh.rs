@@ -158,7 +158,7 @@ mod tests {
             BeltMesh::new(&parameters, RingModel::Ale),
         );
         assert_eq!(even.elements.len(), aligned.elements.len());
-        assert_eq!((even.opposite(), aligned.opposite()), (26, 26));
+        assert_eq!((even.opposite(), aligned.opposite()), (32, 32));
         let share = 1.0 / even.elements.len() as f64;
         assert!(
             even.elements
@@ -166,7 +166,7 @@ mod tests {
                 .all(|e| e.segment == 0 && (e.share - share).abs() < 1e-15)
         );
         let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
-        assert_eq!((touching(S), touching(P)), (52, 52));
+        assert_eq!((touching(S), touching(P)), (64, 64));
     }
 
     #[test]
