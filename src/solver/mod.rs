@@ -35,6 +35,14 @@ pub trait System {
     /// ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q.
     fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow);
 
+    /// The Jacobian for Newton's method: derivatives that have hardly changed may be those of an earlier one.
+    fn renew_jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.jacobian(view, alpha, beta, out);
+    }
+
+    /// The next Jacobian takes every derivative anew.
+    fn forget_derivatives(&mut self) {}
+
     /// Absolute size of a change of each unknown that does not matter, in a step with dq/dy = β.
     fn newton_scale(&self, beta: f64, out: &mut [f64]);
 }

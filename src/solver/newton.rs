@@ -8,10 +8,13 @@ use crate::tape::Tape;
 const FRESH_ITERATIONS: usize = 15;
 /// Most iterations of Broyden's method with the same factors. An iteration costs a twentieth of a Jacobian.
 const QUASI_ITERATIONS: usize = 16;
-/// Iterations after which the next stage takes a new Jacobian.
-const STALE: usize = 5;
-/// Growth of the step in one iteration at which Broyden's method is given up.
-const DIVERGED: f64 = 1.5;
+/// Iterations of a stage with good factors.
+const USUAL: usize = 2;
+/// Iterations beyond these, added up over stages, that cost as much as the new Jacobian which the next stage then takes.
+const STALE: u64 = 12;
+/// Growth of the step in one iteration at which Broyden's method is given up. Where cells change their regime steps grow and
+/// fall again.
+const DIVERGED: f64 = 8.0;
 /// Contraction that the first iteration is trusted with at best: so the rate is measured again before it is stale.
 const BEST_RATE: f64 = 0.02;
 /// Damping factor at which a stage is given up.
@@ -63,6 +66,8 @@ pub struct Newton {
     best: Vec<f64>,
     /// Contraction per iteration seen with these factors; 1 before any.
     rate: f64,
+    /// Iterations with these factors beyond the usual.
+    excess: u64,
     /// Work counts.
     pub counts: Counts,
 }
@@ -127,6 +132,7 @@ impl Newton {
                 .collect(),
             best: vec![0.0; shape.len()],
             rate: 1.0,
+            excess: 0,
             counts: Counts::default(),
         }
     }
@@ -136,6 +142,7 @@ impl Newton {
         self.factors.pass(tape);
         tape.real(&mut self.alpha);
         tape.real(&mut self.rate);
+        tape.counter(&mut self.excess);
         let Counts {
             steps,
             rejected,
@@ -155,11 +162,12 @@ impl Newton {
 
     fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), NotConverged> {
         self.counts.factorizations += 1;
-        system.jacobian(stage.view(), stage.alpha, 1.0 / stage.alpha, &mut self.matrix);
+        system.renew_jacobian(stage.view(), stage.alpha, 1.0 / stage.alpha, &mut self.matrix);
         self.alpha = f64::NAN;
         self.factors.factor(&self.matrix).map_err(|_| NotConverged)?;
         self.alpha = stage.alpha;
         self.rate = 1.0;
+        self.excess = 0;
         Ok(())
     }
 
@@ -247,7 +255,8 @@ impl Newton {
             // What is left after this step, as far as the rate tells.
             if change * rate.powf(0.8).min(1.0) < 0.1 * tolerance {
                 stage.complete(system.has_position());
-                if iteration >= STALE {
+                self.excess += (iteration + 1).saturating_sub(USUAL) as u64;
+                if self.excess > STALE {
                     self.forget();
                 }
                 return Ok(());

@@ -1,16 +1,20 @@
 //! Cells gathered into the residual and, with the exact Jacobian, into the matrix: several at once, one in each lane.
 
 use super::cell::{CellBalance, CellMotion, NoProbe, Place, Probe, PulleyMotion, Sample, Sampler, balance};
+use super::kept::{Kept, Look, Regime};
 use super::layout::Global;
 use super::mesh::Station;
 use super::ring::{Deflecting, Guided, RingForces};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
-use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame, Unaligned};
+use crate::reference_curve::{
+    Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame, TwoPulleyShape, Unaligned,
+};
 use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
+use crate::tape::Tape;
 use nalgebra::SVector;
 use num_traits::Zero;
 
@@ -58,10 +62,11 @@ pub(super) struct PulleySum {
 }
 
 /// Positions, values and rates of the unknowns of a cell, or of one in each lane.
-struct Unknowns<L> {
-    position: [L; MOST],
-    value: [L; MOST],
-    rate: [L; MOST],
+#[derive(Clone, Debug)]
+pub(super) struct Unknowns<L> {
+    pub position: [L; MOST],
+    pub value: [L; MOST],
+    pub rate: [L; MOST],
 }
 
 impl<L: Copy> Unknowns<L> {
@@ -211,7 +216,16 @@ impl VariatorSystem {
                 })
             })
             .collect();
+        self.kept = packs.iter().map(|pack| Kept::new(pack.entries.len())).collect();
         self.packs = packs;
+    }
+
+    /// Passes by a tape where the derivatives that are kept were taken.
+    pub(super) fn pass_kept(&mut self, tape: &mut Tape<'_>) {
+        let count = directions(self.layout.flexible, self.layout.components);
+        for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
+            kept.pass(tape, count, pack.used);
+        }
     }
 
     /// Length of an element, m.
@@ -522,6 +536,77 @@ impl VariatorSystem {
         }
     }
 
+    /// Values of a pack and the regime that it is in.
+    #[inline(never)]
+    fn look<const FLEX: bool, const D: usize, C: Standing>(
+        &self,
+        pack: &Pack,
+        frame: &C::Frame<Lanes>,
+        unknowns: &Unknowns<Lanes>,
+        alpha: f64,
+    ) -> Regime {
+        let mut regime = Regime::new();
+        let mut look = Look {
+            law: &self.law,
+            alpha,
+            ring_speed: unknowns.value[own_directions(FLEX, D)],
+            regime: &mut regime,
+        };
+        let seed = |value, _, _| value;
+        let (b, _) = self.pack_balance::<_, _, FLEX, D, C>(pack, frame, unknowns, [0.0; 2], seed, &mut look);
+        let own = if FLEX { 4 * D } else { 0 };
+        let [left, right] = [unknowns.value[own], unknowns.value[own + 1]];
+        regime.see_flow(right - left, b.outflow);
+        regime
+    }
+
+    /// Differentiates a pack.
+    fn differentiate<const FLEX: bool, const D: usize, C: Standing>(
+        &self,
+        pack: &Pack,
+        frames: &Frames<C>,
+        unknowns: Unknowns<Lanes>,
+        regime: Regime,
+        slopes: [f64; 2],
+        kept: &mut Kept,
+    ) {
+        let (count, theta) = (directions(FLEX, D), own_directions(FLEX, D) + 1);
+        let amount = self.amount_direction();
+        for first in (0..count).step_by(PASS) {
+            let frame = if first == theta / PASS * PASS {
+                &frames.moving
+            } else {
+                &frames.still
+            };
+            let pass = first..(first + PASS).min(count);
+            let (rows, outflow) = self.pack_pass::<FLEX, D, C>(pack, frame, &unknowns, slopes, first);
+            let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
+            for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
+                block[pass.clone()].copy_from_slice(&row.eps[..pass.len()]);
+            }
+            for (slopes, of) in kept.outflow.iter_mut().zip(&outflow) {
+                slopes[pass.clone()].copy_from_slice(&of.eps[..pass.len()]);
+            }
+        }
+        (kept.unknowns, kept.regime, kept.slopes) = (unknowns, regime, slopes);
+    }
+
+    /// Takes the derivatives that are kept once more, where they were taken.
+    pub(super) fn retake<const FLEX: bool, const D: usize, C: Standing>(&mut self) {
+        let theta = own_directions(FLEX, D) + 1;
+        let mut all = std::mem::take(&mut self.kept);
+        for (pack, kept) in self.packs.iter().zip(&mut all) {
+            if !kept.slopes[0].is_nan() {
+                let shape = self.curve.shape(kept.unknowns.position[theta].re());
+                let frames = Frames::<C>::new(&self.curve, &shape, theta, kept.slopes[1]);
+                let (unknowns, slopes) = (kept.unknowns.clone(), kept.slopes);
+                let regime = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, slopes[0]);
+                self.differentiate::<FLEX, D, C>(pack, &frames, unknowns, regime, slopes, kept);
+            }
+        }
+        self.kept = all;
+    }
+
     pub(super) fn assemble_jacobian<const FLEX: bool, const D: usize, C: Standing>(
         &mut self,
         view: View<'_>,
@@ -530,37 +615,31 @@ impl VariatorSystem {
         out: &mut Arrow,
     ) {
         let (count, theta) = (directions(FLEX, D), own_directions(FLEX, D) + 1);
-        let amount = self.amount_direction();
-        let shape = self.curve.shape(self.theta(view));
-        let still = C::stand(&self.curve, shape.frame(Tangent::zero()));
-        let moving = C::stand(
-            &self.curve,
-            shape.frame(Tangent::seed(Lanes::zero(), theta % PASS, beta)),
-        );
-        for pack in &self.packs {
+        let frames = Frames::<C>::new(&self.curve, &self.curve.shape(self.theta(view)), theta, beta);
+        let mut all = std::mem::take(&mut self.kept);
+        for (pack, kept) in self.packs.iter().zip(&mut all) {
             let unknowns = self.gather(view, pack, count);
-            for first in (0..count).step_by(PASS) {
-                let frame = if first == theta / PASS * PASS { &moving } else { &still };
-                let pass = first..(first + PASS).min(count);
-                let (rows, outflow) = self.pack_pass::<FLEX, D, C>(pack, frame, &unknowns, [alpha, beta], first);
-                let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
-                for ((_, row), entries) in rows.zip(pack.entries.chunks_exact(count)) {
-                    for (eps, entry) in row.eps.iter().zip(&entries[pass.clone()]) {
-                        let eps = eps.to_array();
-                        for lane in 0..pack.used {
-                            out.add_at(entry[lane], eps[lane]);
-                        }
-                    }
+            let regime = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, alpha);
+            let length = C::segment_length(&frames.plain, pack.segment).v * pack.share;
+            if !kept.holds(&regime, &unknowns, length, [if FLEX { D } else { 0 }, theta], alpha) {
+                self.differentiations += 1;
+                self.differentiate::<FLEX, D, C>(pack, &frames, unknowns, regime, [alpha, beta], kept);
+            }
+            for (entry, value) in pack.entries.iter().zip(&kept.block) {
+                let value = value.to_array();
+                for lane in 0..pack.used {
+                    out.add_at(entry[lane], value[lane]);
                 }
-                for (side, outflow) in outflow.iter().enumerate() {
-                    for (k, slope) in pass.clone().zip(&outflow.eps) {
-                        for (lane, slope) in slope.to_array().into_iter().enumerate() {
-                            self.outflow_slopes[pack.cells[lane]][side][k] = slope;
-                        }
+            }
+            for lane in 0..pack.used {
+                for (to, from) in self.outflow_slopes[pack.cells[lane]].iter_mut().zip(&kept.outflow) {
+                    for (to, from) in to[..count].iter_mut().zip(from) {
+                        *to = from.to_array()[lane];
                     }
                 }
             }
         }
+        self.kept = all;
         for cell in 0..self.mesh.cells.len() {
             let row = self.layout.amount(cell);
             out.add(row, row, alpha);
@@ -580,6 +659,24 @@ impl VariatorSystem {
                     }
                 }
             }
+        }
+    }
+}
+
+/// The curve as it stands: without derivatives, in passes whose directions don't move it, and in that of Θ.
+struct Frames<C: Standing> {
+    plain: C::Frame<Lanes>,
+    still: C::Frame<Tangent<PASS>>,
+    moving: C::Frame<Tangent<PASS>>,
+}
+
+impl<C: Standing> Frames<C> {
+    /// Frames at `shape`; `theta` is the direction of Θ, and `beta` its slope.
+    fn new(curve: &TwoPulley, shape: &TwoPulleyShape, theta: usize, beta: f64) -> Self {
+        Self {
+            plain: C::stand(curve, shape.frame(Lanes::zero())),
+            still: C::stand(curve, shape.frame(Tangent::zero())),
+            moving: C::stand(curve, shape.frame(Tangent::seed(Lanes::zero(), theta % PASS, beta))),
         }
     }
 }

@@ -146,6 +146,10 @@ pub struct Sample<L = f64> {
     pub torque: L,
     /// Tangential sliding speed, m/s.
     pub sliding: L,
+    /// Sliding speed along the flank, m/s.
+    pub flank_sliding: L,
+    /// Sliding speed of the ring on the elements, m/s.
+    pub ring_sliding: L,
     /// Penetration, m.
     pub penetration: L,
     /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the plane.
@@ -191,6 +195,8 @@ impl Sample<Lanes> {
             axial: of(self.axial),
             torque: of(self.torque),
             sliding: of(self.sliding),
+            flank_sliding: of(self.flank_sliding),
+            ring_sliding: of(self.ring_sliding),
             penetration: of(self.penetration),
             offset: of(self.offset),
             lateral: self.lateral.map(of),
@@ -509,6 +515,8 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
                 axial: on_movable,
                 torque: flanks.torque,
                 sliding: flank.tangential,
+                flank_sliding: flank.along_flank,
+                ring_sliding: sliding,
                 penetration: flank.penetration,
                 offset,
                 lateral: if D == 2 {

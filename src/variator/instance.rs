@@ -10,6 +10,7 @@ use super::start::{Start, kinematic_state};
 use super::steady::{self, SteadyTask};
 use super::system::{State, VariatorSystem};
 use super::validation::ParameterError;
+use crate::solver::System;
 use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
@@ -213,6 +214,7 @@ impl Variator {
         self.buckling = false;
         self.ramp_end = f64::NEG_INFINITY;
         self.integrator = integrator(&self.system, &parameters);
+        self.system.forget_derivatives();
         let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
         if parameters.ring_model.travels() {
             self.lay_on_ale(inputs)?;
@@ -582,6 +584,7 @@ impl Variator {
         }
         self.integrator.pass(tape);
         self.system.pass_loads(tape);
+        self.system.pass_kept(tape);
         let ledger = &mut self.system.ledger;
         let [torque_s, torque_p] = &mut self.external_torque;
         for value in [
@@ -602,6 +605,7 @@ impl Variator {
         tape.flag(&mut self.buckling);
         if tape.is_reading() {
             self.system.law.parameters.friction = self.parameters.friction.clone();
+            self.system.retake_derivatives();
             self.system.take_stock(self.state.view());
             self.stale = true;
         }
@@ -650,6 +654,7 @@ impl Variator {
         self.system.take_stock(self.state.view());
         self.parameters = changed;
         self.integrator.newton.forget();
+        self.system.forget_derivatives();
         self.stale = true;
         Ok(())
     }

@@ -6,6 +6,7 @@ pub mod boundary;
 pub mod cell;
 pub mod evolution;
 pub mod instance;
+mod kept;
 mod lay;
 pub mod layout;
 pub mod linear;

@@ -4,6 +4,7 @@ use super::assembly::{MOST, Pack, PulleySum, for_kind};
 use super::boundary::{Boundary, Course, SheaveMode, SpeedMode};
 use super::cell::{CellLaw, SheavePlane};
 use super::evolution::Ledger;
+use super::kept::Kept;
 use super::layout::{Global, Layout};
 use super::mesh::{BeltMesh, P, S};
 use super::order::{self, Order, Travelling};
@@ -64,6 +65,10 @@ pub struct VariatorSystem {
     pub ledger: Ledger,
     has_position: Vec<bool>,
     pub(super) packs: Vec<Pack>,
+    /// Derivatives of each pack.
+    pub(super) kept: Vec<Kept>,
+    /// How often packs of cells were differentiated.
+    pub(super) differentiations: u64,
     /// Amounts per time that leave each cell through its left and its right face, and their slopes in the cell's directions.
     pub(super) outflows: Vec<[f64; 2]>,
     pub(super) sums: [PulleySum; 2],
@@ -190,6 +195,8 @@ impl VariatorSystem {
             sums: [PulleySum::default(); 2],
             outflow_slopes: vec![[[0.0; MOST]; 2]; cells],
             packs: Vec::new(),
+            kept: Vec::new(),
+            differentiations: 0,
             flux_entries: Vec::new(),
             mean_tensions: vec![MeanTension::default(); layout.travelling.map_or(0, |t| t.nodes)],
             passing_slopes: Vec::new(),
@@ -198,6 +205,17 @@ impl VariatorSystem {
         };
         system.pack();
         system
+    }
+
+    /// Takes the derivatives that are kept once more: after they were read from a tape.
+    pub(super) fn retake_derivatives(&mut self) {
+        for_kind!(&mut *self, retake());
+    }
+
+    /// How often packs of cells were differentiated.
+    #[must_use]
+    pub fn differentiations(&self) -> u64 {
+        self.differentiations
     }
 
     /// Parameters of a pulley.
@@ -283,6 +301,15 @@ impl System for VariatorSystem {
     }
 
     fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.forget_derivatives();
+        self.renew_jacobian(view, alpha, beta, out);
+    }
+
+    fn forget_derivatives(&mut self) {
+        self.kept.iter_mut().for_each(Kept::forget);
+    }
+
+    fn renew_jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         out.clear();
         if let Some(travelling) = self.travelling.clone() {
             with_ring!(&*travelling, ring => self.travelling_jacobian(ring, view, alpha, beta, out));
@@ -453,6 +480,40 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Where nothing has changed derivatives are kept; a cell that begins to slip is differentiated again, with those that
+    /// share its face; another step size asks for all of them.
+    #[test]
+    fn derivatives_are_kept_until_they_change() {
+        let (mut system, mut state) = disturbed(RingModel::Ale, false, true, 200.0);
+        let shape = system.shape();
+        let renewed = |system: &mut VariatorSystem, state: &State, alpha: f64| {
+            let (before, mut matrix) = (system.differentiations(), Arrow::new(shape));
+            system.renew_jacobian(state.view(), alpha, 1.0 / alpha, &mut matrix);
+            (system.differentiations() - before, matrix)
+        };
+        let x = vec![1.0; shape.len()];
+        let product = |matrix: &Arrow| {
+            let mut product = vec![0.0; shape.len()];
+            matrix.multiply(&x, &mut product);
+            product
+        };
+        let packs = system.packs.len() as u64;
+        let (all, first) = renewed(&mut system, &state, 1.0e4);
+        let (none, again) = renewed(&mut system, &state, 1.0e4);
+        assert_eq!((all, none), (packs, 0));
+        assert_eq!(product(&first), product(&again));
+        // In the middle of the primary arc, where the belt sticks.
+        let face = system.layout.speed(14);
+        state.y[face] += 0.5;
+        let (some, changed) = renewed(&mut system, &state, 1.0e4);
+        assert!((1..=2).contains(&some), "{some} of {packs}");
+        let mut exact = Arrow::new(shape);
+        system.jacobian(state.view(), 1.0e4, 1.0e-4, &mut exact);
+        assert_ne!(product(&first)[face], product(&changed)[face]);
+        assert_eq!(product(&exact)[face], product(&changed)[face]);
+        assert_eq!(renewed(&mut system, &state, 2.0e4).0, packs);
     }
 
     /// The nodes of a ring that travels are interchangeable: counted from another one, with s an element on, the residual is
