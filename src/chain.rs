@@ -12,7 +12,7 @@
 //! J is the same on both sides of a moving arc border although κ_ref jumps there, because χ̇ (the turning of the
 //! elements with the mesh point) is continuous.
 //!
-//! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`outflow`]).
+//! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`flux`]).
 //!
 //! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) with H the slope of ⟨·⟩₊: damping acts in contact only. The material
 //! shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
@@ -166,15 +166,98 @@ pub fn energy_density(belt: &Belt, nu: f64) -> f64 {
     belt.push_stiffness * crate::scalar::smooth_plus_energy(nu - 1.0, belt.contact_strain, 0.1)
 }
 
-/// Amounts per time that leave a cell through its left and its right face: J ν.
+/// What the balance of the amounts needs of a cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Transport<T> {
+    /// J at its left face, m/s.
+    pub flow: T,
+    /// ν.
+    pub density: T,
+    /// Half of V's difference across it as far as elements part freely, m/s: [`lag`].
+    pub lag: T,
+}
+
+impl<T> Transport<T> {
+    /// The same of each figure.
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Transport<U> {
+        Transport {
+            flow: f(self.flow),
+            density: f(self.density),
+            lag: f(self.lag),
+        }
+    }
+
+    /// Its figures.
+    pub fn each(&self) -> [&T; 3] {
+        [&self.flow, &self.density, &self.lag]
+    }
+
+    /// Its figures, to write to.
+    pub fn each_mut(&mut self) -> [&mut T; 3] {
+        [&mut self.flow, &mut self.density, &mut self.lag]
+    }
+}
+
+/// How much less J is in the middle of a cell than at its right face, m/s, as far as elements part freely; as much more than at its left.
 ///
-/// J is the cell's mean. In a steady state J ν is the same all around, so ν then belongs to the middle of the cell, of second order. That
-/// counts where elements leave a pulley: within 3 mm the push force falls to its last newtons, ν passes where the flow is as fast as
-/// waves in the stack, and what is left sets the gaps in the strand. In contact, and with the weight of [`upwinding`], J is taken at the face
-/// downstream instead: with means alone a sawtooth of V would leave all amounts as they are.
+/// In a steady state J ν is the same all around. With J at the face downstream, ν belongs half a cell upstream of its middle. That counts where
+/// elements leave a pulley: within 3 mm the push force falls to its last newtons, ν passes where the flow is as fast as waves in the
+/// stack, and what is left sets the gaps in the strand. With J of the middle it is of second order there. In contact, and with the
+/// weight of [`upwinding`], the face stays: with the middle alone a sawtooth of V would leave all amounts as they are.
 #[inline(always)]
-pub fn outflow<T: Real>(nu: T, flow: T, difference: T, contact: T, upwinding: T) -> [T; 2] {
-    let at_face = contact + (-contact + 1.0) * upwinding;
-    let shift = at_face * difference * 0.5;
-    [shift - flow, shift + flow].map(|out| smooth_plus(out, UPWIND_SMOOTHING).0 * nu)
+pub fn lag<T: Real>(difference: T, contact: T, upwinding: T) -> T {
+    (-contact + 1.0) * (-upwinding + 1.0) * difference * 0.5
+}
+
+/// Amount per time through a face: J ν of the cell upstream.
+pub fn flux<T: Real>(before: &Transport<T>, after: &Transport<T>) -> T {
+    let (forward, _) = smooth_plus(after.flow - before.lag, UPWIND_SMOOTHING);
+    let (backward, _) = smooth_plus(-after.flow - after.lag, UPWIND_SMOOTHING);
+    forward * before.density - backward * after.density
+}
+
+/// Derivatives of [`flux`] with respect to what it needs of both cells.
+#[must_use]
+pub fn flux_slopes(before: &Transport<f64>, after: &Transport<f64>) -> [Transport<f64>; 2] {
+    let (forward, ahead) = smooth_plus(after.flow - before.lag, UPWIND_SMOOTHING);
+    let (backward, astern) = smooth_plus(-after.flow - after.lag, UPWIND_SMOOTHING);
+    [
+        Transport {
+            flow: 0.0,
+            density: forward,
+            lag: -ahead * before.density,
+        },
+        Transport {
+            flow: ahead * before.density + astern * after.density,
+            density: -backward,
+            lag: astern * after.density,
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_dual::Dual64;
+
+    #[test]
+    fn flux_has_the_slopes_that_differentiation_finds() {
+        for flow in [-3.0, -1e-6, 0.0, 2e-6, 3.0] {
+            let cells = [[0.4, 0.98, 0.03], [flow, 1.01, -0.02]];
+            let [before, after] = cells.map(|[flow, density, lag]| Transport { flow, density, lag });
+            let slopes = flux_slopes(&before, &after).map(|s| [s.flow, s.density, s.lag]);
+            for k in 0..6 {
+                let seeded = |cell: usize| {
+                    let [flow, density, lag] =
+                        std::array::from_fn(|i| Dual64::new(cells[cell][i], f64::from(u8::from(3 * cell + i == k))));
+                    Transport { flow, density, lag }
+                };
+                let slope = flux(&seeded(0), &seeded(1)).eps;
+                assert!(
+                    (slope - slopes[k / 3][k % 3]).abs() < 1e-12,
+                    "flow {flow}, argument {k}"
+                );
+            }
+        }
+    }
 }

@@ -7,6 +7,7 @@ use super::mesh::Station;
 use super::ring::{Deflecting, Guided, RingForces};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
+use crate::chain::{self, Transport};
 use crate::reference_curve::{
     Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame, TwoPulleyShape, Unaligned,
 };
@@ -463,11 +464,11 @@ impl VariatorSystem {
         unknowns: &Unknowns<Lanes>,
         slopes: [f64; 2],
         first: usize,
-    ) -> ([Tangent<PASS>; MOST], [Tangent<PASS>; 2]) {
+    ) -> ([Tangent<PASS>; MOST], Transport<Tangent<PASS>>) {
         let seed =
             |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
         let (b, ring) = self.pack_balance::<_, _, FLEX, D, C>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
-        (Self::rows::<_, FLEX, D>(&b, &ring), b.outflow)
+        (Self::rows::<_, FLEX, D>(&b, &ring), b.transport)
     }
 
     pub(super) fn assemble_residual<const FLEX: bool, const D: usize, C: Standing>(
@@ -502,15 +503,7 @@ impl VariatorSystem {
                     }
                 }
             }
-            let [axial, torque, x, y, left, right] = [
-                b.axial,
-                b.torque,
-                b.tilting[0],
-                b.tilting[1],
-                b.outflow[0],
-                b.outflow[1],
-            ]
-            .map(Lanes::to_array);
+            let [axial, torque, x, y] = [b.axial, b.torque, b.tilting[0], b.tilting[1]].map(Lanes::to_array);
             for lane in 0..pack.used {
                 let cell = pack.cells[lane];
                 let sum = &mut self.sums[self.mesh.cells[cell].pulley];
@@ -518,7 +511,7 @@ impl VariatorSystem {
                 sum.torque += torque[lane];
                 sum.tilting[0] += x[lane];
                 sum.tilting[1] += y[lane];
-                self.outflows[cell] = [left[lane], right[lane]];
+                self.transports[cell] = b.transport.map(|of| of.to_array()[lane]);
             }
         }
         self.add_fluxes(view, out);
@@ -529,7 +522,7 @@ impl VariatorSystem {
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
-            let flux = self.outflows[before][1] - self.outflows[cell][0];
+            let flux = chain::flux(&self.transports[before], &self.transports[cell]);
             let (into, from) = (self.layout.amount(cell), self.layout.amount(before));
             out[into] += view.y_dot[into] - flux;
             out[from] += flux;
@@ -544,7 +537,7 @@ impl VariatorSystem {
         frame: &C::Frame<Lanes>,
         unknowns: &Unknowns<Lanes>,
         alpha: f64,
-    ) -> Regime {
+    ) -> (Regime, Transport<Lanes>) {
         let mut regime = Regime::new();
         let mut look = Look {
             law: &self.law,
@@ -556,8 +549,8 @@ impl VariatorSystem {
         let (b, _) = self.pack_balance::<_, _, FLEX, D, C>(pack, frame, unknowns, [0.0; 2], seed, &mut look);
         let own = if FLEX { 4 * D } else { 0 };
         let [left, right] = [unknowns.value[own], unknowns.value[own + 1]];
-        regime.see_flow(right - left, b.outflow);
-        regime
+        regime.see_difference(right - left);
+        (regime, b.transport)
     }
 
     /// Differentiates a pack.
@@ -579,12 +572,12 @@ impl VariatorSystem {
                 &frames.still
             };
             let pass = first..(first + PASS).min(count);
-            let (rows, outflow) = self.pack_pass::<FLEX, D, C>(pack, frame, &unknowns, slopes, first);
+            let (rows, transport) = self.pack_pass::<FLEX, D, C>(pack, frame, &unknowns, slopes, first);
             let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
             for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
                 block[pass.clone()].copy_from_slice(&row.eps[..pass.len()]);
             }
-            for (slopes, of) in kept.outflow.iter_mut().zip(&outflow) {
+            for (slopes, of) in kept.transport.each_mut().into_iter().zip(transport.each()) {
                 slopes[pass.clone()].copy_from_slice(&of.eps[..pass.len()]);
             }
         }
@@ -600,7 +593,7 @@ impl VariatorSystem {
                 let shape = self.curve.shape(kept.unknowns.position[theta].re());
                 let frames = Frames::<C>::new(&self.curve, &shape, theta, kept.slopes[1]);
                 let (unknowns, slopes) = (kept.unknowns.clone(), kept.slopes);
-                let regime = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, slopes[0]);
+                let (regime, _) = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, slopes[0]);
                 self.differentiate::<FLEX, D, C>(pack, &frames, unknowns, regime, slopes, kept);
             }
         }
@@ -619,7 +612,7 @@ impl VariatorSystem {
         let mut all = std::mem::take(&mut self.kept);
         for (pack, kept) in self.packs.iter().zip(&mut all) {
             let unknowns = self.gather(view, pack, count);
-            let regime = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, alpha);
+            let (regime, transport) = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, alpha);
             let length = C::segment_length(&frames.plain, pack.segment).v * pack.share;
             if !kept.holds(&regime, &unknowns, length, [if FLEX { D } else { 0 }, theta], alpha) {
                 self.differentiations += 1;
@@ -632,7 +625,13 @@ impl VariatorSystem {
                 }
             }
             for lane in 0..pack.used {
-                for (to, from) in self.outflow_slopes[pack.cells[lane]].iter_mut().zip(&kept.outflow) {
+                let cell = pack.cells[lane];
+                self.transports[cell] = transport.map(|of| of.to_array()[lane]);
+                for (to, from) in self.transport_slopes[cell]
+                    .each_mut()
+                    .into_iter()
+                    .zip(kept.transport.each())
+                {
                     for (to, from) in to[..count].iter_mut().zip(from) {
                         *to = from.to_array()[lane];
                     }
@@ -648,10 +647,14 @@ impl VariatorSystem {
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
-            let ([left, _], [_, right]) = (&self.outflow_slopes[cell], &self.outflow_slopes[before]);
+            let [by_before, by_own] = chain::flux_slopes(&self.transports[before], &self.transports[cell]);
+            let (of_before, of_own) = (&self.transport_slopes[before], &self.transport_slopes[cell]);
             let [own, other] = &self.flux_entries[cell];
             for k in 0..count {
-                for (entries, slope) in [(own[k], -left[k]), (other[k], right[k])] {
+                let slope =
+                    by_own.flow * of_own.flow[k] + by_own.density * of_own.density[k] + by_own.lag * of_own.lag[k];
+                let slope_before = by_before.density * of_before.density[k] + by_before.lag * of_before.lag[k];
+                for (entries, slope) in [(own[k], slope), (other[k], slope_before)] {
                     for (entry, value) in entries.into_iter().zip([slope, -slope]) {
                         if entry != NOWHERE {
                             out.add_at(entry, value);

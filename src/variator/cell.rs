@@ -10,7 +10,7 @@
 use super::mesh::Station;
 use super::parameters::Parameters;
 use super::ring::{Action, CellRing};
-use crate::chain::{self, ChainPoint, collision_force, push_force};
+use crate::chain::{self, ChainPoint, Transport, collision_force, push_force};
 use crate::contact::{self, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::ring::kinematics::{Load, ReferenceMotion, embed, in_plane};
@@ -33,6 +33,8 @@ pub struct CellLaw {
     pub axes: [f64; 2],
     /// Where the sheaves stand along z.
     pub planes: [SheavePlane; 2],
+    /// Whether amounts leave with a lag. Not with one cell an element: what it depends on would leave the band of the matrix.
+    pub has_lag: bool,
 }
 
 /// The middle of a pulley along z: it moves away from the movable sheave by half of what that closes.
@@ -111,8 +113,8 @@ pub struct CellBalance<T: Real> {
     pub tilting: [T; 2],
     /// Torque of the belt on the pulley, N·m.
     pub torque: T,
-    /// Amounts per time that leave through the left and the right face, m/s.
-    pub outflow: [T; 2],
+    /// For the balance of the amounts.
+    pub transport: Transport<T>,
 }
 
 /// What a station tells: values for outputs, losses and energies; of one cell, or of one in each lane of `L`.
@@ -367,12 +369,21 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     let upwinding = chain::upwinding(flow, difference);
     let collision = collision_force(&p.belt, density, flow, difference, upwinding);
 
+    let face = ring.point(0, reference(0));
     let mut out = CellBalance {
         speed: [push.force - collision, collision - push.force],
         axial: T::zero(),
         tilting: [T::zero(); 2],
         torque: T::zero(),
-        outflow: chain::outflow(density, flow, difference, push.contact, upwinding),
+        transport: Transport {
+            flow: ChainPoint::new(e, &face, theta_dot, motion.speed[0]).flow,
+            density,
+            lag: if law.has_lag {
+                chain::lag(difference, push.contact, upwinding)
+            } else {
+                T::zero()
+            },
+        },
     };
     let speed_gradient = difference / cell_length;
     let pulley = &motion.pulley;
@@ -496,7 +507,6 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         out.speed[1] += along * weight * right;
 
         if S::ACTIVE {
-            let face = ring.point(0, reference(0));
             let of_ring = ring.density(point);
             let stack = (collision * difference - push.viscous * lengthening) / cell_length;
             let from_axis = in_plane(&face.r) - Vector2::new(T::constant(place.axis), T::zero());

@@ -38,7 +38,9 @@ impl Evolution for VariatorSystem {
                 .max((q_error[z] / (1.0e-3 * tolerance)).abs())
                 .max((y_error[omega] / (tolerance * (10.0 + 0.1 * view.y[omega].abs()))).abs());
         }
-        let speed_scale = tolerance * (10.0 + view.y[layout.speed(0)].abs());
+        // Sharper near standstill, where there is little energy to be wrong about.
+        let speed = view.y[layout.speed(0)].abs();
+        let speed_scale = tolerance * (2.0 + speed + 8.0 * speed / (1.0 + speed));
         let mean = layout.len() as f64;
         let mut local = 0.0;
         for cell in 0..layout.cells() {

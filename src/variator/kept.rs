@@ -6,7 +6,7 @@
 
 use super::assembly::{MOST, Unknowns};
 use super::cell::{CellLaw, Probe, Sample};
-use crate::chain::{CLOSING_SMOOTHING, UPWIND_SMOOTHING};
+use crate::chain::{CLOSING_SMOOTHING, Transport};
 use crate::contact::PENETRATION_SMOOTHING;
 use crate::scalar::{Lanes, Real};
 use crate::tape::Tape;
@@ -15,7 +15,7 @@ use crate::tape::Tape;
 const STATIONS: usize = 3;
 /// Figures of a station, and of a cell beyond them.
 const OF_STATION: usize = 10;
-const OF_CELL: usize = 6;
+const OF_CELL: usize = 4;
 const FIGURES: usize = STATIONS * OF_STATION + OF_CELL;
 
 /// Change of a figure at which the derivatives are no longer good, relative to its size and that of the inertia.
@@ -41,18 +41,13 @@ impl Regime {
         }
     }
 
-    /// Takes the figures of what leaves a cell: `difference` of V across it, m/s, and amounts per time through both faces.
+    /// Takes the figures of what the `difference` of V across a cell does, m/s.
     #[inline(always)]
-    pub(super) fn see_flow(&mut self, difference: Lanes, outflow: [Lanes; 2]) {
+    pub(super) fn see_difference(&mut self, difference: Lanes) {
         let last = &mut self.figures[STATIONS * OF_STATION + 2..];
         let [_, closing, bend] = (-difference).smooth_plus(CLOSING_SMOOTHING);
         last[0] = closing;
         last[1] = bend * difference;
-        // ⟨x⟩₊ has the slope ⟨x⟩₊²/(⟨x⟩₊² + δ²/4).
-        for (figure, out) in last[2..].iter_mut().zip(outflow) {
-            let square = out * out;
-            *figure = square / (square + 0.25 * UPWIND_SMOOTHING * UPWIND_SMOOTHING);
-        }
     }
 
     /// Whether derivatives taken in `earlier` are good here.
@@ -131,8 +126,8 @@ pub(super) struct Kept {
     pub regime: Regime,
     /// Rows of the balance, the amount's left out, a direction after the other.
     pub block: Vec<Lanes>,
-    /// Of the amounts that leave through the left and the right face.
-    pub outflow: [[Lanes; MOST]; 2],
+    /// Of what the balance of the amounts needs.
+    pub transport: Transport<[Lanes; MOST]>,
 }
 
 impl Kept {
@@ -148,7 +143,7 @@ impl Kept {
             },
             regime: Regime::new(),
             block: vec![Lanes::from(0.0); entries],
-            outflow: [zero; 2],
+            transport: Transport::default().map(|()| zero),
         }
     }
 

@@ -10,6 +10,7 @@ use super::mesh::{BeltMesh, P, S};
 use super::order::{self, Order, Travelling};
 use super::parameters::{Parameters, Pulley, RIGID_TILT_STIFFNESS, RingModel};
 use super::travelling::{CellSlopes, MeanTension, TravellingRing, with_ring};
+use crate::chain::Transport;
 use crate::pulley::Travel;
 use crate::reference_curve::{ReferenceCurve, TwoPulley, ratio_of_theta};
 use crate::solver::arrow::{Arrow, Shape};
@@ -69,10 +70,10 @@ pub struct VariatorSystem {
     pub(super) kept: Vec<Kept>,
     /// How often packs of cells were differentiated.
     pub(super) differentiations: u64,
-    /// Amounts per time that leave each cell through its left and its right face, and their slopes in the cell's directions.
-    pub(super) outflows: Vec<[f64; 2]>,
+    /// What the balance of the amounts needs of each cell, and its slopes in the cell's directions.
+    pub(super) transports: Vec<Transport<f64>>,
     pub(super) sums: [PulleySum; 2],
-    pub(super) outflow_slopes: Vec<[[f64; MOST]; 2]>,
+    pub(super) transport_slopes: Vec<Transport<[f64; MOST]>>,
     /// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts before and in the cell; then the same for
     /// the directions of the cell before.
     pub(super) flux_entries: Vec<[[[usize; 2]; MOST]; 2]>,
@@ -177,6 +178,7 @@ impl VariatorSystem {
                 r0,
                 axes: [0.0, geometry.center_distance],
                 planes: SheavePlane::pair(geometry.pulley_offset),
+                has_lag: mesh.cells_per_element > 1,
             },
             mesh,
             layout,
@@ -191,9 +193,9 @@ impl VariatorSystem {
             inertia_factor: 1.0,
             ledger: Ledger::default(),
             has_position,
-            outflows: vec![[0.0; 2]; cells],
+            transports: vec![Transport::default(); cells],
             sums: [PulleySum::default(); 2],
-            outflow_slopes: vec![[[0.0; MOST]; 2]; cells],
+            transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             packs: Vec::new(),
             kept: Vec::new(),
             differentiations: 0,

@@ -19,6 +19,7 @@ use super::order::SLOTS;
 use super::parameters::{Parameters, RingModel};
 use super::ring::{Action, CellRing, RingDensity};
 use super::system::{HOLD, VariatorSystem};
+use crate::chain::{self, Transport};
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::ring::ancf::Ancf;
 use crate::ring::beam;
@@ -489,7 +490,7 @@ impl VariatorSystem {
             sum.torque += b.torque;
             sum.tilting[0] += b.tilting[0];
             sum.tilting[1] += b.tilting[1];
-            self.outflows[cell] = b.outflow;
+            self.transports[cell] = b.transport;
         }
         self.add_fluxes(view, out);
         for i in self.layout.free() {
@@ -537,7 +538,7 @@ impl VariatorSystem {
             let pulley = self.mesh.cells[cell].pulley;
             let under = self.under(&frame, cell, s);
             of_cell.count = under.directions(&self.layout, cell, pulley, &mut of_cell.at);
-            let CellSlopes { at, count, outflow } = of_cell;
+            let CellSlopes { at, count, transport } = of_cell;
             let (own, count) = (under.nodal(), *count);
             for first in (0..count).step_by(PASS) {
                 let seed = |value: f64, direction: usize, slope: f64| {
@@ -567,8 +568,9 @@ impl VariatorSystem {
                 for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
                     add(at[own + k], row);
                 }
-                for (slopes, outflow) in outflow.iter_mut().zip(&rows.balance.outflow) {
-                    slopes[first..][..columns.len()].copy_from_slice(&outflow.eps[..columns.len()]);
+                self.transports[cell] = rows.balance.transport.map(|of| of.re);
+                for (slopes, of) in transport.each_mut().into_iter().zip(rows.balance.transport.each()) {
+                    slopes[first..][..columns.len()].copy_from_slice(&of.eps[..columns.len()]);
                 }
             }
         }
@@ -578,18 +580,22 @@ impl VariatorSystem {
             let rows = [self.layout.amount(before), self.layout.amount(cell)];
             out.add(rows[1], rows[1], alpha);
             let (own, other) = (&memory[cell], &memory[before]);
-            let mut add = |column: usize, slope: f64| {
-                for (row, value) in rows.into_iter().zip([slope, -slope]) {
-                    if let Some(index) = out.index(row, column) {
-                        out.add_at(index, value);
+            let slopes = chain::flux_slopes(&self.transports[before], &self.transports[cell]);
+            for (of, by) in [other, own].into_iter().zip(slopes) {
+                for k in 0..of.count {
+                    let slope = of
+                        .transport
+                        .each()
+                        .into_iter()
+                        .zip(by.each())
+                        .map(|(of, by)| by * of[k])
+                        .sum::<f64>();
+                    for (row, value) in rows.into_iter().zip([slope, -slope]) {
+                        if let Some(index) = out.index(row, of.at[k]) {
+                            out.add_at(index, value);
+                        }
                     }
                 }
-            };
-            for k in 0..own.count {
-                add(own.at[k], -own.outflow[0][k]);
-            }
-            for k in 0..other.count {
-                add(other.at[k], other.outflow[1][k]);
             }
         }
         self.passing_slopes = memory;
@@ -646,12 +652,12 @@ impl VariatorSystem {
     }
 }
 
-/// Slopes of the amounts that leave a cell through its left and its right face, in the directions `at`.
+/// Slopes of what the balance of the amounts needs of a cell, in the directions `at`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellSlopes {
     at: [usize; MOST],
     count: usize,
-    outflow: [[f64; MOST]; 2],
+    transport: Transport<[f64; MOST]>,
 }
 
 impl Default for CellSlopes {
@@ -659,7 +665,7 @@ impl Default for CellSlopes {
         Self {
             at: [0; MOST],
             count: 0,
-            outflow: [[0.0; MOST]; 2],
+            transport: Transport::default().map(|()| [0.0; MOST]),
         }
     }
 }
