@@ -223,7 +223,10 @@ class RatioControl:
         self._last = ratio_log
         if measured.primary_speed < self.LEAST_SPEED:
             self._integral = 0.0
-            return float(np.clip(self._shifting(0.0, measured, secondary), low, high)), secondary
+            primary = self._shifting(0.0, measured, secondary)
+            if primary < low:
+                primary, secondary = low, self._secondary_for(low, 0.0, measured, secondary)
+            return min(primary, high), secondary
         wanted = self.APPROACH * (math.log(target) - ratio_log)
         wanted = float(np.clip(wanted, -self.FASTEST, self.FASTEST))
         error = wanted - self._shift_speed

@@ -21,7 +21,7 @@ SPEED = 200.0
 """Primary speed of the map, rad/s: it moves the thrust ratio by little."""
 FORCE = 12e3
 """Secondary clamping force of the map, N."""
-SHIFT_SHARES = (0.3, 0.36, 0.44, 0.55, 0.75, 1.25, 1.6, 2.1, 2.5, 3.0)
+SHIFT_SHARES = (0.3, 0.4, 0.55, 0.75, 1.3, 1.8, 2.4, 3.0)
 """Primary forces at which the shift rate is measured, as shares of what holds the ratio."""
 SHIFT_UTILISATIONS = (-0.3, 0.3)
 """Torque utilisations at which it is measured."""
@@ -191,19 +191,20 @@ def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array,
 
 def _shift_rates(archive: Archive, parameters: Parameters, ratio: float, utilisation: float) -> Array:
     """Shift rates, from the clamping forces of the steady state with a jump of the primary one."""
-    torque = torque_at(parameters, ratio, utilisation)
     rates = []
-    for share in SHIFT_SHARES:
-        with _start(archive, parameters, ratio, torque) as unit:
-            reader = unit.reader(["primary.axialForce", "ratio.geometric"])
-            unit.set({"primary.clampingForce": share * unit.read(reader)[0]})
-            logs = [math.log(unit.read(reader)[1])]
+    with _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation)) as unit, unit.kept() as back:
+        reader = unit.reader(["primary.axialForce", "ratio.geometric"])
+        force, begin = unit.read(reader)
+        for share in SHIFT_SHARES:
+            back()
+            unit.set({"primary.clampingForce": share * force})
+            logs = [math.log(begin)]
             while abs(logs[-1] - logs[0]) < SHIFT_REACH and len(logs) * SHIFT_STEP <= SHIFT_TIME:
                 unit.step_to(len(logs) * SHIFT_STEP)
                 logs.append(math.log(unit.read(reader)[1]))
-        # The first half belongs to what the jump itself does.
-        half = (len(logs) - 1) // 2
-        rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * FORCE))
+            # The first half belongs to what the jump itself does.
+            half = (len(logs) - 1) // 2
+            rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * FORCE))
     return np.array(rates)
 
 
