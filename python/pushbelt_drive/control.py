@@ -140,7 +140,9 @@ class SlipControl:
     def stable_utilisation(self, measured: Measured) -> float:
         """Torque utilisation beyond which the flywheel lets the belt run away."""
         belt = self.friction
-        torque_per_force = self.flywheel * self.map.shift_gain(measured.ratio, self.utilisation) * measured.primary_speed**2
+        torque_per_force = (
+            self.flywheel * self.map.shift_gain(measured.ratio, self.utilisation) * measured.primary_speed**2
+        )
         force_per_torque = clamping_force(1.0, measured.pitch_radius, belt.coefficient, belt.wedge_angle, 1.0)
         return self.map.stable_utilisation(measured.ratio, torque_per_force * force_per_torque)
 

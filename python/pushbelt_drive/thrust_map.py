@@ -144,7 +144,20 @@ def _place(grid: Array | Sequence[float], value: float) -> tuple[int, float]:
 
 def map_key(fmu: Path, parameters: Parameters) -> str:
     """What a cached map depends on: the FMU's bytes, the parameters and the grid."""
-    text = json.dumps([dict(parameters), RATIOS, UTILISATIONS, SPEED, FORCE, SHIFT_UTILISATIONS, SHIFT_SHARES, SHIFT_TIME, SHIFT_REACH], sort_keys=True)
+    text = json.dumps(
+        [
+            dict(parameters),
+            RATIOS,
+            UTILISATIONS,
+            SPEED,
+            FORCE,
+            SHIFT_UTILISATIONS,
+            SHIFT_SHARES,
+            SHIFT_TIME,
+            SHIFT_REACH,
+        ],
+        sort_keys=True,
+    )
     return hashlib.sha256(fmu.read_bytes() + text.encode()).hexdigest()
 
 

@@ -213,7 +213,9 @@ def test_flywheel_limits_the_utilisation() -> None:
     table = dataclasses.replace(
         MAP,
         utilisations=np.array([-0.9, 0.0, 0.6, 0.8, 0.9, 0.97]),
-        thrust=np.array([[1.0, 1.4, 1.8, 1.8, 1.7, 1.5], [0.8, 1.0, 1.2, 1.2, 1.1, 0.9], [0.6, 0.7, 0.9, 0.9, 0.9, 0.9]]),
+        thrust=np.array(
+            [[1.0, 1.4, 1.8, 1.8, 1.7, 1.5], [0.8, 1.0, 1.2, 1.2, 1.1, 0.9], [0.6, 0.7, 0.9, 0.9, 0.9, 0.9]]
+        ),
         slips=np.array([[-0.01, 0.0, 0.005, 0.008, 0.012, 0.02]] * 2 + [[-0.01, 0.0, 0.005, 0.008, 0.008, 0.008]]),
     )
     limits = [table.stable_utilisation(1.0, flywheel) for flywheel in (0.0, 0.5, 1.0, 4.0)]
@@ -342,7 +344,9 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
 # Documentation
 
 
-@pytest.mark.parametrize(("page", "program"), [("controller", "controller"), ("models", "wiring"), ("cosimulation", "coupled")])
+@pytest.mark.parametrize(
+    ("page", "program"), [("controller", "controller"), ("models", "wiring"), ("cosimulation", "coupled")]
+)
 def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
     shown = (ROOT / "docs" / f"drivetrain-{page}.md").read_text(encoding="utf-8")
     code = (ROOT / "examples" / "drivetrain" / f"{program}.py").read_text(encoding="utf-8")
