@@ -4,9 +4,7 @@ The belt is the linear model of `cargo fmu linearize`; flywheel, clutch, control
 change of the target ratio sets it off. Prints the table of docs/drivetrain.md.
 """
 
-import dataclasses
 import json
-import math
 import subprocess
 from pathlib import Path
 
