@@ -198,7 +198,7 @@ class RatioControl:
     """k, 1/s."""
     FASTEST = 1.0
     """λ_max, 1/s."""
-    PROPORTIONAL, INTEGRAL = 1.0, 3.0
+    PROPORTIONAL, INTEGRAL = 0.8, 3.0
     """k_p, 1, and k_i, 1/s."""
     MOST_FORCE = 20e3
     """Largest C, N·s."""
