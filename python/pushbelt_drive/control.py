@@ -94,17 +94,19 @@ class SlipControl:
 
         F_S = F_ff · clip(1 + k_p e + k_i ∫e dt, low, high),   e = |slip| − set point
 
-    u is `utilisation`, or less where the flywheel would let the belt run away. A shift turns the engine and so loads the
-    belt by J ω_P λ; where the thrust ratio falls with torque, that shifts it on, with the share
+    u is `utilisation`, or less where there is no steady state or the flywheel would let the belt run away. A shift turns
+    the engine and so loads the belt by J ω_P λ; where the thrust ratio falls with torque, that shifts it on, with the
+    share
 
-        −dκ/du · J g ω_P² cosβ/(2 μ r_P)
+        Γ = −dκ/du · J g ω_P² cosβ/(2 μ r_P)
 
-    of the force that the shift came from. u is the most at which this share stays below 1: less in fast overdrive only.
+    of the force that the shift came from. u is the most at which Γ stays below 1. It bounds the factor too: the force
+    never falls below that of this utilisation, whatever slip says.
 
     The integral stands still while the factor is at a limit in its direction, and while the ratio control clamps harder.
-    Slip beyond twice its set point and 1 % more, or macro-slip, makes the factor `rescue` at once; it is held for a while,
-    then comes down no faster than the integral brings it. Below a speed at which slip can't be measured well the fixed
-    safety factor holds.
+    Slip beyond twice its set point and 1 % more, or macro-slip, makes the factor `rescue` at once; it is held for a
+    while, then comes down no faster than the integral brings it. Below a speed at which slip can't be measured well the
+    fixed safety factor holds.
     """
 
     PROPORTIONAL = 10.0
@@ -179,19 +181,19 @@ class SlipControl:
 class RatioControl:
     """Primary clamping force from the thrust-ratio map and a PI controller on the shift speed.
 
-    The ratio error asks for a shift speed, λ* = clip(k (ln i* − ln i), ±λ_max) with λ = d(ln i)/dt. The belt shifts with the
-    excess ε = ln(F_P/(κ F_S)) of the thrust ratio over the one that holds, λ = −ω_P F_S R(ε), so
+    The ratio error asks for a shift speed, λ* = clip(k (ln i* − ln i), ±λ_max) with λ = d(ln i)/dt. The belt shifts with
+    the excess ε = ln(F_P/(κ F_S)) of the thrust ratio over the one that holds, λ = −ω_P F_S R(ε), so
 
         F_P = κ(i, u) F_S exp(R⁻¹(−λ*/(ω_P F_S))) − C (k_p e + k_i ∫e dt),   e = λ* − λ
 
-    κ is the thrust ratio of the map at the ratio and the torque utilisation u, R the map's shift rates. C = 1/(g ω_P) makes the
-    loop as fast as designed; g is the steepest gain near the excess that is asked for, because R may bend sharply: a belt that
-    shifts by creep hardly moves until its elements slide radially. Where g is small C stays at `MOST_FORCE`. k_p and a short
-    filter damp what the flywheel does when a shift changes its speed (docs/drivetrain.md). The integral is kept as a force
-    and stands still while F_P is at a limit in its direction. A primary force below what carries the torque is not allowed:
-    to shift down faster the secondary force rises instead.
+    κ is the thrust ratio of the map at the ratio and the torque utilisation u, R the map's shift rates; with R in
+    proportion to ε this is the law of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005). C = 1/(g ω_P) makes
+    the loop as fast as designed. g is the steepest gain near the excess that is asked for, because R may bend sharply: a
+    belt that shifts by creep hardly moves until its elements slide radially. Where g is small C stays at `MOST_FORCE`.
 
-    Law of λ: with R in proportion to ε it is that of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005).
+    k_p and a short filter damp what the flywheel does when a shift changes its speed (docs/drivetrain.md). The integral
+    is kept as a force and stands still while F_P is at a limit in its direction. A primary force below what carries the
+    torque is not allowed: to shift down faster the secondary force rises instead. A standing belt is held the same way.
     """
 
     APPROACH = 3.0
@@ -282,7 +284,7 @@ class RatioControl:
 class PressureControl:
     """Pressure feedback of one circuit: the valve's demand goes beyond the wanted pressure by as much as is missing.
 
-    The circuit is a first-order lag τ, so F_v = F + (τ/τ_c)(F* − F) makes it one of τ_c, within the limits of the valve.
+    The circuit is a first-order lag τ, so F_v = F + (τ/τ_c)(F* − F) makes it one of τ_c, within the valve's limits.
     """
 
     WANTED_LAG = 0.0125
