@@ -21,7 +21,7 @@ def main() -> None:
             parameters = simulate.unit_parameters(car, ring, "coarse")
             table = thrust_map.load(fmu, archive, parameters, Path(f"target/drive/thrust-ratio-map-{ring}.csv"))
             run = simulate.run(archive, car, table, simulate.Setup("detail", "safety", cycle, ring, mesh))
-            cells = (ring, mesh, f"{1e6 * table.shift_gain(1.0):.3f}", f"{run['thrustRatio'][-1]:.2f}",
+            cells = (ring, mesh, f"{1e6 * table.shift_gain(1.0, 0.3):.3f}", f"{run['thrustRatio'][-1]:.2f}",
                      f"{run.variator_loss:.0f}", f"{100 * report.ratio_error(run):.1f}",
                      f"{run.processor_time / cycle.duration:.2f}")  # fmt: skip
             print("| " + " | ".join(cells) + " |")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -127,6 +128,20 @@ class Variator:
             communicationStepSize=time - self.time,
         )
         self.time = time
+
+    @contextmanager
+    def kept(self) -> Iterator[Callable[[], None]]:
+        """Keeps the state; what it gives goes back there, any number of times."""
+        state, time = self._call(self._slave.getFMUState), self.time
+
+        def back() -> None:
+            self._call(self._slave.setFMUState, state)
+            self.time = time
+
+        try:
+            yield back
+        finally:
+            self._call(self._slave.freeFMUState, state)
 
     def set(self, values: Mapping[str, float]) -> None:
         """Sets variables of any type by name."""

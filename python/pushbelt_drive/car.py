@@ -110,7 +110,7 @@ class Powertrain:
     stable as long as J_e h/τ is below the inertia of the pulley alone, which it must be when the belt slips through.
     """
 
-    SYNCHRONISATION = 0.08
+    SYNCHRONISATION = 0.12
     """τ, s."""
     TORQUE_LAG = 0.1
     """Of the engine behind its demand, s."""

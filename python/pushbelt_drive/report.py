@@ -86,7 +86,7 @@ def context(results: Results) -> dict[str, Any]:
         ],
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
-        "shift_gains": [results.thrust_map.shift_gain(ratio) for ratio in (0.5, 1.0, 2.0)],
+        "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "step": STEP,
         "low_friction": LOW_FRICTION,
         "belts": belts,

@@ -24,7 +24,7 @@ from .vehicle import Vehicle, VehicleSignals
 STEP = 0.01
 """Communication and control step unless a set-up says otherwise, s."""
 MESHES: Mapping[str, Mapping[str, float]] = {
-    "coarse": {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4, "solver.tolerance": 1e-3},
+    "coarse": {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3},
     "default": {},
 }
 """Start values by name: for long runs, and the FMU's own."""

@@ -6,7 +6,7 @@ import csv
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,8 +21,16 @@ SPEED = 200.0
 """Primary speed of the map, rad/s: it moves the thrust ratio by little."""
 FORCE = 12e3
 """Secondary clamping force of the map, N."""
-SHIFT_EXCESS, SHIFT_TIME = 1500.0, 0.1
-"""Primary force above equilibrium with which the shift gain is measured, N, and for how long, s."""
+SHIFT_SHARES = (0.3, 0.4, 0.55, 0.75, 1.3, 1.8, 2.4, 3.0)
+"""Primary forces at which the shift rate is measured, as shares of what holds the ratio."""
+SHIFT_UTILISATIONS = (-0.3, 0.3)
+"""Torque utilisations at which it is measured."""
+STILL = 1e-4
+"""Slip that a step of the utilisation moves by at least, where both of its ends are steady states."""
+NEARBY = 0.2
+"""How far the excess may be from where it is believed to be, for the shift gain."""
+SHIFT_TIME, SHIFT_STEP, SHIFT_REACH = 0.1, 0.005, 0.05
+"""For how long, s, in which steps, s, and over which change of ln i at most."""
 
 Parameters = Mapping[str, float]
 
@@ -39,12 +47,50 @@ class ThrustMap:
     """Thrust ratio, shape (m, n)."""
     slips: Array
     """Slip, shape (m, n)."""
-    shift_gains: Array
-    """g of d(ln i)/dt = −g ω_P (F_P − κ F_S) at the ratios, 1/(N·rad), shape (m,)."""
+    excesses: Array
+    """ε = ln(F_P/(κ F_S)), shape (k,), ascending, 0 among them."""
+    shift_rates: Array
+    """R of d(ln i)/dt = −ω_P F_S R(ε) at the utilisations `SHIFT_UTILISATIONS`, 1/(N·rad), shape (m, 2, k), ascending along
+    ε, 0 at ε = 0."""
 
-    def shift_gain(self, ratio: float) -> float:
-        """Shift gain at a ratio, 1/(N·rad): a power law between the points, constant beyond them."""
-        return float(np.exp(np.interp(np.log(ratio), np.log(self.ratios), np.log(self.shift_gains))))
+    def excess(self, ratio: float, utilisation: float, rate: float) -> float:
+        """ε that shifts at a rate R, 1/(N·rad); linear between the points, constant beyond them."""
+        return float(np.interp(rate, self._rates(ratio, utilisation), self.excesses))
+
+    def shift_gain(self, ratio: float, utilisation: float, excess: float = 0.0) -> float:
+        """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad): the steepest R within ±`NEARBY` of it."""
+        slopes = np.diff(self._rates(ratio, utilisation)) / np.diff(self.excesses)
+        near = (self.excesses[1:] > excess - NEARBY) & (self.excesses[:-1] < excess + NEARBY)
+        middle = np.clip(0.5 * (self.excesses[1:] + self.excesses[:-1]), excess - NEARBY, excess + NEARBY)
+        # F_P = κ F_S exp ε
+        return float((slopes / np.exp(middle))[near].max()) / self.thrust_ratio(ratio, utilisation)
+
+    def _rates(self, ratio: float, utilisation: float) -> Array:
+        """R at the excesses, shape (k,)."""
+        m, p = _place(self.ratios, ratio)
+        n, q = _place(SHIFT_UTILISATIONS, utilisation)
+        rows = (1.0 - p) * self.shift_rates[m] + p * self.shift_rates[m + 1]
+        return (1.0 - q) * rows[n] + q * rows[n + 1]
+
+    def stable_utilisation(self, ratio: float, flywheel: float) -> float:
+        """Largest torque utilisation, driving, that has a steady state and at which −dκ/du · `flywheel` stays below 1.
+
+        The thrust ratio falls towards capacity. Its slopes count at the middle of their intervals, linear in between.
+        """
+        m, p = _place(self.ratios, ratio)
+        low, high = (self._stable(row, flywheel) for row in (m, m + 1))
+        return (1.0 - p) * low + p * high
+
+    def _stable(self, row: int, flywheel: float) -> float:
+        """The same at a ratio of the map."""
+        driving = self.utilisations >= 0.0
+        places, slips = self.utilisations[driving], self.slips[row, driving]
+        # Where there is no steady state its neighbour was filled in: there slip stands still.
+        steady = 1 + int(np.sum(np.diff(slips) > STILL))
+        slopes = np.diff(self.thrust[row, driving][:steady]) / np.diff(places[:steady])
+        middles = 0.5 * (places[: steady - 1] + places[1:steady])
+        falls = np.maximum.accumulate(-flywheel * np.append(slopes, slopes[-1]))
+        return float(np.interp(1.0, falls, np.append(middles, places[steady - 1])))
 
     def thrust_ratio(self, ratio: float, utilisation: float) -> float:
         """Thrust ratio that holds a ratio."""
@@ -62,10 +108,11 @@ class ThrustMap:
         return float((1.0 - p) * low + p * high)
 
     def write(self, path: Path, key: str) -> None:
-        """Writes it as CSV, to the last bit: a comment with key and shift gains, then one row a point."""
+        """Writes it as CSV, to the last bit: a comment with key and shift rates, then one row a point."""
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", encoding="utf-8", newline="") as file:
-            file.write("# " + json.dumps({"key": key, "shiftGains": self.shift_gains.tolist()}) + "\n")
+            shifting = {"excesses": self.excesses.tolist(), "shiftRates": self.shift_rates.tolist()}
+            file.write("# " + json.dumps({"key": key, **shifting}) + "\n")
             writer = csv.writer(file)
             writer.writerow(["ratio", "utilisation", "thrustRatio", "slip"])
             for m, ratio in enumerate(self.ratios):
@@ -81,15 +128,15 @@ class ThrustMap:
                 rows = np.array(list(csv.reader(file))[1:], dtype=float)
         except (OSError, ValueError):
             return None
-        if (key is not None and head.get("key") != key) or "shiftGains" not in head:
+        if (key is not None and head.get("key") != key) or "shiftRates" not in head:
             return None
         ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
         shape = (len(ratios), len(utilisations))
-        gains = np.array(head["shiftGains"])
-        return cls(ratios, utilisations, rows[:, 2].reshape(shape), rows[:, 3].reshape(shape), gains)
+        thrust, slips = (rows[:, k].reshape(shape) for k in (2, 3))
+        return cls(ratios, utilisations, thrust, slips, np.array(head["excesses"]), np.array(head["shiftRates"]))
 
 
-def _place(grid: Array, value: float) -> tuple[int, float]:
+def _place(grid: Array | Sequence[float], value: float) -> tuple[int, float]:
     """Interval of a grid that holds a value, and the share of the way through it, 0 to 1."""
     index = int(np.clip(np.searchsorted(grid, value) - 1, 0, len(grid) - 2))
     return index, float(np.clip((value - grid[index]) / (grid[index + 1] - grid[index]), 0.0, 1.0))
@@ -97,7 +144,20 @@ def _place(grid: Array, value: float) -> tuple[int, float]:
 
 def map_key(fmu: Path, parameters: Parameters) -> str:
     """What a cached map depends on: the FMU's bytes, the parameters and the grid."""
-    text = json.dumps([dict(parameters), RATIOS, UTILISATIONS, SPEED, FORCE, SHIFT_EXCESS, SHIFT_TIME], sort_keys=True)
+    text = json.dumps(
+        [
+            dict(parameters),
+            RATIOS,
+            UTILISATIONS,
+            SPEED,
+            FORCE,
+            SHIFT_UTILISATIONS,
+            SHIFT_SHARES,
+            SHIFT_TIME,
+            SHIFT_REACH,
+        ],
+        sort_keys=True,
+    )
     return hashlib.sha256(fmu.read_bytes() + text.encode()).hexdigest()
 
 
@@ -142,27 +202,46 @@ def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array,
     return np.interp(UTILISATIONS, share, thrust), np.interp(UTILISATIONS, share, slip)
 
 
-def _shift_gain(archive: Archive, parameters: Parameters, ratio: float) -> float:
-    """Mean shift gain at a ratio at 30 % utilisation, over a step of the primary force up and one down."""
-    gains = []
-    for excess in (SHIFT_EXCESS, -SHIFT_EXCESS):
-        with _start(archive, parameters, ratio, torque_at(parameters, ratio, 0.3)) as unit:
-            reader = unit.reader(["primary.axialForce", "ratio.geometric"])
-            unit.set({"primary.clampingForce": unit.read(reader)[0] + excess})
-            unit.step_to(0.5 * SHIFT_TIME)
-            before = unit.read(reader)[1]
-            unit.step_to(SHIFT_TIME)
-            rate = math.log(unit.read(reader)[1] / before) / (0.5 * SHIFT_TIME)
-        gains.append(-rate / (SPEED * excess))
-    return float(np.mean(gains))
+def _shift_rates(archive: Archive, parameters: Parameters, ratio: float, utilisation: float) -> Array:
+    """Shift rates, from the clamping forces of the steady state with a jump of the primary one."""
+    rates = []
+    with _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation)) as unit, unit.kept() as back:
+        reader = unit.reader(["primary.axialForce", "ratio.geometric"])
+        force, begin = unit.read(reader)
+        for share in SHIFT_SHARES:
+            back()
+            unit.set({"primary.clampingForce": share * force})
+            logs = [math.log(begin)]
+            while abs(logs[-1] - logs[0]) < SHIFT_REACH and len(logs) * SHIFT_STEP <= SHIFT_TIME:
+                unit.step_to(len(logs) * SHIFT_STEP)
+                logs.append(math.log(unit.read(reader)[1]))
+            # The first half belongs to what the jump itself does.
+            half = (len(logs) - 1) // 2
+            rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * FORCE))
+    return np.array(rates)
+
+
+def _ascending(rates: Array, excesses: Array) -> Array:
+    """Rates with their sign, made to rise with the excess: beyond what a step still shows, they stay where they are."""
+    zero = int(np.argmin(np.abs(excesses)))
+    least = 1e-6 * np.abs(rates).max() * np.abs(excesses)
+    rising = np.maximum.accumulate(np.maximum(rates[zero:], least[zero:]))
+    falling = np.maximum.accumulate(np.maximum(-rates[zero::-1], least[zero::-1]))[::-1]
+    return np.concatenate([-falling[:-1], rising])
 
 
 def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
     """Solves for the map. Points that slip through are left out and filled from their neighbour."""
     rows = [_row(archive, parameters, ratio) for ratio in RATIOS]
-    gains = np.array([_shift_gain(archive, parameters, ratio) for ratio in RATIOS])
     thrust, slip = (np.array([row[k] for row in rows]) for k in (0, 1))
-    return ThrustMap(np.array(RATIOS), np.array(UTILISATIONS), thrust, slip, gains)
+    below = sum(share < 1.0 for share in SHIFT_SHARES)
+    excesses = np.insert(np.log(SHIFT_SHARES), below, 0.0)
+
+    def rates(ratio: float, utilisation: float) -> Array:
+        return _ascending(np.insert(_shift_rates(archive, parameters, ratio, utilisation), below, 0.0), excesses)
+
+    found = np.array([[rates(ratio, utilisation) for utilisation in SHIFT_UTILISATIONS] for ratio in RATIOS])
+    return ThrustMap(np.array(RATIOS), np.array(UTILISATIONS), thrust, slip, excesses, found)
 
 
 def load(fmu: Path, archive: Archive, parameters: Parameters, cache: Path) -> ThrustMap:

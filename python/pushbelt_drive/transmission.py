@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .car import Car
-from .control import ClampingStrategy, Friction, Measured, RatioControl, SafetyFactor, SlipControl
+from .control import ClampingStrategy, Friction, Measured, PressureControl, RatioControl, SafetyFactor, SlipControl
 from .hydraulics import PressureCircuit
 from .thrust_map import ThrustMap
 
@@ -38,10 +38,10 @@ def ratio_target(engine_speed: float, secondary_speed: float, before: float, ste
     return before * math.exp(change)
 
 
-def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap) -> ClampingStrategy:
-    """A clamping strategy: `safety` for the fixed safety factor, `slip` for slip control."""
+def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: float) -> ClampingStrategy:
+    """A clamping strategy: `safety` for the fixed safety factor, `slip` for slip control; the engine's inertia in kg·m²."""
     if name == "slip":
-        return SlipControl(friction, thrust_map)
+        return SlipControl(friction, thrust_map, flywheel)
     return SafetyFactor(friction)
 
 
@@ -53,9 +53,11 @@ class TransmissionControl:
 
     def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap) -> None:
         self.car = car
-        self.clamping = strategy_of(strategy, friction, thrust_map)
+        self.clamping = strategy_of(strategy, friction, thrust_map, car.engine_inertia)
         self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)
+        self.pressure = PressureControl(self.primary.lag)
         self.shifting = RatioControl(friction, thrust_map, self.primary.limits)
+        self._overruled = False
         self._target, self._power = RATIO_LIMITS[1], 0.0
 
     @property
@@ -73,11 +75,16 @@ class TransmissionControl:
         lag = self.POWER_RISE if power_demand > self._power else self.POWER_FALL
         self._power += (power_demand - self._power) * step / lag
         self._target = ratio_target(self.car.engine_speed_for(self._power), secondary_speed, self._target, step)
-        needed = self.clamping.force(measured, step)
+        needed = self.clamping.force(measured, step, self._overruled)
         primary, secondary = self.shifting.forces(self._target, measured, needed, step)
+        self._overruled = secondary > needed
         return ClampingSignals(
-            self.primary.advance(primary, step),
-            self.secondary.advance(secondary, step),
+            self._close(self.primary, primary, step),
+            self._close(self.secondary, secondary, step),
             self._target,
             self.clamping.intervening,
         )
+
+    def _close(self, circuit: PressureCircuit, wanted: float, step: float) -> float:
+        """Mean force of a circuit over a step towards a wanted one, N."""
+        return circuit.advance(self.pressure.demand(wanted, circuit.force), step)

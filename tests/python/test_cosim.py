@@ -36,7 +36,8 @@ MAP = ThrustMap(
     utilisations=np.array([-1.0, 1.0]),
     thrust=np.array([[1.0, 1.5], [0.6, 1.0]]),
     slips=np.array([[-0.01, 0.01], [-0.01, 0.01]]),
-    shift_gains=np.full(2, 8e-7),
+    excesses=np.log([0.3, 1.0, 3.0]),
+    shift_rates=np.broadcast_to(8e-7 * np.array([-0.7, 0.0, 2.0]), (2, 2, 3)).copy(),
 )
 PACKAGES = {"ecos": "ecospy", "libcosim": "libcosimpy"}
 THERE = [name for name in MASTERS if importlib.util.find_spec(PACKAGES[name])]

@@ -1,0 +1,129 @@
+"""How fast small swings of the ratio grow: the linear belt with the controllers of `cargo fmu drive` around it.
+
+The belt is the linear model of `cargo fmu linearize`; flywheel, clutch, controllers and hydraulics are the drive's own code. A small
+change of the target ratio sets it off. Prints the table of docs/drivetrain.md.
+"""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+from pushbelt_demo.data import torque_capacity
+from pushbelt_drive import simulate
+from pushbelt_drive.car import Powertrain, demo_car
+from pushbelt_drive.control import Friction, Measured, PressureControl, RatioControl, SlipControl
+from pushbelt_drive.hydraulics import PressureCircuit
+from pushbelt_drive.thrust_map import ThrustMap
+from scipy.linalg import expm
+
+POINTS = ((0.46, 0.6), (0.46, 0.77), (0.46, 0.9), (0.6, 0.77), (0.6, 0.9), (1.0, 0.9))
+"""Ratio and torque utilisation."""
+SPEEDS, FORCE = (140.0, 210.0, 280.0), 9e3
+"""Of the primary pulley, rad/s; secondary clamping force, N."""
+STEP, DURATION = simulate.STEP, 4.0
+INPUTS = ("primary.clampingForce", "secondary.clampingForce", "primary.torque")
+OUTPUTS = ("ratio.geometric", "primary.speed", "slip", "primary.radius")
+CAR = demo_car()
+PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
+
+
+class Belt:
+    """The linear model, a control step at a time; inputs run linearly within it. Deviations from the working point."""
+
+    def __init__(self, model: dict) -> None:
+        columns = [[entry["name"] for entry in model["inputs"]].index(name) for name in INPUTS]
+        names = [entry["name"] for entry in model["outputs"]]
+        rows = [names.index(name) for name in OUTPUTS]
+        a, b = np.array(model["A"]), np.array(model["B"])[:, columns]
+        n, k = b.shape
+        held = np.zeros((n + 2 * k, n + 2 * k))
+        held[:n, :n], held[:n, n : n + k], held[n : n + k, n + k :] = a, b, np.eye(k) / STEP
+        self.step_matrix = expm(STEP * held)[:n]
+        self.c, self.d = np.array(model["C"])[rows], np.array(model["D"])[np.ix_(rows, columns)]
+        self.at = np.array([model["outputs"][row]["value"] for row in rows])
+        self.state, self.inputs = np.zeros(n), np.zeros(k)
+
+    def read(self) -> np.ndarray:
+        """Outputs now, as deviations."""
+        return self.c @ self.state + self.d @ self.inputs
+
+    def advance(self, inputs: np.ndarray) -> None:
+        """A step with inputs that reach these values at its end."""
+        self.state = self.step_matrix @ np.concatenate([self.state, self.inputs, inputs - self.inputs])
+        self.inputs = inputs
+
+
+def linear_model(ratio: float, torque: float, speed: float) -> dict | None:
+    """What `cargo fmu linearize` finds, if it finds a working point."""
+    settings = {**PARAMETERS, "initial.ratio": ratio, "initial.primarySpeed": speed, "primary.torque": torque}
+    settings |= {"secondary.torque": -torque * ratio, "secondary.clampingForce": FORCE}
+    words = [f"{name}={value:.15g}" for name, value in settings.items()]
+    path = Path("target/linear-model.json")
+    command = ["cargo", "fmu", "linearize", "--frequency", "100", "--output", str(path), *words]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    return json.loads(path.read_text(encoding="utf-8")) if ran.returncode == 0 else None
+
+
+def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: float) -> float:
+    """Growth rate of the shift speed, 1/s; `steered` says whether the controllers act, `lag` is that of the pressures, s."""
+    ratio, speed, slip, radius = belt.at
+    friction = Friction(PARAMETERS["friction.pulley"], PARAMETERS["geometry.wedgeAngle"])
+    clamping = SlipControl(friction, table, CAR.engine_inertia)
+    circuits = PressureCircuit(2e6), PressureCircuit(2e6)
+    shifting = RatioControl(friction, table, circuits[0].limits)
+    pressure = PressureControl(circuits[0].lag)
+    pressure.gain = circuits[0].lag / lag
+    engine = Powertrain(CAR)
+    engine.speed, engine.torque, engine.locked = speed, torque, True
+    measured = Measured(speed, ratio, slip, False, radius, torque)
+    # The slip is told so that the integral rests at the working point.
+    at_rest = clamping.set_point(ratio, min(clamping.utilisation, clamping.stable_utilisation(measured))) - slip
+    base = np.zeros(2)
+    logs = []
+    for k in range(round(DURATION / STEP)):
+        deviation = belt.read()
+        now = belt.at + deviation
+        logs.append(deviation[0] / ratio)
+        clutch = engine.advance(torque, now[1], STEP)
+        measured = Measured(now[1], now[0], now[2] + at_rest, False, now[3], clutch)
+        needed = FORCE * clamping.force(measured, STEP) / (base[1] or clamping.force(measured, 0.0))
+        target = ratio * (1.00001 if 0.1 < k * STEP < 0.2 else 1.0)
+        wanted = np.array(shifting.forces(target, measured, needed, STEP))
+        if not base.any():
+            base = np.array([wanted[0], clamping.force(measured, 0.0)])
+            for circuit, force in zip(circuits, (base[0], FORCE), strict=True):
+                circuit.pressure = force / circuit.area
+        forces = [c.advance(pressure.demand(w, c.force), STEP) for c, w in zip(circuits, wanted, strict=True)]
+        change = np.array(forces) - (base[0], FORCE) if steered else np.full(2, 0.01 if k == 10 else 0.0)
+        belt.advance(np.array([*change, clutch - torque]))
+        if abs(logs[-1]) > 0.003:
+            break
+    speeds = np.abs(np.diff(logs))[25:]
+    half = len(speeds) // 2
+    return float(np.log(speeds[half:].max() / speeds[:half].max()) / (half * STEP))
+
+
+def main() -> None:
+    """Prints the growth rates."""
+    table = ThrustMap.read(Path("target/drive/thrust-ratio-map-ALE.csv"))
+    if table is None:
+        raise SystemExit("run `cargo fmu drive --short -- --ring ALE` first: it leaves the thrust-ratio map")
+    print("| ratio | utilisation | primary speed rad/s | forces held | pressures at 50 ms | at 12.5 ms |")
+    print("|---" * 6 + "|")
+    for ratio, utilisation in POINTS:
+        for speed in SPEEDS:
+            torque = utilisation * torque_capacity(PARAMETERS, ratio, FORCE)
+            model = linear_model(ratio, torque, speed)
+            if model is None:
+                continue
+            found = [
+                growth(Belt(model), table, torque, steered, lag)
+                for steered, lag in ((False, 0.05), (True, 0.05), (True, PressureControl.WANTED_LAG))
+            ]
+            cells = f"{ratio:g}", f"{utilisation:g}", f"{speed:.0f}", *(f"{rate:+.1f}" for rate in found)
+            print("| " + " | ".join(cells) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
