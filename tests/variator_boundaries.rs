@@ -258,7 +258,7 @@ fn a_push_strand_in_net_compression_is_told() {
         let mut run = Run::new(parameters, inputs((40.0, 11e3), (-39.0, 9e3)));
         run.go(5e-3, 1e-3);
         assert!(!run.warned("buckle"), "{model:?}: told without cause");
-        run.inputs = inputs((-300.0, 2e3), (300.0, 2e3));
+        run.inputs = inputs((-300.0, 1e3), (300.0, 1e3));
         run.go(0.02, 1e-3);
         let force = run.variator.system().ledger.last.sums.strand_force;
         for message in run.messages.iter().filter(|m| m.warning) {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{LoadCase, Run, SPEED, inputs, load_case, ratio, variator};
+use common::{LoadCase, Run, SPEED, inputs, load_case, ratio, refined, variator};
 use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
 use pushbelt::variator::signals::Outputs;
 
@@ -11,7 +11,8 @@ fn on(mut parameters: Parameters, aligned: bool) -> Parameters {
     parameters
 }
 
-/// Steady states: thrust ratios near the aligned mesh's, within -6 and +3 %. The ring tension ripples more where a border lies within an
+/// Steady states: thrust ratios +5, +2 and -18 % off the aligned mesh's; in overdrive an element is a seventh of the small arc, too long for the
+/// release at its exit. With three times the elements they are within 4 %. The ring tension ripples more where a border lies within an
 /// element. Power that no law accounts for is 0.04 to 0.25 %, where the aligned mesh leaves 0.01 %: Gauss's rule takes r'' and λ, which
 /// jump at a border, for smooth across a cell, so what flows in along ξ is not what flows out.
 #[test]
@@ -36,7 +37,12 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
             even.counts.factorizations,
             aligned.counts.factorizations
         );
-        assert!((e.thrust_ratio / a.thrust_ratio - 1.0).abs() < 0.1, "{}", case.name);
+        let mut fine = on(parameters.clone(), false);
+        fine.mesh = refined(&fine.mesh, 3);
+        let fine = load_case(&fine, &case).outputs.thrust_ratio;
+        let off = |ratio: f64| (ratio / a.thrust_ratio - 1.0).abs();
+        println!("{}: {fine:.4} with three times the elements", case.name);
+        assert!(off(fine) < 0.05 && off(fine) < off(e.thrust_ratio), "{}", case.name);
         assert!(spread(e) > 1.2 * spread(a), "{}", case.name);
         assert!(even.power_defect().abs() < 5e-3 && aligned.power_defect().abs() < 3e-4);
     }
@@ -64,9 +70,11 @@ fn a_shift_shows_what_borders_inside_elements_cost() {
         assert!((o.primary.speed / SPEED - 1.0).abs() < 1e-2);
         (o.ratio_geometric, residual, run.variator.counts())
     });
-    assert!((even.0 / aligned.0 - 1.0).abs() < 5e-3);
+    // It shifts less far for the same force: its thrust ratio is another.
+    assert!((even.0 / aligned.0 - 1.0).abs() < 0.03);
     assert!(even.1 > 5.0 * aligned.1);
-    assert!(even.2.factorizations > 2 * aligned.2.factorizations);
+    assert!(2 * even.2.factorizations > 3 * aligned.2.factorizations);
+    assert!(even.2.rejected > 20 && aligned.2.rejected == 0);
 }
 
 /// `ALE0` runs on it too; rings that travel don't.
