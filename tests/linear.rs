@@ -3,7 +3,8 @@
 use nalgebra::DMatrix;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise};
-use pushbelt::variator::parameters::{Mesh, Parameters};
+use pushbelt::variator::mesh::P;
+use pushbelt::variator::parameters::{Mesh, Parameters, RingModel};
 use pushbelt::variator::signals::{Inputs, Outputs};
 
 type Read = fn(&Outputs) -> f64;
@@ -99,6 +100,50 @@ fn small_steps_of_each_load_are_followed() {
                 );
             }
         }
+    }
+}
+
+/// `ALE0` shifts by creeping, so its ratio hardly answers a force, and its slow modes lie close to the neutral ones: the gain is that
+/// of a run, or it is said that there is none.
+#[test]
+fn the_gain_of_ale0_is_that_of_a_run_or_there_is_none() {
+    let mut parameters = parameters();
+    parameters.ring_model = RingModel::Ale0;
+    parameters.initial.ratio = 0.7;
+    let mut inputs = Inputs::default();
+    (inputs.primary.torque, inputs.secondary.clamping_force) = (70.0, 10.0e3);
+    let read: &dyn Fn(&Outputs) -> f64 = &|o| o.ratio_geometric;
+    for speed in [35.0, 200.0] {
+        parameters.initial.primary_speed = speed;
+        let model = match linearise(&parameters, &inputs, 20.0, &[read]) {
+            Ok(model) => model,
+            Err(LinearError::Eigenvalues) => {
+                println!("{speed} rad/s: none");
+                continue;
+            }
+            Err(other) => panic!("{other}"),
+        };
+        let mut start = Variator::new(parameters.clone()).expect("valid");
+        start.initialise(0.0, &inputs).expect("steady");
+        let force = model
+            .loads
+            .iter()
+            .position(|l| *l == Load::ClampingForce(P))
+            .expect("a load");
+        let (size, time) = (20.0, 0.5);
+        let end = |step: f64| {
+            let mut inputs = model.inputs;
+            inputs.primary.clamping_force += step;
+            let mut variator = start.clone();
+            variator.advance(time, &inputs).expect("a small step");
+            variator.outputs().ratio_geometric
+        };
+        let (found, linear) = (
+            (end(size) - end(-size)) / (2.0 * size),
+            response(&model, force, time)[0],
+        );
+        println!("{speed} rad/s: ratio by {found:.3e} a newton after {time} s, linear model {linear:.3e}");
+        assert!((found - linear).abs() < 0.05 * found.abs(), "{found} {linear}");
     }
 }
 

@@ -102,8 +102,8 @@ pub enum LinearError {
     /// The state is no steady one.
     #[error("this is no steady working point: {0}")]
     Unsteady(String),
-    /// The eigenvalues were not found.
-    #[error("the eigenvalues were not found")]
+    /// The eigenvalues were not found, or right and left ones differ: too near to each other, as `ALE0`'s slow ones are.
+    #[error("the eigenvalues were not found: slow modes lie too near to each other")]
     Eigenvalues,
     /// No eigenvalue is below the frequency.
     #[error("no mode is slower than {0} Hz")]
@@ -186,15 +186,16 @@ pub fn linearise(
         .solve(&b_slow);
     let d: Vec<Vec<f64>> = (0..loads.len())
         .map(|l| {
-            let x = column(&whole, l);
-            let rate: Vec<f64> = x.iter().map(|x| sigma * x).collect();
-            let mut gain = differentiate(&split(&x, &rate));
-            for (k, c) in c.iter().enumerate() {
-                for (gain, c) in gain.iter_mut().zip(c) {
-                    *gain -= c * slow[(k, l)];
+            // What the slow modes leave, before outputs are differentiated: they are large here and sliding bends with them.
+            let mut x = column(&whole, l);
+            let mut rate: Vec<f64> = x.iter().map(|x| sigma * x).collect();
+            for k in 0..right.ncols() {
+                for i in 0..x.len() {
+                    x[i] -= right[(i, k)] * slow[(k, l)];
+                    rate[i] -= rates[(i, k)] * slow[(k, l)];
                 }
             }
-            gain
+            differentiate(&split(&x, &rate))
         })
         .collect();
     let values = a_slow.eigenvalues().map_err(|_| LinearError::Eigenvalues)?;
@@ -354,44 +355,53 @@ fn shifted(e: &Mat<f64>, a: &Mat<f64>, sigma: f64) -> Mat<f64> {
 /// Real bases of the right and of the left (as rows) invariant subspaces with |λ| below `cut_off`, neutral modes left
 /// out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E.
 fn slow_modes(e: &Mat<f64>, a: &Mat<f64>, cut_off: f64) -> Result<(Mat<f64>, Mat<f64>), LinearError> {
-    let shift = shifted(e, a, cut_off).partial_piv_lu();
-    let inverted = shift.solve(e);
-    let basis = |matrix: &Mat<f64>| -> Result<Mat<f64>, LinearError> {
+    let inverted = shifted(e, a, cut_off).partial_piv_lu().solve(e);
+    // One of each pair of conjugates.
+    let modes = |matrix: &Mat<f64>| -> Result<Vec<(c64, Vec<c64>)>, LinearError> {
         let eigen = matrix.eigen().map_err(|_| LinearError::Eigenvalues)?;
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
-        let mut columns: Vec<(f64, Vec<f64>)> = Vec::new();
-        for k in 0..values.nrows() {
-            let mu = values[k];
-            let lambda = c64::new(cut_off, 0.0) - c64::new(1.0, 0.0) / mu;
-            let size = lambda.norm();
-            if !(NEUTRAL..cut_off).contains(&size) || lambda.im < 0.0 {
-                continue;
-            }
-            let part = |f: &dyn Fn(c64) -> f64| (0..matrix.nrows()).map(|i| f(vectors[(i, k)])).collect();
-            columns.push((size, part(&|x| x.re)));
-            if lambda.im > 1.0e-9 * size {
-                columns.push((size, part(&|x| x.im)));
-            }
-        }
-        columns.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut found = Mat::<f64>::zeros(matrix.nrows(), columns.len());
-        for (j, (_, column)) in columns.iter().enumerate() {
-            for (i, x) in column.iter().enumerate() {
-                found[(i, j)] = *x;
-            }
-        }
-        Ok(found)
+        let lambda = |k: usize| c64::new(cut_off, 0.0) - c64::new(1.0, 0.0) / values[k];
+        let column = |k: usize| (0..matrix.nrows()).map(|i| vectors[(i, k)]).collect();
+        let upper = (0..values.nrows()).filter(|&k| lambda(k).im >= 0.0);
+        Ok(upper.map(|k| (lambda(k), column(k))).collect())
     };
-    let right = basis(&inverted)?;
-    // Left eigenvectors w of (σE − A)⁻¹E; those of the pencil are w (σE − A)⁻¹.
-    let weights = basis(&inverted.transpose().to_owned())?;
-    let transposed = shifted(e, a, cut_off).transpose().to_owned().partial_piv_lu();
-    let left = transposed.solve(&weights).transpose().to_owned();
-    if left.nrows() == right.ncols() {
-        Ok((right, left))
-    } else {
-        Err(LinearError::Eigenvalues)
+    let mut right = modes(&inverted)?;
+    right.retain(|(lambda, _)| (NEUTRAL..cut_off).contains(&lambda.norm()));
+    right.sort_by(|(a, _), (b, _)| a.norm().total_cmp(&b.norm()));
+    // Left eigenvectors w of (σE − A)⁻¹E; those of the pencil are w (σE − A)⁻¹. Rounding may move an eigenvalue across the
+    // cut-off, so each finds its nearest.
+    let mut others = modes(&inverted.transpose().to_owned())?;
+    let mut left = Vec::with_capacity(right.len());
+    for (lambda, _) in &right {
+        let far = |k: usize| (others[k].0 - *lambda).norm();
+        let nearest = (0..others.len())
+            .min_by(|&i, &j| far(i).total_cmp(&far(j)))
+            .ok_or(LinearError::Eigenvalues)?;
+        let (other, vector) = others.swap_remove(nearest);
+        if (other - *lambda).norm() > 0.1 * lambda.norm() || is_oscillation(other) != is_oscillation(*lambda) {
+            return Err(LinearError::Eigenvalues);
+        }
+        left.push((other, vector));
     }
+    let transposed = shifted(e, a, cut_off).transpose().to_owned().partial_piv_lu();
+    let left = transposed.solve(&real_basis(&left, a.nrows())).transpose().to_owned();
+    Ok((real_basis(&right, a.nrows()), left))
+}
+
+fn is_oscillation(lambda: c64) -> bool {
+    lambda.im > 1.0e-9 * lambda.norm()
+}
+
+/// Real and imaginary parts of eigenvectors.
+fn real_basis(modes: &[(c64, Vec<c64>)], rows: usize) -> Mat<f64> {
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for (lambda, vector) in modes {
+        columns.push(vector.iter().map(|x| x.re).collect());
+        if is_oscillation(*lambda) {
+            columns.push(vector.iter().map(|x| x.im).collect());
+        }
+    }
+    Mat::from_fn(rows, columns.len(), |i, j| columns[j][i])
 }
 
 /// Derivatives of outputs along a direction, by central differences of a size that the laws take as straight.
