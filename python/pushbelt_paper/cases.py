@@ -35,8 +35,8 @@ RIGID = 1e12
 MESHES: Mapping[str, Mapping[str, float]] = {
     "aligned": {},
     "even": {"mesh.aligned": False},
-    "even, fine": {"mesh.aligned": False, "mesh.primaryArc": 48, "mesh.secondaryArc": 48, "mesh.strand": 30},
-    "fine": {"mesh.primaryArc": 48, "mesh.secondaryArc": 48, "mesh.strand": 30},
+    "even, fine": {"mesh.aligned": False, "mesh.primaryArc": 60, "mesh.secondaryArc": 60, "mesh.strand": 36},
+    "fine": {"mesh.primaryArc": 60, "mesh.secondaryArc": 60, "mesh.strand": 36},
 }
 """Meshes of `ALE`: the default, as many elements evenly spaced, three times as many of either."""
 
