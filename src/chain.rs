@@ -24,7 +24,7 @@
 //! Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's path.
 
 use crate::ring::kinematics::RingPoint;
-use crate::scalar::{Real, smooth_plus};
+use crate::scalar::{Real, Tangent, smooth_plus};
 use crate::variator::parameters::Belt;
 use nalgebra::SVector;
 
@@ -198,6 +198,15 @@ impl<T> Transport<T> {
     }
 }
 
+impl Transport<f64> {
+    /// Slope in direction `k` of what has these derivatives with respect to the figures, whose own slopes are `slopes`.
+    #[inline]
+    #[must_use]
+    pub fn along<const N: usize>(&self, slopes: &Transport<[f64; N]>, k: usize) -> f64 {
+        self.flow * slopes.flow[k] + self.density * slopes.density[k] + self.lag * slopes.lag[k]
+    }
+}
+
 /// How much less J is in the middle of a cell than at its right face, m/s, as far as elements part freely; as much more than at its left.
 ///
 /// In a steady state J ν is the same all around. With J at the face downstream, ν belongs half a cell upstream of its middle. That counts where
@@ -219,20 +228,19 @@ pub fn flux<T: Real>(before: &Transport<T>, after: &Transport<T>) -> T {
 /// Derivatives of [`flux`] with respect to what it needs of both cells.
 #[must_use]
 pub fn flux_slopes(before: &Transport<f64>, after: &Transport<f64>) -> [Transport<f64>; 2] {
-    let (forward, ahead) = smooth_plus(after.flow - before.lag, UPWIND_SMOOTHING);
-    let (backward, astern) = smooth_plus(-after.flow - after.lag, UPWIND_SMOOTHING);
-    [
+    let seeded = |cell: &Transport<f64>, first: usize| -> Transport<Tangent<6, f64>> {
         Transport {
-            flow: 0.0,
-            density: forward,
-            lag: -ahead * before.density,
-        },
-        Transport {
-            flow: ahead * before.density + astern * after.density,
-            density: -backward,
-            lag: astern * after.density,
-        },
-    ]
+            flow: Tangent::seed(cell.flow, first, 1.0),
+            density: Tangent::seed(cell.density, first + 1, 1.0),
+            lag: Tangent::seed(cell.lag, first + 2, 1.0),
+        }
+    };
+    let slopes = flux(&seeded(before, 0), &seeded(after, 3)).eps;
+    [0, 3].map(|first| Transport {
+        flow: slopes[first],
+        density: slopes[first + 1],
+        lag: slopes[first + 2],
+    })
 }
 
 #[cfg(test)]

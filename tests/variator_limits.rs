@@ -180,7 +180,7 @@ fn speeds_pulled_apart_slip_at_capacity_and_recover() {
 }
 
 /// Factors on F_P.
-const STEPS: [f64; 4] = [0.98, 0.99, 1.01, 1.02];
+const STEPS: [f64; 4] = [0.99, 0.995, 1.005, 1.01];
 
 /// A run at ratio 1 whose clamping forces balance: what a step of F_P starts from.
 fn balanced(model: RingModel, omega: f64) -> Run {
@@ -237,11 +237,11 @@ fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrus
     let [slow, fast] = [0.5, 1.0].map(|share| shift_coefficients(RingModel::Ale, share * SPEED));
     for c in [slow, fast] {
         let mean = 0.5 * (c[1] + c[2]);
-        // What separates opposite steps is of the order of the step, their mean changes with its square: the place where gaps close moves.
-        for (k, step) in [(0, 0.02), (1, 0.01), (2, 0.01), (3, 0.02)] {
-            assert_close(c[k], mean, 3.0 * step, "coefficient of a step");
+        // What separates opposite steps is of the order of the step: at most 2.5 times it.
+        for (k, step) in [(0, 0.01), (1, 0.005), (2, 0.005), (3, 0.01)] {
+            assert_close(c[k], mean, 2.5 * step, "coefficient of a step");
         }
-        assert_close(c[0] + c[3], c[1] + c[2], 40.0 * 0.02 * 0.02, "mean of opposite steps");
+        assert_close(c[0] + c[3], c[1] + c[2], 5e-3, "mean of opposite steps");
     }
     for (a, b) in slow.iter().zip(&fast) {
         assert_close(*a, *b, 0.06, "half the pulley speed");

@@ -154,6 +154,7 @@ def map_key(fmu: Path, parameters: Parameters) -> str:
             SHIFT_UTILISATIONS,
             SHIFT_SHARES,
             SHIFT_TIME,
+            SHIFT_STEP,
             SHIFT_REACH,
         ],
         sort_keys=True,

@@ -40,9 +40,6 @@ pub trait System {
         self.jacobian(view, alpha, beta, out);
     }
 
-    /// The next Jacobian takes every derivative anew.
-    fn forget_derivatives(&mut self) {}
-
     /// Absolute size of a change of each unknown that does not matter, in a step with dq/dy = β.
     fn newton_scale(&self, beta: f64, out: &mut [f64]);
 }

@@ -553,15 +553,13 @@ impl VariatorSystem {
         (regime, b.transport)
     }
 
-    /// Differentiates a pack.
+    /// Differentiates a pack where `kept` says.
     fn differentiate<const FLEX: bool, const D: usize, C: Standing>(
         &self,
         pack: &Pack,
         frames: &Frames<C>,
-        unknowns: Unknowns<Lanes>,
-        regime: Regime,
-        slopes: [f64; 2],
         kept: &mut Kept,
+        transports: &mut [Transport<[f64; MOST]>],
     ) {
         let (count, theta) = (directions(FLEX, D), own_directions(FLEX, D) + 1);
         let amount = self.amount_direction();
@@ -572,32 +570,37 @@ impl VariatorSystem {
                 &frames.still
             };
             let pass = first..(first + PASS).min(count);
-            let (rows, transport) = self.pack_pass::<FLEX, D, C>(pack, frame, &unknowns, slopes, first);
+            let (rows, transport) = self.pack_pass::<FLEX, D, C>(pack, frame, &kept.unknowns, kept.slopes, first);
             let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
             for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
                 block[pass.clone()].copy_from_slice(&row.eps[..pass.len()]);
             }
-            for (slopes, of) in kept.transport.each_mut().into_iter().zip(transport.each()) {
-                slopes[pass.clone()].copy_from_slice(&of.eps[..pass.len()]);
+            for (figure, of) in transport.each().into_iter().enumerate() {
+                for (k, slope) in pass.clone().zip(&of.eps) {
+                    for (&cell, slope) in pack.cells[..pack.used].iter().zip(slope.to_array()) {
+                        transports[cell].each_mut()[figure][k] = slope;
+                    }
+                }
             }
         }
-        (kept.unknowns, kept.regime, kept.slopes) = (unknowns, regime, slopes);
     }
 
     /// Takes the derivatives that are kept once more, where they were taken.
     pub(super) fn retake<const FLEX: bool, const D: usize, C: Standing>(&mut self) {
         let theta = own_directions(FLEX, D) + 1;
-        let mut all = std::mem::take(&mut self.kept);
+        let (mut all, mut transports) = (
+            std::mem::take(&mut self.kept),
+            std::mem::take(&mut self.transport_slopes),
+        );
         for (pack, kept) in self.packs.iter().zip(&mut all) {
             if !kept.slopes[0].is_nan() {
                 let shape = self.curve.shape(kept.unknowns.position[theta].re());
                 let frames = Frames::<C>::new(&self.curve, &shape, theta, kept.slopes[1]);
-                let (unknowns, slopes) = (kept.unknowns.clone(), kept.slopes);
-                let (regime, _) = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, slopes[0]);
-                self.differentiate::<FLEX, D, C>(pack, &frames, unknowns, regime, slopes, kept);
+                (kept.regime, _) = self.look::<FLEX, D, C>(pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
+                self.differentiate::<FLEX, D, C>(pack, &frames, kept, &mut transports);
             }
         }
-        self.kept = all;
+        (self.kept, self.transport_slopes) = (all, transports);
     }
 
     pub(super) fn assemble_jacobian<const FLEX: bool, const D: usize, C: Standing>(
@@ -609,14 +612,18 @@ impl VariatorSystem {
     ) {
         let (count, theta) = (directions(FLEX, D), own_directions(FLEX, D) + 1);
         let frames = Frames::<C>::new(&self.curve, &self.curve.shape(self.theta(view)), theta, beta);
-        let mut all = std::mem::take(&mut self.kept);
+        let (mut all, mut transports) = (
+            std::mem::take(&mut self.kept),
+            std::mem::take(&mut self.transport_slopes),
+        );
         for (pack, kept) in self.packs.iter().zip(&mut all) {
             let unknowns = self.gather(view, pack, count);
             let (regime, transport) = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, alpha);
             let length = C::segment_length(&frames.plain, pack.segment).v * pack.share;
             if !kept.holds(&regime, &unknowns, length, [if FLEX { D } else { 0 }, theta], alpha) {
                 self.differentiations += 1;
-                self.differentiate::<FLEX, D, C>(pack, &frames, unknowns, regime, [alpha, beta], kept);
+                (kept.unknowns, kept.regime, kept.slopes) = (unknowns, regime, [alpha, beta]);
+                self.differentiate::<FLEX, D, C>(pack, &frames, kept, &mut transports);
             }
             for (entry, value) in pack.entries.iter().zip(&kept.block) {
                 let value = value.to_array();
@@ -625,20 +632,10 @@ impl VariatorSystem {
                 }
             }
             for lane in 0..pack.used {
-                let cell = pack.cells[lane];
-                self.transports[cell] = transport.map(|of| of.to_array()[lane]);
-                for (to, from) in self.transport_slopes[cell]
-                    .each_mut()
-                    .into_iter()
-                    .zip(kept.transport.each())
-                {
-                    for (to, from) in to[..count].iter_mut().zip(from) {
-                        *to = from.to_array()[lane];
-                    }
-                }
+                self.transports[pack.cells[lane]] = transport.map(|of| of.to_array()[lane]);
             }
         }
-        self.kept = all;
+        (self.kept, self.transport_slopes) = (all, transports);
         for cell in 0..self.mesh.cells.len() {
             let row = self.layout.amount(cell);
             out.add(row, row, alpha);
@@ -651,9 +648,7 @@ impl VariatorSystem {
             let (of_before, of_own) = (&self.transport_slopes[before], &self.transport_slopes[cell]);
             let [own, other] = &self.flux_entries[cell];
             for k in 0..count {
-                let slope =
-                    by_own.flow * of_own.flow[k] + by_own.density * of_own.density[k] + by_own.lag * of_own.lag[k];
-                let slope_before = by_before.density * of_before.density[k] + by_before.lag * of_before.lag[k];
+                let (slope, slope_before) = (by_own.along(of_own, k), by_before.along(of_before, k));
                 for (entries, slope) in [(own[k], slope), (other[k], slope_before)] {
                     for (entry, value) in entries.into_iter().zip([slope, -slope]) {
                         if entry != NOWHERE {

@@ -10,7 +10,6 @@ use super::start::{Start, kinematic_state};
 use super::steady::{self, SteadyTask};
 use super::system::{State, VariatorSystem};
 use super::validation::ParameterError;
-use crate::solver::System;
 use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;

@@ -6,7 +6,7 @@
 
 use super::assembly::{MOST, Unknowns};
 use super::cell::{CellLaw, Probe, Sample};
-use crate::chain::{CLOSING_SMOOTHING, Transport};
+use crate::chain::CLOSING_SMOOTHING;
 use crate::contact::PENETRATION_SMOOTHING;
 use crate::scalar::{Lanes, Real};
 use crate::tape::Tape;
@@ -126,8 +126,6 @@ pub(super) struct Kept {
     pub regime: Regime,
     /// Rows of the balance, the amount's left out, a direction after the other.
     pub block: Vec<Lanes>,
-    /// Of what the balance of the amounts needs.
-    pub transport: Transport<[Lanes; MOST]>,
 }
 
 impl Kept {
@@ -143,7 +141,6 @@ impl Kept {
             },
             regime: Regime::new(),
             block: vec![Lanes::from(0.0); entries],
-            transport: Transport::default().map(|()| zero),
         }
     }
 

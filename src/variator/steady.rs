@@ -218,7 +218,6 @@ pub fn solve_equilibrium(
         }
         near.clone_from(state);
         let reached = defect(system);
-
         let secant = (reached - f) / (next - x);
         if secant * slope > 0.0 {
             slope = secant;

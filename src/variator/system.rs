@@ -70,10 +70,11 @@ pub struct VariatorSystem {
     pub(super) kept: Vec<Kept>,
     /// How often packs of cells were differentiated.
     pub(super) differentiations: u64,
-    /// What the balance of the amounts needs of each cell, and its slopes in the cell's directions.
+    /// What the balance of the amounts needs of each cell.
     pub(super) transports: Vec<Transport<f64>>,
-    pub(super) sums: [PulleySum; 2],
+    /// Its slopes in the cell's directions: kept as those of the packs are.
     pub(super) transport_slopes: Vec<Transport<[f64; MOST]>>,
+    pub(super) sums: [PulleySum; 2],
     /// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts before and in the cell; then the same for
     /// the directions of the cell before.
     pub(super) flux_entries: Vec<[[[usize; 2]; MOST]; 2]>,
@@ -209,6 +210,11 @@ impl VariatorSystem {
         system
     }
 
+    /// The next Jacobian takes every derivative anew.
+    pub(super) fn forget_derivatives(&mut self) {
+        self.kept.iter_mut().for_each(Kept::forget);
+    }
+
     /// Takes the derivatives that are kept once more: after they were read from a tape.
     pub(super) fn retake_derivatives(&mut self) {
         for_kind!(&mut *self, retake());
@@ -305,10 +311,6 @@ impl System for VariatorSystem {
     fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         self.forget_derivatives();
         self.renew_jacobian(view, alpha, beta, out);
-    }
-
-    fn forget_derivatives(&mut self) {
-        self.kept.iter_mut().for_each(Kept::forget);
     }
 
     fn renew_jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {

@@ -583,13 +583,7 @@ impl VariatorSystem {
             let slopes = chain::flux_slopes(&self.transports[before], &self.transports[cell]);
             for (of, by) in [other, own].into_iter().zip(slopes) {
                 for k in 0..of.count {
-                    let slope = of
-                        .transport
-                        .each()
-                        .into_iter()
-                        .zip(by.each())
-                        .map(|(of, by)| by * of[k])
-                        .sum::<f64>();
+                    let slope = by.along(&of.transport, k);
                     for (row, value) in rows.into_iter().zip([slope, -slope]) {
                         if let Some(index) = out.index(row, of.at[k]) {
                             out.add_at(index, value);
