@@ -37,7 +37,8 @@ pub struct Trial<'a> {
 }
 
 /// Drives (y, ẏ, q) to the steady state. `judge` sees each solved step, may correct the system (a control of the
-/// steady state), and answers with the longest step to try next, or with none to refuse the step as too large.
+/// steady state), and answers with the longest step to try next, or with none to refuse the step as too large. After the last step
+/// comes another, which answers what `judge` corrected last.
 ///
 /// # Errors
 /// [`Settled`] so far, if the step stalled or the solves ran out. The state is then the last one solved.
@@ -56,6 +57,7 @@ pub fn settle<S: System>(
         step: settings.first_step,
         ..Settled::default()
     };
+    let mut settled = false;
     loop {
         if report.solves >= settings.max_solves || report.step < 1e-12 {
             return Err(report);
@@ -94,9 +96,10 @@ pub fn settle<S: System>(
                 y.copy_from_slice(&trial);
                 y_dot.copy_from_slice(&rate);
                 q.copy_from_slice(&place);
-                if last {
+                if settled && last {
                     return Ok(report);
                 }
+                settled = last;
                 report.step *= match iterations {
                     0..=3 => 4.0,
                     4 | 5 => 2.5,

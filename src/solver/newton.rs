@@ -35,6 +35,16 @@ pub struct Counts {
     pub factorizations: u64,
 }
 
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, more: Self) {
+        self.steps += more.steps;
+        self.rejected += more.rejected;
+        self.failed += more.failed;
+        self.residuals += more.residuals;
+        self.factorizations += more.factorizations;
+    }
+}
+
 /// Newton did not converge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotConverged;

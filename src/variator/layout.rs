@@ -66,6 +66,12 @@ impl Layout {
         self.flexible && self.components == 3
     }
 
+    /// Whether the ring tension is an unknown (`ALE0`).
+    #[must_use]
+    pub fn has_tension(&self) -> bool {
+        !self.flexible && self.travelling.is_none()
+    }
+
     /// Unknowns of the cells of a ring that travels.
     pub(super) fn cell_unknowns(&self) -> usize {
         2 * self.cells()

@@ -14,6 +14,7 @@ pub mod mesh;
 pub mod observe;
 pub mod order;
 pub mod parameters;
+pub mod refine;
 pub mod ring;
 pub mod signals;
 pub mod start;

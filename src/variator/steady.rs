@@ -1,11 +1,15 @@
 //! Steady states, solved for directly: the Eulerian view has them as fixed points.
 //!
 //! Pseudo-transient continuation from the kinematic state. The ratio is held by a stiff spring on Θ whose force is moved
-//! to the reaction after each step, and its set point until the pressure-weighted radii have the wanted quotient.
+//! to the reaction after each step, and its set point until the pressure-weighted radii have the wanted quotient. A cold solution
+//! goes by way of a coarse mesh ([`super::refine`]).
 
 use super::boundary::{Boundary, SheaveMode, SpeedMode};
 use super::layout::Global;
 use super::mesh::{P, S};
+use super::parameters::Parameters;
+use super::refine::{coarser, prolong};
+use super::start::{Start, kinematic_state};
 use super::system::{State, VariatorSystem};
 use crate::reference_curve::ratio_of_theta;
 use crate::solver::View;
@@ -42,7 +46,7 @@ const LAST_STEP: f64 = 200.0;
 const SOFT_VELOCITY: f64 = 0.05;
 /// From a neighbouring state no further off in ln(ratio) than this, sharp friction is tried first, for so many Newton solves.
 const SHARP_WAY: f64 = 0.01;
-const SHARP_SOLVES: usize = 20;
+const SHARP_SOLVES: usize = 30;
 /// Factor of each sharpening.
 const SHARPENING: f64 = 0.4;
 /// Factor on the inertia of a pulley whose speed is solved for.
@@ -52,7 +56,7 @@ const SOFT_STEP: f64 = 5.0e-3;
 
 /// First pseudo-time step from a kinematic and from a steady state, s.
 const COLD_STEP: f64 = 1.0e-6;
-const WARM_STEP: f64 = 1.0e-3;
+const WARM_STEP: f64 = 1.0e-2;
 /// Relative force error of an equilibrium.
 const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
 const EQUILIBRIUM_ITERATIONS: usize = 150;
@@ -87,7 +91,48 @@ pub fn solve(
         }
         *state = near;
     }
+    if let (false, Some(parameters)) = (task.warm, coarser(&system.law.parameters)) {
+        let mut nearby = state.clone();
+        if start_on_coarse_mesh(system, newton, &mut nearby, &parameters, task, max_solves) {
+            let task = SteadyTask { warm: true, ..*task };
+            if let Ok(settled) = solve(system, newton, &mut nearby, &task, max_solves) {
+                *state = nearby;
+                return Ok(settled);
+            }
+        }
+    }
     solve_from(system, newton, state, task, max_solves, soft)
+}
+
+/// Moves a kinematic state near the steady one, as a mesh with fewer elements knows it; says whether there is one.
+fn start_on_coarse_mesh(
+    system: &VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    parameters: &Parameters,
+    task: &SteadyTask,
+    max_solves: usize,
+) -> bool {
+    let mut coarse = VariatorSystem::new(parameters);
+    let start = Start {
+        ratio: task.ratio,
+        primary_speed: state.y[system.layout.global(Global::Speed, P)],
+        clamping: task.clamping,
+    };
+    let Ok(mut found) = kinematic_state(&coarse, &start) else {
+        return false;
+    };
+    for j in [S, P] {
+        let [to, from] = [&coarse, system].map(|system| system.layout.global(Global::Speed, j));
+        found.y[to] = state.y[from];
+    }
+    let mut coarse_newton = Newton::new(&coarse);
+    let outcome = solve(&mut coarse, &mut coarse_newton, &mut found, task, max_solves);
+    newton.counts += coarse_newton.counts;
+    if outcome.is_ok() {
+        prolong(&coarse, &found, system, state);
+    }
+    outcome.is_ok()
 }
 
 /// [`solve`] with friction that is as soft as `velocity` at first, m/s.

@@ -361,7 +361,7 @@ impl System for VariatorSystem {
         for cell in 0..layout.cells() {
             out[layout.speed(cell)] = slip;
             out[layout.amount(cell)] = 1.0e-9;
-            if !layout.flexible && layout.travelling.is_none() {
+            if layout.has_tension() {
                 out[layout.tension(cell)] = 0.1;
             }
         }
