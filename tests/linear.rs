@@ -103,10 +103,10 @@ fn small_steps_of_each_load_are_followed() {
     }
 }
 
-/// `ALE0` shifts by creeping, so its ratio hardly answers a force, and its slow modes lie close to the neutral ones: the gain is that
-/// of a run, or it is said that there is none.
+/// `ALE0` shifts by creeping, so its ratio hardly answers a force, and two slow modes lie close to each other and to zero: the gain is
+/// that of a run all the same.
 #[test]
-fn the_gain_of_ale0_is_that_of_a_run_or_there_is_none() {
+fn the_gain_of_ale0_is_that_of_a_run() {
     let mut parameters = parameters();
     parameters.ring_model = RingModel::Ale0;
     parameters.initial.ratio = 0.7;
@@ -115,14 +115,7 @@ fn the_gain_of_ale0_is_that_of_a_run_or_there_is_none() {
     let read: &dyn Fn(&Outputs) -> f64 = &|o| o.ratio_geometric;
     for speed in [35.0, 200.0] {
         parameters.initial.primary_speed = speed;
-        let model = match linearise(&parameters, &inputs, 20.0, &[read]) {
-            Ok(model) => model,
-            Err(LinearError::Eigenvalues) => {
-                println!("{speed} rad/s: none");
-                continue;
-            }
-            Err(other) => panic!("{other}"),
-        };
+        let model = linearise(&parameters, &inputs, 20.0, &[read]).expect("a linear model");
         let mut start = Variator::new(parameters.clone()).expect("valid");
         start.initialise(0.0, &inputs).expect("steady");
         let force = model
@@ -143,7 +136,7 @@ fn the_gain_of_ale0_is_that_of_a_run_or_there_is_none() {
             response(&model, force, time)[0],
         );
         println!("{speed} rad/s: ratio by {found:.3e} a newton after {time} s, linear model {linear:.3e}");
-        assert!((found - linear).abs() < 0.05 * found.abs(), "{found} {linear}");
+        assert!((found - linear).abs() < 0.01 * found.abs(), "{found} {linear}");
     }
 }
 

@@ -23,11 +23,12 @@ use super::validation::ParameterError;
 use crate::solver::System;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 
-/// Modes slower than this, 1/s, are conserved quantities that no load changes: the number of elements, the gauge of
-/// the overlay.
+/// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the overlay.
 const NEUTRAL: f64 = 1.0e-3;
 /// Part of the cut-off at which the static gain is taken: it must not meet a neutral mode.
 const NEARLY_STATIC: f64 = 1.0e-3;
+/// Part of the cut-off to which eigenvalues are shifted: near it rounding moves them least, and the slowest are the nearest to each other.
+const SHIFT: f64 = 0.01;
 /// Largest Θ̇ of a working point, 1/s.
 const STEADY: f64 = 1.0e-4;
 
@@ -102,7 +103,7 @@ pub enum LinearError {
     /// The state is no steady one.
     #[error("this is no steady working point: {0}")]
     Unsteady(String),
-    /// The eigenvalues were not found, or right and left ones differ: too near to each other, as `ALE0`'s slow ones are.
+    /// The eigenvalues were not found, or right and left ones differ: too near to each other.
     #[error("the eigenvalues were not found: slow modes lie too near to each other")]
     Eigenvalues,
     /// No eigenvalue is below the frequency.
@@ -327,6 +328,16 @@ fn descriptor(system: &mut VariatorSystem, state: &State) -> (Mat<f64>, Mat<f64>
         e[(n + k, n + k)] = 1.0;
         a[(n + k, j)] = 1.0;
     }
+    // Elements on the belt are neither gained nor lost: as a constraint in place of one of the balances that together say so. Left
+    // among the modes, it would be one with the eigenvalue 0, and rounding mixes it with slow ones.
+    let cells = system.layout.cells();
+    let balance = system.layout.amount(cells - 1);
+    for j in 0..size {
+        (e[(balance, j)], a[(balance, j)]) = (0.0, 0.0);
+    }
+    for cell in 0..cells {
+        a[(balance, system.layout.amount(cell))] = 1.0;
+    }
     (e, a, columns)
 }
 
@@ -355,12 +366,13 @@ fn shifted(e: &Mat<f64>, a: &Mat<f64>, sigma: f64) -> Mat<f64> {
 /// Real bases of the right and of the left (as rows) invariant subspaces with |λ| below `cut_off`, neutral modes left
 /// out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E.
 fn slow_modes(e: &Mat<f64>, a: &Mat<f64>, cut_off: f64) -> Result<(Mat<f64>, Mat<f64>), LinearError> {
-    let inverted = shifted(e, a, cut_off).partial_piv_lu().solve(e);
+    let shift = SHIFT * cut_off;
+    let inverted = shifted(e, a, shift).partial_piv_lu().solve(e);
     // One of each pair of conjugates.
     let modes = |matrix: &Mat<f64>| -> Result<Vec<(c64, Vec<c64>)>, LinearError> {
         let eigen = matrix.eigen().map_err(|_| LinearError::Eigenvalues)?;
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
-        let lambda = |k: usize| c64::new(cut_off, 0.0) - c64::new(1.0, 0.0) / values[k];
+        let lambda = |k: usize| c64::new(shift, 0.0) - c64::new(1.0, 0.0) / values[k];
         let column = |k: usize| (0..matrix.nrows()).map(|i| vectors[(i, k)]).collect();
         let upper = (0..values.nrows()).filter(|&k| lambda(k).im >= 0.0);
         Ok(upper.map(|k| (lambda(k), column(k))).collect())
@@ -383,7 +395,7 @@ fn slow_modes(e: &Mat<f64>, a: &Mat<f64>, cut_off: f64) -> Result<(Mat<f64>, Mat
         }
         left.push((other, vector));
     }
-    let transposed = shifted(e, a, cut_off).transpose().to_owned().partial_piv_lu();
+    let transposed = shifted(e, a, shift).transpose().to_owned().partial_piv_lu();
     let left = transposed.solve(&real_basis(&left, a.nrows())).transpose().to_owned();
     Ok((real_basis(&right, a.nrows()), left))
 }
