@@ -1,14 +1,23 @@
 //! What the variator costs, on one core: `cargo fmu bench`.
 //!
-//! Prints one table and writes `target/bench.json`. Times are processor time of the thread, the least of several runs, so
-//! what else the machine does matters least; the ratios come from the same run. Counts (steps, residuals, factorizations) don't depend on the
-//! machine. Arguments after `--`: `--quick` runs everything once.
+//! Prints one table and writes `target/bench.json` and the pictures `target/bench.svg`. Times are processor time of the thread, the least
+//! of several runs, so what else the machine does matters least; the ratios come from the same run. Counts (steps, residuals,
+//! factorizations) don't depend on the machine. Arguments after `--`:
+//!
+//! - `--quick` runs everything once,
+//! - `--errors` adds the errors against a mesh and a tolerance ten times finer (some minutes),
+//! - `--trace FILE` plays the torques, clamping forces and speeds of a drive (a table of `cargo fmu drive`) in steps of 10 ms.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../../tests/common/mod.rs"]
 mod common;
+mod errors;
+mod picture;
+mod trace;
 
 use std::hint::black_box;
+use std::path::PathBuf;
 
+use clap::Parser;
 use common::{LoadCase, Manoeuvre, SPEED};
 use cpu_time::ThreadTime;
 use pushbelt::solver::System;
@@ -16,7 +25,7 @@ use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::instance::Variator;
-use pushbelt::variator::mesh::P;
+use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::start::{Start, kinematic_state};
@@ -33,57 +42,121 @@ const MAP_FORCE: f64 = 10e3;
 /// Communication step of the manoeuvre, s.
 const STEP: f64 = 1e-3;
 
-fn main() {
-    let quick = std::env::args().any(|a| a == "--quick");
-    let mut rows = Vec::new();
-    let mut row = |name: &str, figure: String, data: Value| {
-        println!("{name:<58} {figure}");
-        rows.push(json!({"name": name, "figure": figure, "data": data}));
-    };
+#[derive(Parser)]
+struct Options {
+    /// Everything once
+    #[arg(long)]
+    quick: bool,
+    /// Errors against a mesh and a tolerance ten times finer
+    #[arg(long)]
+    errors: bool,
+    /// Table of a drive to play
+    #[arg(long)]
+    trace: Option<PathBuf>,
+    /// What cargo passes to every benchmark
+    #[arg(long, hide = true)]
+    bench: bool,
+}
 
-    let trace = manoeuvre_inputs();
-    let mut seconds = [0.0; 2];
-    for (k, model) in [RingModel::Ale, RingModel::Ale0].into_iter().enumerate() {
-        let runs = if quick { 1 } else { 2 };
-        let (time, counts, slowest) = best(runs, || manoeuvre(model, &trace));
+/// Lines of the table as they come.
+#[derive(Default)]
+struct Table(Vec<Value>);
+
+impl Table {
+    fn row(&mut self, name: &str, figure: String, data: Value) {
+        println!("{name:<58} {figure}");
+        self.0.push(json!({"name": name, "figure": figure, "data": data}));
+    }
+}
+
+const MODELS: [RingModel; 2] = [RingModel::Ale, RingModel::Ale0];
+
+fn main() {
+    let options = Options::parse();
+    let mut table = Table::default();
+    if let Some(file) = &options.trace {
+        for model in MODELS {
+            trace::play(&mut table, model, file);
+        }
+    } else {
+        let trace = manoeuvre_inputs();
+        let costs = manoeuvres(&mut table, &trace, &options);
+        steady_states(&mut table, &options);
+        let growth = pieces_and_memory(&mut table, &trace);
+        let file = target().join("bench.svg");
+        match picture::draw(&file, &growth, &costs) {
+            Ok(()) => println!("drawn in {}", file.display()),
+            Err(error) => eprintln!("{}: {error}", file.display()),
+        }
+    }
+    let file = target().join("bench.json");
+    let text = serde_json::to_string_pretty(&table.0).expect("plain numbers");
+    match std::fs::write(&file, text) {
+        Ok(()) => println!("written to {}", file.display()),
+        Err(error) => eprintln!("{}: {error}", file.display()),
+    }
+}
+
+fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), PathBuf::from)
+}
+
+/// Times of the communication steps, s, of both ring models.
+fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f64>; 2] {
+    let costs = MODELS.map(|model| {
+        let (time, counts, each) = best(if options.quick { 1 } else { 2 }, || manoeuvre(model, trace));
         let span = trace.len() as f64 * STEP;
-        seconds[k] = time;
-        row(
+        table.row(
             &format!("manoeuvre of {span:.0} s in steps of 1 ms, {model:?}"),
             format!("{time:.2} s, {:.1} x real time, {}", span / time, text(&counts)),
             json!({"seconds": time, "real_time_factor": span / time, "counts": numbers(&counts)}),
         );
-        row(
+        let slowest = percentiles(&each);
+        table.row(
             &format!("  its communication steps, {model:?}: median, 99.9 %, longest"),
             slowest.map(|t| format!("{:.2} ms", 1e3 * t)).join(", "),
             json!({"seconds": slowest}),
         );
-    }
-    row(
-        "  ALE / ALE0",
-        format!("{:.1}", seconds[0] / seconds[1]),
-        json!(seconds[0] / seconds[1]),
-    );
+        if options.errors {
+            errors::of_manoeuvre(table, model, trace);
+        }
+        each
+    });
+    let [ale, ale0] = [&costs[0], &costs[1]].map(|each| each.iter().sum::<f64>());
+    table.row("  ALE / ALE0", format!("{:.1}", ale / ale0), json!(ale / ale0));
+    costs
+}
 
-    for model in [RingModel::Ale, RingModel::Ale0] {
-        let (time, counts, solved) = best(if quick { 1 } else { 5 }, || nine_steady_states(model));
-        row(
+fn percentiles(each: &[f64]) -> [f64; 3] {
+    let mut sorted = each.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    [0.5, 0.999, 1.0].map(|share: f64| sorted[((sorted.len() - 1) as f64 * share).round() as usize])
+}
+
+fn steady_states(table: &mut Table, options: &Options) {
+    let quick = options.quick;
+    for model in MODELS {
+        let (time, counts, ratios) = best(if quick { 1 } else { 5 }, || nine_steady_states(model, 1));
+        let solved = ratios.iter().flatten().count();
+        table.row(
             &format!("nine steady states, cold, {model:?}"),
             format!("{time:.2} s, {solved} solved, {}", text(&counts)),
             json!({"seconds": time, "solved": solved, "counts": numbers(&counts)}),
         );
+        if options.errors {
+            errors::of_steady_states(table, model, &ratios);
+        }
         let (time, ..) = best(if quick { 1 } else { 10 }, || steady_start(model));
-        row(
+        table.row(
             &format!("from parameters to the first step, steady start, {model:?}"),
             format!("{:.0} ms", 1e3 * time),
             json!({"seconds": time}),
         );
     }
-
-    for model in [RingModel::Ale, RingModel::Ale0] {
+    for model in MODELS {
         let (time, counts, [solved, warm]) = steady_map(model);
         let points = MAP_RATIOS * MAP_TORQUES;
-        row(
+        table.row(
             &format!("steady map, {MAP_RATIOS} ratios x {MAP_TORQUES} torques, {model:?}"),
             format!(
                 "{time:.2} s, {:.1} ms a point; {solved} of {points} solved, {warm} from their neighbour, {}",
@@ -93,37 +166,33 @@ fn main() {
             json!({"seconds": time, "solved": solved, "warm": warm, "points": points, "counts": numbers(&counts)}),
         );
     }
+}
 
-    for model in [RingModel::Ale, RingModel::Ale0] {
+/// Cost of what a step is made of, on three meshes, of both ring models.
+fn pieces_and_memory(table: &mut Table, trace: &[Inputs]) -> [[Pieces; 3]; 2] {
+    MODELS.map(|model| {
         let pieces = [1, 2, 4].map(|factor| pieces(model, factor));
         for p in &pieces {
-            row(
+            table.row(
                 &format!("{model:?}, {} elements: residual, Jacobian, factors, solve", p.elements),
                 p.seconds.map(|t| format!("{:.1} us", 1e6 * t)).join(", "),
                 json!({"elements": p.elements, "seconds": p.seconds}),
             );
         }
-        let whole = |k: usize| pieces[k].seconds.iter().sum::<f64>();
-        row(
+        let growth = pieces[2].whole() / pieces[0].whole();
+        table.row(
             "  four times the elements / once",
-            format!("{:.2}", whole(2) / whole(0)),
-            json!(whole(2) / whole(0)),
+            format!("{growth:.2}"),
+            json!(growth),
         );
-        let (allocations, bytes) = memory(model, &trace);
-        row(
+        let (allocations, bytes) = memory(model, trace);
+        table.row(
             &format!("allocations in 100 steps; memory of an instance, {model:?}"),
             format!("{allocations}; {:.2} MB", bytes as f64 / 1e6),
             json!({"allocations": allocations, "bytes": bytes}),
         );
-    }
-
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), std::path::PathBuf::from);
-    let file = target.join("bench.json");
-    let text = serde_json::to_string_pretty(&rows).expect("plain numbers");
-    match std::fs::write(&file, text) {
-        Ok(()) => println!("written to {}", file.display()),
-        Err(error) => eprintln!("{}: {error}", file.display()),
-    }
+        pieces
+    })
 }
 
 /// Least time of several runs, with what its run returned.
@@ -158,7 +227,8 @@ fn manoeuvre_inputs() -> Vec<Inputs> {
     (0..count).map(|k| manoeuvre.at(k as f64 * STEP)).collect()
 }
 
-fn manoeuvre(model: RingModel, trace: &[Inputs]) -> (f64, Counts, [f64; 3]) {
+/// Time, work, and the time of each communication step, s.
+fn manoeuvre(model: RingModel, trace: &[Inputs]) -> (f64, Counts, Vec<f64>) {
     let start = ThreadTime::now();
     let mut variator = Variator::new(Manoeuvre::variator(common::variator(model))).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
@@ -169,18 +239,17 @@ fn manoeuvre(model: RingModel, trace: &[Inputs]) -> (f64, Counts, [f64; 3]) {
         black_box(variator.outputs());
         each.push(step.elapsed().as_secs_f64());
     }
-    let total = start.elapsed().as_secs_f64();
-    each.sort_by(f64::total_cmp);
-    let at = |share: f64| each[((each.len() - 1) as f64 * share).round() as usize];
-    (total, variator.counts(), [at(0.5), at(0.999), at(1.0)])
+    (start.elapsed().as_secs_f64(), variator.counts(), each)
 }
 
-/// Steady states of the nine load cases: ratio held on P, primary speed given, belt torque 30, 50, 100 N·m.
-fn nine_steady_states(model: RingModel) -> (f64, Counts, usize) {
-    let parameters = common::variator(model);
+/// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P, primary speed given, belt torque
+/// 30, 50, 100 N·m. Time, work, and the thrust ratios that were found.
+fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, Counts, Vec<Option<f64>>) {
+    let mut parameters = common::variator(model);
+    parameters.mesh = common::refined(&parameters.mesh, refinement);
     let start = ThreadTime::now();
     let mut total = Counts::default();
-    let mut solved = 0;
+    let mut ratios = Vec::new();
     for case in [30.0, 50.0, 100.0]
         .map(|torque| LoadCase::three(&parameters, torque))
         .concat()
@@ -194,11 +263,11 @@ fn nine_steady_states(model: RingModel) -> (f64, Counts, usize) {
         };
         let mut state = kinematic_state(&system, &start).expect("a start");
         let mut newton = Newton::new(&system);
-        solved += usize::from(solve(&mut system, &mut newton, &mut state, &task, 400).is_ok());
-        total.residuals += newton.counts.residuals;
-        total.factorizations += newton.counts.factorizations;
+        let found = solve(&mut system, &mut newton, &mut state, &task, 400);
+        ratios.push(found.ok().map(|_| system.belt_load(P).0 / system.belt_load(S).0));
+        total += newton.counts;
     }
-    (start.elapsed().as_secs_f64(), total, solved)
+    (start.elapsed().as_secs_f64(), total, ratios)
 }
 
 /// Thrust-ratio map at 2000 rpm and F_S = 10 kN: i from 2.2 to 0.45, 5 to 65 % of the primary pulley's capacity. The first
@@ -255,6 +324,12 @@ struct Pieces {
     elements: usize,
     /// Residual, Jacobian, factors, solve, s.
     seconds: [f64; 4],
+}
+
+impl Pieces {
+    fn whole(&self) -> f64 {
+        self.seconds.iter().sum()
+    }
 }
 
 /// Cost of what a step is made of, with `factor` times the default elements.

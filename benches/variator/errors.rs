@@ -1,0 +1,72 @@
+//! Errors beside the times: against a mesh and a tolerance ten times finer.
+
+use pushbelt::variator::instance::Variator;
+use pushbelt::variator::parameters::RingModel;
+use pushbelt::variator::signals::{Inputs, Outputs};
+use serde_json::json;
+
+use crate::common::{self, Manoeuvre};
+use crate::{STEP, Table, nine_steady_states};
+
+const FINER: i32 = 10;
+
+/// Largest error of the thrust ratios that were `found`.
+pub fn of_steady_states(table: &mut Table, model: RingModel, found: &[Option<f64>]) {
+    let (_, _, fine) = nine_steady_states(model, FINER);
+    let both = found.iter().zip(&fine).filter_map(|(a, b)| Some((*a)? / (*b)? - 1.0));
+    let (count, largest) = both.fold((0, 0.0_f64), |(n, most), error| (n + 1, most.max(error.abs())));
+    table.row(
+        &format!("  their largest error of the thrust ratio, {model:?}"),
+        format!("{:.2} %, {count} states", 100.0 * largest),
+        json!({"thrust_ratio": largest, "states": count}),
+    );
+}
+
+type Read = fn(&Outputs) -> f64;
+
+/// What is compared over the manoeuvre.
+const OUTPUTS: [(&str, Read); 5] = [
+    ("primary speed", |o| o.primary.speed),
+    ("secondary speed", |o| o.secondary.speed),
+    ("ratio", |o| o.ratio_geometric),
+    ("thrust ratio", |o| o.thrust_ratio),
+    ("losses", |o| o.losses.total()),
+];
+
+/// Mean errors of outputs as shares of their ranges.
+pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
+    let [coarse, fine] = [1, FINER].map(|factor| outputs(model, trace, factor));
+    let errors: Vec<(&str, f64)> = OUTPUTS
+        .iter()
+        .enumerate()
+        .map(|(k, (name, _))| {
+            let of_fine = fine.iter().map(|row| row[k]);
+            let range = of_fine.clone().fold(f64::NEG_INFINITY, f64::max) - of_fine.fold(f64::INFINITY, f64::min);
+            let sum: f64 = coarse.iter().zip(&fine).map(|(a, b)| (a[k] - b[k]).abs()).sum();
+            (*name, sum / (coarse.len() as f64 * range))
+        })
+        .collect();
+    let text: Vec<String> = errors
+        .iter()
+        .map(|(name, e)| format!("{name} {:.2} %", 100.0 * e))
+        .collect();
+    table.row(
+        &format!("  its mean errors as shares of the ranges, {model:?}"),
+        text.join(", "),
+        json!(errors),
+    );
+}
+
+fn outputs(model: RingModel, trace: &[Inputs], factor: i32) -> Vec<[f64; OUTPUTS.len()]> {
+    let mut parameters = Manoeuvre::variator(common::variator(model));
+    parameters.mesh = common::refined(&parameters.mesh, factor);
+    parameters.solver.tolerance /= f64::from(factor);
+    let mut variator = Variator::new(parameters).expect("valid parameters");
+    variator.initialise(0.0, &trace[0]).expect("a start");
+    let row = |(k, inputs): (usize, &Inputs)| {
+        variator.advance((k + 1) as f64 * STEP, inputs).expect("a step");
+        let outputs = variator.outputs();
+        OUTPUTS.map(|(_, read)| read(outputs))
+    };
+    trace.iter().enumerate().map(row).collect()
+}
