@@ -4,10 +4,10 @@
 //! well, and with one cell an element its Jacobian costs a quarter.
 
 use super::layout::Global;
-use super::mesh::BeltMesh;
+use super::mesh::{BeltMesh, Element};
 use super::parameters::{Mesh, Parameters};
 use super::system::{State, VariatorSystem};
-use crate::reference_curve::ReferenceCurve;
+use crate::reference_curve::{ReferenceCurve, TwoPulleyFrame};
 use crate::ring::kinematics::Hermite;
 
 /// Fewest elements of an arc and of a strand on a coarse mesh.
@@ -39,99 +39,134 @@ struct Spot {
     along: f64,
 }
 
-/// Where `fraction` of `segment` lies.
-fn locate(mesh: &BeltMesh, segment: usize, fraction: f64) -> Spot {
-    let mut found = Spot { element: 0, along: 0.0 };
-    for (element, e) in mesh.elements.iter().enumerate() {
-        if e.segment == segment && fraction >= e.start - 1.0e-12 {
-            let along = ((fraction - e.start) / e.share).clamp(0.0, 1.0);
-            found = Spot { element, along };
+/// A state of a coarse mesh that is looked at from a fine one.
+struct Seen<'a> {
+    system: &'a VariatorSystem,
+    state: &'a State,
+    frame: TwoPulleyFrame<f64>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(system: &'a VariatorSystem, state: &'a State) -> Self {
+        let theta = state.q[system.layout.global(Global::Theta, 0)];
+        Self {
+            system,
+            state,
+            frame: system.curve.frame(theta),
         }
     }
-    found
+
+    /// Where `along` an element of the `fine` mesh lies.
+    fn spot(&self, fine: &BeltMesh, element: usize, along: f64) -> Spot {
+        let Element { segment, start, share } = fine.elements[element];
+        let fraction = start + share * along;
+        let mut found = Spot { element: 0, along: 0.0 };
+        for (element, e) in self.system.mesh.elements.iter().enumerate() {
+            if e.segment == segment && fraction >= e.start - 1.0e-12 {
+                let along = ((fraction - e.start) / e.share).clamp(0.0, 1.0);
+                found = Spot { element, along };
+            }
+        }
+        found
+    }
+
+    /// The same for a place along a cell: here a cell, and how far along it.
+    fn cell(&self, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
+        let of_fine = fine.cells_per_element;
+        let along = ((cell % of_fine) as f64 + along) / of_fine as f64;
+        let spot = self.spot(fine, cell / of_fine, along);
+        let cells = self.system.mesh.cells_per_element;
+        let along = spot.along * cells as f64;
+        let within = (along as usize).min(cells - 1);
+        (spot.element * cells + within, along - within as f64)
+    }
+
+    /// Length of a cell on the reference curve, m.
+    fn length(&self, cell: usize) -> f64 {
+        let cells = self.system.mesh.cells_per_element;
+        self.system.element_length(&self.frame, cell / cells) / cells as f64
+    }
+
+    /// Nodes on the cubics of this mesh.
+    fn put_nodes(&self, fine: &VariatorSystem, state: &mut State) {
+        for node in 0..fine.layout.elements {
+            let spot = self.spot(&fine.mesh, node, 0.0);
+            let length = self.system.element_length(&self.frame, spot.element);
+            let shape = Hermite::<f64>::at(2.0 * spot.along - 1.0);
+            for k in (0..2 * fine.layout.components).step_by(2) {
+                for (to, of) in [(&mut state.q, &self.state.q), (&mut state.y, &self.state.y)] {
+                    let [left, right] = [spot.element, spot.element + 1].map(|node| {
+                        let at = |k| of[self.system.layout.node(node, k)];
+                        [at(k), at(k + 1) * length]
+                    });
+                    let along = |weights: &[f64; 4]| {
+                        weights[0] * left[0] + weights[1] * left[1] + weights[2] * right[0] + weights[3] * right[1]
+                    };
+                    to[fine.layout.node(node, k)] = along(&shape.n);
+                    to[fine.layout.node(node, k + 1)] = along(&shape.dn) * 2.0 / length;
+                }
+            }
+        }
+    }
+
+    /// Speeds of the elements and tensions of the ring, linear between faces.
+    fn put_faces(&self, fine: &VariatorSystem, state: &mut State) {
+        let layout = &self.system.layout;
+        for i in 0..fine.mesh.cells.len() {
+            let (cell, along) = self.cell(&fine.mesh, i, 0.0);
+            let between = |left: usize, right: usize| self.state.y[left] * (1.0 - along) + self.state.y[right] * along;
+            state.y[fine.layout.speed(i)] = between(layout.speed(cell), layout.speed(cell + 1));
+            if fine.layout.has_tension() {
+                state.y[fine.layout.tension(i)] = between(layout.tension(cell), layout.tension(cell + 1));
+            }
+        }
+    }
+
+    /// Amounts of densities that are linear between the middles of cells, `wanted` of them in all. The nodes are in place.
+    fn put_amounts(&self, fine: &VariatorSystem, state: &mut State, wanted: f64) {
+        let count = self.system.mesh.cells.len();
+        let known = per_cell(self.system, self.state, |_, density| density);
+        let density = |i: usize| {
+            let (cell, along) = self.cell(&fine.mesh, i, 0.5);
+            let next = (cell + if along < 0.5 { count - 1 } else { 1 }) % count;
+            let share = 2.0 * (along - 0.5).abs() * self.length(cell) / (self.length(cell) + self.length(next));
+            known[cell] * (1.0 - share) + known[next] * share
+        };
+        let lengths = per_cell(fine, state, |length, _| length);
+        let cells: Vec<(f64, f64)> = lengths
+            .iter()
+            .enumerate()
+            .map(|(i, length)| (density(i), *length))
+            .collect();
+        // What interpolation gains or loses goes into the gaps, or where there are none, everywhere.
+        let found: f64 = cells.iter().map(|(density, length)| density * length).sum();
+        let gap = |(density, length): &(f64, f64)| (1.0 - density).max(0.0) * length;
+        let mut room: Vec<f64> = cells.iter().map(gap).collect();
+        if room.iter().all(|room| *room <= 0.0) {
+            room = lengths;
+        }
+        let share = (wanted - found) / room.iter().sum::<f64>();
+        for (i, ((density, length), room)) in cells.iter().zip(&room).enumerate() {
+            state.y[fine.layout.amount(i)] = density * length + share * room;
+        }
+    }
 }
 
 /// Puts the fields of `from`, a state of `coarse`, into `state`, a state of `fine` that holds as many elements as are to be on the belt.
 pub fn prolong(coarse: &VariatorSystem, from: &State, fine: &VariatorSystem, state: &mut State) {
-    let wanted: f64 = (0..fine.mesh.cells.len()).map(|i| state.y[fine.layout.amount(i)]).sum();
+    let amounts = 0..fine.mesh.cells.len();
+    let wanted = amounts.map(|i| state.y[fine.layout.amount(i)]).sum();
+    let globals = |system: &VariatorSystem| system.layout.global(Global::Drift, 0)..system.layout.len();
     state.y_dot.fill(0.0);
-    let border = fine.layout.len() - fine.layout.global(Global::Drift, 0);
-    for k in 0..border {
-        let (to, of) = (
-            fine.layout.global(Global::Drift, k),
-            coarse.layout.global(Global::Drift, k),
-        );
+    for (to, of) in globals(fine).zip(globals(coarse)) {
         (state.y[to], state.q[to]) = (from.y[of], from.q[of]);
     }
+    let seen = Seen::new(coarse, from);
     if fine.layout.flexible {
-        prolong_deflection(coarse, from, fine, state);
+        seen.put_nodes(fine, state);
     }
-    let cells = coarse.mesh.cells_per_element;
-    // Cell at a spot, and how far along it.
-    let cell_at = |spot: Spot| {
-        let along = spot.along * cells as f64;
-        let within = (along as usize).min(cells - 1);
-        (spot.element * cells + within, along - within as f64)
-    };
-    let densities: Vec<f64> = per_cell(coarse, from, |_, density| density);
-    let frame = coarse
-        .curve
-        .frame::<f64>(from.q[coarse.layout.global(Global::Theta, 0)]);
-    let length = |cell: usize| coarse.element_length(&frame, cell / cells) / cells as f64;
-    let count = coarse.mesh.cells.len();
-    let fine_cells = fine.mesh.cells_per_element;
-    let mut density = vec![0.0; fine.mesh.cells.len()];
-    for (i, density) in density.iter_mut().enumerate() {
-        let element = fine.mesh.elements[i / fine_cells];
-        let spot = |offset: f64| {
-            let along = ((i % fine_cells) as f64 + offset) / fine_cells as f64;
-            locate(&coarse.mesh, element.segment, element.start + element.share * along)
-        };
-        let (cell, along) = cell_at(spot(0.0));
-        let between = |of: &dyn Fn(usize) -> usize| from.y[of(cell)] * (1.0 - along) + from.y[of(cell + 1)] * along;
-        state.y[fine.layout.speed(i)] = between(&|cell| coarse.layout.speed(cell));
-        if fine.layout.has_tension() {
-            state.y[fine.layout.tension(i)] = between(&|cell| coarse.layout.tension(cell));
-        }
-        let (cell, along) = cell_at(spot(0.5));
-        let next = (cell + if along < 0.5 { count - 1 } else { 1 }) % count;
-        let share = (along - 0.5).abs() * length(cell) * 2.0 / (length(cell) + length(next));
-        *density = densities[cell] * (1.0 - share) + densities[next] * share;
-    }
-    let lengths: Vec<f64> = per_cell(fine, state, |length, _| length);
-    // What interpolation gains or loses goes into the gaps.
-    let amount = |density: &f64, length: &f64| density * length;
-    let found: f64 = density.iter().zip(&lengths).map(|(d, l)| amount(d, l)).sum();
-    let gap = |density: &f64, length: &f64| (1.0 - density).max(0.0) * length;
-    let gaps: f64 = density.iter().zip(&lengths).map(|(d, l)| gap(d, l)).sum();
-    let fill = if gaps > 0.0 { (wanted - found) / gaps } else { 0.0 };
-    let scale = if gaps > 0.0 { 1.0 } else { wanted / found };
-    for (i, (d, l)) in density.iter().zip(&lengths).enumerate() {
-        state.y[fine.layout.amount(i)] = scale * amount(d, l) + fill * gap(d, l);
-    }
-}
-
-/// Nodes on the cubics of the coarse mesh.
-fn prolong_deflection(coarse: &VariatorSystem, from: &State, fine: &VariatorSystem, state: &mut State) {
-    let frame = coarse
-        .curve
-        .frame::<f64>(from.q[coarse.layout.global(Global::Theta, 0)]);
-    for (node, element) in fine.mesh.elements.iter().enumerate() {
-        let spot = locate(&coarse.mesh, element.segment, element.start);
-        let length = coarse.element_length(&frame, spot.element);
-        let shape = Hermite::<f64>::at(2.0 * spot.along - 1.0);
-        for k in (0..2 * fine.layout.components).step_by(2) {
-            for (to, of) in [(&mut state.q, &from.q), (&mut state.y, &from.y)] {
-                let [left, right] = [spot.element, spot.element + 1]
-                    .map(|n| [of[coarse.layout.node(n, k)], of[coarse.layout.node(n, k + 1)] * length]);
-                let along = |weights: &[f64; 4]| {
-                    weights[0] * left[0] + weights[1] * left[1] + weights[2] * right[0] + weights[3] * right[1]
-                };
-                to[fine.layout.node(node, k)] = along(&shape.n);
-                to[fine.layout.node(node, k + 1)] = along(&shape.dn) * 2.0 / length;
-            }
-        }
-    }
+    seen.put_faces(fine, state);
+    seen.put_amounts(fine, state, wanted);
 }
 
 /// A figure of each cell from its pitch length, m, and its density.
