@@ -1,11 +1,13 @@
 """How fast small swings of the ratio grow: the linear belt with the controllers of `cargo fmu drive` around it.
 
 The belt is the linear model of `cargo fmu linearize`; flywheel, clutch, controllers and hydraulics are the drive's own code. A small
-change of the target ratio sets it off. Prints the table of docs/drivetrain.md.
+change of the target ratio sets it off. Prints the tables of docs/drivetrain.md: `stability.py coarse`, the mesh of the drive, and
+`stability.py default`.
 """
 
 import json
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +27,7 @@ STEP, DURATION = simulate.STEP, 4.0
 INPUTS = ("primary.clampingForce", "secondary.clampingForce", "primary.torque")
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip", "primary.radius")
 CAR = demo_car()
-PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
+PARAMETERS = simulate.unit_parameters(CAR, "ALE", "default" if "default" in sys.argv[1:] else "coarse")
 
 
 class Belt:

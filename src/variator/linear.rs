@@ -30,7 +30,7 @@ const NEARLY_STATIC: f64 = 1.0e-3;
 /// Part of the cut-off to which eigenvalues are shifted: near it rounding moves them least, and the slowest are the nearest to each other.
 const SHIFT: f64 = 0.01;
 /// Largest Θ̇ of a working point, 1/s.
-const STEADY: f64 = 1.0e-4;
+const STEADY: f64 = 1.0e-3;
 
 /// An input of the linear model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
