@@ -5,7 +5,7 @@
 //! factorizations) don't depend on the machine. Arguments after `--`:
 //!
 //! - `--quick` runs everything once,
-//! - `--errors` adds the errors against a mesh and a tolerance ten times finer (some minutes),
+//! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
 //! - `--trace FILE` plays the torques, clamping forces and speeds of a drive (a table of `cargo fmu drive`) in steps of 10 ms.
 
 #[path = "../../tests/common/mod.rs"]
@@ -47,7 +47,7 @@ struct Options {
     /// Everything once
     #[arg(long)]
     quick: bool,
-    /// Errors against a mesh and a tolerance ten times finer
+    /// Errors against finer meshes and a tighter tolerance
     #[arg(long)]
     errors: bool,
     /// Table of a drive to play
