@@ -5,14 +5,12 @@
 //! factorizations) don't depend on the machine. Arguments after `--`:
 //!
 //! - `--quick` runs everything once,
-//! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
-//! - `--trace FILE` plays the torques, clamping forces and speeds of a drive (a table of `cargo fmu drive`) in steps of 10 ms.
+//! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes).
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
 mod errors;
 mod picture;
-mod trace;
 
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -50,9 +48,6 @@ struct Options {
     /// Errors against finer meshes and a tighter tolerance
     #[arg(long)]
     errors: bool,
-    /// Table of a drive to play
-    #[arg(long)]
-    trace: Option<PathBuf>,
     /// What cargo passes to every benchmark
     #[arg(long, hide = true)]
     bench: bool,
@@ -74,20 +69,14 @@ const MODELS: [RingModel; 2] = [RingModel::Ale, RingModel::Ale0];
 fn main() {
     let options = Options::parse();
     let mut table = Table::default();
-    if let Some(file) = &options.trace {
-        for model in MODELS {
-            trace::play(&mut table, model, file);
-        }
-    } else {
-        let trace = manoeuvre_inputs();
-        let costs = manoeuvres(&mut table, &trace, &options);
-        steady_states(&mut table, &options);
-        let growth = pieces_and_memory(&mut table, &trace);
-        let file = target().join("bench.svg");
-        match picture::draw(&file, &growth, &costs) {
-            Ok(()) => println!("drawn in {}", file.display()),
-            Err(error) => eprintln!("{}: {error}", file.display()),
-        }
+    let trace = manoeuvre_inputs();
+    let costs = manoeuvres(&mut table, &trace, &options);
+    steady_states(&mut table, &options);
+    let growth = pieces_and_memory(&mut table, &trace);
+    let file = target().join("bench.svg");
+    match picture::draw(&file, &growth, &costs) {
+        Ok(()) => println!("drawn in {}", file.display()),
+        Err(error) => eprintln!("{}: {error}", file.display()),
     }
     let file = target().join("bench.json");
     let text = serde_json::to_string_pretty(&table.0).expect("plain numbers");
