@@ -66,6 +66,35 @@ fn the_whole_manoeuvre_keeps_its_books_ale() {
     whole_manoeuvre(RingModel::Ale, [10_780, 77_500, 4_670]);
 }
 
+/// The deflecting ring: launch.
+#[test]
+fn the_launch_keeps_its_books_ale() {
+    let mut run = drive(Manoeuvre::variator(variator(RingModel::Ale)), 0.0, 0.8, |_, _| {});
+    let o = run.variator.outputs();
+    assert!(
+        o.primary.speed > 20.0 && o.slip > 0.0 && o.slip < 0.03,
+        "{} rad/s, slip {}",
+        o.primary.speed,
+        o.slip
+    );
+    run.assert_books();
+}
+
+/// The deflecting ring: over-torque, from the steady state near which the manoeuvre is by then, and recovery.
+#[test]
+fn the_over_torque_keeps_its_books_ale() {
+    let mut slipped = false;
+    let mut run = drive(
+        Manoeuvre::before_over_torque(variator(RingModel::Ale)),
+        8.45,
+        9.45,
+        |_, o| slipped |= o.macro_slip,
+    );
+    let o = run.variator.outputs();
+    assert!(slipped && !o.macro_slip && o.slip.abs() < 0.03, "slip {}", o.slip);
+    run.assert_books();
+}
+
 /// Outputs whose change a user would see: motions, then forces.
 fn watched(o: &Outputs) -> [f64; 7] {
     [

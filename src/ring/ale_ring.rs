@@ -10,7 +10,7 @@
 use super::Ring;
 use super::ale;
 use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane};
-use super::mesh::{RingMesh, Station};
+use super::mesh::{self, RingMesh, Station};
 use super::model::{Coordinates, DIRECTIONS, Energy, RingModel, Shape};
 use super::particle::{Particle, ParticleLoad};
 use super::turning::{TurningElement, rotated_load, rotated_point};
@@ -305,13 +305,8 @@ where
 
     fn locate(&self, frame: &C::Frame<f64>, _s: f64, xi: f64) -> (usize, f64) {
         let (segment, fraction) = self.curve.locate(frame, xi);
-        let elements = &self.mesh.elements;
-        let element = elements
-            .iter()
-            .rposition(|e| e.segment < segment || e.segment == segment && e.start <= fraction)
-            .unwrap_or(0);
-        let place = &elements[element];
-        (element, 2.0 * (fraction - place.start) / place.share - 1.0)
+        let (element, along) = mesh::find(&self.mesh.elements, segment, fraction);
+        (element, 2.0 * along - 1.0)
     }
 
     fn lay(&self, shape: Shape<'_, D>, q: &mut [f64]) {

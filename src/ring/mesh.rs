@@ -43,6 +43,15 @@ impl Element {
     }
 }
 
+/// The element in which `fraction` of a segment lies, and how far along it, from 0 to 1.
+#[must_use]
+pub fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64) {
+    let after = elements.partition_point(|e| e.segment < segment || e.segment == segment && e.start <= fraction);
+    let element = after.saturating_sub(1);
+    let Element { start, share, .. } = elements[element];
+    (element, (fraction - start) / share)
+}
+
 /// How a segment is divided. A grading g ∈ [0, 1) makes the element at the named end 1 − g of the mean size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spacing {

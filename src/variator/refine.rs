@@ -9,6 +9,7 @@ use super::parameters::{Mesh, Parameters};
 use super::system::{State, VariatorSystem};
 use crate::reference_curve::{ReferenceCurve, TwoPulleyFrame};
 use crate::ring::kinematics::Hermite;
+use crate::ring::mesh::find;
 
 /// Fewest elements of an arc and of a strand on a coarse mesh.
 const FEWEST: [i32; 2] = [6, 3];
@@ -32,13 +33,6 @@ pub fn coarser(parameters: &Parameters) -> Option<Parameters> {
     })
 }
 
-/// A place on a mesh: an element, and how far along it, from 0 to 1.
-#[derive(Clone, Copy)]
-struct Spot {
-    element: usize,
-    along: f64,
-}
-
 /// A state of a coarse mesh that is looked at from a fine one.
 struct Seen<'a> {
     system: &'a VariatorSystem,
@@ -56,29 +50,21 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// Where `along` an element of the `fine` mesh lies.
-    fn spot(&self, fine: &BeltMesh, element: usize, along: f64) -> Spot {
+    /// Where `along` an element of the `fine` mesh lies: an element here, and how far along it, from 0 to 1.
+    fn element(&self, fine: &BeltMesh, element: usize, along: f64) -> (usize, f64) {
         let Element { segment, start, share } = fine.elements[element];
-        let fraction = start + share * along;
-        let mut found = Spot { element: 0, along: 0.0 };
-        for (element, e) in self.system.mesh.elements.iter().enumerate() {
-            if e.segment == segment && fraction >= e.start - 1.0e-12 {
-                let along = ((fraction - e.start) / e.share).clamp(0.0, 1.0);
-                found = Spot { element, along };
-            }
-        }
-        found
+        find(&self.system.mesh.elements, segment, start + share * along)
     }
 
     /// The same for a place along a cell: here a cell, and how far along it.
     fn cell(&self, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
         let of_fine = fine.cells_per_element;
         let along = ((cell % of_fine) as f64 + along) / of_fine as f64;
-        let spot = self.spot(fine, cell / of_fine, along);
+        let (element, along) = self.element(fine, cell / of_fine, along);
         let cells = self.system.mesh.cells_per_element;
-        let along = spot.along * cells as f64;
+        let along = along * cells as f64;
         let within = (along as usize).min(cells - 1);
-        (spot.element * cells + within, along - within as f64)
+        (element * cells + within, along - within as f64)
     }
 
     /// Length of a cell on the reference curve, m.
@@ -90,12 +76,12 @@ impl<'a> Seen<'a> {
     /// Nodes on the cubics of this mesh.
     fn put_nodes(&self, fine: &VariatorSystem, state: &mut State) {
         for node in 0..fine.layout.elements {
-            let spot = self.spot(&fine.mesh, node, 0.0);
-            let length = self.system.element_length(&self.frame, spot.element);
-            let shape = Hermite::<f64>::at(2.0 * spot.along - 1.0);
+            let (element, along) = self.element(&fine.mesh, node, 0.0);
+            let length = self.system.element_length(&self.frame, element);
+            let shape = Hermite::<f64>::at(2.0 * along - 1.0);
             for k in (0..2 * fine.layout.components).step_by(2) {
                 for (to, of) in [(&mut state.q, &self.state.q), (&mut state.y, &self.state.y)] {
-                    let [left, right] = [spot.element, spot.element + 1].map(|node| {
+                    let [left, right] = [element, element + 1].map(|node| {
                         let at = |k| of[self.system.layout.node(node, k)];
                         [at(k), at(k + 1) * length]
                     });
@@ -253,11 +239,12 @@ mod tests {
             prolong(&system, &state, &fine, &mut found);
             assert!((on_belt(&fine, &found) / wanted - 1.0).abs() < 1e-13);
             // Every other node is one of the coarse mesh.
-            for node in 0..if fine.layout.flexible {
+            let shared = if fine.layout.flexible {
                 system.layout.elements
             } else {
                 0
-            } {
+            };
+            for node in 0..shared {
                 for k in 0..4 {
                     let (a, b) = (
                         state.q[system.layout.node(node, k)],

@@ -411,4 +411,12 @@ impl Manoeuvre {
         parameters.initial.primary_speed = 0.0;
         parameters
     }
+
+    /// The same, in the steady state near which it is when the over-torque comes.
+    pub fn before_over_torque(parameters: Parameters) -> Parameters {
+        let mut parameters = Self::variator(parameters);
+        parameters.initial.ratio = 0.8;
+        parameters.initial.primary_speed = 120.0;
+        parameters
+    }
 }
