@@ -5,7 +5,8 @@
 //! factorizations) don't depend on the machine. Arguments after `--`:
 //!
 //! - `--quick` runs everything once,
-//! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes).
+//! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
+//! - `--directions` adds `ALE` with A_i = [t, n].
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -24,7 +25,7 @@ use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::RingModel;
+use pushbelt::variator::parameters::{Parameters, RingModel};
 use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::start::{Start, kinematic_state};
 use pushbelt::variator::steady::{SteadyTask, solve};
@@ -48,6 +49,9 @@ struct Options {
     /// Errors against finer meshes and a tighter tolerance
     #[arg(long)]
     errors: bool,
+    /// The overlay along the reference curve and across it, too
+    #[arg(long)]
+    directions: bool,
     /// What cargo passes to every benchmark
     #[arg(long, hide = true)]
     bench: bool,
@@ -73,6 +77,9 @@ fn main() {
     let costs = manoeuvres(&mut table, &trace, &options);
     steady_states(&mut table, &options);
     let growth = pieces_and_memory(&mut table, &trace);
+    if options.directions {
+        reference_directions(&mut table, &trace);
+    }
     let file = target().join("bench.svg");
     match picture::draw(&file, &growth, &costs) {
         Ok(()) => println!("drawn in {}", file.display()),
@@ -93,13 +100,10 @@ fn target() -> PathBuf {
 /// Times of the communication steps, s, of both ring models.
 fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f64>; 2] {
     let costs = MODELS.map(|model| {
-        let (time, counts, each) = best(if options.quick { 1 } else { 2 }, || manoeuvre(model, trace));
-        let span = trace.len() as f64 * STEP;
-        table.row(
-            &format!("manoeuvre of {span:.0} s in steps of 1 ms, {model:?}"),
-            format!("{time:.2} s, {:.1} x real time, {}", span / time, text(&counts)),
-            json!({"seconds": time, "real_time_factor": span / time, "counts": numbers(&counts)}),
-        );
+        let (time, counts, each) = best(if options.quick { 1 } else { 2 }, || {
+            manoeuvre(common::variator(model), trace)
+        });
+        manoeuvre_row(table, &format!("{model:?}"), trace, time, &counts);
         let slowest = percentiles(&each);
         table.row(
             &format!("  its communication steps, {model:?}: median, 99.9 %, longest"),
@@ -160,13 +164,9 @@ fn steady_states(table: &mut Table, options: &Options) {
 /// Cost of what a step is made of, on three meshes, of both ring models.
 fn pieces_and_memory(table: &mut Table, trace: &[Inputs]) -> [[Pieces; 3]; 2] {
     MODELS.map(|model| {
-        let pieces = [1, 2, 4].map(|factor| pieces(model, factor));
+        let pieces = [1, 2, 4].map(|factor| pieces(common::variator(model), factor));
         for p in &pieces {
-            table.row(
-                &format!("{model:?}, {} elements: residual, Jacobian, factors, solve", p.elements),
-                p.seconds.map(|t| format!("{:.1} us", 1e6 * t)).join(", "),
-                json!({"elements": p.elements, "seconds": p.seconds}),
-            );
+            pieces_row(table, &format!("{model:?}"), p);
         }
         let growth = pieces[2].whole() / pieces[0].whole();
         table.row(
@@ -210,6 +210,38 @@ fn numbers(counts: &Counts) -> Value {
 }
 
 /// Inputs at every communication step.
+fn manoeuvre_row(table: &mut Table, name: &str, trace: &[Inputs], time: f64, counts: &Counts) {
+    let span = trace.len() as f64 * STEP;
+    table.row(
+        &format!("manoeuvre of {span:.0} s in steps of 1 ms, {name}"),
+        format!("{time:.2} s, {:.1} x real time, {}", span / time, text(counts)),
+        json!({"seconds": time, "real_time_factor": span / time, "counts": numbers(counts)}),
+    );
+}
+
+/// What it costs to count the overlay in directions that turn with the reference curve.
+fn reference_directions(table: &mut Table, trace: &[Inputs]) {
+    const NAME: &str = "Ale, A_i = [t, n]";
+    let parameters = || Parameters {
+        reference_directions: true,
+        ..common::variator(RingModel::Ale)
+    };
+    let (time, counts, _) = manoeuvre(parameters(), trace);
+    manoeuvre_row(table, NAME, trace, time, &counts);
+    pieces_row(table, NAME, &pieces(parameters(), 1));
+}
+
+fn pieces_row(table: &mut Table, name: &str, pieces: &Pieces) {
+    table.row(
+        &format!(
+            "{name}, {} elements: residual, Jacobian, factors, solve",
+            pieces.elements
+        ),
+        pieces.seconds.map(|t| format!("{:.1} us", 1e6 * t)).join(", "),
+        json!({"elements": pieces.elements, "seconds": pieces.seconds}),
+    );
+}
+
 fn manoeuvre_inputs() -> Vec<Inputs> {
     let manoeuvre = Manoeuvre::read();
     let count = (manoeuvre.end() / STEP).round() as usize;
@@ -217,9 +249,9 @@ fn manoeuvre_inputs() -> Vec<Inputs> {
 }
 
 /// Time, work, and the time of each communication step, s.
-fn manoeuvre(model: RingModel, trace: &[Inputs]) -> (f64, Counts, Vec<f64>) {
+fn manoeuvre(parameters: Parameters, trace: &[Inputs]) -> (f64, Counts, Vec<f64>) {
     let start = ThreadTime::now();
-    let mut variator = Variator::new(Manoeuvre::variator(common::variator(model))).expect("valid parameters");
+    let mut variator = Variator::new(Manoeuvre::variator(parameters)).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
     let mut each = Vec::with_capacity(trace.len());
     for (k, inputs) in trace.iter().enumerate() {
@@ -322,8 +354,7 @@ impl Pieces {
 }
 
 /// Cost of what a step is made of, with `factor` times the default elements.
-fn pieces(model: RingModel, factor: i32) -> Pieces {
-    let mut parameters = common::variator(model);
+fn pieces(mut parameters: Parameters, factor: i32) -> Pieces {
     parameters.mesh = common::refined(&parameters.mesh, factor);
     let mut system = VariatorSystem::new(&parameters);
     let state = kinematic_state(

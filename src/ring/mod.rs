@@ -12,7 +12,7 @@ pub mod model;
 pub mod particle;
 pub mod rcm;
 pub mod system;
-mod turning;
+pub mod turning;
 
 /// The ring sets, as one beam.
 #[derive(Clone, Debug, PartialEq)]

@@ -315,6 +315,7 @@ fn parameters(t: &mut Rows) {
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));
     t.set("ring.lateralBendingStiffness", 1046, Parameter, "N.m2", "Bending stiffness EI of the ring sets out of the plane of the drive, with ring.spatial", set!(parameters.ring.lateral_bending_stiffness));
     t.switch("ring.spatial", 1047, "Whether the ring deflects out of the plane of the drive too, as misaligned pulleys make it do; ring.model ALE only", set!(parameters.spatial));
+    t.switch("ring.referenceDirections", 1048, "Whether the deflection is counted along tangent, normal and binormal of the reference curve instead of along x, y, z; ring.model ALE with mesh.aligned only", set!(parameters.reference_directions));
     t.count("ring.elements", 1045, "Elements of a ring that travels with its mesh (RCM, ANCF), at least 16; 0: 32 for RCM, 40 for ANCF. More of them need a finer mesh of the cells, which carry the ring in between", set!(parameters.ring_elements));
     t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
     t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave", set!(parameters.friction.pulley));

@@ -4,7 +4,7 @@ use super::cell::{CellBalance, CellMotion, NoProbe, Place, Probe, PulleyMotion, 
 use super::kept::{Kept, Look, Regime};
 use super::layout::Global;
 use super::mesh::Station;
-use super::ring::{Deflecting, Guided, RingForces};
+use super::ring::{Deflecting, GUIDED, Guided, RingForces, TURNING, Turning};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
 use crate::chain::{self, Transport};
@@ -48,6 +48,8 @@ pub(super) struct Pack {
     stations: Vec<Station<Lanes>>,
     axis: Lanes,
     plane: [Lanes; 2],
+    /// Fractions of the segment at which the elements begin and end.
+    ends: [Lanes; 2],
     /// Unknowns of the directions.
     at: [[usize; LANES]; MOST],
     /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
@@ -128,18 +130,21 @@ impl Standing for Unaligned<TwoPulley> {
     }
 }
 
-/// Calls a method for the ring and the mesh of a system: whether nodes deflect, in how many components, on which curve.
+/// Calls a method for the ring and the mesh of a system: what nodes do, in how many components, on which curve.
 macro_rules! for_kind {
     ($system:expr, $method:ident($($argument:expr),*)) => {{
         use $crate::reference_curve::{TwoPulley, Unaligned};
+        use $crate::variator::ring::{FIXED, GUIDED, TURNING};
         let system = $system;
-        match (system.mesh.aligned, system.layout.flexible, system.layout.components) {
-            (true, false, _) => system.$method::<false, 2, TwoPulley>($($argument),*),
-            (true, true, 3) => system.$method::<true, 3, TwoPulley>($($argument),*),
-            (true, true, _) => system.$method::<true, 2, TwoPulley>($($argument),*),
-            (false, false, _) => system.$method::<false, 2, Unaligned<TwoPulley>>($($argument),*),
-            (false, true, 3) => system.$method::<true, 3, Unaligned<TwoPulley>>($($argument),*),
-            (false, true, _) => system.$method::<true, 2, Unaligned<TwoPulley>>($($argument),*),
+        match (system.mesh.aligned, system.ring_kind(), system.layout.components) {
+            (true, GUIDED, _) => system.$method::<GUIDED, 2, TwoPulley>($($argument),*),
+            (true, FIXED, 3) => system.$method::<FIXED, 3, TwoPulley>($($argument),*),
+            (true, FIXED, _) => system.$method::<FIXED, 2, TwoPulley>($($argument),*),
+            (true, _, 3) => system.$method::<TURNING, 3, TwoPulley>($($argument),*),
+            (true, ..) => system.$method::<TURNING, 2, TwoPulley>($($argument),*),
+            (false, GUIDED, _) => system.$method::<GUIDED, 2, Unaligned<TwoPulley>>($($argument),*),
+            (false, _, 3) => system.$method::<FIXED, 3, Unaligned<TwoPulley>>($($argument),*),
+            (false, ..) => system.$method::<FIXED, 2, Unaligned<TwoPulley>>($($argument),*),
         }
     }};
 }
@@ -192,6 +197,12 @@ impl VariatorSystem {
                     Lanes::new(member.map(|c| self.law.planes[c.pulley].side)),
                     Lanes::new(member.map(|c| self.law.planes[c.pulley].middle)),
                 ],
+                ends: [0.0, 1.0].map(|along| {
+                    Lanes::new(member.map(|c| {
+                        let element = &self.mesh.elements[c.element];
+                        element.start + along * element.share
+                    }))
+                }),
                 at: std::array::from_fn(|k| at.map(|(at, _)| at[k])),
                 entries,
             });
@@ -318,7 +329,7 @@ impl VariatorSystem {
 
     /// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
-    fn motion<T: Real, const FLEX: bool, const D: usize>(
+    fn motion<T: Real, const KIND: u8, const D: usize>(
         unknowns: &Unknowns<T::Constant>,
         [alpha, beta]: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
@@ -326,7 +337,10 @@ impl VariatorSystem {
         let value = |k: usize| seed(unknowns.value[k], k, 1.0);
         let rate = |k: usize| seed(unknowns.rate[k], k, alpha);
         let position = |k: usize| seed(unknowns.position[k], k, beta);
-        let (own, g) = (if FLEX { 4 * D } else { 0 }, own_directions(FLEX, D));
+        let (own, g) = (
+            if KIND != GUIDED { 4 * D } else { 0 },
+            own_directions(KIND != GUIDED, D),
+        );
         CellMotion {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
@@ -352,10 +366,10 @@ impl VariatorSystem {
 
     /// Rows of the balance in the order of the directions; the amount has its own balance, the flux.
     #[inline(always)]
-    fn rows<T: Real, const FLEX: bool, const D: usize>(b: &CellBalance<T>, ring: &RingForces<T, D>) -> [T; MOST] {
+    fn rows<T: Real, const KIND: u8, const D: usize>(b: &CellBalance<T>, ring: &RingForces<T, D>) -> [T; MOST] {
         let mut rows = [T::zero(); MOST];
-        let g = own_directions(FLEX, D);
-        if FLEX {
+        let g = own_directions(KIND != GUIDED, D);
+        if KIND != GUIDED {
             for (i, node) in ring.nodes.iter().enumerate() {
                 for k in 0..D {
                     rows[2 * (D * i + k)] = node.a[k];
@@ -389,27 +403,39 @@ impl VariatorSystem {
         }
     }
 
-    fn sample_packs<const FLEX: bool, const D: usize, C: Standing>(&self, view: View<'_>, out: &mut [Sample]) {
-        let count = directions(FLEX, D);
+    fn sample_packs<const KIND: u8, const D: usize, C: Standing>(&self, view: View<'_>, out: &mut [Sample]) {
+        let count = directions(KIND != GUIDED, D);
         let points = self.mesh.points;
         let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
             let mut station = 0;
-            let mut sampler = Sampler(|sample: Sample<Lanes>| {
+            self.sampled_balance::<KIND, D, C>(pack, &frame, &unknowns, &mut |sample| {
                 for lane in 0..pack.used {
                     out[pack.cells[lane] * points + station] = sample.lane(lane);
                 }
                 station += 1;
             });
-            let seed = |value, _, _| value;
-            self.pack_balance::<_, _, FLEX, D, C>(pack, &frame, &unknowns, [0.0; 2], seed, &mut sampler);
         }
+    }
+
+    /// The balance of a pack of cells while `take` sees every station.
+    #[inline(never)]
+    fn sampled_balance<const KIND: u8, const D: usize, C: Standing>(
+        &self,
+        pack: &Pack,
+        frame: &C::Frame<Lanes>,
+        unknowns: &Unknowns<Lanes>,
+        take: &mut dyn FnMut(Sample<Lanes>),
+    ) -> CellBalance<Lanes> {
+        let seed = |value, _, _| value;
+        self.pack_balance::<_, _, KIND, D, C>(pack, frame, unknowns, [0.0; 2], seed, &mut Sampler(take))
+            .0
     }
 
     /// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
-    fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, const FLEX: bool, const D: usize, C: Standing>(
+    fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, const KIND: u8, const D: usize, C: Standing>(
         &self,
         pack: &Pack,
         frame: &C::Frame<T>,
@@ -418,7 +444,7 @@ impl VariatorSystem {
         seed: impl Fn(Lanes, usize, f64) -> T,
         probe: &mut S,
     ) -> (CellBalance<T>, RingForces<T, D>) {
-        let motion = Self::motion::<T, FLEX, D>(unknowns, slopes, &seed);
+        let motion = Self::motion::<T, KIND, D>(unknowns, slopes, &seed);
         let place = Place {
             face: &pack.face,
             stations: &pack.stations,
@@ -435,14 +461,20 @@ impl VariatorSystem {
             C::point(frame, pack.segment, station.fraction)
         };
         let (law, ring) = (&self.law, &self.law.parameters.ring);
-        if FLEX {
-            let nodes = Self::nodes(unknowns, slopes, &seed);
-            let mut ring = Deflecting::new(ring, &place, &motion.reference, &nodes);
+        if KIND == GUIDED {
+            let tensions = Self::tensions(unknowns, &seed);
+            let mut ring = Guided::new(ring, &place, &motion.reference, tensions);
+            let b = balance(law, &place, &motion, &mut ring, reference, probe);
+            return (b, ring.forces());
+        }
+        let nodes = Self::nodes(unknowns, slopes, &seed);
+        if KIND == TURNING {
+            let curve = |fraction| C::turning(frame, pack.segment, fraction);
+            let mut ring = Turning::new(ring, &place, &motion.reference, nodes, pack.ends, curve);
             let b = balance(law, &place, &motion, &mut ring, reference, probe);
             (b, ring.forces())
         } else {
-            let tensions = Self::tensions(unknowns, &seed);
-            let mut ring = Guided::new(ring, &place, &motion.reference, tensions);
+            let mut ring = Deflecting::new(ring, &place, &motion.reference, &nodes);
             let b = balance(law, &place, &motion, &mut ring, reference, probe);
             (b, ring.forces())
         }
@@ -457,7 +489,7 @@ impl VariatorSystem {
 
     /// One pass over a pack: derivatives in the directions `first` and on.
     #[inline(never)]
-    fn pack_pass<const FLEX: bool, const D: usize, C: Standing>(
+    fn pack_pass<const KIND: u8, const D: usize, C: Standing>(
         &self,
         pack: &Pack,
         frame: &C::Frame<Tangent<PASS>>,
@@ -467,22 +499,22 @@ impl VariatorSystem {
     ) -> ([Tangent<PASS>; MOST], Transport<Tangent<PASS>>) {
         let seed =
             |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-        let (b, ring) = self.pack_balance::<_, _, FLEX, D, C>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
-        (Self::rows::<_, FLEX, D>(&b, &ring), b.transport)
+        let (b, ring) = self.pack_balance::<_, _, KIND, D, C>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
+        (Self::rows::<_, KIND, D>(&b, &ring), b.transport)
     }
 
-    pub(super) fn assemble_residual<const FLEX: bool, const D: usize, C: Standing>(
+    pub(super) fn assemble_residual<const KIND: u8, const D: usize, C: Standing>(
         &mut self,
         view: View<'_>,
         out: &mut [f64],
     ) {
-        let count = directions(FLEX, D);
+        let count = directions(KIND != GUIDED, D);
         let amount = self.amount_direction();
-        let first_global = own_directions(FLEX, D) + 2;
+        let first_global = own_directions(KIND != GUIDED, D) + 2;
         let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
-            let (b, ring) = self.pack_balance::<_, _, FLEX, D, C>(
+            let (b, ring) = self.pack_balance::<_, _, KIND, D, C>(
                 pack,
                 &frame,
                 &unknowns,
@@ -491,7 +523,7 @@ impl VariatorSystem {
                 &mut NoProbe,
             );
             // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
-            for (k, (row, at)) in Self::rows::<_, FLEX, D>(&b, &ring)[..first_global]
+            for (k, (row, at)) in Self::rows::<_, KIND, D>(&b, &ring)[..first_global]
                 .iter()
                 .zip(&pack.at)
                 .enumerate()
@@ -530,8 +562,7 @@ impl VariatorSystem {
     }
 
     /// Values of a pack and the regime that it is in.
-    #[inline(never)]
-    fn look<const FLEX: bool, const D: usize, C: Standing>(
+    fn look<const KIND: u8, const D: usize, C: Standing>(
         &self,
         pack: &Pack,
         frame: &C::Frame<Lanes>,
@@ -542,26 +573,25 @@ impl VariatorSystem {
         let mut look = Look {
             law: &self.law,
             alpha,
-            ring_speed: unknowns.value[own_directions(FLEX, D)],
+            ring_speed: unknowns.value[own_directions(KIND != GUIDED, D)],
             regime: &mut regime,
         };
-        let seed = |value, _, _| value;
-        let (b, _) = self.pack_balance::<_, _, FLEX, D, C>(pack, frame, unknowns, [0.0; 2], seed, &mut look);
-        let own = if FLEX { 4 * D } else { 0 };
+        let b = self.sampled_balance::<KIND, D, C>(pack, frame, unknowns, &mut |sample| look.take(&sample));
+        let own = if KIND != GUIDED { 4 * D } else { 0 };
         let [left, right] = [unknowns.value[own], unknowns.value[own + 1]];
         regime.see_difference(right - left);
         (regime, b.transport)
     }
 
     /// Differentiates a pack where `kept` says.
-    fn differentiate<const FLEX: bool, const D: usize, C: Standing>(
+    fn differentiate<const KIND: u8, const D: usize, C: Standing>(
         &self,
         pack: &Pack,
         frames: &Frames<C>,
         kept: &mut Kept,
         transports: &mut [Transport<[f64; MOST]>],
     ) {
-        let (count, theta) = (directions(FLEX, D), own_directions(FLEX, D) + 1);
+        let (count, theta) = (directions(KIND != GUIDED, D), own_directions(KIND != GUIDED, D) + 1);
         let amount = self.amount_direction();
         for first in (0..count).step_by(PASS) {
             let frame = if first == theta / PASS * PASS {
@@ -570,7 +600,7 @@ impl VariatorSystem {
                 &frames.still
             };
             let pass = first..(first + PASS).min(count);
-            let (rows, transport) = self.pack_pass::<FLEX, D, C>(pack, frame, &kept.unknowns, kept.slopes, first);
+            let (rows, transport) = self.pack_pass::<KIND, D, C>(pack, frame, &kept.unknowns, kept.slopes, first);
             let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
             for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
                 block[pass.clone()].copy_from_slice(&row.eps[..pass.len()]);
@@ -586,8 +616,8 @@ impl VariatorSystem {
     }
 
     /// Takes the derivatives that are kept once more, where they were taken.
-    pub(super) fn retake<const FLEX: bool, const D: usize, C: Standing>(&mut self) {
-        let theta = own_directions(FLEX, D) + 1;
+    pub(super) fn retake<const KIND: u8, const D: usize, C: Standing>(&mut self) {
+        let theta = own_directions(KIND != GUIDED, D) + 1;
         let (mut all, mut transports) = (
             std::mem::take(&mut self.kept),
             std::mem::take(&mut self.transport_slopes),
@@ -596,21 +626,21 @@ impl VariatorSystem {
             if !kept.slopes[0].is_nan() {
                 let shape = self.curve.shape(kept.unknowns.position[theta].re());
                 let frames = Frames::<C>::new(&self.curve, &shape, theta, kept.slopes[1]);
-                (kept.regime, _) = self.look::<FLEX, D, C>(pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
-                self.differentiate::<FLEX, D, C>(pack, &frames, kept, &mut transports);
+                (kept.regime, _) = self.look::<KIND, D, C>(pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
+                self.differentiate::<KIND, D, C>(pack, &frames, kept, &mut transports);
             }
         }
         (self.kept, self.transport_slopes) = (all, transports);
     }
 
-    pub(super) fn assemble_jacobian<const FLEX: bool, const D: usize, C: Standing>(
+    pub(super) fn assemble_jacobian<const KIND: u8, const D: usize, C: Standing>(
         &mut self,
         view: View<'_>,
         alpha: f64,
         beta: f64,
         out: &mut Arrow,
     ) {
-        let (count, theta) = (directions(FLEX, D), own_directions(FLEX, D) + 1);
+        let (count, theta) = (directions(KIND != GUIDED, D), own_directions(KIND != GUIDED, D) + 1);
         let frames = Frames::<C>::new(&self.curve, &self.curve.shape(self.theta(view)), theta, beta);
         let (mut all, mut transports) = (
             std::mem::take(&mut self.kept),
@@ -618,12 +648,18 @@ impl VariatorSystem {
         );
         for (pack, kept) in self.packs.iter().zip(&mut all) {
             let unknowns = self.gather(view, pack, count);
-            let (regime, transport) = self.look::<FLEX, D, C>(pack, &frames.plain, &unknowns, alpha);
+            let (regime, transport) = self.look::<KIND, D, C>(pack, &frames.plain, &unknowns, alpha);
             let length = C::segment_length(&frames.plain, pack.segment).v * pack.share;
-            if !kept.holds(&regime, &unknowns, length, [if FLEX { D } else { 0 }, theta], alpha) {
+            if !kept.holds(
+                &regime,
+                &unknowns,
+                length,
+                [if KIND != GUIDED { D } else { 0 }, theta],
+                alpha,
+            ) {
                 self.differentiations += 1;
                 (kept.unknowns, kept.regime, kept.slopes) = (unknowns, regime, [alpha, beta]);
-                self.differentiate::<FLEX, D, C>(pack, &frames, kept, &mut transports);
+                self.differentiate::<KIND, D, C>(pack, &frames, kept, &mut transports);
             }
             for (entry, value) in pack.entries.iter().zip(&kept.block) {
                 let value = value.to_array();

@@ -273,10 +273,9 @@ impl<T> Probe<T> for NoProbe {
 }
 
 /// Hands samples to a closure.
-#[derive(Debug)]
-pub struct Sampler<F>(pub F);
+pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
 
-impl<T, F: FnMut(Sample<T>)> Probe<T> for Sampler<F> {
+impl<T> Probe<T> for Sampler<'_, T> {
     const ACTIVE: bool = true;
     fn take(&mut self, sample: Sample<T>) {
         (self.0)(sample);

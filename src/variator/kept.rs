@@ -5,7 +5,7 @@
 //! needs a direction and not a derivative. So each pack of cells remembers where it was differentiated, and what it was in.
 
 use super::assembly::{MOST, Unknowns};
-use super::cell::{CellLaw, Probe, Sample};
+use super::cell::{CellLaw, Sample};
 use crate::chain::CLOSING_SMOOTHING;
 use crate::contact::PENETRATION_SMOOTHING;
 use crate::scalar::{Lanes, Real};
@@ -63,7 +63,7 @@ impl Regime {
     }
 }
 
-/// Takes the figures of every station.
+/// Sees the stations of a pack.
 pub(super) struct Look<'a> {
     pub law: &'a CellLaw,
     /// 1/(hγ), 1/s.
@@ -73,11 +73,9 @@ pub(super) struct Look<'a> {
     pub regime: &'a mut Regime,
 }
 
-impl Probe<Lanes> for Look<'_> {
-    const ACTIVE: bool = true;
-
-    #[inline(always)]
-    fn take(&mut self, s: Sample<Lanes>) {
+impl Look<'_> {
+    /// Takes the figures of a station.
+    pub(super) fn take(&mut self, s: &Sample<Lanes>) {
         let p = &self.law.parameters;
         let inertia = 1.0 / (p.belt.mass_per_length * self.alpha);
         let v0 = p.friction.velocity;

@@ -57,6 +57,9 @@ pub struct Parameters {
     pub ring_model: RingModel,
     /// Whether the ring deflects along z too, out of the plane of the drive (`ALE`).
     pub spatial: bool,
+    /// Whether the deflection is counted along tangent, normal and binormal of the reference curve, A_i = [t, n, b]_ref in (10),
+    /// instead of along x, y, z, A_i = identity (`ALE` on the aligned mesh).
+    pub reference_directions: bool,
     /// Elements of a ring that travels with its mesh (`RCM`, `ANCF`); 0 stands for the paper's 160 degrees of freedom, 32
     /// and 40. The stations of the cells carry the ring, which sags in between where its elements can follow: more
     /// elements, or a coarser mesh than the default, let it swing as the stations pass.
@@ -231,6 +234,7 @@ impl Default for Parameters {
         Self {
             ring_model: RingModel::Ale,
             spatial: false,
+            reference_directions: false,
             ring_elements: 0,
             geometry: Geometry {
                 center_distance: 0.168,

@@ -6,10 +6,12 @@
 use super::layout::Global;
 use super::mesh::{BeltMesh, Element};
 use super::parameters::{Mesh, Parameters};
+use super::ring::TURNING;
 use super::system::{State, VariatorSystem};
 use crate::reference_curve::{ReferenceCurve, TwoPulleyFrame};
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
+use nalgebra::{Vector2, Vector3};
 
 /// Fewest elements of an arc and of a strand on a coarse mesh.
 const FEWEST: [i32; 2] = [6, 3];
@@ -79,18 +81,18 @@ impl<'a> Seen<'a> {
             let (element, along) = self.element(&fine.mesh, node, 0.0);
             let length = self.system.element_length(&self.frame, element);
             let shape = Hermite::<f64>::at(2.0 * along - 1.0);
-            for k in (0..2 * fine.layout.components).step_by(2) {
-                for (to, of) in [(&mut state.q, &self.state.q), (&mut state.y, &self.state.y)] {
-                    let [left, right] = [element, element + 1].map(|node| {
-                        let at = |k| of[self.system.layout.node(node, k)];
-                        [at(k), at(k + 1) * length]
-                    });
-                    let along = |weights: &[f64; 4]| {
-                        weights[0] * left[0] + weights[1] * left[1] + weights[2] * right[0] + weights[3] * right[1]
-                    };
-                    to[fine.layout.node(node, k)] = along(&shape.n);
-                    to[fine.layout.node(node, k + 1)] = along(&shape.dn) * 2.0 / length;
-                }
+            for (to, of) in [(&mut state.q, &self.state.q), (&mut state.y, &self.state.y)] {
+                let [left, right] = [element, element + 1].map(|node| {
+                    let [a, b] = self.system.node(&self.frame, of, node);
+                    [a, b * length]
+                });
+                let along = |w: &[f64; 4]| left[0] * w[0] + left[1] * w[1] + right[0] * w[2] + right[1] * w[3];
+                fine.put_node(
+                    &self.frame,
+                    to,
+                    node,
+                    [along(&shape.n), along(&shape.dn) * 2.0 / length],
+                );
             }
         }
     }
@@ -134,6 +136,45 @@ impl<'a> Seen<'a> {
         let share = (wanted - found) / room.iter().sum::<f64>();
         for (i, ((density, length), room)) in cells.iter().zip(&room).enumerate() {
             state.y[fine.layout.amount(i)] = density * length + share * room;
+        }
+    }
+}
+
+impl VariatorSystem {
+    /// Tangent and normal of the reference curve at a node.
+    fn directions_at(&self, frame: &TwoPulleyFrame<f64>, node: usize) -> [Vector2<f64>; 2] {
+        let element = node % self.layout.elements;
+        let point = self.reference_point(frame, element, self.mesh.elements[element].start);
+        [point.t, point.n]
+    }
+
+    /// Deflection of a node and its slope in x, y, z, or their rates where Θ rests, from the vector `of`.
+    fn node(&self, frame: &TwoPulleyFrame<f64>, of: &[f64], node: usize) -> [Vector3<f64>; 2] {
+        [0, 1].map(|slope| {
+            let mut x = Vector3::zeros();
+            for k in 0..self.layout.components {
+                x[k] = of[self.layout.node(node, 2 * k + slope)];
+            }
+            if self.ring_kind() == TURNING {
+                let [t, n] = self.directions_at(frame, node);
+                let turned = t * x[0] + n * x[1];
+                (x[0], x[1]) = (turned.x, turned.y);
+            }
+            x
+        })
+    }
+
+    /// Puts a deflection and its slope into the vector `to`; the inverse of [`Self::node`].
+    fn put_node(&self, frame: &TwoPulleyFrame<f64>, to: &mut [f64], node: usize, values: [Vector3<f64>; 2]) {
+        for (slope, mut x) in values.into_iter().enumerate() {
+            if self.ring_kind() == TURNING {
+                let planar = x.xy();
+                let [t, n] = self.directions_at(frame, node);
+                (x[0], x[1]) = (t.dot(&planar), n.dot(&planar));
+            }
+            for k in 0..self.layout.components {
+                to[self.layout.node(node, 2 * k + slope)] = x[k];
+            }
         }
     }
 }
@@ -205,14 +246,15 @@ mod tests {
 
     #[test]
     fn the_same_mesh_gets_the_same_state() {
-        for (ring_model, spatial) in [
-            (RingModel::Ale, false),
-            (RingModel::Ale, true),
-            (RingModel::Ale0, false),
+        for (ring_model, spatial, reference_directions) in [
+            (RingModel::Ale, false, false),
+            (RingModel::Ale, true, true),
+            (RingModel::Ale0, false, false),
         ] {
             let parameters = Parameters {
                 ring_model,
                 spatial,
+                reference_directions,
                 ..Parameters::default()
             };
             let (system, state) = deflected(&parameters);

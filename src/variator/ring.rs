@@ -3,11 +3,19 @@
 //! [`balance`](super::cell::balance) asks any ring the same four questions and doesn't know which one it has.
 
 use super::cell::Place;
-use crate::reference_curve::ReferencePoint;
+use crate::reference_curve::{self, Jet, ReferencePoint};
 use crate::ring::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
+use crate::ring::turning::{TurningElement, rotated_load, rotated_point};
 use crate::ring::{Ring, ale};
 use crate::scalar::Real;
 use nalgebra::SVector;
+
+/// Kind of an Eulerian ring: it keeps to the reference curve (`ALE0`).
+pub const GUIDED: u8 = 0;
+/// It deflects, counted in fixed directions: A_i = identity in (10).
+pub const FIXED: u8 = 1;
+/// It deflects, counted along the reference curve and across it: A_i = [t, n, b]_ref in (10).
+pub const TURNING: u8 = 2;
 
 /// What happens at a station, per dξ.
 #[derive(Clone, Copy, Debug)]
@@ -140,6 +148,80 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
             elastic: ale::energy_density(self.ring, point),
             viscous: rate * rate * viscosity,
         }
+    }
+}
+
+/// Most stations of a cell, and its left face.
+const SLOTS: usize = 4;
+
+/// `ALE` whose deflection is counted in directions that turn with the reference curve.
+pub struct Turning<'a, T: Real, const D: usize = 2> {
+    ring: Deflecting<'a, T, D>,
+    ends: TurningElement<T>,
+    curve: [reference_curve::Turning<T>; SLOTS],
+}
+
+impl<'a, T: Real, const D: usize> Turning<'a, T, D> {
+    /// The ring between two nodes; `curve` tells turning angle and curvature of the reference curve at a fraction of the segment,
+    /// `ends` where on it the element begins and ends.
+    #[inline(always)]
+    pub fn new(
+        ring: &'a Ring,
+        place: &'a Place<'a, T>,
+        motion: &'a ReferenceMotion<T>,
+        mut nodes: [Motion<Node<T, D>>; 2],
+        ends: [T::Constant; 2],
+        curve: impl Fn(T::Constant) -> reference_curve::Turning<T>,
+    ) -> Self {
+        let curvature: [Jet<T>; 2] = ends.map(|fraction| curve(fraction).kappa);
+        let ends = TurningElement::new(curvature, &motion.theta, &mut nodes);
+        Self {
+            ring: Deflecting::new(ring, place, motion, &nodes),
+            ends,
+            curve: std::array::from_fn(|slot| curve(place.slot(slot.min(place.stations.len())).fraction)),
+        }
+    }
+
+    /// What it has taken.
+    #[inline(always)]
+    pub fn forces(&self) -> RingForces<T, D> {
+        let mut forces = self.ring.forces();
+        let [left, right] = &mut forces.nodes;
+        self.ends.nodes([left, right], &mut forces.theta);
+        forces
+    }
+}
+
+impl<T: Real, const D: usize> CellRing<T, D> for Turning<'_, T, D> {
+    #[inline(always)]
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
+        let Deflecting {
+            place, element, motion, ..
+        } = &self.ring;
+        rotated_point(reference, &self.curve[slot], &place.slot(slot).shape, element, motion)
+    }
+
+    #[inline(always)]
+    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T {
+        self.ring.own_load(slot, point, load)
+    }
+
+    #[inline(always)]
+    fn take(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
+        let Deflecting {
+            place,
+            element,
+            motion,
+            sum,
+            ..
+        } = &mut self.ring;
+        let shape = &place.slot(slot).shape;
+        rotated_load(&action.load, point, shape, element, motion, action.weight, sum);
+    }
+
+    #[inline(always)]
+    fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T> {
+        self.ring.density(point)
     }
 }
 

@@ -612,7 +612,8 @@ impl VariatorSystem {
             let under = self.under(&frame, cell, s);
             under.directions(&self.layout, cell, self.mesh.cells[cell].pulley, &mut at);
             let mut stations = out[cell * self.mesh.points..].iter_mut();
-            let mut sampler = Sampler(|sample| *stations.next().expect("a place for each station") = sample);
+            let mut take = |sample| *stations.next().expect("a place for each station") = sample;
+            let mut sampler = Sampler(&mut take);
             let seed = |value: f64, _: usize, _: f64| value;
             self.passing(
                 ring,

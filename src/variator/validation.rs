@@ -201,6 +201,13 @@ impl Parameters {
                 "false, unless ring.model is ALE".to_string(),
             ));
         }
+        if self.reference_directions && (self.ring_model != RingModel::Ale || !self.mesh.aligned) {
+            return Err(ParameterError::new(
+                "ring.referenceDirections",
+                1.0,
+                "false, unless ring.model is ALE and mesh.aligned is true".to_string(),
+            ));
+        }
         if self.ring_elements == 0 || self.ring_elements >= FEWEST {
             return Ok(());
         }

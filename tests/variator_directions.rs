@@ -1,0 +1,115 @@
+//! The overlay in directions that turn with the reference curve, A_i = [t, n, b]_ref in (10), instead of fixed ones: the same
+//! belt in other coordinates.
+
+mod common;
+
+use common::{LoadCase, Run, inputs, load_case, refined, variator};
+use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
+
+fn turning(parameters: &Parameters) -> Parameters {
+    Parameters {
+        reference_directions: true,
+        ..parameters.clone()
+    }
+}
+
+/// The two choices interpolate between nodes otherwise, so they differ by what a finer mesh changes, and less on it.
+#[test]
+fn both_choices_find_the_same_steady_states() {
+    let parameters = variator(RingModel::Ale);
+    for case in LoadCase::three(&parameters, 50.0) {
+        let off = [1, 2].map(|refinement| {
+            let mut fixed = parameters.clone();
+            fixed.mesh = refined(&fixed.mesh, refinement);
+            let [fixed, turning] = [fixed.clone(), turning(&fixed)].map(|parameters| load_case(&parameters, &case));
+            let (f, t) = (&fixed.outputs, &turning.outputs);
+            let off = |of: fn(&pushbelt::variator::signals::Outputs) -> f64| of(t) / of(f) - 1.0;
+            let off = [off(|o| o.thrust_ratio), off(|o| o.ring_tension_max), off(|o| o.efficiency)];
+            println!(
+                "{}, {refinement} times: thrust ratio {:+.2e}, largest tension {:+.2e}, efficiency {:+.2e} off; power defect {:.1e}; {} instead of \
+                 {} factorizations",
+                case.name,
+                off[0],
+                off[1],
+                off[2],
+                turning.power_defect(),
+                turning.counts.factorizations,
+                fixed.counts.factorizations
+            );
+            assert!(turning.power_defect().abs() < 3e-4);
+            off
+        });
+        for (found, allowed) in off.iter().zip([[2e-3, 1e-2, 2e-4], [1e-3, 3e-3, 5e-5]]) {
+            for (off, allowed) in found.iter().zip(allowed) {
+                assert!(off.abs() < allowed, "{}: {off} of {allowed}", case.name);
+            }
+        }
+    }
+}
+
+/// In space the third direction is the same.
+#[test]
+fn misaligned_pulleys_load_both_alike() {
+    let mut parameters = Parameters {
+        spatial: true,
+        ..variator(RingModel::Ale)
+    };
+    parameters.geometry.pulley_offset = 5e-4;
+    let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
+    let [f, t] = [parameters.clone(), turning(&parameters)].map(|parameters| load_case(&parameters, &case).outputs);
+    assert!(f.lateral_max > 1e-4);
+    for (of, allowed) in [
+        ((f.lateral_max, t.lateral_max), 1e-3),
+        ((f.skew, t.skew), 1e-3),
+        ((f.thrust_ratio, t.thrust_ratio), 3e-3),
+    ] {
+        let (fixed, turning) = of;
+        assert!((turning / fixed - 1.0).abs() < allowed, "{turning} {fixed}");
+    }
+}
+
+/// In a shift the directions turn under the belt. Energy and elements are kept as in fixed ones.
+#[test]
+fn a_shift_keeps_its_books() {
+    let [fixed, turned] = [false, true].map(|reference_directions| {
+        let mut parameters = Parameters {
+            reference_directions,
+            ..variator(RingModel::Ale)
+        };
+        parameters.primary.drive = Drive::Speed;
+        let mut run = Run::new(parameters, inputs((0.0, 13e3), (-49.0, 10e3)));
+        run.inputs.primary.clamping_force = 1.2 * run.variator.outputs().primary.axial_force;
+        let mut residual = 0.0_f64;
+        run.watch(0.1, 1e-3, |_, o| residual = residual.max(o.energy_residual.abs()));
+        run.assert_amount();
+        run.assert_books();
+        let outputs = run.variator.outputs().clone();
+        println!(
+            "turning {reference_directions}: ratio {:.5}, {residual:.2} J, {:?}",
+            outputs.ratio_geometric,
+            run.variator.counts()
+        );
+        outputs
+    });
+    assert!(fixed.ratio_geometric < 0.97);
+    assert!((turned.ratio_geometric / fixed.ratio_geometric - 1.0).abs() < 1e-3);
+    assert!((turned.thrust_ratio / fixed.thrust_ratio - 1.0).abs() < 5e-3);
+}
+
+/// They belong to the ring that deflects, on the mesh whose elements don't reach across an arc border.
+#[test]
+fn only_the_deflecting_ring_on_the_aligned_mesh_has_them() {
+    let mut even = turning(&variator(RingModel::Ale));
+    even.validate().expect("ALE on its own mesh");
+    even.mesh.aligned = false;
+    for refused in [
+        even,
+        turning(&variator(RingModel::Ale0)),
+        turning(&variator(RingModel::Rcm)),
+    ] {
+        assert_eq!(
+            refused.validate().expect_err("no such ring").variable,
+            "ring.referenceDirections"
+        );
+    }
+}
