@@ -156,6 +156,22 @@ fn slow_modes_do_not_depend_on_the_cut_off() {
     }
 }
 
+/// An end stop takes its part of what the belt presses: the forces that hold the working point are those that were given.
+#[test]
+fn an_end_stop_takes_its_part() {
+    let mut parameters = parameters();
+    parameters.initial.ratio = 0.437;
+    let inputs = Inputs::default();
+    let mut start = Variator::new(parameters.clone()).expect("valid");
+    start.initialise(0.0, &inputs).expect("a steady state");
+    let given = inputs.secondary.clamping_force;
+    let by_stop = start.outputs().secondary.axial_force - given;
+    assert!(by_stop > 0.1, "{by_stop} N");
+    let model = linearise(&parameters, &inputs, 20.0, &[]).expect("a working point");
+    let held = model.inputs.secondary.clamping_force;
+    assert!((held - given).abs() < 1e-3, "{held} {given}");
+}
+
 #[test]
 fn what_has_no_linear_model_says_why() {
     let nothing: [&dyn Fn(&Outputs) -> f64; 0] = [];

@@ -30,7 +30,7 @@ const NEARLY_STATIC: f64 = 1.0e-3;
 /// Part of the cut-off to which eigenvalues are shifted: near it rounding moves them least, and the slowest are the nearest to each other.
 const SHIFT: f64 = 0.01;
 /// Largest Θ̇ of a working point, 1/s.
-const STEADY: f64 = 1.0e-3;
+const STEADY: f64 = 1.0e-4;
 
 /// An input of the linear model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -236,7 +236,9 @@ fn hold(
         (S, &parameters.secondary, &mut held.secondary),
     ] {
         if pulley.axial == Axial::Force {
-            values.clamping_force = sums.axial[j];
+            let z = system.layout.global(Global::Sheave, j);
+            let stop = system.travel[j].stop_force(state.q[z], state.y[z]).force;
+            values.clamping_force = sums.axial[j] - stop;
             boundary.sheave[j] = SheaveMode::Force(values.clamping_force);
         }
         boundary.speed[j] = match pulley.drive {
