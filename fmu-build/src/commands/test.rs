@@ -47,6 +47,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         progress::headline("Python tests");
         let mut tests = environment.command();
         tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--durations=5"]);
+        tests.args(["--numprocesses=auto", "--maxprocesses=4", "--dist=loadfile"]);
         if !arguments
             .passed_on
             .iter()
