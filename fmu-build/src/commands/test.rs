@@ -1,6 +1,8 @@
 //! `cargo fmu test`: the Rust tests, then the Python tests that drive the FMU.
 
-use anyhow::ensure;
+use std::thread;
+
+use anyhow::{anyhow, ensure};
 use clap::Args;
 
 use crate::cargo;
@@ -35,15 +37,22 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         "say with --rust or --python where `{}` is to go",
         arguments.passed_on.join(" ")
     );
-    build::run(workspace, &arguments.build)?;
-    if !arguments.python {
-        progress::headline("Rust tests");
-        let mut tests = cargo::command(workspace);
-        tests.args(["test", "--workspace"]).args(&arguments.passed_on);
-        cargo::run(&mut tests)?;
-    }
-    if !arguments.rust {
-        let environment = Environment::prepare(workspace, &RUNNING)?;
+    // The FMU and the packages are ready by the time the Rust tests are through: these compile one crate after the other for minutes.
+    let environment = thread::scope(|scope| {
+        let ready = scope.spawn(|| -> anyhow::Result<Option<Environment>> {
+            build::run(workspace, &arguments.build)?;
+            let needed = !arguments.rust;
+            needed.then(|| Environment::prepare(workspace, &RUNNING)).transpose()
+        });
+        let tested = if arguments.python {
+            Ok(())
+        } else {
+            rust_tests(workspace, &arguments.passed_on)
+        };
+        let environment = ready.join().map_err(|_| anyhow!("the build panicked"))?;
+        tested.and(environment)
+    })?;
+    if let Some(environment) = environment {
         progress::headline("Python tests");
         let mut tests = environment.command();
         tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--durations=5"]);
@@ -59,4 +68,11 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         cargo::run(&mut tests)?;
     }
     Ok(())
+}
+
+fn rust_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()> {
+    progress::headline("Rust tests");
+    let mut tests = cargo::command(workspace);
+    tests.args(["test", "--workspace"]).args(passed_on);
+    cargo::run(&mut tests)
 }
