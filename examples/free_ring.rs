@@ -58,6 +58,9 @@ struct Arguments {
     /// Time to simulate, s.
     #[arg(long, default_value_t = 0.25)]
     time: f64,
+    /// Time between two looks at the ring, s: no step is longer.
+    #[arg(long, default_value_t = 2.5e-4)]
+    interval: f64,
     /// Position error of a step, in units of the length.
     #[arg(long, default_value_t = 1.0e-5)]
     tolerance: f64,
@@ -118,7 +121,7 @@ fn swing<M: RingModel>(model: M, arguments: &Arguments) -> Result<(), Box<dyn Er
     let energy = system.energy(state.view()).total();
     let clock = ProcessTime::now();
     let mut integrator = Sdirk::new(&system, 1.0e-6, 1.0e-2);
-    let samples = (arguments.time / 2.5e-4).ceil();
+    let samples = (arguments.time / arguments.interval).ceil();
     let step = arguments.time / samples;
     let (mut crossings, mut drift, mut before) = (Vec::new(), 0.0_f64, ovality(&system, &state));
     for k in 0..samples as usize {
