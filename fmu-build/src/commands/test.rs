@@ -70,9 +70,20 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// All but the examples, which compile for a minute and hold no tests.
+const WITH_TESTS: [&str; 3] = ["--lib", "--bins", "--tests"];
+
 fn rust_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()> {
     progress::headline("Rust tests");
-    let mut tests = cargo::command(workspace);
-    tests.args(["test", "--workspace"]).args(passed_on);
-    cargo::run(&mut tests)
+    let test = |what: &[&str]| {
+        let mut tests = cargo::command(workspace);
+        tests.args(["test", "--workspace"]).args(what).args(passed_on);
+        cargo::run(&mut tests)
+    };
+    if passed_on.is_empty() {
+        test(&WITH_TESTS)?;
+        test(&["--doc"])
+    } else {
+        test(&[])
+    }
 }
