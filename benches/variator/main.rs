@@ -209,7 +209,6 @@ fn numbers(counts: &Counts) -> Value {
     })
 }
 
-/// Inputs at every communication step.
 fn manoeuvre_row(table: &mut Table, name: &str, trace: &[Inputs], time: f64, counts: &Counts) {
     let span = trace.len() as f64 * STEP;
     table.row(
@@ -242,6 +241,7 @@ fn pieces_row(table: &mut Table, name: &str, pieces: &Pieces) {
     );
 }
 
+/// Inputs at every communication step.
 fn manoeuvre_inputs() -> Vec<Inputs> {
     let manoeuvre = Manoeuvre::read();
     let count = (manoeuvre.end() / STEP).round() as usize;

@@ -23,13 +23,13 @@ use num_traits::Zero;
 pub(super) const MOST: usize = 21;
 
 /// Directions of a cell before the globals: node motions, V, V, N; of `ALE0` V, V, N, T, T.
-const fn own_directions(flexible: bool, components: usize) -> usize {
-    if flexible { 4 * components + 3 } else { 5 }
+const fn own_directions(kind: u8, components: usize) -> usize {
+    if kind == GUIDED { 5 } else { 4 * components + 3 }
 }
 
 /// All directions of a cell.
-const fn directions(flexible: bool, components: usize) -> usize {
-    own_directions(flexible, components) + 6
+const fn directions(kind: u8, components: usize) -> usize {
+    own_directions(kind, components) + 6
 }
 
 /// Directions differentiated in one pass over a pack of cells.
@@ -234,7 +234,7 @@ impl VariatorSystem {
 
     /// Passes by a tape where the derivatives that are kept were taken.
     pub(super) fn pass_kept(&mut self, tape: &mut Tape<'_>) {
-        let count = directions(self.layout.flexible, self.layout.components);
+        let count = directions(self.ring_kind(), self.layout.components);
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             kept.pass(tape, count, pack.used);
         }
@@ -278,7 +278,8 @@ impl VariatorSystem {
     fn directions(&self, cell: usize, out: &mut [usize; MOST]) -> usize {
         let layout = &self.layout;
         let place = &self.mesh.cells[cell];
-        let local = if layout.flexible {
+        let local = own_directions(self.ring_kind(), layout.components);
+        if layout.flexible {
             let size = 2 * layout.components;
             for i in 0..2 {
                 for k in 0..size {
@@ -288,15 +289,13 @@ impl VariatorSystem {
             out[2 * size] = layout.speed(cell);
             out[2 * size + 1] = layout.speed(cell + 1);
             out[2 * size + 2] = layout.amount(cell);
-            own_directions(true, layout.components)
         } else {
             out[0] = layout.speed(cell);
             out[1] = layout.speed(cell + 1);
             out[2] = layout.amount(cell);
             out[3] = layout.tension(cell);
             out[4] = layout.tension(cell + 1);
-            own_directions(false, 0)
-        };
+        }
         let j = place.pulley;
         out[local] = layout.global(Global::Drift, 0);
         out[local + 1] = layout.global(Global::Theta, 0);
@@ -337,10 +336,7 @@ impl VariatorSystem {
         let value = |k: usize| seed(unknowns.value[k], k, 1.0);
         let rate = |k: usize| seed(unknowns.rate[k], k, alpha);
         let position = |k: usize| seed(unknowns.position[k], k, beta);
-        let (own, g) = (
-            if KIND != GUIDED { 4 * D } else { 0 },
-            own_directions(KIND != GUIDED, D),
-        );
+        let (own, g) = (if KIND == GUIDED { 0 } else { 4 * D }, own_directions(KIND, D));
         CellMotion {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
@@ -368,7 +364,7 @@ impl VariatorSystem {
     #[inline(always)]
     fn rows<T: Real, const KIND: u8, const D: usize>(b: &CellBalance<T>, ring: &RingForces<T, D>) -> [T; MOST] {
         let mut rows = [T::zero(); MOST];
-        let g = own_directions(KIND != GUIDED, D);
+        let g = own_directions(KIND, D);
         if KIND != GUIDED {
             for (i, node) in ring.nodes.iter().enumerate() {
                 for k in 0..D {
@@ -404,7 +400,7 @@ impl VariatorSystem {
     }
 
     fn sample_packs<const KIND: u8, const D: usize, C: Standing>(&self, view: View<'_>, out: &mut [Sample]) {
-        let count = directions(KIND != GUIDED, D);
+        let count = directions(KIND, D);
         let points = self.mesh.points;
         let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
         for pack in &self.packs {
@@ -508,9 +504,9 @@ impl VariatorSystem {
         view: View<'_>,
         out: &mut [f64],
     ) {
-        let count = directions(KIND != GUIDED, D);
+        let count = directions(KIND, D);
         let amount = self.amount_direction();
-        let first_global = own_directions(KIND != GUIDED, D) + 2;
+        let first_global = own_directions(KIND, D) + 2;
         let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
         for pack in &self.packs {
             let unknowns = self.gather(view, pack, count);
@@ -573,11 +569,11 @@ impl VariatorSystem {
         let mut look = Look {
             law: &self.law,
             alpha,
-            ring_speed: unknowns.value[own_directions(KIND != GUIDED, D)],
+            ring_speed: unknowns.value[own_directions(KIND, D)],
             regime: &mut regime,
         };
         let b = self.sampled_balance::<KIND, D, C>(pack, frame, unknowns, &mut |sample| look.take(&sample));
-        let own = if KIND != GUIDED { 4 * D } else { 0 };
+        let own = if KIND == GUIDED { 0 } else { 4 * D };
         let [left, right] = [unknowns.value[own], unknowns.value[own + 1]];
         regime.see_difference(right - left);
         (regime, b.transport)
@@ -591,7 +587,7 @@ impl VariatorSystem {
         kept: &mut Kept,
         transports: &mut [Transport<[f64; MOST]>],
     ) {
-        let (count, theta) = (directions(KIND != GUIDED, D), own_directions(KIND != GUIDED, D) + 1);
+        let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
         let amount = self.amount_direction();
         for first in (0..count).step_by(PASS) {
             let frame = if first == theta / PASS * PASS {
@@ -617,7 +613,7 @@ impl VariatorSystem {
 
     /// Takes the derivatives that are kept once more, where they were taken.
     pub(super) fn retake<const KIND: u8, const D: usize, C: Standing>(&mut self) {
-        let theta = own_directions(KIND != GUIDED, D) + 1;
+        let theta = own_directions(KIND, D) + 1;
         let (mut all, mut transports) = (
             std::mem::take(&mut self.kept),
             std::mem::take(&mut self.transport_slopes),
@@ -640,7 +636,7 @@ impl VariatorSystem {
         beta: f64,
         out: &mut Arrow,
     ) {
-        let (count, theta) = (directions(KIND != GUIDED, D), own_directions(KIND != GUIDED, D) + 1);
+        let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
         let frames = Frames::<C>::new(&self.curve, &self.curve.shape(self.theta(view)), theta, beta);
         let (mut all, mut transports) = (
             std::mem::take(&mut self.kept),
@@ -654,7 +650,7 @@ impl VariatorSystem {
                 &regime,
                 &unknowns,
                 length,
-                [if KIND != GUIDED { D } else { 0 }, theta],
+                [if KIND == GUIDED { 0 } else { D }, theta],
                 alpha,
             ) {
                 self.differentiations += 1;

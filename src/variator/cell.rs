@@ -17,6 +17,11 @@ use crate::ring::kinematics::{Load, ReferenceMotion, embed, in_plane};
 use crate::scalar::{Lanes, Real, smooth_plus};
 use nalgebra::Vector2;
 
+/// Most stations of a cell.
+pub(super) const STATIONS: usize = 3;
+/// Its stations, and its left face before them.
+pub(super) const SLOTS: usize = STATIONS + 1;
+
 /// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
 const RING_LOAD_SMOOTHING: f64 = 1.0;
 
@@ -340,7 +345,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     let theta_dot = motion.reference.theta.rate;
 
     // Cell: length of the pitch line, density, shortening.
-    let mut points = [None; 3];
+    let mut points = [None; STATIONS];
     let mut pitch_length = T::zero();
     let mut carried = T::zero();
     let mut through = T::zero();

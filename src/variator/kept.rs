@@ -5,14 +5,12 @@
 //! needs a direction and not a derivative. So each pack of cells remembers where it was differentiated, and what it was in.
 
 use super::assembly::{MOST, Unknowns};
-use super::cell::{CellLaw, Sample};
+use super::cell::{CellLaw, STATIONS, Sample};
 use crate::chain::CLOSING_SMOOTHING;
 use crate::contact::PENETRATION_SMOOTHING;
 use crate::scalar::{Lanes, Real};
 use crate::tape::Tape;
 
-/// Most stations of a cell.
-const STATIONS: usize = 3;
 /// Figures of a station, and of a cell beyond them.
 const OF_STATION: usize = 10;
 const OF_CELL: usize = 4;

@@ -4,12 +4,10 @@
 //! nodes in the order in which they lie along the belt at that moment and cuts this into blocks of equal size. Blocks hold
 //! as many unknowns as any coupling reaches, so the matrix is an arrow again.
 
+use super::cell::SLOTS;
 use super::layout::Layout;
 use super::mesh::BeltMesh;
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
-
-/// Most places of a cell where the ring is seen: face and stations.
-pub(super) const SLOTS: usize = 4;
 
 /// Unknowns beyond the farthest coupling that was found, for states in between those looked at.
 const MARGIN: usize = 4;

@@ -2,7 +2,7 @@
 //!
 //! [`balance`](super::cell::balance) asks any ring the same four questions and doesn't know which one it has.
 
-use super::cell::Place;
+use super::cell::{Place, SLOTS};
 use crate::reference_curve::{self, Jet, ReferencePoint};
 use crate::ring::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
 use crate::ring::turning::{TurningElement, rotated_load, rotated_point};
@@ -150,9 +150,6 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
         }
     }
 }
-
-/// Most stations of a cell, and its left face.
-const SLOTS: usize = 4;
 
 /// `ALE` whose deflection is counted in directions that turn with the reference curve.
 pub struct Turning<'a, T: Real, const D: usize = 2> {

@@ -13,9 +13,8 @@
 //! and contact arrives at the ring without remainder. The multipliers are small: they carry what the pitch line's
 //! reference curvature (λ = |r'| − e κ_ref) leaves of a change of s alone.
 
-use super::cell::{CellBalance, CellMotion, NoProbe, Place, PulleyMotion, Sample, Sampler, balance};
+use super::cell::{CellBalance, CellMotion, NoProbe, Place, PulleyMotion, SLOTS, Sample, Sampler, balance};
 use super::layout::{Global, Layout};
-use super::order::SLOTS;
 use super::parameters::{Parameters, RingModel};
 use super::ring::{Action, CellRing, RingDensity};
 use super::system::{HOLD, VariatorSystem};

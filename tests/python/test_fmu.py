@@ -63,7 +63,7 @@ def test_the_default_experiment_runs_without_any_wiring(fmu: Path, description) 
 
 
 def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
-    """The same run by `examples/default_run.rs`; its numbers are printed in full. As the Rust tests compile it: optimisation changes no bit."""
+    """The same run by `examples/default_run.rs`; its numbers are printed in full. Compiled as for the Rust tests: that changes no bit."""
     steps = 100
     example = os.environ.get("PUSHBELT_EXAMPLE")
     command = [example] if example else ["cargo", "run", "--quiet", "--example", "default_run", "--"]

@@ -70,9 +70,6 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// All but the examples, which compile for a minute and hold no tests.
-const WITH_TESTS: [&str; 3] = ["--lib", "--bins", "--tests"];
-
 fn rust_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()> {
     progress::headline("Rust tests");
     let test = |what: &[&str]| {
@@ -81,7 +78,8 @@ fn rust_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()>
         cargo::run(&mut tests)
     };
     if passed_on.is_empty() {
-        test(&WITH_TESTS)?;
+        // All but the examples, which compile for a minute and hold no tests.
+        test(&["--lib", "--bins", "--tests"])?;
         test(&["--doc"])
     } else {
         test(&[])
