@@ -23,7 +23,7 @@
 //! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙ + Ω(V − t̂·ṙ), where
 //! Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's path.
 
-use crate::ring::kinematics::RingPoint;
+use crate::ring::kinematics::{RingPoint, RingVariation};
 use crate::scalar::{Real, Tangent, smooth_plus};
 use crate::variator::parameters::Belt;
 use nalgebra::SVector;
@@ -113,6 +113,165 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
             *across = normal.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
         }
         (along, across)
+    }
+}
+
+/// How the chain at a mesh point varies in a direction that leaves the reference curve where it is: the derivatives of a
+/// [`ChainPoint`].
+#[derive(Clone, Copy, Debug)]
+pub struct ChainVariation<T: Real> {
+    /// δV.
+    pub speed: T,
+    /// δ(t̂·ṙ).
+    pub along: T,
+    /// δJ.
+    pub flow: T,
+    /// δc.
+    pub c: T,
+    /// δ(n̂·ṙ).
+    pub normal_speed: [T; 2],
+    /// δκ̂.
+    pub curvature: [T; 2],
+}
+
+impl<T: Real> ChainVariation<T> {
+    /// None.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = T::zero();
+        Self {
+            speed: zero,
+            along: zero,
+            flow: zero,
+            c: zero,
+            normal_speed: [zero; 2],
+            curvature: [zero; 2],
+        }
+    }
+
+    /// Where V varies by `speed` and the ring doesn't.
+    #[inline(always)]
+    pub fn of_speed(turn: &Turn<T>, speed: T) -> Self {
+        Self {
+            speed,
+            flow: speed,
+            c: speed * turn.inverse_lambda,
+            ..Self::none()
+        }
+    }
+}
+
+/// What [`ChainPoint::acceleration`] is made of, for its variation.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn<T: Real> {
+    /// 1/|r'|.
+    pub inverse_stretch: T,
+    /// 1/λ.
+    pub inverse_lambda: T,
+    /// t̂·ṙ, m/s.
+    pub along: T,
+    /// n̂·(r')˙, 1/s.
+    pub turning: [T; 2],
+    /// Ω, rad/s.
+    pub omega: [T; 2],
+}
+
+impl<T: Real, const D: usize> ChainPoint<T, D> {
+    /// What its variation needs besides.
+    #[inline(always)]
+    pub fn turn(&self, point: &RingPoint<T, D>) -> Turn<T> {
+        let inverse_stretch = point.stretch.recip();
+        let (mut turning, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
+        for k in 0..D - 1 {
+            turning[k] = self.normals[k].dot(&point.slope_dot);
+            omega[k] = turning[k] * inverse_stretch + self.c * self.curvature[k];
+        }
+        Turn {
+            inverse_stretch,
+            inverse_lambda: self.lambda.recip(),
+            along: point.t.dot(&point.r_dot),
+            turning,
+            omega,
+        }
+    }
+
+    /// Its variation where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
+    #[inline(always)]
+    pub fn vary(&self, point: &RingPoint<T, D>, turn: &Turn<T>, by: &RingVariation<T, D>, speed: T) -> ChainVariation<T> {
+        let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
+        for k in 0..D - 1 {
+            let (normal, varied) = (&self.normals[k], &by.normals[k]);
+            normal_speed[k] = varied.dot(&point.r_dot) + normal.dot(&by.r_dot);
+            curvature[k] = (varied.dot(&point.bend) + normal.dot(&by.bend) - self.curvature[k] * by.stretch)
+                * turn.inverse_stretch;
+        }
+        let along = by.t.dot(&point.r_dot) + point.t.dot(&by.r_dot);
+        let flow = speed - along;
+        ChainVariation {
+            speed,
+            along,
+            flow,
+            c: (flow - self.c * by.stretch) * turn.inverse_lambda,
+            normal_speed,
+            curvature,
+        }
+    }
+
+    /// How [`ChainPoint::acceleration`] varies, `speed_dot` and `gradient` being the variations of V̇ and ∂V/∂ξ.
+    #[inline(always)]
+    pub fn vary_acceleration(
+        &self,
+        point: &RingPoint<T, D>,
+        turn: &Turn<T>,
+        (by, chain): (&RingVariation<T, D>, &ChainVariation<T>),
+        speed_dot: T,
+        [speed_gradient, gradient]: [T; 2],
+    ) -> (T, [T; 2]) {
+        let c = self.c;
+        let mut along = speed_dot + chain.c * speed_gradient + c * gradient;
+        let mut across = [T::zero(); 2];
+        for (k, across) in across.iter_mut().enumerate().take(D - 1) {
+            let (normal, varied) = (&self.normals[k], &by.normals[k]);
+            let (turning, omega) = (turn.turning[k], turn.omega[k]);
+            let turning_by = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
+            let omega_by = (turning_by - turning * turn.inverse_stretch * by.stretch) * turn.inverse_stretch
+                + chain.c * self.curvature[k]
+                + c * chain.curvature[k];
+            along -= omega_by * self.normal_speed[k] + omega * chain.normal_speed[k];
+            *across = varied.dot(&point.r_ddot)
+                + normal.dot(&by.r_ddot)
+                + chain.c * turning
+                + c * turning_by
+                + omega_by * (self.speed - turn.along)
+                + omega * (chain.speed - chain.along);
+        }
+        (along, across)
+    }
+}
+
+/// Forces in the stack of a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Stack<T> {
+    /// Push force.
+    pub push: Push<T>,
+    /// [`collision_force`], N.
+    pub collision: T,
+    /// [`lag`], m/s.
+    pub lag: T,
+}
+
+impl<T: Real> Stack<T> {
+    /// Of a cell of density `nu`, of material rate `nu_rate`, 1/s, through which elements flow at `flow`, m/s, while V has this
+    /// `difference` across it, m/s.
+    #[inline(always)]
+    pub fn new(belt: &Belt, [nu, nu_rate, flow, difference]: [T; 4]) -> Self {
+        let push = push_force(belt, nu, nu_rate);
+        let upwinding = upwinding(flow, difference);
+        Self {
+            push,
+            collision: collision_force(belt, nu, flow, difference, upwinding),
+            lag: lag(difference, push.contact, upwinding),
+        }
     }
 }
 

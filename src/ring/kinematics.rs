@@ -29,6 +29,15 @@ pub fn embed<T: Real, const D: usize>(v: Vector2<T>) -> SVector<T, D> {
     SVector::from_fn(|i, _| if i < 2 { v[i] } else { T::zero() })
 }
 
+/// a × b in space.
+#[inline(always)]
+fn cross<T: Real, const D: usize>(a: &SVector<T, D>, b: &SVector<T, D>) -> SVector<T, D> {
+    SVector::from_fn(|i, _| {
+        let (j, k) = ((i + 1) % D, (i + 2) % D);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}
+
 /// Inward normal n̂ of a curve of D components in the plane of the drive, ⊥ to the unit tangent `t`.
 #[inline(always)]
 pub fn inward_normal<T: Real, const D: usize>(t: &SVector<T, D>) -> SVector<T, D> {
@@ -258,14 +267,11 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
     /// Normals of the ring: n̂, and in space b̂ = t̂ × n̂.
     #[inline(always)]
     pub fn normals(&self) -> [SVector<T, D>; 2] {
-        let mut binormal = SVector::zeros();
-        if D == 3 {
-            let (t, n) = (&self.t, &self.n);
-            binormal = SVector::from_fn(|i, _| {
-                let (j, k) = ((i + 1) % D, (i + 2) % D);
-                t[j] * n[k] - t[k] * n[j]
-            });
-        }
+        let binormal = if D == 3 {
+            cross(&self.t, &self.n)
+        } else {
+            SVector::zeros()
+        };
         [self.n, binormal]
     }
 
@@ -297,6 +303,111 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
     #[inline(always)]
     pub fn strain_rate(&self) -> T {
         self.t.dot(&self.slope_dot) + self.w * self.strain_gradient()
+    }
+}
+
+/// How the ring at a mesh point varies in a direction that leaves the reference curve where it is: the derivatives of a
+/// [`RingPoint`].
+#[derive(Clone, Copy, Debug)]
+pub struct RingVariation<T: Real, const D: usize = 2> {
+    /// δr.
+    pub r: SVector<T, D>,
+    /// δṙ.
+    pub r_dot: SVector<T, D>,
+    /// δr̈.
+    pub r_ddot: SVector<T, D>,
+    /// δr'.
+    pub slope: SVector<T, D>,
+    /// δ(r')˙.
+    pub slope_dot: SVector<T, D>,
+    /// δr''.
+    pub bend: SVector<T, D>,
+    /// δ|r'|.
+    pub stretch: T,
+    /// δt̂.
+    pub t: SVector<T, D>,
+    /// Of the [`RingPoint::normals`].
+    pub normals: [SVector<T, D>; 2],
+    /// δw.
+    pub w: T,
+    /// δẇ.
+    pub w_dot: T,
+}
+
+impl<T: Real, const D: usize> RingVariation<T, D> {
+    /// None.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = SVector::zeros();
+        Self {
+            r: zero,
+            r_dot: zero,
+            r_ddot: zero,
+            slope: zero,
+            slope_dot: zero,
+            bend: zero,
+            stretch: T::zero(),
+            t: zero,
+            normals: [zero; 2],
+            w: T::zero(),
+            w_dot: T::zero(),
+        }
+    }
+
+    /// Where component `k` of the nodal unknown with shape function `m` varies; `alpha` and `beta` are the factors of acceleration
+    /// and position, `inverse` = 1/|r'|.
+    #[inline(always)]
+    pub fn of_node(
+        point: &RingPoint<T, D>,
+        inverse: T,
+        shape: &Hermite<T::Constant>,
+        element: &ElementMotion<T, D>,
+        motion: &ReferenceMotion<T>,
+        [m, k]: [usize; 2],
+        [alpha, beta]: [f64; 2],
+    ) -> Self {
+        let l = element.length;
+        let Motion { rate, acceleration, .. } = motion.theta;
+        // d = b l for the slope of a node, d = a for its deflection.
+        let (d, d_dot, d_ddot) = if m % 2 == 1 {
+            let l_dot = l.d * rate;
+            let l_ddot = l.dd * rate * rate + l.d * acceleration;
+            (
+                l.v * beta,
+                l.v + l_dot * beta,
+                l.v * alpha + l_dot * 2.0 + l_ddot * beta,
+            )
+        } else {
+            (T::from(beta), T::one(), T::from(alpha))
+        };
+        let g = l.v.recip() * 2.0;
+        let (n, dn, ddn) = (shape.n[m], shape.dn[m], shape.ddn[m]);
+        let mut v = Self::none();
+        let slope = d * dn * g;
+        v.r[k] = d * n;
+        v.r_dot[k] = d_dot * n;
+        v.r_ddot[k] = d_ddot * n;
+        v.slope[k] = slope;
+        v.slope_dot[k] = d_dot * dn * g - slope * (l.d * rate * g * 0.5);
+        v.bend[k] = d * ddn * (g * g);
+        v.stretch = point.t[k] * slope;
+        v.t = (v.slope - point.t * v.stretch) * inverse;
+        v.turn_normals(point);
+        v
+    }
+
+    /// From δt̂.
+    #[inline(always)]
+    fn turn_normals(&mut self, point: &RingPoint<T, D>) {
+        let turned = turn_right(in_plane(&self.t));
+        if D == 2 {
+            self.normals[0] = embed(turned);
+        } else {
+            let (t, n) = (&point.t, in_plane(&point.n));
+            let inverse = in_plane(t).dot(&in_plane(t)).sqrt().recip();
+            self.normals[0] = embed((turned - n * n.dot(&turned)) * inverse);
+            self.normals[1] = cross(&self.t, &point.n) + cross(t, &self.normals[0]);
+        }
     }
 }
 
@@ -399,6 +510,25 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
             }
         }
         self.theta += theta * weight;
+    }
+
+    /// What [`ElementLoad::add`] gains on Θ where the point varies under a fixed load.
+    #[inline(always)]
+    pub fn add_varied(
+        &mut self,
+        load: &Load<T, D>,
+        variation: &RingVariation<T, D>,
+        element: &ElementMotion<T, D>,
+        weight: T,
+    ) {
+        let growth = element.length.d * element.length.v.recip();
+        self.theta -= (load.slope.dot(&variation.slope) + load.bend.dot(&variation.bend) * 2.0) * growth * weight;
+    }
+
+    /// What [`ElementLoad::nodes`] gains on Θ where the slope of a node varies by `by` in component `k` under fixed loads.
+    #[inline(always)]
+    pub fn slope_varied(&self, node: usize, k: usize, by: f64, element: &ElementMotion<T, D>) -> T {
+        self.d[2 * node + 1][k] * element.length.d * by
     }
 
     /// Conjugates of the nodal degrees of freedom, and of Θ complete.

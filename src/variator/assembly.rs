@@ -7,6 +7,7 @@ use super::mesh::Station;
 use super::ring::{Deflecting, GUIDED, Guided, RingForces, TURNING, Turning};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
+use super::variation::{Direction, Linearised};
 use crate::chain::{self, Transport};
 use crate::reference_curve::{
     Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame, TwoPulleyShape, Unaligned,
@@ -32,6 +33,25 @@ const fn directions(kind: u8, components: usize) -> usize {
     own_directions(kind, components) + 6
 }
 
+/// What varies in a direction of a cell; nothing that [`super::variation`] knows for Θ.
+fn direction(kind: u8, components: usize, k: usize) -> Option<Direction> {
+    let own = own_directions(kind, components);
+    let nodes = if kind == GUIDED { 0 } else { 4 * components };
+    if k < nodes {
+        return Some(Direction::Ring(k));
+    }
+    match (k - nodes, k.wrapping_sub(own)) {
+        (face @ (0 | 1), _) => Some(Direction::Speed(face)),
+        (2, _) => Some(Direction::Amount),
+        (_, 0) => Some(Direction::Drift),
+        (_, 1) => None,
+        (_, 2) => Some(Direction::Sheave),
+        (_, axis @ (3 | 4)) => Some(Direction::Tilt(axis - 3)),
+        (_, 5) => Some(Direction::Shaft),
+        (tension, _) => Some(Direction::Ring(tension - 3)),
+    }
+}
+
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
 
@@ -54,6 +74,20 @@ pub(super) struct Pack {
     at: [[usize; LANES]; MOST],
     /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
     entries: Vec<[usize; LANES]>,
+}
+
+impl Pack {
+    /// Where its cells lie.
+    #[inline(always)]
+    fn place<T: Real<Constant = Lanes>, C: Standing>(&self, frame: &C::Frame<T>) -> Place<'_, T> {
+        Place {
+            face: &self.face,
+            stations: &self.stations,
+            axis: self.axis,
+            plane: self.plane,
+            length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.share),
+        }
+    }
 }
 
 /// Sums over the cells of a pulley.
@@ -441,21 +475,8 @@ impl VariatorSystem {
         probe: &mut S,
     ) -> (CellBalance<T>, RingForces<T, D>) {
         let motion = Self::motion::<T, KIND, D>(unknowns, slopes, &seed);
-        let place = Place {
-            face: &pack.face,
-            stations: &pack.stations,
-            axis: pack.axis,
-            plane: pack.plane,
-            length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, pack.segment), pack.share),
-        };
-        let reference = |slot: usize| {
-            let station = if slot == 0 {
-                &pack.face
-            } else {
-                &pack.stations[slot - 1]
-            };
-            C::point(frame, pack.segment, station.fraction)
-        };
+        let place = pack.place::<T, C>(frame);
+        let reference = |slot: usize| C::point(frame, pack.segment, place.slot(slot).fraction);
         let (law, ring) = (&self.law, &self.law.parameters.ring);
         if KIND == GUIDED {
             let tensions = Self::tensions(unknowns, &seed);
@@ -485,18 +506,59 @@ impl VariatorSystem {
 
     /// One pass over a pack: derivatives in the directions `first` and on.
     #[inline(never)]
-    fn pack_pass<const KIND: u8, const D: usize, C: Standing>(
+    fn pack_pass<const N: usize, const KIND: u8, const D: usize, C: Standing>(
         &self,
         pack: &Pack,
-        frame: &C::Frame<Tangent<PASS>>,
+        frame: &C::Frame<Tangent<N>>,
         unknowns: &Unknowns<Lanes>,
         slopes: [f64; 2],
         first: usize,
-    ) -> ([Tangent<PASS>; MOST], Transport<Tangent<PASS>>) {
+    ) -> ([Tangent<N>; MOST], Transport<Tangent<N>>) {
         let seed =
             |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
         let (b, ring) = self.pack_balance::<_, _, KIND, D, C>(pack, frame, unknowns, slopes, seed, &mut NoProbe);
         (Self::rows::<_, KIND, D>(&b, &ring), b.transport)
+    }
+
+    /// Hands `put` the derivatives of a pack in all directions but Θ: rows of the balance, and what the balance of the
+    /// amounts needs.
+    #[inline(never)]
+    fn vary_pack<const KIND: u8, const D: usize, C: Standing>(
+        &self,
+        pack: &Pack,
+        frame: &C::Frame<Lanes>,
+        unknowns: &Unknowns<Lanes>,
+        slopes: [f64; 2],
+        mut put: impl FnMut(usize, &[Lanes; MOST], &Transport<Lanes>),
+    ) {
+        let plain = |value, _, _| value;
+        let motion = Self::motion::<Lanes, KIND, D>(unknowns, slopes, plain);
+        let place = pack.place::<Lanes, C>(frame);
+        let reference = |slot: usize| C::point(frame, pack.segment, place.slot(slot).fraction);
+        let (law, ring) = (&self.law, &self.law.parameters.ring);
+        if KIND == GUIDED {
+            let tensions = Self::tensions::<Lanes>(unknowns, plain);
+            let mut ring = Guided::new(ring, &place, &motion.reference, tensions);
+            balance(law, &place, &motion, &mut ring, reference, &mut NoProbe);
+            let linear = Linearised::new(law, &place, &motion, &ring, reference, slopes);
+            for k in 0..directions(KIND, D) {
+                if let Some(direction) = direction(KIND, D, k) {
+                    let (b, ring) = linear.vary(direction);
+                    put(k, &Self::rows::<_, KIND, 2>(&b, &ring), &b.transport);
+                }
+            }
+        } else {
+            let nodes = Self::nodes::<Lanes, D>(unknowns, slopes, plain);
+            let mut ring = Deflecting::new(ring, &place, &motion.reference, &nodes);
+            balance(law, &place, &motion, &mut ring, reference, &mut NoProbe);
+            let linear = Linearised::new(law, &place, &motion, &ring, reference, slopes);
+            for k in 0..directions(KIND, D) {
+                if let Some(direction) = direction(KIND, D, k) {
+                    let (b, ring) = linear.vary(direction);
+                    put(k, &Self::rows::<_, KIND, D>(&b, &ring), &b.transport);
+                }
+            }
+        }
     }
 
     pub(super) fn assemble_residual<const KIND: u8, const D: usize, C: Standing>(
@@ -587,6 +649,37 @@ impl VariatorSystem {
         kept: &mut Kept,
         transports: &mut [Transport<[f64; MOST]>],
     ) {
+        if KIND == TURNING {
+            self.differentiate_forward::<KIND, D, C>(pack, frames, kept, transports);
+            return;
+        }
+        let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
+        let amount = self.amount_direction();
+        let mut put = |direction: usize, rows: &[Lanes; MOST], transport: &Transport<Lanes>| {
+            let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
+            for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
+                block[direction] = *row;
+            }
+            for (figure, slope) in transport.each().into_iter().enumerate() {
+                for (&cell, slope) in pack.cells[..pack.used].iter().zip(slope.to_array()) {
+                    transports[cell].each_mut()[figure][direction] = slope;
+                }
+            }
+        };
+        self.vary_pack::<KIND, D, C>(pack, &frames.plain, &kept.unknowns, kept.slopes, &mut put);
+        let (rows, transport) =
+            self.pack_pass::<1, KIND, D, C>(pack, &frames.of_theta, &kept.unknowns, kept.slopes, theta);
+        put(theta, &rows.map(|row| row.eps[0]), &transport.map(|of| of.eps[0]));
+    }
+
+    /// The same by forward differentiation alone.
+    fn differentiate_forward<const KIND: u8, const D: usize, C: Standing>(
+        &self,
+        pack: &Pack,
+        frames: &Frames<C>,
+        kept: &mut Kept,
+        transports: &mut [Transport<[f64; MOST]>],
+    ) {
         let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
         let amount = self.amount_direction();
         for first in (0..count).step_by(PASS) {
@@ -596,7 +689,7 @@ impl VariatorSystem {
                 &frames.still
             };
             let pass = first..(first + PASS).min(count);
-            let (rows, transport) = self.pack_pass::<KIND, D, C>(pack, frame, &kept.unknowns, kept.slopes, first);
+            let (rows, transport) = self.pack_pass::<PASS, KIND, D, C>(pack, frame, &kept.unknowns, kept.slopes, first);
             let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
             for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
                 block[pass.clone()].copy_from_slice(&row.eps[..pass.len()]);
@@ -698,6 +791,7 @@ struct Frames<C: Standing> {
     plain: C::Frame<Lanes>,
     still: C::Frame<Tangent<PASS>>,
     moving: C::Frame<Tangent<PASS>>,
+    of_theta: C::Frame<Tangent<1>>,
 }
 
 impl<C: Standing> Frames<C> {
@@ -707,6 +801,7 @@ impl<C: Standing> Frames<C> {
             plain: C::stand(curve, shape.frame(Lanes::zero())),
             still: C::stand(curve, shape.frame(Tangent::zero())),
             moving: C::stand(curve, shape.frame(Tangent::seed(Lanes::zero(), theta % PASS, beta))),
+            of_theta: C::stand(curve, shape.frame(Tangent::seed(Lanes::zero(), 0, beta))),
         }
     }
 }

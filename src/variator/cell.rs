@@ -8,14 +8,14 @@
 //! push force on the shortening of the stack. So no power is lost between ring, chain and pulleys.
 
 use super::mesh::Station;
-use super::parameters::Parameters;
+use super::parameters::{Friction, Parameters};
 use super::ring::{Action, CellRing};
-use crate::chain::{self, ChainPoint, Transport, collision_force, push_force};
-use crate::contact::{self, FlankMotion, flank_force};
+use crate::chain::{self, ChainPoint, Stack, Transport};
+use crate::contact::{self, FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
-use crate::ring::kinematics::{Load, ReferenceMotion, embed, in_plane};
+use crate::ring::kinematics::{Load, ReferenceMotion, RingPoint, embed, in_plane};
 use crate::scalar::{Lanes, Real, smooth_plus};
-use nalgebra::Vector2;
+use nalgebra::{SVector, Vector2};
 
 /// Most stations of a cell.
 pub(super) const STATIONS: usize = 3;
@@ -289,26 +289,26 @@ impl<T> Probe<T> for Sampler<'_, T> {
 
 /// What flanks do to an element, per ring length.
 #[derive(Clone, Copy, Debug)]
-struct FlankLoads<T> {
+pub(super) struct FlankLoads<T> {
     /// Outward, at the ring centre line, N/m.
-    radial: T,
+    pub radial: T,
     /// Along e_t, at the pitch line, N/m.
-    around: T,
+    pub around: T,
     /// On the pulley, N.
-    torque: T,
+    pub torque: T,
     /// Axial force on the sheave, N/m.
-    axial: T,
+    pub axial: T,
     /// Normal force, N/m.
-    normal: T,
+    pub normal: T,
     /// Power of friction, W/m.
-    loss: T,
+    pub loss: T,
     /// Power of damping, W/m.
-    viscous: T,
+    pub viscous: T,
 }
 
 impl<T: Real> FlankLoads<T> {
     #[inline(always)]
-    fn plus(&self, other: &Self) -> Self {
+    pub(super) fn plus(&self, other: &Self) -> Self {
         Self {
             radial: self.radial + other.radial,
             around: self.around + other.around,
@@ -321,10 +321,107 @@ impl<T: Real> FlankLoads<T> {
     }
 }
 
+/// How a point of the belt stands to its pulley, and how its flanks move on the sheaves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Approach<T: Real> {
+    /// Unit vector from the axis.
+    pub e_r: Vector2<T>,
+    /// Unit vector around it, clockwise.
+    pub e_t: Vector2<T>,
+    /// One by the distance of the ring from the axis, 1/m.
+    pub inverse_distance: T,
+    /// ϱ, m.
+    pub rho: T,
+    /// ∂w/∂ϱ, elastic opening of the sheave per radius.
+    pub opening: T,
+    /// (∂w/∂θ)/ϱ.
+    pub opening_slope: T,
+    /// v_e·e_r, m/s.
+    pub v_r: T,
+    /// v_p·e_t, m/s.
+    pub v_around: T,
+    /// Motion of a flank in the middle of the pulley.
+    pub flank: FlankMotion<T>,
+}
+
+impl<T: Real> Approach<T> {
+    /// At a point of the ring, whose elements move with v_e at the ring centre line and with v_p at the pitch line.
+    #[inline(always)]
+    pub fn new<const D: usize>(
+        law: &CellLaw,
+        axis: T::Constant,
+        pulley: &PulleyMotion<T>,
+        point: &RingPoint<T, D>,
+        [v_e, v_p]: [&SVector<T, D>; 2],
+    ) -> Self {
+        let [sin_beta, cos_beta, tan_beta] = law.wedge;
+        let arm = in_plane(&point.r) - Vector2::new(T::constant(axis), T::zero());
+        let distance = arm.dot(&arm).sqrt();
+        let inverse_distance = distance.recip();
+        let e_r = arm * inverse_distance;
+        let e_t = Vector2::new(e_r.y, -e_r.x);
+        let rho = distance - law.parameters.belt.pitch_offset;
+        let opening = pulley.psi[0] * e_r.x - pulley.psi[1] * e_r.y;
+        let opening_rate = (pulley.psi_dot[0] * e_r.x - pulley.psi_dot[1] * e_r.y) * rho;
+        let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
+        let (v_r, v_around) = (in_plane(v_e).dot(&e_r), in_plane(v_p).dot(&e_t));
+        let surface = pulley.z_dot * 0.5 - opening_rate;
+        let closing_surface = surface - pulley.omega * rho * opening_slope;
+        Self {
+            e_r,
+            e_t,
+            inverse_distance,
+            rho,
+            opening,
+            opening_slope,
+            v_r,
+            v_around,
+            flank: FlankMotion {
+                penetration: pulley.z * 0.5 - (rho - law.r0) * tan_beta - opening * rho,
+                closing: surface - (opening + tan_beta) * v_r - opening_slope * v_around,
+                tangential: v_around - pulley.omega * rho,
+                along_flank: v_r * cos_beta + closing_surface * sin_beta,
+            },
+        }
+    }
+
+    /// Loads of a flank that moves like this under `force`.
+    #[inline(always)]
+    pub fn loads(&self, law: &CellLaw, lambda: T, flank: &FlankMotion<T>, force: &FlankForce<T>) -> FlankLoads<T> {
+        let [sin_beta, cos_beta, tan_beta] = law.wedge;
+        let axial_normal = force.normal * cos_beta * lambda;
+        let axial_friction = force.along_flank * lambda * sin_beta;
+        FlankLoads {
+            radial: axial_normal * (self.opening + tan_beta) + force.along_flank * lambda * cos_beta,
+            around: axial_normal * self.opening_slope + force.tangential * lambda,
+            torque: -(force.tangential * lambda + axial_friction * self.opening_slope) * self.rho,
+            axial: axial_normal - axial_friction,
+            normal: force.normal * lambda,
+            loss: lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank) * -1.0,
+            viscous: force.viscous * cos_beta * lambda * flank.closing,
+        }
+    }
+}
+
 /// Linear between the two faces of a cell.
 #[inline(always)]
 pub(super) fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
     faces[0] * (-right + 1.0) + faces[1] * right
+}
+
+/// Friction of the ring on elements per dξ, N/m, where the ring, less its own inertia, is under the tension `pressing`, N, and slides at
+/// `sliding`, m/s.
+#[inline(always)]
+pub(super) fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
+    let (load, _) = smooth_plus(pressing, RING_LOAD_SMOOTHING);
+    let v0 = friction.velocity;
+    load * kappa * friction.ring * sliding / (sliding * sliding + v0 * v0).sqrt()
+}
+
+/// Share of a face in [`between`]: 0 the left one, 1 the right one.
+#[inline(always)]
+pub(super) fn share<T: Real>(face: usize, right: T::Constant) -> T {
+    T::constant(if face == 0 { -right + 1.0 } else { right })
 }
 
 /// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference curve
@@ -341,7 +438,6 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     let length = place.length;
     let p = &law.parameters;
     let e = p.belt.pitch_offset;
-    let [sin_beta, cos_beta, tan_beta] = law.wedge;
     let theta_dot = motion.reference.theta.rate;
 
     // Cell: length of the pitch line, density, shortening.
@@ -363,15 +459,14 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     }
     let density = motion.amount / pitch_length;
     let lengthening = motion.speed[1] - motion.speed[0] - carried;
-    let push = push_force(&p.belt, density, -(density * lengthening) / pitch_length);
     let cell_length: T = place
         .stations
         .iter()
         .fold(T::zero(), |sum, s| sum + length.v * s.weight);
     let difference = motion.speed[1] - motion.speed[0];
-    let flow = through / cell_length;
-    let upwinding = chain::upwinding(flow, difference);
-    let collision = collision_force(&p.belt, density, flow, difference, upwinding);
+    let thinning = -(density * lengthening) / pitch_length;
+    let Stack { push, collision, lag } =
+        Stack::new(&p.belt, [density, thinning, through / cell_length, difference]);
 
     let face = ring.point(0, reference(0));
     let mut out = CellBalance {
@@ -382,11 +477,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         transport: Transport {
             flow: ChainPoint::new(e, &face, theta_dot, motion.speed[0]).flow,
             density,
-            lag: if law.has_lag {
-                chain::lag(difference, push.contact, upwinding)
-            } else {
-                T::zero()
-            },
+            lag: if law.has_lag { lag } else { T::zero() },
         },
     };
     let speed_gradient = difference / cell_length;
@@ -412,39 +503,14 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         along += mass * a_t;
 
         // Contact.
-        let arm = in_plane(&point.r) - Vector2::new(T::constant(place.axis), T::zero());
-        let distance = arm.dot(&arm).sqrt();
-        let e_r = arm * distance.recip();
-        let e_t = Vector2::new(e_r.y, -e_r.x);
-        let rho = distance - e;
-        let opening = pulley.psi[0] * e_r.x - pulley.psi[1] * e_r.y;
-        let opening_rate = (pulley.psi_dot[0] * e_r.x - pulley.psi_dot[1] * e_r.y) * rho;
-        let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
-        let v_e = chain.ring_line_velocity(point);
         let v_p = chain.pitch_velocity(point);
-        let (v_r, v_around) = (in_plane(&v_e).dot(&e_r), in_plane(&v_p).dot(&e_t));
-        let surface = pulley.z_dot * 0.5 - opening_rate;
-        let closing_surface = surface - pulley.omega * rho * opening_slope;
-        let flank = FlankMotion {
-            penetration: pulley.z * 0.5 - (rho - law.r0) * tan_beta - opening * rho,
-            closing: surface - (opening + tan_beta) * v_r - opening_slope * v_around,
-            tangential: v_around - pulley.omega * rho,
-            along_flank: v_r * cos_beta + closing_surface * sin_beta,
-        };
+        let v_e = chain.ring_line_velocity(point);
+        let approach = Approach::new(law, place.axis, pulley, point, [&v_e, &v_p]);
+        let Approach { e_r, e_t, rho, flank, .. } = approach;
         let lambda = chain.lambda;
         let one = |flank: &FlankMotion<T>| {
-            let force = flank_force(&p.contact, &p.friction, cos_beta, flank);
-            let axial_normal = force.normal * cos_beta * lambda;
-            let axial_friction = force.along_flank * lambda * sin_beta;
-            FlankLoads {
-                radial: axial_normal * (opening + tan_beta) + force.along_flank * lambda * cos_beta,
-                around: axial_normal * opening_slope + force.tangential * lambda,
-                torque: -(force.tangential * lambda + axial_friction * opening_slope) * rho,
-                axial: axial_normal - axial_friction,
-                normal: force.normal * lambda,
-                loss: lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank) * -1.0,
-                viscous: force.viscous * cos_beta * lambda * flank.closing,
-            }
+            let force = flank_force(&p.contact, &p.friction, law.wedge[1], flank);
+            approach.loads(law, lambda, flank, &force)
         };
         // In the plane the flanks are alike. In space the element may be off the middle.
         let [side, middle] = place.plane;
@@ -455,8 +521,8 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         } else {
             offset = (point.r[D - 1] - T::constant(middle)) * side + pulley.z * 0.5;
             let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
-            let movable = one(&flank.shifted(offset, speed, sin_beta));
-            let fixed = one(&flank.shifted(-offset, -speed, sin_beta));
+            let movable = one(&flank.shifted(offset, speed, law.wedge[0]));
+            let fixed = one(&flank.shifted(-offset, -speed, law.wedge[0]));
             point_load.position[D - 1] += (movable.axial - fixed.axial) * side;
             flow += (movable.axial - fixed.axial) * side * point.slope[D - 1];
             (movable.plus(&fixed), movable.axial)
@@ -479,14 +545,9 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         out.torque += flanks.torque * weight;
 
         // Ring on elements.
-        let (ring_load, _) = smooth_plus(
-            tension - motion.reference.s_dot * motion.reference.s_dot * p.ring.mass_per_length,
-            RING_LOAD_SMOOTHING,
-        );
+        let pressing = tension - motion.reference.s_dot * motion.reference.s_dot * p.ring.mass_per_length;
         let sliding = (point.w - chain.c) * point.stretch;
-        let v0 = p.friction.velocity;
-        let ring_friction =
-            ring_load * point.reference.kappa * p.friction.ring * sliding / (sliding * sliding + v0 * v0).sqrt();
+        let ring_friction = ring_friction(&p.friction, pressing, point.reference.kappa, sliding);
         point_load.drift += ring_friction * point.stretch;
         flow -= ring_friction * point.stretch;
 

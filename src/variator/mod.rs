@@ -22,3 +22,4 @@ pub mod steady;
 pub mod system;
 pub mod travelling;
 pub mod validation;
+mod variation;

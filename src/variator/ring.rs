@@ -4,7 +4,9 @@
 
 use super::cell::{Place, SLOTS};
 use crate::reference_curve::{self, Jet, ReferencePoint};
-use crate::ring::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint};
+use crate::ring::kinematics::{
+    ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
+};
 use crate::ring::turning::{TurningElement, rotated_load, rotated_point};
 use crate::ring::{Ring, ale};
 use crate::scalar::Real;
@@ -57,6 +59,45 @@ pub trait CellRing<T: Real, const D: usize = 2> {
 
     /// Energies at a station; none of a ring that counts them on elements of its own.
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T>;
+}
+
+/// A ring that tells how it varies in directions which leave the reference curve where it is: its own unknowns, and the drift.
+pub trait VaryingRing<T: Real, const D: usize = 2>: CellRing<T, D> {
+    /// Sums of varied loads.
+    type Sum;
+
+    /// Whether the ring moves in its own directions.
+    const MOVES: bool;
+
+    /// How the ring varies at a slot in its own direction `own`; `inverse` = 1/|r'|, `slopes` the factors of acceleration and position.
+    fn vary(&self, slot: usize, point: &RingPoint<T, D>, inverse: T, own: usize, slopes: [f64; 2])
+    -> RingVariation<T, D>;
+
+    /// Adds how [`CellRing::own_load`] varies; returns how the tension does. `own` as above, if it is such a direction.
+    fn vary_own_load(
+        &self,
+        slot: usize,
+        point: &RingPoint<T, D>,
+        by: &RingVariation<T, D>,
+        own: Option<usize>,
+        load: &mut Load<T, D>,
+    ) -> T;
+
+    /// No loads.
+    fn empty(&self) -> Self::Sum;
+
+    /// Takes the variation of [`CellRing::take`], where the ring's own load is `own_load`.
+    fn take_varied(
+        &self,
+        sum: &mut Self::Sum,
+        slot: usize,
+        at: (&RingPoint<T, D>, &RingVariation<T, D>),
+        own_load: &Load<T, D>,
+        action: &Action<T, D>,
+    );
+
+    /// How the forces vary that a ring found which has taken the loads of the cell.
+    fn varied_forces(&self, sum: &Self::Sum, own: Option<usize>, beta: f64) -> RingForces<T, D>;
 }
 
 /// Generalised forces of a cell on an Eulerian ring (inertia − forces).
@@ -151,6 +192,79 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     }
 }
 
+impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
+    type Sum = ElementLoad<T, D>;
+
+    const MOVES: bool = true;
+
+    #[inline(always)]
+    fn vary(
+        &self,
+        slot: usize,
+        point: &RingPoint<T, D>,
+        inverse: T,
+        own: usize,
+        slopes: [f64; 2],
+    ) -> RingVariation<T, D> {
+        let shape = &self.place.slot(slot).shape;
+        let (node, k, is_slope) = node_direction::<D>(own);
+        let which = [2 * node + usize::from(is_slope), k];
+        RingVariation::of_node(point, inverse, shape, &self.element, self.motion, which, slopes)
+    }
+
+    #[inline(always)]
+    fn vary_own_load(
+        &self,
+        _slot: usize,
+        point: &RingPoint<T, D>,
+        by: &RingVariation<T, D>,
+        _own: Option<usize>,
+        load: &mut Load<T, D>,
+    ) -> T {
+        ale::vary_inertia(self.ring, point, by, load);
+        ale::vary_elasticity(self.ring, point, by, self.growth, load)
+    }
+
+    #[inline(always)]
+    fn empty(&self) -> ElementLoad<T, D> {
+        ElementLoad::zero()
+    }
+
+    #[inline(always)]
+    fn take_varied(
+        &self,
+        sum: &mut ElementLoad<T, D>,
+        slot: usize,
+        (point, by): (&RingPoint<T, D>, &RingVariation<T, D>),
+        own_load: &Load<T, D>,
+        action: &Action<T, D>,
+    ) {
+        let shape = &self.place.slot(slot).shape;
+        sum.add(&action.load, point, shape, &self.element, action.weight);
+        sum.add_varied(own_load, by, &self.element, action.weight);
+    }
+
+    #[inline(always)]
+    fn varied_forces(&self, sum: &ElementLoad<T, D>, own: Option<usize>, beta: f64) -> RingForces<T, D> {
+        let (nodes, mut theta) = sum.nodes(&self.element);
+        if let Some((node, k, true)) = own.map(node_direction::<D>) {
+            theta += self.sum.slope_varied(node, k, beta, &self.element);
+        }
+        RingForces {
+            nodes,
+            tension: T::zero(),
+            drift: sum.s,
+            theta,
+        }
+    }
+}
+
+/// Node, component, and whether it is the slope, of a direction of a ring that deflects.
+#[inline(always)]
+fn node_direction<const D: usize>(own: usize) -> (usize, usize, bool) {
+    (own / (2 * D), own / 2 % D, own % 2 == 1)
+}
+
 /// `ALE` whose deflection is counted in directions that turn with the reference curve.
 pub struct Turning<'a, T: Real, const D: usize = 2> {
     ring: Deflecting<'a, T, D>,
@@ -231,34 +345,37 @@ pub struct Guided<'a, T: Real> {
     motion: &'a ReferenceMotion<T>,
     growth: T,
     tension: [T; 2],
-    sum: ElementLoad<T>,
+    sum: GuidedSum<T>,
+}
+
+/// Loads on a ring that keeps to the reference curve.
+#[derive(Clone, Copy, Debug)]
+pub struct GuidedSum<T: Real> {
+    element: ElementLoad<T>,
     /// Balance of the tension along the cell, and of normal forces around the loop, N.
     balance: T,
     across: T,
 }
 
-impl<'a, T: Real> Guided<'a, T> {
-    /// The ring under the tensions at the two faces, N.
+impl<T: Real> GuidedSum<T> {
     #[inline(always)]
-    pub fn new(ring: &'a Ring, place: &'a Place<'a, T>, motion: &'a ReferenceMotion<T>, tension: [T; 2]) -> Self {
-        let element = ElementMotion::rigid(place.length);
-        let sum = ElementLoad::zero();
+    fn empty() -> Self {
         Self {
-            ring,
-            place,
-            element,
-            motion,
-            growth: place.length.d / place.length.v,
-            tension,
-            sum,
-            balance: tension[0] - tension[1],
+            element: ElementLoad::zero(),
+            balance: T::zero(),
             across: T::zero(),
         }
     }
 
-    /// What it has taken.
     #[inline(always)]
-    pub fn forces<const D: usize>(&self) -> RingForces<T, D> {
+    fn take(&mut self, shape: &Hermite<T::Constant>, point: &RingPoint<T>, element: &ElementMotion<T>, action: &Action<T>) {
+        self.element.add(&action.load, point, shape, element, action.weight);
+        self.across += (action.across - action.tension * point.reference.kappa) * action.weight;
+        self.balance += action.along * action.weight;
+    }
+
+    #[inline(always)]
+    fn forces<const D: usize>(&self) -> RingForces<T, D> {
         let still = Node {
             a: SVector::zeros(),
             b: SVector::zeros(),
@@ -267,8 +384,34 @@ impl<'a, T: Real> Guided<'a, T> {
             nodes: [still; 2],
             tension: self.balance,
             drift: self.across,
-            theta: self.sum.theta,
+            theta: self.element.theta,
         }
+    }
+}
+
+impl<'a, T: Real> Guided<'a, T> {
+    /// The ring under the tensions at the two faces, N.
+    #[inline(always)]
+    pub fn new(ring: &'a Ring, place: &'a Place<'a, T>, motion: &'a ReferenceMotion<T>, tension: [T; 2]) -> Self {
+        let element = ElementMotion::rigid(place.length);
+        Self {
+            ring,
+            place,
+            element,
+            motion,
+            growth: place.length.d / place.length.v,
+            tension,
+            sum: GuidedSum {
+                balance: tension[0] - tension[1],
+                ..GuidedSum::empty()
+            },
+        }
+    }
+
+    /// What it has taken.
+    #[inline(always)]
+    pub fn forces<const D: usize>(&self) -> RingForces<T, D> {
+        self.sum.forces()
     }
 }
 
@@ -288,10 +431,8 @@ impl<T: Real> CellRing<T> for Guided<'_, T> {
 
     #[inline(always)]
     fn take(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
-        let shape = &self.place.slot(slot).shape;
-        self.sum.add(&action.load, point, shape, &self.element, action.weight);
-        self.across += (action.across - action.tension * point.reference.kappa) * action.weight;
-        self.balance += action.along * action.weight;
+        self.sum
+            .take(&self.place.slot(slot).shape, point, &self.element, action);
     }
 
     #[inline(always)]
@@ -301,5 +442,66 @@ impl<T: Real> CellRing<T> for Guided<'_, T> {
             elastic: ale::energy_density(self.ring, point),
             viscous: T::zero(),
         }
+    }
+}
+
+/// Of the tensions at the faces, and what is taken under them.
+impl<T: Real> VaryingRing<T> for Guided<'_, T> {
+    type Sum = GuidedSum<T>;
+
+    const MOVES: bool = false;
+
+    #[inline(always)]
+    fn vary(
+        &self,
+        _slot: usize,
+        _point: &RingPoint<T>,
+        _inverse: T,
+        _own: usize,
+        _slopes: [f64; 2],
+    ) -> RingVariation<T> {
+        RingVariation::none()
+    }
+
+    #[inline(always)]
+    fn vary_own_load(
+        &self,
+        slot: usize,
+        point: &RingPoint<T>,
+        by: &RingVariation<T>,
+        own: Option<usize>,
+        load: &mut Load<T>,
+    ) -> T {
+        ale::vary_inertia(self.ring, point, by, load);
+        let right = self.place.slot(slot).right;
+        own.map_or(T::zero(), |face| super::cell::share(face, right))
+    }
+
+    #[inline(always)]
+    fn empty(&self) -> GuidedSum<T> {
+        GuidedSum::empty()
+    }
+
+    #[inline(always)]
+    fn take_varied(
+        &self,
+        sum: &mut GuidedSum<T>,
+        slot: usize,
+        (point, _): (&RingPoint<T>, &RingVariation<T>),
+        _own_load: &Load<T>,
+        action: &Action<T>,
+    ) {
+        sum.take(&self.place.slot(slot).shape, point, &self.element, action);
+    }
+
+    #[inline(always)]
+    fn varied_forces(&self, sum: &GuidedSum<T>, own: Option<usize>, _beta: f64) -> RingForces<T> {
+        let mut forces = sum.forces();
+        match own {
+            Some(0) => forces.tension += T::one(),
+            Some(_) => forces.tension -= T::one(),
+            None => {}
+        }
+        forces
     }
 }
