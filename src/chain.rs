@@ -197,7 +197,13 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
 
     /// Its variation where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
     #[inline(always)]
-    pub fn vary(&self, point: &RingPoint<T, D>, turn: &Turn<T>, by: &RingVariation<T, D>, speed: T) -> ChainVariation<T> {
+    pub fn vary(
+        &self,
+        point: &RingPoint<T, D>,
+        turn: &Turn<T>,
+        by: &RingVariation<T, D>,
+        speed: T,
+    ) -> ChainVariation<T> {
         let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
             let (normal, varied) = (&self.normals[k], &by.normals[k]);

@@ -6,10 +6,12 @@
 //!
 //! - `--quick` runs everything once,
 //! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
-//! - `--directions` adds `ALE` with A_i = [t, n].
+//! - `--directions` adds `ALE` with A_i = [t, n],
+//! - `--cycle` adds 1800 s of driving (a quarter of an hour).
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
+mod cycle;
 mod errors;
 mod picture;
 
@@ -52,6 +54,9 @@ struct Options {
     /// The overlay along the reference curve and across it, too
     #[arg(long)]
     directions: bool,
+    /// 1800 s of driving
+    #[arg(long)]
+    cycle: bool,
     /// What cargo passes to every benchmark
     #[arg(long, hide = true)]
     bench: bool,
@@ -79,6 +84,9 @@ fn main() {
     let growth = pieces_and_memory(&mut table, &trace);
     if options.directions {
         reference_directions(&mut table, &trace);
+    }
+    if options.cycle {
+        cycle::rides(&mut table);
     }
     let file = target().join("bench.svg");
     match picture::draw(&file, &growth, &costs) {

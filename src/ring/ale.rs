@@ -150,16 +150,10 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     let kappa = curvature(point);
     let kappa_by = n_ref.dot(&bend) - reference.kappa * t_ref.dot(&slope);
     let (moment, moment_by) = (kappa * ring.bending_stiffness, kappa_by * ring.bending_stiffness);
-    let (gradient, gradient_by) = (
-        point.strain_gradient(),
-        by.t.dot(&point.bend) + point.t.dot(&by.bend),
-    );
+    let (gradient, gradient_by) = (point.strain_gradient(), by.t.dot(&point.bend) + point.t.dot(&by.bend));
     let viscous = point.strain_rate() * viscosity;
-    let viscous_by = (by.t.dot(&point.slope_dot)
-        + point.t.dot(&by.slope_dot)
-        + by.w * gradient
-        + point.w * gradient_by)
-        * viscosity;
+    let viscous_by =
+        (by.t.dot(&point.slope_dot) + point.t.dot(&by.slope_dot) + by.w * gradient + point.w * gradient_by) * viscosity;
     let tension = point.strain() * ring.axial_stiffness + viscous;
     let tension_by = by.stretch * ring.axial_stiffness + viscous_by;
     load.slope += by.t * tension + point.t * tension_by - embed(t_ref * (moment_by * reference.kappa));

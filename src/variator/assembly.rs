@@ -704,6 +704,46 @@ impl VariatorSystem {
         }
     }
 
+    /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry of its
+    /// column, and of all figures that the amounts need.
+    #[cfg(test)]
+    pub(super) fn worst_derivative<const KIND: u8, const D: usize, C: Standing>(
+        &self,
+        view: View<'_>,
+        alpha: f64,
+    ) -> f64 {
+        let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
+        let frames = Frames::<C>::new(&self.curve, &self.curve.shape(self.theta(view)), theta, 1.0 / alpha);
+        let mut worst = 0.0_f64;
+        for (pack, kept) in self.packs.iter().zip(&self.kept) {
+            let mut kept = [kept.clone(), kept.clone()];
+            let mut transports = [self.transport_slopes.clone(), self.transport_slopes.clone()];
+            for k in &mut kept {
+                (k.unknowns, k.slopes) = (self.gather(view, pack, count), [alpha, 1.0 / alpha]);
+            }
+            self.differentiate::<KIND, D, C>(pack, &frames, &mut kept[0], &mut transports[0]);
+            self.differentiate_forward::<KIND, D, C>(pack, &frames, &mut kept[1], &mut transports[1]);
+            for lane in 0..pack.used {
+                let [hand, forward] = kept.each_ref().map(|kept| {
+                    let entry = |row: usize, column: usize| kept.block[row * count + column].to_array()[lane];
+                    let column = |column| (0..count - 1).map(move |row| entry(row, column)).collect::<Vec<_>>();
+                    (0..count).map(column).collect::<Vec<_>>()
+                });
+                let [of_hand, of_forward] = transports
+                    .each_ref()
+                    .map(|t| t[pack.cells[lane]].each().map(|of| of[..count].to_vec()));
+                let pairs = hand.iter().zip(&forward).chain(of_hand.iter().zip(&of_forward));
+                for (hand, forward) in pairs {
+                    let scale = forward.iter().fold(1e-300_f64, |most, x| most.max(x.abs()));
+                    for (a, b) in hand.iter().zip(forward) {
+                        worst = worst.max((a - b).abs() / scale);
+                    }
+                }
+            }
+        }
+        worst
+    }
+
     /// Takes the derivatives that are kept once more, where they were taken.
     pub(super) fn retake<const KIND: u8, const D: usize, C: Standing>(&mut self) {
         let theta = own_directions(KIND, D) + 1;

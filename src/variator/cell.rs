@@ -465,8 +465,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         .fold(T::zero(), |sum, s| sum + length.v * s.weight);
     let difference = motion.speed[1] - motion.speed[0];
     let thinning = -(density * lengthening) / pitch_length;
-    let Stack { push, collision, lag } =
-        Stack::new(&p.belt, [density, thinning, through / cell_length, difference]);
+    let Stack { push, collision, lag } = Stack::new(&p.belt, [density, thinning, through / cell_length, difference]);
 
     let face = ring.point(0, reference(0));
     let mut out = CellBalance {
@@ -506,7 +505,9 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         let v_p = chain.pitch_velocity(point);
         let v_e = chain.ring_line_velocity(point);
         let approach = Approach::new(law, place.axis, pulley, point, [&v_e, &v_p]);
-        let Approach { e_r, e_t, rho, flank, .. } = approach;
+        let Approach {
+            e_r, e_t, rho, flank, ..
+        } = approach;
         let lambda = chain.lambda;
         let one = |flank: &FlankMotion<T>| {
             let force = flank_force(&p.contact, &p.friction, law.wedge[1], flank);

@@ -70,8 +70,14 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: CellRing<T, D> {
     const MOVES: bool;
 
     /// How the ring varies at a slot in its own direction `own`; `inverse` = 1/|r'|, `slopes` the factors of acceleration and position.
-    fn vary(&self, slot: usize, point: &RingPoint<T, D>, inverse: T, own: usize, slopes: [f64; 2])
-    -> RingVariation<T, D>;
+    fn vary(
+        &self,
+        slot: usize,
+        point: &RingPoint<T, D>,
+        inverse: T,
+        own: usize,
+        slopes: [f64; 2],
+    ) -> RingVariation<T, D>;
 
     /// Adds how [`CellRing::own_load`] varies; returns how the tension does. `own` as above, if it is such a direction.
     fn vary_own_load(
@@ -368,7 +374,13 @@ impl<T: Real> GuidedSum<T> {
     }
 
     #[inline(always)]
-    fn take(&mut self, shape: &Hermite<T::Constant>, point: &RingPoint<T>, element: &ElementMotion<T>, action: &Action<T>) {
+    fn take(
+        &mut self,
+        shape: &Hermite<T::Constant>,
+        point: &RingPoint<T>,
+        element: &ElementMotion<T>,
+        action: &Action<T>,
+    ) {
         self.element.add(&action.load, point, shape, element, action.weight);
         self.across += (action.across - action.tension * point.reference.kappa) * action.weight;
         self.balance += action.along * action.weight;

@@ -498,6 +498,27 @@ mod tests {
         }
     }
 
+    /// The derivatives by hand are those that forward differentiation finds, to rounding.
+    #[test]
+    fn derivatives_by_hand_are_those_of_forward_differentiation() {
+        let of = |model: RingModel, spatial: bool, aligned: bool, tilt: f64| {
+            let mut parameters = small(model);
+            parameters.spatial = spatial;
+            parameters.mesh.aligned = aligned;
+            parameters.primary.tilt_stiffness = tilt;
+            for speed in [200.0, -200.0, 0.0] {
+                let (system, state) = disturbed(&parameters, speed);
+                let worst = for_kind!(&system, worst_derivative(state.view(), 1.0e4));
+                assert!(worst < 1e-9, "{model:?}, in space {spatial}, {speed} rad/s: {worst:e}");
+            }
+        };
+        of(RingModel::Ale, false, true, 7e5);
+        of(RingModel::Ale, true, true, 7e5);
+        of(RingModel::Ale, false, false, 7e5);
+        of(RingModel::Ale0, false, true, 1e12);
+        of(RingModel::Ale0, false, false, 7e5);
+    }
+
     /// Where nothing has changed derivatives are kept; a cell that begins to slip is differentiated again, with those that
     /// share its face; another step size asks for all of them.
     #[test]

@@ -90,8 +90,7 @@ impl Flank {
         let axial_friction = force.along_flank * lambda * sin_beta;
         let axial_friction_by = along_by * sin_beta;
         let around = force.tangential * lambda + axial_friction * at.opening_slope;
-        let around_by =
-            tangential_by + axial_friction_by * at.opening_slope + axial_friction * by.opening_slope;
+        let around_by = tangential_by + axial_friction_by * at.opening_slope + axial_friction * by.opening_slope;
         let zero = Lanes::zero();
         FlankLoads {
             radial: axial_normal_by * (at.opening + tan_beta) + axial_normal * by.opening + along_by * cos_beta,
@@ -304,8 +303,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         flow -= loads.radial * approach.e_r.dot(&in_plane(&ring.slope));
         let mut inward = [Lanes::zero(); 2];
         for k in 0..D - 1 {
-            inward[k] = mass * acceleration.1[k] + self.push * chain.curvature[k]
-                - drag.dot(&in_plane(&chain.normals[k]));
+            inward[k] =
+                mass * acceleration.1[k] + self.push * chain.curvature[k] - drag.dot(&in_plane(&chain.normals[k]));
         }
         let friction = self.ring_friction(tension, &ring, &chain);
         flow -= friction[0] * ring.stretch;
@@ -315,10 +314,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             own_load,
             mass,
             acceleration,
-            crosswise: [
-                in_plane(&v_e).dot(&approach.e_t),
-                in_plane(&v_p).dot(&approach.e_r),
-            ],
+            crosswise: [in_plane(&v_e).dot(&approach.e_t), in_plane(&v_p).dot(&approach.e_r)],
             approach,
             flanks,
             loads,
@@ -334,12 +330,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
 
     /// Ring friction and its derivatives by T − m_r ṡ² and by the sliding speed.
     #[inline(always)]
-    fn ring_friction(
-        &self,
-        tension: Lanes,
-        ring: &RingPoint<Lanes, D>,
-        chain: &ChainPoint<Lanes, D>,
-    ) -> [Lanes; 3] {
+    fn ring_friction(&self, tension: Lanes, ring: &RingPoint<Lanes, D>, chain: &ChainPoint<Lanes, D>) -> [Lanes; 3] {
         let p = &self.law.parameters;
         let s_dot = self.motion.reference.s_dot;
         let pressing = Tangent::<2>::seed(tension - s_dot * s_dot * p.ring.mass_per_length, 0, 1.0);
@@ -374,20 +365,21 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         if let Direction::Speed(face) = direction {
             speed[face] = Lanes::from(1.0);
         }
-        let at = |slot: usize, (ring, chain, turn): (&RingPoint<Lanes, D>, &ChainPoint<Lanes, D>, &Turn<Lanes>), speed| {
-            if !MOVES {
-                return (RingVariation::none(), ChainVariation::of_speed(turn, speed));
-            }
-            let by = match own {
-                Some(own) => self.ring.vary(slot, ring, turn.inverse_stretch, own, self.slopes),
-                None => RingVariation {
-                    w: Lanes::from(1.0),
-                    w_dot: Lanes::from(alpha),
-                    ..RingVariation::none()
-                },
+        let at =
+            |slot: usize, (ring, chain, turn): (&RingPoint<Lanes, D>, &ChainPoint<Lanes, D>, &Turn<Lanes>), speed| {
+                if !MOVES {
+                    return (RingVariation::none(), ChainVariation::of_speed(turn, speed));
+                }
+                let by = match own {
+                    Some(own) => self.ring.vary(slot, ring, turn.inverse_stretch, own, self.slopes),
+                    None => RingVariation {
+                        w: Lanes::from(1.0),
+                        w_dot: Lanes::from(alpha),
+                        ..RingVariation::none()
+                    },
+                };
+                (by, chain.vary(ring, turn, &by, speed))
             };
-            (by, chain.vary(ring, turn, &by, speed))
-        };
 
         // Cell.
         let (mut pitch_length, mut carried, mut through) = (zero, zero, zero);
@@ -410,7 +402,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
         let (ring, chain, turn) = &self.face;
         let (_, face) = at(0, (ring, chain, turn), speed[0]);
-        let amount = if direction == Direction::Amount { Lanes::from(1.0) } else { zero };
+        let amount = if direction == Direction::Amount {
+            Lanes::from(1.0)
+        } else {
+            zero
+        };
         let difference = speed[1] - speed[0];
         let lengthening = difference - carried;
         let inverse = self.inverse_pitch_length;
@@ -436,7 +432,9 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let gradient = (self.motion.speed[1] - self.motion.speed[0]) * self.inverse_length;
         let mut sum = self.ring.empty();
         for (i, (point, varied)) in self.points.iter().zip(&varied).enumerate() {
-            let (Some(point), Some((by, chain_by))) = (point, varied) else { continue };
+            let (Some(point), Some((by, chain_by))) = (point, varied) else {
+                continue;
+            };
             let (ring, chain) = (&point.ring, &point.chain);
             let mut load = Load::zero();
             let tension = self.ring.vary_own_load(i + 1, ring, by, own, &mut load);
@@ -591,11 +589,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         } else {
             let [side, _] = self.place.plane;
             let [offset, speed] = flank.offset;
-            let [movable, fixed] = [1.0, -1.0].map(|sign| {
-                flank
-                    .motion
-                    .shifted(offset * sign, speed * sign, self.law.wedge[0])
-            });
+            let [movable, fixed] =
+                [1.0, -1.0].map(|sign| flank.motion.shifted(offset * sign, speed * sign, self.law.wedge[0]));
             let movable = point.flanks[0].vary(self.law, at, chain.lambda, flank, &movable);
             let fixed = point.flanks[1].vary(self.law, at, chain.lambda, flank, &fixed);
             let sideways = (movable.axial - fixed.axial) * side;
