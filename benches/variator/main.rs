@@ -7,13 +7,15 @@
 //! - `--quick` runs everything once,
 //! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
 //! - `--directions` adds `ALE` with A_i = [t, n],
-//! - `--cycle` adds 1800 s of driving (a quarter of an hour).
+//! - `--cycle` adds 1800 s of driving (half an hour),
+//! - `--proposals` adds what separate integration and a reduced overlay would take.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
 mod cycle;
 mod errors;
 mod picture;
+mod proposals;
 
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -57,6 +59,9 @@ struct Options {
     /// 1800 s of driving
     #[arg(long)]
     cycle: bool,
+    /// What separate integration of reference and overlay, and an overlay of few modes, would take
+    #[arg(long)]
+    proposals: bool,
     /// What cargo passes to every benchmark
     #[arg(long, hide = true)]
     bench: bool,
@@ -87,6 +92,9 @@ fn main() {
     }
     if options.cycle {
         cycle::rides(&mut table);
+    }
+    if options.proposals {
+        proposals::measure(&mut table, &trace);
     }
     let file = target().join("bench.svg");
     match picture::draw(&file, &growth, &costs) {

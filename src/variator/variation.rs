@@ -302,8 +302,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let drag = approach.e_t * loads.around;
         flow -= loads.radial * approach.e_r.dot(&in_plane(&ring.slope));
         let mut inward = [Lanes::zero(); 2];
-        for k in 0..D - 1 {
-            inward[k] =
+        for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
+            *inward =
                 mass * acceleration.1[k] + self.push * chain.curvature[k] - drag.dot(&in_plane(&chain.normals[k]));
         }
         let friction = self.ring_friction(tension, &ring, &chain);

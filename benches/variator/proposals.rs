@@ -1,0 +1,162 @@
+//! Two of the paper's proposals (its section 7), measured before they are built: what separate integration of reference and overlay
+//! would take, and how many modes an overlay by proper orthogonal decomposition needs.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use pushbelt::solver::System;
+use pushbelt::solver::arrow::Arrow;
+use pushbelt::solver::sdirk::GAMMA;
+use pushbelt::variator::instance::Variator;
+use pushbelt::variator::layout::Global;
+use pushbelt::variator::parameters::{Parameters, RingModel};
+use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::system::{State, VariatorSystem};
+use serde_json::json;
+
+use crate::common::{self, LoadCase, Manoeuvre};
+use crate::{STEP, Table};
+
+/// Both measurements, of `ALE`.
+pub fn measure(table: &mut Table, trace: &[Inputs]) {
+    separated(table);
+    modes(table, trace);
+}
+
+/// Contraction per sweep of an iteration that solves a stage for one part of the unknowns after the other (block Gauss-Seidel), in the
+/// steady state medium, 50 N·m: the spectral radius of J₁₁⁻¹ J₁₂ J₂₂⁻¹ J₂₁. Above 1 the iteration diverges, and integration
+/// of one part with the other's last values is unstable.
+fn separated(table: &mut Table) {
+    let parameters = common::variator(RingModel::Ale);
+    let [_, medium, _] = LoadCase::three(&parameters, 50.0);
+    let mut steady = common::load_case(&parameters, &medium);
+    let layout = steady.system.layout;
+    let n = layout.len();
+    let reference = [Global::Drift, Global::Theta].map(|global| layout.global(global, 0));
+    let overlay: Vec<usize> = (0..layout.elements)
+        .flat_map(|node| (0..2 * layout.components).map(move |k| layout.node(node, k)))
+        .chain([0, 1].map(|k| layout.global(Global::Gauge, k)))
+        .collect();
+    let rest = |part: &[usize]| (0..n).filter(|i| !part.contains(i)).collect::<Vec<_>>();
+    for (name, part) in [
+        ("s and Theta | all else", reference.to_vec()),
+        ("overlay | all else", overlay),
+    ] {
+        let other = rest(&part);
+        let found = [1e-3, 1e-4, 1e-5, 1e-6].map(|h| {
+            let jacobian = dense(&mut steady.system, &steady.state, 1.0 / (GAMMA * h));
+            let block = |rows: &[usize], columns: &[usize]| jacobian.select_rows(rows).select_columns(columns);
+            let solve = |a: DMatrix<f64>, b: DMatrix<f64>| a.lu().solve(&b).expect("a regular block");
+            let there = solve(block(&other, &other), block(&other, &part));
+            let back = solve(block(&part, &part), block(&part, &other));
+            spectral_radius(&(back * there))
+        });
+        table.row(
+            &format!("separated, {name}: contraction"),
+            format!(
+                "{:.1e}, {:.1e}, {:.1e}, {:.1e} at steps of 1 ms to 1 us",
+                found[0], found[1], found[2], found[3]
+            ),
+            json!({"steps": [1e-3, 1e-4, 1e-5, 1e-6], "contraction": found}),
+        );
+    }
+}
+
+fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
+    let eigenvalues = matrix.complex_eigenvalues();
+    eigenvalues.iter().fold(0.0, |most, x| most.max(x.norm()))
+}
+
+/// The Jacobian of a stage, in full.
+fn dense(system: &mut VariatorSystem, state: &State, alpha: f64) -> DMatrix<f64> {
+    let n = state.y.len();
+    let mut arrow = Arrow::new(system.shape());
+    system.jacobian(state.view(), alpha, 1.0 / alpha, &mut arrow);
+    let (mut matrix, mut unit) = (DMatrix::zeros(n, n), vec![0.0; n]);
+    for (k, mut column) in matrix.column_iter_mut().enumerate() {
+        unit[k] = 1.0;
+        arrow.multiply(&unit, column.as_mut_slice());
+        unit[k] = 0.0;
+    }
+    matrix
+}
+
+/// Numbers of modes that are tried.
+const MODES: [usize; 6] = [8, 16, 32, 64, 96, 128];
+/// Communication steps between snapshots; tests lie in the middle between two.
+const EVERY: usize = 10;
+
+/// Modes of the overlay from every tenth communication point of the manoeuvre, and what is lost where states in between are put on them:
+/// the largest change of ring tension, as a share of the mean tension, in the median state and in the worst one of ten.
+fn modes(table: &mut Table, trace: &[Inputs]) {
+    let parameters: Parameters = Manoeuvre::variator(common::variator(RingModel::Ale));
+    let mut variator = Variator::new(parameters).expect("valid parameters");
+    variator.initialise(0.0, &trace[0]).expect("a start");
+    let layout = variator.system().layout;
+    // A slope counts with the length of an element, some 10 mm.
+    let overlay: Vec<(usize, f64)> = (0..layout.elements)
+        .flat_map(|node| (0..4).map(move |k| (layout.node(node, k), if k % 2 == 0 { 1.0 } else { 1e-2 })))
+        .collect();
+    let (mut training, mut tests) = (Vec::new(), Vec::new());
+    for (k, inputs) in trace.iter().enumerate() {
+        variator.advance((k + 1) as f64 * STEP, inputs).expect("a step");
+        if k % EVERY == 0 {
+            let q = &variator.state().q;
+            training.push(DVector::from_iterator(
+                overlay.len(),
+                overlay.iter().map(|(i, l)| q[*i] * l),
+            ));
+        } else if k % (5 * EVERY) == EVERY / 2 {
+            tests.push(variator.state().clone());
+        }
+    }
+    let mean = training.iter().sum::<DVector<f64>>() / training.len() as f64;
+    let mut covariance = DMatrix::zeros(overlay.len(), overlay.len());
+    for q in &training {
+        let off = q - &mean;
+        covariance.ger(1.0, &off, &off, 1.0);
+    }
+    let SymmetricEigen {
+        eigenvectors,
+        eigenvalues,
+    } = covariance.symmetric_eigen();
+    let mut order: Vec<usize> = (0..overlay.len()).collect();
+    order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
+    let system = variator.system();
+    let tensions = |state: &State| -> Vec<f64> {
+        let survey = system.surveyed(state.view());
+        survey
+            .stations(&system.mesh)
+            .map(|(_, sample)| sample.tension)
+            .collect()
+    };
+    for count in MODES {
+        let basis = eigenvectors.select_columns(&order[..count]);
+        let mut lost: Vec<f64> = tests
+            .iter()
+            .map(|state| {
+                let q = DVector::from_iterator(overlay.len(), overlay.iter().map(|(i, l)| state.q[*i] * l));
+                let put = &mean + &basis * (basis.transpose() * (q - &mean));
+                let mut reduced = state.clone();
+                for ((i, l), q) in overlay.iter().zip(&put) {
+                    reduced.q[*i] = q / l;
+                }
+                let (full, reduced) = (tensions(state), tensions(&reduced));
+                let scale = full.iter().sum::<f64>().abs() / full.len() as f64;
+                full.iter()
+                    .zip(&reduced)
+                    .fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()))
+                    / scale
+            })
+            .collect();
+        lost.sort_by(f64::total_cmp);
+        let [median, tenth] = [0.5, 0.9].map(|share| lost[(share * (lost.len() - 1) as f64) as usize]);
+        table.row(
+            &format!("overlay on {count} of {} modes: tension lost", overlay.len()),
+            format!(
+                "{:.1} % in the median state, {:.1} % in the worst of ten",
+                100.0 * median,
+                100.0 * tenth
+            ),
+            json!({"modes": count, "median": median, "ninth_decile": tenth}),
+        );
+    }
+}
