@@ -7,7 +7,7 @@ use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::sdirk::GAMMA;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::layout::Global;
-use pushbelt::variator::parameters::{Parameters, RingModel};
+use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::system::{State, VariatorSystem};
 use serde_json::json;
@@ -20,6 +20,9 @@ pub fn measure(table: &mut Table, trace: &[Inputs]) {
     separated(table);
     modes(table, trace);
 }
+
+/// Steps at which it is looked at, s.
+const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 
 /// Contraction per sweep of an iteration that solves a stage for one part of the unknowns after the other (block Gauss-Seidel), in the
 /// steady state medium, 50 N·m: the spectral radius of J₁₁⁻¹ J₁₂ J₂₂⁻¹ J₂₁. Above 1 the iteration diverges, and integration
@@ -35,14 +38,14 @@ fn separated(table: &mut Table) {
         .flat_map(|node| (0..2 * layout.components).map(move |k| layout.node(node, k)))
         .chain([0, 1].map(|k| layout.global(Global::Gauge, k)))
         .collect();
+    let jacobians = STEPS.map(|h| dense(&mut steady.system, &steady.state, 1.0 / (GAMMA * h)));
     let rest = |part: &[usize]| (0..n).filter(|i| !part.contains(i)).collect::<Vec<_>>();
     for (name, part) in [
         ("s and Theta | all else", reference.to_vec()),
         ("overlay | all else", overlay),
     ] {
         let other = rest(&part);
-        let found = [1e-3, 1e-4, 1e-5, 1e-6].map(|h| {
-            let jacobian = dense(&mut steady.system, &steady.state, 1.0 / (GAMMA * h));
+        let found = jacobians.each_ref().map(|jacobian| {
             let block = |rows: &[usize], columns: &[usize]| jacobian.select_rows(rows).select_columns(columns);
             let solve = |a: DMatrix<f64>, b: DMatrix<f64>| a.lu().solve(&b).expect("a regular block");
             let there = solve(block(&other, &other), block(&other, &part));
@@ -55,7 +58,7 @@ fn separated(table: &mut Table) {
                 "{:.1e}, {:.1e}, {:.1e}, {:.1e} at steps of 1 ms to 1 us",
                 found[0], found[1], found[2], found[3]
             ),
-            json!({"steps": [1e-3, 1e-4, 1e-5, 1e-6], "contraction": found}),
+            json!({"steps": STEPS, "contraction": found}),
         );
     }
 }
@@ -87,7 +90,7 @@ const EVERY: usize = 10;
 /// Modes of the overlay from every tenth communication point of the manoeuvre, and what is lost where states in between are put on them:
 /// the largest change of ring tension, as a share of the mean tension, in the median state and in the worst one of ten.
 fn modes(table: &mut Table, trace: &[Inputs]) {
-    let parameters: Parameters = Manoeuvre::variator(common::variator(RingModel::Ale));
+    let parameters = Manoeuvre::variator(common::variator(RingModel::Ale));
     let mut variator = Variator::new(parameters).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
     let layout = variator.system().layout;

@@ -4,7 +4,7 @@ use super::cell::{CellBalance, CellMotion, NoProbe, Place, Probe, PulleyMotion, 
 use super::kept::{Kept, Look, Regime};
 use super::layout::Global;
 use super::mesh::Station;
-use super::ring::{Deflecting, GUIDED, Guided, RingForces, TURNING, Turning};
+use super::ring::{Deflecting, GUIDED, Guided, RingForces, TURNING, Turning, VaryingRing};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
 use super::variation::{Direction, Linearised};
@@ -40,15 +40,19 @@ fn direction(kind: u8, components: usize, k: usize) -> Option<Direction> {
     if k < nodes {
         return Some(Direction::Ring(k));
     }
-    match (k - nodes, k.wrapping_sub(own)) {
-        (face @ (0 | 1), _) => Some(Direction::Speed(face)),
-        (2, _) => Some(Direction::Amount),
-        (_, 0) => Some(Direction::Drift),
-        (_, 1) => None,
-        (_, 2) => Some(Direction::Sheave),
-        (_, axis @ (3 | 4)) => Some(Direction::Tilt(axis - 3)),
-        (_, 5) => Some(Direction::Shaft),
-        (tension, _) => Some(Direction::Ring(tension - 3)),
+    if k < own {
+        return Some(match k - nodes {
+            face @ (0 | 1) => Direction::Speed(face),
+            2 => Direction::Amount,
+            tension => Direction::Ring(tension - 3),
+        });
+    }
+    match k - own {
+        0 => Some(Direction::Drift),
+        1 => None,
+        2 => Some(Direction::Sheave),
+        axis @ (3 | 4) => Some(Direction::Tilt(axis - 3)),
+        _ => Some(Direction::Shaft),
     }
 }
 
@@ -529,7 +533,7 @@ impl VariatorSystem {
         frame: &C::Frame<Lanes>,
         unknowns: &Unknowns<Lanes>,
         slopes: [f64; 2],
-        mut put: impl FnMut(usize, &[Lanes; MOST], &Transport<Lanes>),
+        put: impl FnMut(usize, &[Lanes; MOST], &Transport<Lanes>),
     ) {
         let plain = |value, _, _| value;
         let motion = Self::motion::<Lanes, KIND, D>(unknowns, slopes, plain);
@@ -538,25 +542,27 @@ impl VariatorSystem {
         let (law, ring) = (&self.law, &self.law.parameters.ring);
         if KIND == GUIDED {
             let tensions = Self::tensions::<Lanes>(unknowns, plain);
-            let mut ring = Guided::new(ring, &place, &motion.reference, tensions);
-            balance(law, &place, &motion, &mut ring, reference, &mut NoProbe);
+            let ring = Guided::new(ring, &place, &motion.reference, tensions);
             let linear = Linearised::new(law, &place, &motion, &ring, reference, slopes);
-            for k in 0..directions(KIND, D) {
-                if let Some(direction) = direction(KIND, D, k) {
-                    let (b, ring) = linear.vary(direction);
-                    put(k, &Self::rows::<_, KIND, 2>(&b, &ring), &b.transport);
-                }
-            }
+            Self::columns::<_, KIND, 2>(&linear, put);
         } else {
             let nodes = Self::nodes::<Lanes, D>(unknowns, slopes, plain);
             let mut ring = Deflecting::new(ring, &place, &motion.reference, &nodes);
             balance(law, &place, &motion, &mut ring, reference, &mut NoProbe);
             let linear = Linearised::new(law, &place, &motion, &ring, reference, slopes);
-            for k in 0..directions(KIND, D) {
-                if let Some(direction) = direction(KIND, D, k) {
-                    let (b, ring) = linear.vary(direction);
-                    put(k, &Self::rows::<_, KIND, D>(&b, &ring), &b.transport);
-                }
+            Self::columns::<_, KIND, D>(&linear, put);
+        }
+    }
+
+    #[inline(always)]
+    fn columns<R: VaryingRing<Lanes, D>, const KIND: u8, const D: usize>(
+        linear: &Linearised<'_, R, D>,
+        mut put: impl FnMut(usize, &[Lanes; MOST], &Transport<Lanes>),
+    ) {
+        for k in 0..directions(KIND, D) {
+            if let Some(direction) = direction(KIND, D, k) {
+                let (b, ring) = linear.vary(direction);
+                put(k, &Self::rows::<_, KIND, D>(&b, &ring), &b.transport);
             }
         }
     }

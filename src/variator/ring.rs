@@ -102,7 +102,7 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: CellRing<T, D> {
         action: &Action<T, D>,
     );
 
-    /// How the forces vary that a ring found which has taken the loads of the cell.
+    /// How its forces vary. A ring that moves must have taken the loads of the cell.
     fn varied_forces(&self, sum: &Self::Sum, own: Option<usize>, beta: f64) -> RingForces<T, D>;
 }
 

@@ -188,8 +188,8 @@ pub struct Linearised<'a, R, const D: usize> {
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Of cells whose `ring` has taken the loads of [`balance`](super::cell::balance) at the same motion; `slopes` are the factors of
-    /// acceleration and position.
+    /// Of cells whose `ring`, if it moves, has taken the loads of [`balance`](super::cell::balance) at the same motion; `slopes` are the
+    /// factors of acceleration and position.
     #[inline(always)]
     pub fn new(
         law: &'a CellLaw,
