@@ -12,14 +12,14 @@
 //! Unknowns whose neighbours change may stand in an order of their own, see [`Arrow::reorder`].
 //!
 //! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
-//! in n: O(n (b+g)² b). Dense kernels are faer's, with partial pivoting inside a block.
+//! in n: O(n (b+g)² b). Blocks are factored by faer, with partial pivoting inside a block.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
-use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::{MatMut, MatRef, Par};
 
+use super::kernels::{gemm, gemv};
 use crate::tape::Tape;
 
 /// Sizes of an [`Arrow`] matrix.
@@ -239,27 +239,13 @@ impl Arrow {
             let blocks = k * b * b..(k + 1) * b * b;
             let strip = k * b * g..(k + 1) * b * g;
             let y = &mut out[row.clone()];
-            gemv(1.0, &diagonal[blocks.clone()], &x[row.clone()], y);
-            gemv(1.0, &upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
-            gemv(1.0, &lower[blocks], &x[previous * b..(previous + 1) * b], y);
-            gemv(1.0, &right[strip.clone()], &x[split..], y);
-            gemv(1.0, &bottom[strip], &x[row], &mut out[split..]);
+            gemv::<0, 0>(1.0, &diagonal[blocks.clone()], &x[row.clone()], y);
+            gemv::<0, 0>(1.0, &upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
+            gemv::<0, 0>(1.0, &lower[blocks], &x[previous * b..(previous + 1) * b], y);
+            gemv::<0, 0>(1.0, &right[strip.clone()], &x[split..], y);
+            gemv::<0, 0>(1.0, &bottom[strip], &x[row], &mut out[split..]);
         }
-        gemv(1.0, corner, &x[split..], &mut out[split..]);
-    }
-}
-
-/// y += α·A·x, A column-major with y.len() rows.
-#[inline(always)]
-fn gemv(alpha: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
-    if y.is_empty() {
-        return;
-    }
-    for (column, &xj) in a.chunks_exact(y.len()).zip(x) {
-        let s = alpha * xj;
-        for (yi, &aij) in y.iter_mut().zip(column) {
-            *yi += s * aij;
-        }
+        gemv::<0, 0>(1.0, corner, &x[split..], &mut out[split..]);
     }
 }
 
@@ -328,10 +314,9 @@ impl DenseLu {
         solve_upper_triangular_in_place(self.view(), out, Par::Seq);
     }
 
-    /// Solves for one right-hand side of `n` = `size` numbers in place; `work` holds as many.
-    #[inline(always)]
-    fn solve_vector(&self, n: usize, x: &mut [f64], work: &mut [f64]) {
-        let work = &mut work[..n];
+    /// Solves for one right-hand side in place; `work` holds as many numbers.
+    fn solve_vector(&self, x: &mut [f64], work: &mut [f64]) {
+        let n = self.size;
         for (value, &row) in work.iter_mut().zip(&self.rows) {
             *value = x[row];
         }
@@ -388,7 +373,11 @@ impl std::fmt::Debug for Scratch {
 #[derive(Clone, Debug)]
 pub struct ArrowLu {
     shape: Shape,
-    pivots: Vec<DenseLu>,
+    /// The pivot block D_k in work.
+    pivot: DenseLu,
+    /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each unknown in turn.
+    inverses: Vec<f64>,
+    identity: Vec<f64>,
     /// Copies of the sub-diagonal blocks.
     lower: Vec<f64>,
     /// D_k⁻¹ [U_k | border columns], b×(b+w) each.
@@ -417,7 +406,9 @@ impl ArrowLu {
         let w = b + shape.border;
         Self {
             shape,
-            pivots: vec![DenseLu::new(b); n],
+            pivot: DenseLu::new(b),
+            inverses: vec![0.0; n * b * b],
+            identity: (0..b * b).map(|i| if i % (b + 1) == 0 { 1.0 } else { 0.0 }).collect(),
             lower: vec![0.0; n * b * b],
             solved: vec![0.0; n * b * (b + w)],
             rows: vec![0.0; n * b * w],
@@ -435,10 +426,7 @@ impl ArrowLu {
 
     /// Passes the factors by a tape.
     pub fn pass(&mut self, tape: &mut Tape<'_>) {
-        for pivot in &mut self.pivots {
-            pivot.pass(tape);
-        }
-        for part in [&mut self.lower, &mut self.solved, &mut self.rows] {
+        for part in [&mut self.inverses, &mut self.lower, &mut self.solved, &mut self.rows] {
             tape.reals(part);
         }
         self.border.pass(tape);
@@ -457,6 +445,18 @@ impl ArrowLu {
     /// # Errors
     /// A block or the border is singular or not finite.
     pub fn factor(&mut self, a: &Arrow) -> Result<(), Singular> {
+        // Sizes known to the compiler: those of the variator's Eulerian rings, with one cell an element, in space.
+        match (self.shape.block, self.shape.border) {
+            (3, 10) => self.factor_sized::<3, 13>(a),
+            (6, 12) => self.factor_sized::<6, 18>(a),
+            (8, 12) => self.factor_sized::<8, 20>(a),
+            (10, 12) => self.factor_sized::<10, 22>(a),
+            _ => self.factor_sized::<0, 0>(a),
+        }
+    }
+
+    /// Factors with blocks of size B and a border of W together with block 0; 0 stands for any size.
+    fn factor_sized<const B: usize, const W: usize>(&mut self, a: &Arrow) -> Result<(), Singular> {
         let Shape {
             blocks: n,
             block: b,
@@ -512,7 +512,7 @@ impl ArrowLu {
             }
             out[b * b..].copy_from_slice(&a.right[k * b * g..(k + 1) * b * g]);
         };
-        self.pivots[1].factors.copy_from_slice(&a.diagonal[b * b..2 * b * b]);
+        self.pivot.factors.copy_from_slice(&a.diagonal[b * b..2 * b * b]);
         border_columns(1, &mut self.next_border);
         for k in 1..n {
             if k < n - 1 {
@@ -521,35 +521,26 @@ impl ArrowLu {
                 self.columns[..b * b].fill(0.0);
             }
             self.columns[b * b..].copy_from_slice(&self.next_border);
-            if !self.pivots[k].factor(&mut self.inverse, stack) {
+            if !self.pivot.factor(&mut self.inverse, stack) {
                 return Err(Singular { block: k });
             }
+            let inverse = &mut self.inverses[k * b * b..(k + 1) * b * b];
+            self.pivot.solve_columns(&self.identity, inverse);
             let solved = &mut self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
-            self.pivots[k].solve_columns(&self.columns, solved);
-            let x_upper = MatRef::from_column_major_slice(&solved[..b * b], b, b);
-            let x_border = MatRef::from_column_major_slice(&solved[b * b..], b, w);
+            solved.fill(0.0);
+            gemm::<B, B>([b, b], 1.0, inverse, &self.columns, solved);
+            let (x_upper, x_border) = solved.split_at(b * b);
             let (done, rest) = self.rows.split_at_mut((k + 1) * b * w);
-            let row = MatRef::from_column_major_slice(&done[k * b * w..], w, b);
-            let border = MatMut::from_column_major_slice_mut(&mut self.border.factors, w, w);
-            matmul(border, Accum::Add, row, x_border, -1.0, Par::Seq);
+            let row = &done[k * b * w..];
+            gemm::<W, B>([w, b], -1.0, row, x_border, &mut self.border.factors);
             if k + 1 < n {
-                let next = MatMut::from_column_major_slice_mut(&mut rest[..b * w], w, b);
-                matmul(next, Accum::Add, row, x_upper, -1.0, Par::Seq);
+                gemm::<W, B>([w, b], -1.0, row, x_upper, &mut rest[..b * w]);
                 let block = (k + 1) * b * b..(k + 2) * b * b;
-                let lower = MatRef::from_column_major_slice(&self.lower[block.clone()], b, b);
-                let pivot = &mut self.pivots[k + 1].factors;
-                pivot.copy_from_slice(&a.diagonal[block]);
-                matmul(
-                    MatMut::from_column_major_slice_mut(pivot, b, b),
-                    Accum::Add,
-                    lower,
-                    x_upper,
-                    -1.0,
-                    Par::Seq,
-                );
+                let lower = &self.lower[block.clone()];
+                self.pivot.factors.copy_from_slice(&a.diagonal[block]);
+                gemm::<B, B>([b, b], -1.0, lower, x_upper, &mut self.pivot.factors);
                 border_columns(k + 1, &mut self.next_border);
-                let next_border = MatMut::from_column_major_slice_mut(&mut self.next_border, b, w);
-                matmul(next_border, Accum::Add, lower, x_border, -1.0, Par::Seq);
+                gemm::<B, B>([b, b], -1.0, lower, x_border, &mut self.next_border);
             }
         }
         if self.border.factor(&mut self.inverse, stack) {
@@ -577,38 +568,40 @@ impl ArrowLu {
     }
 
     fn solve_in_order(&mut self, x: &mut [f64]) {
-        // Loops of a length known here are unrolled: those of the variator's two Eulerian levels of detail.
         match (self.shape.block, self.shape.border) {
-            (8, 12) => self.solve_sized(8, 12, x),
-            (3, 10) => self.solve_sized(3, 10, x),
-            (b, g) => self.solve_sized(b, g, x),
+            (3, 10) => self.solve_sized::<3, 13>(x),
+            (6, 12) => self.solve_sized::<6, 18>(x),
+            (8, 12) => self.solve_sized::<8, 20>(x),
+            (10, 12) => self.solve_sized::<10, 22>(x),
+            _ => self.solve_sized::<0, 0>(x),
         }
     }
 
-    /// Solves with blocks of size `b` and a border of `g`.
-    #[inline(always)]
-    fn solve_sized(&mut self, b: usize, g: usize, x: &mut [f64]) {
-        let n = self.shape.blocks;
-        let w = b + g;
+    /// Solves with blocks and a border of the sizes of [`ArrowLu::factor_sized`].
+    fn solve_sized<const B: usize, const W: usize>(&mut self, x: &mut [f64]) {
+        let (n, b) = (self.shape.blocks, self.shape.block);
+        let w = b + self.shape.border;
         self.tail[..b].copy_from_slice(&x[..b]);
         self.tail[b..].copy_from_slice(&x[n * b..]);
         for k in 1..n {
             let (head, rest) = x.split_at_mut((k + 1) * b);
-            let y = &mut head[k * b..][..b];
-            self.pivots[k].solve_vector(b, y, &mut self.work);
-            gemv(-1.0, &self.rows[k * b * w..(k + 1) * b * w], y, &mut self.tail[..w]);
+            let y = &mut head[k * b..];
+            self.work[..b].copy_from_slice(y);
+            y.fill(0.0);
+            gemv::<B, B>(1.0, &self.inverses[k * b * b..(k + 1) * b * b], &self.work[..b], y);
+            gemv::<W, B>(-1.0, &self.rows[k * b * w..(k + 1) * b * w], y, &mut self.tail);
             if k + 1 < n {
-                gemv(-1.0, &self.lower[(k + 1) * b * b..(k + 2) * b * b], y, &mut rest[..b]);
+                gemv::<B, B>(-1.0, &self.lower[(k + 1) * b * b..(k + 2) * b * b], y, &mut rest[..b]);
             }
         }
-        self.border.solve_vector(w, &mut self.tail[..w], &mut self.work);
+        self.border.solve_vector(&mut self.tail, &mut self.work);
         for k in (1..n).rev() {
             let (head, rest) = x.split_at_mut((k + 1) * b);
-            let y = &mut head[k * b..][..b];
+            let y = &mut head[k * b..];
             let solved = &self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
-            gemv(-1.0, &solved[b * b..], &self.tail[..w], y);
+            gemv::<B, W>(-1.0, &solved[b * b..], &self.tail, y);
             if k + 1 < n {
-                gemv(-1.0, &solved[..b * b], &rest[..b], y);
+                gemv::<B, B>(-1.0, &solved[..b * b], &rest[..b], y);
             }
         }
         x[..b].copy_from_slice(&self.tail[..b]);
@@ -624,7 +617,15 @@ mod tests {
     #[test]
     fn solves_what_it_multiplies() {
         let mut random = noise(1);
-        for (blocks, block, border) in [(3, 1, 2), (4, 3, 0), (9, 5, 4), (30, 8, 10)] {
+        for (blocks, block, border) in [
+            (3, 1, 2),
+            (4, 3, 0),
+            (9, 5, 4),
+            (30, 8, 12),
+            (7, 3, 10),
+            (5, 10, 12),
+            (6, 7, 10),
+        ] {
             let shape = Shape { blocks, block, border };
             let mut a = Arrow::new(shape);
             let n = shape.len();

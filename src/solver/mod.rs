@@ -5,6 +5,7 @@
 
 pub mod arrow;
 pub mod continuation;
+mod kernels;
 pub mod newton;
 pub mod sdirk;
 

@@ -195,7 +195,7 @@ impl Newton {
     ) -> Result<usize, NotConverged> {
         system.newton_scale(1.0 / stage.alpha, &mut self.scale);
         let ratio = stage.alpha / self.alpha;
-        if reuse && (0.7..1.4).contains(&ratio) && self.quasi(system, stage, tolerance).is_ok() {
+        if reuse && (0.7..1.4).contains(&ratio) && self.quasi(system, stage, tolerance, false).is_ok() {
             return Ok(0);
         }
         self.damped(system, stage, tolerance)
@@ -231,12 +231,20 @@ impl Newton {
 
     /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a few
     /// cells have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates make
-    /// good. Given up when it diverges; `stage.y` is then the best point it saw.
-    fn quasi<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, tolerance: f64) -> Result<(), NotConverged> {
+    /// good. Given up when it diverges; `stage.y` is then the best point it saw. `corrected` tells that the correction at `stage.y`
+    /// is at hand.
+    fn quasi<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        tolerance: f64,
+        corrected: bool,
+    ) -> Result<(), NotConverged> {
         self.best.copy_from_slice(stage.y);
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..QUASI_ITERATIONS {
-            if self.correct(system, stage, false).is_err() {
+            let at_hand = corrected && iteration == 0;
+            if !at_hand && self.correct(system, stage, false).is_err() {
                 break;
             }
             let change = self.update(iteration);
@@ -329,7 +337,7 @@ impl Newton {
                     return Err(NotConverged);
                 }
             }
-            if damping >= 1.0 && self.quasi(system, stage, tolerance).is_ok() {
+            if damping >= 1.0 && self.quasi(system, stage, tolerance, true).is_ok() {
                 return Ok(iteration);
             }
         }

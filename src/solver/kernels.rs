@@ -1,0 +1,97 @@
+//! Products of small dense matrices, column-major. Of sizes known to the compiler the sums stand in registers, several times as
+//! fast as loops over slices; R = 0 stands for any size.
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
+
+/// y += α·A·x, A of R rows and C columns.
+#[inline(always)]
+pub fn gemv<const R: usize, const C: usize>(alpha: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
+    if R > 0 {
+        fixed::<R, C>(alpha, a, x, y);
+    } else if !y.is_empty() {
+        for (column, &xj) in a.chunks_exact(y.len()).zip(x) {
+            let s = alpha * xj;
+            for (yi, &aij) in y.iter_mut().zip(column) {
+                *yi += s * aij;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn fixed<const R: usize, const C: usize>(alpha: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
+    let (a, x, y) = (&a[..R * C], &x[..C], &mut y[..R]);
+    // Two sums: one waits for its addition while the other takes the next column.
+    let (mut even, mut odd) = ([0.0; R], [0.0; R]);
+    for j in 0..C / 2 {
+        let (left, right) = (2 * j, 2 * j + 1);
+        for i in 0..R {
+            even[i] += a[left * R + i] * x[left];
+            odd[i] += a[right * R + i] * x[right];
+        }
+    }
+    if C % 2 == 1 {
+        for i in 0..R {
+            even[i] += a[(C - 1) * R + i] * x[C - 1];
+        }
+    }
+    for i in 0..R {
+        y[i] += alpha * (even[i] + odd[i]);
+    }
+}
+
+/// Y += α·A·X, A of `rows` rows (R) and `inner` columns (C).
+#[inline(always)]
+pub fn gemm<const R: usize, const C: usize>(
+    [rows, inner]: [usize; 2],
+    alpha: f64,
+    a: &[f64],
+    x: &[f64],
+    y: &mut [f64],
+) {
+    if R > 0 {
+        for (x, y) in x.chunks_exact(C).zip(y.chunks_exact_mut(R)) {
+            fixed::<R, C>(alpha, a, x, y);
+        }
+    } else if rows > 0 {
+        let columns = y.len() / rows;
+        matmul(
+            MatMut::from_column_major_slice_mut(y, rows, columns),
+            Accum::Add,
+            MatRef::from_column_major_slice(a, rows, inner),
+            MatRef::from_column_major_slice(x, inner, columns),
+            alpha,
+            Par::Seq,
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::noise;
+
+    #[test]
+    fn products_are_those_of_any_size() {
+        let mut random = noise(3);
+        let mut numbers = |n: usize| (0..n).map(|_| random()).collect::<Vec<f64>>();
+        let (a, x, y) = (numbers(20 * 8), numbers(8 * 3), numbers(20 * 3));
+        let (mut fixed, mut any, mut single) = (y.clone(), y.clone(), y);
+        gemm::<20, 8>([20, 8], -0.7, &a, &x, &mut fixed);
+        gemm::<0, 0>([20, 8], -0.7, &a, &x, &mut any);
+        for (x, y) in x.chunks_exact(8).zip(single.chunks_exact_mut(20)) {
+            gemv::<0, 0>(-0.7, &a, x, y);
+        }
+        for ((fixed, any), single) in fixed.iter().zip(&any).zip(&single) {
+            assert!((fixed - any).abs() < 1e-14 && (fixed - single).abs() < 1e-14);
+        }
+        // An odd number of columns.
+        let (mut fixed, mut any) = (vec![0.0; 3], vec![0.0; 3]);
+        gemv::<3, 5>(1.0, &a[..15], &x[..5], &mut fixed);
+        gemv::<0, 0>(1.0, &a[..15], &x[..5], &mut any);
+        for (fixed, any) in fixed.iter().zip(&any) {
+            assert!((fixed - any).abs() < 1e-14);
+        }
+    }
+}
