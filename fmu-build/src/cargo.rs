@@ -38,25 +38,12 @@ pub fn run(command: &mut Command) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiles the model's shared library, optimised, and returns where cargo put it. `native` is for this processor only.
+/// Compiles the model's shared library, optimised, and returns where cargo put it.
 ///
 /// # Errors
 /// The compilation fails.
-pub fn build_library(workspace: &Workspace, native: bool) -> anyhow::Result<PathBuf> {
-    let mut build = command(workspace);
-    build.arg("build");
-    if native {
-        self::native(workspace, &mut build);
-    }
-    library(&mut build)
-}
-
-/// Lets a command of cargo compile for this machine's processor, in a folder of its own.
-pub fn native(workspace: &Workspace, command: &mut Command) {
-    command
-        .env("RUSTFLAGS", "-C target-cpu=native")
-        .arg("--target-dir")
-        .arg(workspace.target().join("native"));
+pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
+    library(command(workspace).arg("build"))
 }
 
 /// Runs a build command of cargo, or of what takes its place, for the model's shared library; returns where it lies.

@@ -86,7 +86,7 @@ fn provide(triple: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiler flags: those of the environment, and the paths of this machine taken out of messages. So the bytes don't
+/// Compiler flags: those of the environment instead of the workspace's own (which ask for AVX2), and the paths of this machine taken out of messages. So the bytes don't
 /// depend on where the sources lie.
 fn flags(workspace: &Workspace) -> OsString {
     let given = std::env::var("RUSTFLAGS").unwrap_or_default();

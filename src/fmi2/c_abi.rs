@@ -18,6 +18,7 @@ use std::ptr;
 use libc::{c_char, c_int, c_uint, c_void, size_t};
 
 use super::log::{Category, Sink, Status};
+use super::processor;
 use super::resources;
 use super::slave::{Slave, StatusKind};
 use super::snapshot::Snapshot;
@@ -201,6 +202,43 @@ pub unsafe extern "C" fn fmi2Instantiate(
     resource_location: *const c_char,
     functions: *const CallbackFunctions,
     _visible: c_int,
+    logging_on: c_int,
+) -> Component {
+    if !processor::suffices() {
+        // SAFETY: null or valid, as the caller grants; the logger can be called.
+        unsafe {
+            if let Some(functions) = functions.as_ref()
+                && let Some(logger) = functions.logger
+            {
+                let (environment, category) = (functions.component_environment, c"logStatusError".as_ptr());
+                let text = processor::OBJECTION.as_ptr();
+                logger(
+                    environment,
+                    instance_name,
+                    Status::Error as c_int,
+                    category,
+                    c"%s".as_ptr(),
+                    text,
+                );
+            }
+        }
+        return ptr::null_mut();
+    }
+    // SAFETY: as the caller grants.
+    unsafe { instantiate(instance_name, fmu_type, guid, resource_location, functions, logging_on) }
+}
+
+/// [`fmi2Instantiate`] on a processor that has what the code is compiled for.
+///
+/// # Safety
+/// As there.
+#[inline(never)]
+unsafe fn instantiate(
+    instance_name: *const c_char,
+    fmu_type: c_int,
+    guid: *const c_char,
+    resource_location: *const c_char,
+    functions: *const CallbackFunctions,
     logging_on: c_int,
 ) -> Component {
     const CO_SIMULATION: c_int = 1;

@@ -12,7 +12,7 @@
 //! - [`snapshot`]: the whole state of an instance, and [`bytes`]: the same with version and checksum;
 //! - [`log`]: messages to the importer;
 //! - [`description`]: the XML and the GUID made from it;
-//! - [`resources`]: the resource location, a URI;
+//! - [`resources`]: the resource location, a URI; `processor`: what the binary asks of it;
 //! - [`c_abi`]: the exported functions, the only place with `unsafe`.
 //!
 //! There are no globals and no threads; every instance owns all it uses.
@@ -27,6 +27,8 @@ pub mod description;
 mod hash;
 #[forbid(unsafe_code)]
 pub mod log;
+#[forbid(unsafe_code)]
+mod processor;
 #[forbid(unsafe_code)]
 pub mod resources;
 #[forbid(unsafe_code)]

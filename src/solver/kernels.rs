@@ -54,8 +54,7 @@ pub fn gemm<const R: usize, const C: usize>(
         for (x, y) in x.chunks_exact(C).zip(y.chunks_exact_mut(R)) {
             fixed::<R, C>(alpha, a, x, y);
         }
-    } else if rows > 0 {
-        let columns = y.len() / rows;
+    } else if let Some(columns) = y.len().checked_div(rows) {
         matmul(
             MatMut::from_column_major_slice_mut(y, rows, columns),
             Accum::Add,

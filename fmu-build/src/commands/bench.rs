@@ -9,9 +9,6 @@ use crate::workspace::{MODEL_PACKAGE, Workspace};
 /// What to measure.
 #[derive(Args)]
 pub struct Arguments {
-    /// Compiled for this machine's processor
-    #[arg(long)]
-    native: bool,
     /// Passed on to the programs: `-- --quick` runs everything once
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
@@ -25,9 +22,6 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     progress::headline("Measuring");
     let mut bench = cargo::command(workspace);
     bench.args(["bench", "--package", MODEL_PACKAGE, "--benches"]);
-    if arguments.native {
-        cargo::native(workspace, &mut bench);
-    }
     bench.arg("--").args(&arguments.passed_on);
     cargo::run(&mut bench)
 }

@@ -20,12 +20,9 @@ const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 #[derive(Args, Clone, Copy, Default)]
 #[group(skip)]
 pub struct Arguments {
-    /// For linux64 with glibc 2.17 or newer and for win64, instead of for this machine only
+    /// For linux64 with glibc 2.17 or newer and for win64, on processors without AVX2 too, instead of for machines like this one
     #[arg(long)]
     pub portable: bool,
-    /// For processors like this machine's only: faster, where it has wide registers
-    #[arg(long, conflicts_with = "portable")]
-    pub native: bool,
 }
 
 /// Builds the FMU and returns its path.
@@ -37,7 +34,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathB
         portable::build(workspace)?
     } else {
         progress::headline("Compiling the FMU's binary");
-        vec![(Platform::host()?, cargo::build_library(workspace, arguments.native)?)]
+        vec![(Platform::host()?, cargo::build_library(workspace)?)]
     };
     let archive = collect(workspace, &binaries)?;
 
