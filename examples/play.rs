@@ -1,0 +1,132 @@
+//! Where the belt's play goes at a fifth of capacity near ratio 1: from one strand to the other. Prints slip and work over half a second on several
+//! meshes, without play, without ring friction and with a softer first touch; draws the gaps along the belt over time (`target/play.svg`):
+//!
+//! `cargo run --release --example play`
+
+use std::error::Error;
+
+use plotters::prelude::*;
+use pushbelt::variator::instance::Variator;
+use pushbelt::variator::parameters::{Axial, Drive, Parameters};
+use pushbelt::variator::signals::Inputs;
+
+const RATIO: f64 = 1.06;
+/// ω_P, rad/s.
+const SPEED: f64 = 159.0;
+const CLAMPING: f64 = 4e3;
+/// Torque in N·m, and what is added to it from 0.1 to 0.3 s.
+const TORQUE: f64 = 8.0;
+const JOLT: f64 = 10.0;
+const STEP: f64 = 1e-3;
+/// The last part of the run is looked at.
+const END: f64 = 1.2;
+const WATCHED: f64 = 0.5;
+
+type Change = (&'static str, fn(&mut Parameters));
+
+const CHANGES: [Change; 6] = [
+    ("as it is", |_| ()),
+    ("one cell an element", |p| p.mesh.cells_per_element = 1),
+    ("twice the elements", |p| {
+        p.mesh.primary_arc *= 2;
+        p.mesh.secondary_arc *= 2;
+        p.mesh.strand *= 2;
+    }),
+    ("no play", |p| p.belt.play = 0.0),
+    ("no ring friction", |p| p.friction.ring = 0.0),
+    ("contact strain 1e-4", |p| p.belt.contact_strain = 1e-4),
+];
+
+/// At stations: time, s, ξ, m, ring length that it stands for, m, 1 − ν.
+type Gaps = Vec<[f64; 4]>;
+/// Steps between two looks.
+const LOOK: u32 = 2;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("| changed | slip, least | most | steps | Jacobians |\n|---|---|---|---|---|");
+    for (k, (name, change)) in CHANGES.iter().enumerate() {
+        let gaps = run(name, change)?;
+        if k == 0 {
+            draw(&gaps)?;
+        }
+    }
+    println!("\ndrawn in target/play.svg");
+    Ok(())
+}
+
+fn run(name: &str, change: &fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>> {
+    let mut parameters = Parameters::default();
+    parameters.primary.axial = Axial::Held;
+    parameters.secondary.drive = Drive::Speed;
+    parameters.initial.ratio = RATIO;
+    parameters.initial.primary_speed = SPEED;
+    change(&mut parameters);
+    let mut inputs = Inputs::default();
+    inputs.primary.torque = TORQUE;
+    inputs.primary.clamping_force = CLAMPING;
+    inputs.secondary.clamping_force = CLAMPING;
+    inputs.secondary.speed_setpoint = SPEED / RATIO;
+    let mut variator = Variator::new(parameters)?;
+    variator.initialise(0.0, &inputs)?;
+    let (mut least, mut most, mut gaps) = (f64::INFINITY, f64::NEG_INFINITY, Gaps::new());
+    let mut before = variator.counts();
+    let steps = (END / STEP).round() as u32;
+    for k in 0..steps {
+        let time = f64::from(k) * STEP;
+        let jolted = (0.1..0.3).contains(&time);
+        inputs.primary.torque = TORQUE + if jolted { JOLT } else { 0.0 };
+        variator.advance(f64::from(k + 1) * STEP, &inputs)?;
+        if time < END - WATCHED {
+            before = variator.counts();
+            continue;
+        }
+        let slip = variator.outputs().slip;
+        (least, most) = (least.min(slip), most.max(slip));
+        if k % LOOK == 0 {
+            let survey = variator.system().surveyed(variator.state().view());
+            gaps.extend(survey.samples.iter().map(|s| [time, s.xi, s.weight, 1.0 - s.density]));
+        }
+    }
+    let counts = variator.counts();
+    let (taken, formed) = (
+        counts.steps - before.steps,
+        counts.factorizations - before.factorizations,
+    );
+    println!(
+        "| {name} | {:.2} % | {:.2} % | {taken} | {formed} |",
+        1e2 * least,
+        1e2 * most
+    );
+    Ok(gaps)
+}
+
+fn draw(gaps: &Gaps) -> Result<(), Box<dyn Error>> {
+    let sheet = SVGBackend::new("target/play.svg", (760, 460)).into_drawing_area();
+    sheet.fill(&WHITE)?;
+    let length = Parameters::default().geometry.belt_length;
+    let mut chart = ChartBuilder::on(&sheet)
+        .caption("Gaps of more than 0.05 % along the belt", ("sans-serif", 16))
+        .margin(12)
+        .x_label_area_size(36)
+        .y_label_area_size(56)
+        .build_cartesian_2d(END - WATCHED..END, 0.0..length)?;
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .x_desc("time, s")
+        .y_desc("place along the belt, m")
+        .draw()?;
+    let wide = gaps.iter().filter(|[.., gap]| *gap > 5e-4);
+    chart.draw_series(wide.map(|&[time, xi, width, gap]| {
+        let shade = (gap / 5e-3).min(1.0);
+        Rectangle::new(
+            [
+                (time, xi - 0.5 * width),
+                (time + f64::from(LOOK) * STEP, xi + 0.5 * width),
+            ],
+            RGBColor(196, 78, 30).mix(0.2 + 0.8 * shade).filled(),
+        )
+    }))?;
+    sheet.present()?;
+    Ok(())
+}
