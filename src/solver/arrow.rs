@@ -398,6 +398,20 @@ pub struct ArrowLu {
     ordered: Vec<f64>,
 }
 
+/// Calls a method for the size of a block, B, and of the border together with block 0, W: those of the variator's Eulerian rings, with one
+/// cell an element and in space too, so that the compiler knows them. 0 stands for any other.
+macro_rules! for_size {
+    ($lu:expr, $method:ident($argument:expr)) => {
+        match ($lu.shape.block, $lu.shape.border) {
+            (3, 10) => $lu.$method::<3, 13>($argument),
+            (6, 12) => $lu.$method::<6, 18>($argument),
+            (8, 12) => $lu.$method::<8, 20>($argument),
+            (10, 12) => $lu.$method::<10, 22>($argument),
+            _ => $lu.$method::<0, 0>($argument),
+        }
+    };
+}
+
 impl ArrowLu {
     /// Workspace for matrices of this shape.
     #[must_use]
@@ -445,17 +459,10 @@ impl ArrowLu {
     /// # Errors
     /// A block or the border is singular or not finite.
     pub fn factor(&mut self, a: &Arrow) -> Result<(), Singular> {
-        // Sizes known to the compiler: those of the variator's Eulerian rings, with one cell an element, in space.
-        match (self.shape.block, self.shape.border) {
-            (3, 10) => self.factor_sized::<3, 13>(a),
-            (6, 12) => self.factor_sized::<6, 18>(a),
-            (8, 12) => self.factor_sized::<8, 20>(a),
-            (10, 12) => self.factor_sized::<10, 22>(a),
-            _ => self.factor_sized::<0, 0>(a),
-        }
+        for_size!(self, factor_sized(a))
     }
 
-    /// Factors with blocks of size B and a border of W together with block 0; 0 stands for any size.
+    /// [`ArrowLu::factor`] for one size.
     fn factor_sized<const B: usize, const W: usize>(&mut self, a: &Arrow) -> Result<(), Singular> {
         let Shape {
             blocks: n,
@@ -568,16 +575,10 @@ impl ArrowLu {
     }
 
     fn solve_in_order(&mut self, x: &mut [f64]) {
-        match (self.shape.block, self.shape.border) {
-            (3, 10) => self.solve_sized::<3, 13>(x),
-            (6, 12) => self.solve_sized::<6, 18>(x),
-            (8, 12) => self.solve_sized::<8, 20>(x),
-            (10, 12) => self.solve_sized::<10, 22>(x),
-            _ => self.solve_sized::<0, 0>(x),
-        }
+        for_size!(self, solve_sized(x));
     }
 
-    /// Solves with blocks and a border of the sizes of [`ArrowLu::factor_sized`].
+    /// Solves with factors of the same size.
     fn solve_sized<const B: usize, const W: usize>(&mut self, x: &mut [f64]) {
         let (n, b) = (self.shape.blocks, self.shape.block);
         let w = b + self.shape.border;

@@ -270,8 +270,13 @@ impl VariatorSystem {
         self.packs = packs;
     }
 
-    /// Passes by a tape where the derivatives that are kept were taken.
+    /// Passes by a tape where the derivatives that are kept were taken: for packs of as many cells only.
     pub(super) fn pass_kept(&mut self, tape: &mut Tape<'_>) {
+        let mut lanes = LANES as u64;
+        tape.counter(&mut lanes);
+        if lanes != LANES as u64 {
+            tape.reject();
+        }
         let count = directions(self.ring_kind(), self.layout.components);
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             kept.pass(tape, count, pack.used);
