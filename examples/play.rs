@@ -24,7 +24,7 @@ const WATCHED: f64 = 0.5;
 
 type Change = (&'static str, fn(&mut Parameters));
 
-const CHANGES: [Change; 6] = [
+const CHANGES: [Change; 7] = [
     ("as it is", |_| ()),
     ("one cell an element", |p| p.mesh.cells_per_element = 1),
     ("twice the elements", |p| {
@@ -32,6 +32,7 @@ const CHANGES: [Change; 6] = [
         p.mesh.secondary_arc *= 2;
         p.mesh.strand *= 2;
     }),
+    ("a tenth of the tolerance", |p| p.solver.tolerance *= 0.1),
     ("no play", |p| p.belt.play = 0.0),
     ("no ring friction", |p| p.friction.ring = 0.0),
     ("contact strain 1e-4", |p| p.belt.contact_strain = 1e-4),

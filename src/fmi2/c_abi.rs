@@ -205,6 +205,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     logging_on: c_int,
 ) -> Component {
     if !processor::suffices() {
+        // Not through `Importer`, which is compiled for what is missing.
         // SAFETY: null or valid, as the caller grants; the logger can be called.
         unsafe {
             if let Some(functions) = functions.as_ref()
@@ -228,7 +229,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     unsafe { instantiate(instance_name, fmu_type, guid, resource_location, functions, logging_on) }
 }
 
-/// [`fmi2Instantiate`] on a processor that has what the code is compiled for.
+/// [`fmi2Instantiate`] on a processor that has what the code is compiled for. Never inlined: nothing of it may run before that is known.
 ///
 /// # Safety
 /// As there.

@@ -12,7 +12,8 @@
 //! - [`snapshot`]: the whole state of an instance, and [`bytes`]: the same with version and checksum;
 //! - [`log`]: messages to the importer;
 //! - [`description`]: the XML and the GUID made from it;
-//! - [`resources`]: the resource location, a URI; `processor`: what the binary asks of it;
+//! - [`resources`]: the resource location, a URI;
+//! - `processor`: whether it has what the binary is compiled for;
 //! - [`c_abi`]: the exported functions, the only place with `unsafe`.
 //!
 //! There are no globals and no threads; every instance owns all it uses.

@@ -275,12 +275,12 @@ impl DenseLu {
     }
 
     /// Factors the matrix that stands in `factors`. False if it is singular or not finite.
-    fn factor(&mut self, inverse: &mut [usize], stack: &mut MemStack) -> bool {
+    fn factor(&mut self, places: &mut [usize], stack: &mut MemStack) -> bool {
         let n = self.size;
         lu_in_place(
             MatMut::from_column_major_slice_mut(&mut self.factors, n, n),
             &mut self.rows,
-            &mut inverse[..n],
+            &mut places[..n],
             Par::Seq,
             stack,
             faer::Spec::default(),
@@ -300,16 +300,14 @@ impl DenseLu {
         MatRef::from_column_major_slice(&self.factors, self.size, self.size)
     }
 
-    /// Solves for many right-hand sides: `out` = A⁻¹·`rhs`, both column-major.
-    fn solve_columns(&self, rhs: &[f64], out: &mut [f64]) {
+    /// `out` = A⁻¹, column-major.
+    fn invert(&self, out: &mut [f64]) {
         let n = self.size;
-        let columns = out.len() / n;
-        for (column, source) in out.chunks_exact_mut(n).zip(rhs.chunks_exact(n)) {
-            for (value, &row) in column.iter_mut().zip(&self.rows) {
-                *value = source[row];
-            }
+        out.fill(0.0);
+        for (i, &row) in self.rows.iter().enumerate() {
+            out[row * n + i] = 1.0;
         }
-        let mut out = MatMut::from_column_major_slice_mut(out, n, columns);
+        let mut out = MatMut::from_column_major_slice_mut(out, n, n);
         solve_unit_lower_triangular_in_place(self.view(), out.as_mut(), Par::Seq);
         solve_upper_triangular_in_place(self.view(), out, Par::Seq);
     }
@@ -377,7 +375,6 @@ pub struct ArrowLu {
     pivot: DenseLu,
     /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each unknown in turn.
     inverses: Vec<f64>,
-    identity: Vec<f64>,
     /// Copies of the sub-diagonal blocks.
     lower: Vec<f64>,
     /// D_k⁻¹ [U_k | border columns], b×(b+w) each.
@@ -388,7 +385,8 @@ pub struct ArrowLu {
     /// Right-hand side [U_k | border columns] of the block in work.
     columns: Vec<f64>,
     next_border: Vec<f64>,
-    inverse: Vec<usize>,
+    /// Where each row went, as faer wants it; unused.
+    places: Vec<usize>,
     work: Vec<f64>,
     tail: Vec<f64>,
     scratch: Scratch,
@@ -422,14 +420,13 @@ impl ArrowLu {
             shape,
             pivot: DenseLu::new(b),
             inverses: vec![0.0; n * b * b],
-            identity: (0..b * b).map(|i| if i % (b + 1) == 0 { 1.0 } else { 0.0 }).collect(),
             lower: vec![0.0; n * b * b],
             solved: vec![0.0; n * b * (b + w)],
             rows: vec![0.0; n * b * w],
             border: DenseLu::new(w),
             columns: vec![0.0; b * (b + w)],
             next_border: vec![0.0; b * w],
-            inverse: vec![0; w],
+            places: vec![0; w],
             work: vec![0.0; w],
             tail: vec![0.0; w],
             scratch: Scratch::new(w),
@@ -528,11 +525,11 @@ impl ArrowLu {
                 self.columns[..b * b].fill(0.0);
             }
             self.columns[b * b..].copy_from_slice(&self.next_border);
-            if !self.pivot.factor(&mut self.inverse, stack) {
+            if !self.pivot.factor(&mut self.places, stack) {
                 return Err(Singular { block: k });
             }
             let inverse = &mut self.inverses[k * b * b..(k + 1) * b * b];
-            self.pivot.solve_columns(&self.identity, inverse);
+            self.pivot.invert(inverse);
             let solved = &mut self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
             solved.fill(0.0);
             gemm::<B, B>([b, b], 1.0, inverse, &self.columns, solved);
@@ -550,7 +547,7 @@ impl ArrowLu {
                 gemm::<B, B>([b, b], -1.0, lower, x_border, &mut self.next_border);
             }
         }
-        if self.border.factor(&mut self.inverse, stack) {
+        if self.border.factor(&mut self.places, stack) {
             Ok(())
         } else {
             Err(Singular { block: n })
