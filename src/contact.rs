@@ -92,6 +92,9 @@ pub fn flank_force<T: Real>(
 pub fn energy_density(contact: &Contact, cos_beta: f64, penetration: f64, offset: f64) -> f64 {
     let k = contact.stiffness * cos_beta * cos_beta;
     let flank = |depth: f64| k * crate::scalar::smooth_plus_energy(depth, PENETRATION_SMOOTHING, 1.0);
+    if offset == 0.0 {
+        return 2.0 * flank(penetration);
+    }
     flank(penetration + offset) + flank(penetration - offset)
 }
 

@@ -10,7 +10,7 @@ use super::kinematics::{Hermite, Motion, combine};
 use super::lagrangian::{LagrangianElement, LagrangianRing};
 use super::model::{NODAL, Shape};
 use super::particle::{Particle, ParticleLoad};
-use crate::scalar::Real;
+use crate::scalar::{Real, zero_vector};
 use nalgebra::Vector2;
 use std::ops::Mul;
 
@@ -83,7 +83,7 @@ impl LagrangianElement for AncfElement {
     }
 
     fn no_force<T: Real>() -> [Vector2<T>; 4] {
-        [Vector2::zeros(); 4]
+        [zero_vector(); 4]
     }
 
     #[inline(always)]

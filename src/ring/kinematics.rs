@@ -13,7 +13,7 @@
 
 use super::particle::ParticleLoad;
 use crate::reference_curve::{Jet, ReferencePoint};
-use crate::scalar::{Real, turn_right};
+use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::{SVector, Vector2};
 use std::ops::Mul;
 
@@ -139,9 +139,9 @@ impl<T: Real, const D: usize> ElementMotion<T, D> {
         let l_dot = length.d * theta.rate;
         let l_ddot = length.dd * theta.rate * theta.rate + length.d * theta.acceleration;
         let mut overlay = Overlay {
-            d: [SVector::zeros(); 4],
-            rate: [SVector::zeros(); 4],
-            acceleration: [SVector::zeros(); 4],
+            d: [zero_vector(); 4],
+            rate: [zero_vector(); 4],
+            acceleration: [zero_vector(); 4],
             slope: [nodes[0].value.b, nodes[1].value.b],
         };
         for (i, node) in nodes.iter().enumerate() {
@@ -267,11 +267,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
     /// Normals of the ring: n̂, and in space b̂ = t̂ × n̂.
     #[inline(always)]
     pub fn normals(&self) -> [SVector<T, D>; 2] {
-        let binormal = if D == 3 {
-            cross(&self.t, &self.n)
-        } else {
-            SVector::zeros()
-        };
+        let binormal = if D == 3 { cross(&self.t, &self.n) } else { zero_vector() };
         [self.n, binormal]
     }
 
@@ -338,7 +334,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
     /// None.
     #[inline(always)]
     pub fn none() -> Self {
-        let zero = SVector::zeros();
+        let zero = zero_vector();
         Self {
             r: zero,
             r_dot: zero,
@@ -431,9 +427,9 @@ impl<T: Real, const D: usize> Load<T, D> {
     #[inline(always)]
     pub fn zero() -> Self {
         Self {
-            position: SVector::zeros(),
-            slope: SVector::zeros(),
-            bend: SVector::zeros(),
+            position: zero_vector(),
+            slope: zero_vector(),
+            bend: zero_vector(),
             drift: T::zero(),
             theta: T::zero(),
         }
@@ -469,7 +465,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
     #[inline(always)]
     pub fn zero() -> Self {
         Self {
-            d: [SVector::zeros(); 4],
+            d: [zero_vector(); 4],
             theta: T::zero(),
             s: T::zero(),
         }

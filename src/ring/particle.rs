@@ -9,7 +9,7 @@
 
 use super::kinematics::{ReferenceMotion, RingPoint, inward_normal};
 use crate::reference_curve::ReferencePoint;
-use crate::scalar::{Real, turn_right};
+use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
 
 /// The ring at a place, and its material there.
@@ -106,9 +106,9 @@ impl<T: Real, const D: usize> ParticleLoad<T, D> {
     #[inline(always)]
     pub fn zero() -> Self {
         Self {
-            position: SVector::zeros(),
-            slope: SVector::zeros(),
-            bend: SVector::zeros(),
+            position: zero_vector(),
+            slope: zero_vector(),
+            bend: zero_vector(),
         }
     }
 }

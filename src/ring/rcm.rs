@@ -24,7 +24,7 @@ use super::kinematics::Motion;
 use super::lagrangian::{LagrangianElement, LagrangianRing};
 use super::model::{NODAL, Shape};
 use super::particle::{Particle, ParticleLoad};
-use crate::scalar::{Real, turn_right};
+use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::Vector2;
 use std::array::from_fn;
 use std::ops::Mul;
@@ -283,8 +283,8 @@ impl LagrangianElement for RcmElement {
 
     fn no_force<T: Real>() -> RcmForce<T> {
         RcmForce {
-            start: Vector2::zeros(),
-            g: Vector2::zeros(),
+            start: zero_vector(),
+            g: zero_vector(),
             p: [T::zero(); 4],
         }
     }

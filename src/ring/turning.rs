@@ -14,7 +14,7 @@ use super::kinematics::{
     ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane, inward_normal,
 };
 use crate::reference_curve::{Jet, ReferencePoint, Turning};
-use crate::scalar::{Real, turn_right};
+use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::{SVector, Vector2};
 
 /// What an element needs to change between the slopes e of its nodes and its own d'.
@@ -50,7 +50,7 @@ impl<T: Real> TurningElement<T> {
 
 /// No reference curve: a mesh point on it is at the origin with zero slope, so that the point is d itself.
 fn nowhere<T: Real>(reference: &ReferencePoint<T>) -> ReferencePoint<T> {
-    let zero = Vector2::zeros();
+    let zero = zero_vector();
     ReferencePoint {
         r: zero,
         r_theta: zero,

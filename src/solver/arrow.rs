@@ -12,14 +12,14 @@
 //! Unknowns whose neighbours change may stand in an order of their own, see [`Arrow::reorder`].
 //!
 //! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
-//! in n: O(n (b+g)² b). Blocks are factored by faer, with partial pivoting inside a block.
+//! in n: O(n (b+g)² b). Pivoting is inside a block; faer factors the border, and blocks whose size the compiler doesn't know.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::triangular_solve::{solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{MatMut, MatRef, Par};
 
-use super::kernels::{gemm, gemv};
+use super::kernels::{self, gemm, gemv};
 use crate::tape::Tape;
 
 /// Sizes of an [`Arrow`] matrix.
@@ -300,16 +300,21 @@ impl DenseLu {
         MatRef::from_column_major_slice(&self.factors, self.size, self.size)
     }
 
-    /// `out` = A⁻¹, column-major.
-    fn invert(&self, out: &mut [f64]) {
-        let n = self.size;
-        out.fill(0.0);
-        for (i, &row) in self.rows.iter().enumerate() {
-            out[row * n + i] = 1.0;
+    /// Replaces a column-major matrix by its inverse. False if it is singular or not finite.
+    fn invert(&mut self, a: &mut [f64], places: &mut [usize], stack: &mut MemStack) -> bool {
+        self.factors.copy_from_slice(a);
+        if !self.factor(places, stack) {
+            return false;
         }
-        let mut out = MatMut::from_column_major_slice_mut(out, n, n);
-        solve_unit_lower_triangular_in_place(self.view(), out.as_mut(), Par::Seq);
-        solve_upper_triangular_in_place(self.view(), out, Par::Seq);
+        let n = self.size;
+        a.fill(0.0);
+        for (i, &row) in self.rows.iter().enumerate() {
+            a[row * n + i] = 1.0;
+        }
+        let mut a = MatMut::from_column_major_slice_mut(a, n, n);
+        solve_unit_lower_triangular_in_place(self.view(), a.as_mut(), Par::Seq);
+        solve_upper_triangular_in_place(self.view(), a, Par::Seq);
+        true
     }
 
     /// Solves for one right-hand side in place; `work` holds as many numbers.
@@ -371,7 +376,7 @@ impl std::fmt::Debug for Scratch {
 #[derive(Clone, Debug)]
 pub struct ArrowLu {
     shape: Shape,
-    /// The pivot block D_k in work.
+    /// For pivot blocks whose size the compiler doesn't know.
     pivot: DenseLu,
     /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each unknown in turn.
     inverses: Vec<f64>,
@@ -516,7 +521,7 @@ impl ArrowLu {
             }
             out[b * b..].copy_from_slice(&a.right[k * b * g..(k + 1) * b * g]);
         };
-        self.pivot.factors.copy_from_slice(&a.diagonal[b * b..2 * b * b]);
+        self.inverses[b * b..2 * b * b].copy_from_slice(&a.diagonal[b * b..2 * b * b]);
         border_columns(1, &mut self.next_border);
         for k in 1..n {
             if k < n - 1 {
@@ -525,11 +530,16 @@ impl ArrowLu {
                 self.columns[..b * b].fill(0.0);
             }
             self.columns[b * b..].copy_from_slice(&self.next_border);
-            if !self.pivot.factor(&mut self.places, stack) {
+            let (inverses, pivots) = self.inverses.split_at_mut((k + 1) * b * b);
+            let inverse = &mut inverses[k * b * b..];
+            let regular = if B > 0 {
+                kernels::invert::<B>(inverse)
+            } else {
+                self.pivot.invert(inverse, &mut self.places, stack)
+            };
+            if !regular {
                 return Err(Singular { block: k });
             }
-            let inverse = &mut self.inverses[k * b * b..(k + 1) * b * b];
-            self.pivot.invert(inverse);
             let solved = &mut self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
             solved.fill(0.0);
             gemm::<B, B>([b, b], 1.0, inverse, &self.columns, solved);
@@ -541,8 +551,9 @@ impl ArrowLu {
                 gemm::<W, B>([w, b], -1.0, row, x_upper, &mut rest[..b * w]);
                 let block = (k + 1) * b * b..(k + 2) * b * b;
                 let lower = &self.lower[block.clone()];
-                self.pivot.factors.copy_from_slice(&a.diagonal[block]);
-                gemm::<B, B>([b, b], -1.0, lower, x_upper, &mut self.pivot.factors);
+                let pivot = &mut pivots[..b * b];
+                pivot.copy_from_slice(&a.diagonal[block]);
+                gemm::<B, B>([b, b], -1.0, lower, x_upper, pivot);
                 border_columns(k + 1, &mut self.next_border);
                 gemm::<B, B>([b, b], -1.0, lower, x_border, &mut self.next_border);
             }
@@ -689,12 +700,11 @@ mod tests {
 
     #[test]
     fn tells_a_singular_matrix() {
-        let shape = Shape {
-            blocks: 4,
-            block: 2,
-            border: 1,
-        };
-        let a = Arrow::new(shape);
-        assert_eq!(ArrowLu::new(shape).factor(&a), Err(Singular { block: 1 }));
+        for (block, border) in [(2, 1), (3, 10)] {
+            let blocks = 4;
+            let shape = Shape { blocks, block, border };
+            let a = Arrow::new(shape);
+            assert_eq!(ArrowLu::new(shape).factor(&a), Err(Singular { block: 1 }));
+        }
     }
 }

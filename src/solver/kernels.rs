@@ -1,5 +1,5 @@
-//! Products of small dense matrices, column-major. Of sizes known to the compiler the sums stand in registers, several times as
-//! fast as loops over slices; R = 0 stands for any size.
+//! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they stand in registers, several times
+//! as fast as loops over slices; a size of 0 stands for any.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -66,10 +66,60 @@ pub fn gemm<const R: usize, const C: usize>(
     }
 }
 
+/// Replaces A, of R rows, by its inverse: Gauss and Jordan's elimination with row pivoting. False if A is singular or not finite.
+#[inline(always)]
+pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
+    let a = &mut a.as_chunks_mut::<R>().0[..R];
+    let mut swaps = [0; R];
+    for k in 0..R {
+        let mut row = k;
+        for i in k + 1..R {
+            if a[k][i].abs() > a[k][row].abs() {
+                row = i;
+            }
+        }
+        swaps[k] = row;
+        a.iter_mut().for_each(|column| column.swap(k, row));
+        let inverse = a[k][k].recip();
+        if !inverse.is_finite() {
+            return false;
+        }
+        let mut pivots = std::mem::replace(&mut a[k], [0.0; R]);
+        for column in a.iter_mut() {
+            let factor = column[k] * inverse;
+            for i in 0..R {
+                column[i] -= pivots[i] * factor;
+            }
+            column[k] = factor;
+        }
+        pivots[k] = -1.0;
+        a[k] = pivots.map(|x| -x * inverse);
+    }
+    for (k, &column) in swaps.iter().enumerate().rev() {
+        a.swap(k, column);
+    }
+    a.as_flattened().iter().all(|x| x.is_finite())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::noise::noise;
+
+    #[test]
+    fn an_inverse_is_one() {
+        let mut random = noise(4);
+        let a: Vec<f64> = (0..64).map(|_| random()).collect();
+        let (mut inverse, mut product) = (a.clone(), [0.0; 64]);
+        assert!(invert::<8>(&mut inverse));
+        gemm::<8, 8>([8, 8], 1.0, &a, &inverse, &mut product);
+        for (k, entry) in product.iter().enumerate() {
+            let unit = if k % 9 == 0 { 1.0 } else { 0.0 };
+            assert!((entry - unit).abs() < 1e-12);
+        }
+        assert!(!invert::<2>(&mut [1.0, 2.0, 2.0, 4.0]));
+        assert!(!invert::<2>(&mut [1.0, f64::NAN, 2.0, 4.0]));
+    }
 
     #[test]
     fn products_are_those_of_any_size() {

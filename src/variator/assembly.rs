@@ -13,19 +13,26 @@ use crate::reference_curve::{
     Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame, TwoPulleyShape, Unaligned,
 };
 use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
+use crate::ring::mesh::{Element, parts};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
 use nalgebra::SVector;
 use num_traits::Zero;
+use std::sync::Arc;
 
 /// Most derivative directions of a cell: 12 node motions in space, V, V, N, and six globals.
 pub(super) const MOST: usize = 21;
 
-/// Directions of a cell before the globals: node motions, V, V, N; of `ALE0` V, V, N, T, T.
+/// Directions of a cell that are motions of its nodes: the first ones. V, V, N follow, and in `ALE0` T, T.
+const fn node_directions(kind: u8, components: usize) -> usize {
+    if kind == GUIDED { 0 } else { 4 * components }
+}
+
+/// Directions of a cell before the globals.
 const fn own_directions(kind: u8, components: usize) -> usize {
-    if kind == GUIDED { 5 } else { 4 * components + 3 }
+    node_directions(kind, components) + if kind == GUIDED { 5 } else { 3 }
 }
 
 /// All directions of a cell.
@@ -35,8 +42,7 @@ const fn directions(kind: u8, components: usize) -> usize {
 
 /// What varies in a direction of a cell; nothing that [`super::variation`] knows for Θ.
 fn direction(kind: u8, components: usize, k: usize) -> Option<Direction> {
-    let own = own_directions(kind, components);
-    let nodes = if kind == GUIDED { 0 } else { 4 * components };
+    let (nodes, own) = (node_directions(kind, components), own_directions(kind, components));
     if k < nodes {
         return Some(Direction::Ring(k));
     }
@@ -59,6 +65,15 @@ fn direction(kind: u8, components: usize, k: usize) -> Option<Direction> {
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
 
+/// Face and stations in elements of which each is divided alike: most packs share them, so they stay in the fastest cache.
+#[derive(Debug)]
+struct Slots {
+    /// Which part of its element each cell is.
+    parts: [usize; LANES],
+    face: Station<Lanes>,
+    stations: Vec<Station<Lanes>>,
+}
+
 /// Cells that are computed at once, one in each lane. They lie on the same segment, next to each other.
 #[derive(Clone, Debug)]
 pub(super) struct Pack {
@@ -67,13 +82,11 @@ pub(super) struct Pack {
     /// Lanes in use.
     used: usize,
     segment: usize,
-    share: Lanes,
-    face: Station<Lanes>,
-    stations: Vec<Station<Lanes>>,
+    /// Start and length of the elements as fractions of the segment.
+    of_segment: [Lanes; 2],
+    slots: Arc<Slots>,
     axis: Lanes,
     plane: [Lanes; 2],
-    /// Fractions of the segment at which the elements begin and end.
-    ends: [Lanes; 2],
     /// Unknowns of the directions.
     at: [[usize; LANES]; MOST],
     /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
@@ -85,11 +98,36 @@ impl Pack {
     #[inline(always)]
     fn place<T: Real<Constant = Lanes>, C: Standing>(&self, frame: &C::Frame<T>) -> Place<'_, T> {
         Place {
-            face: &self.face,
-            stations: &self.stations,
+            of_segment: self.of_segment,
+            face: &self.slots.face,
+            stations: &self.slots.stations,
             axis: self.axis,
             plane: self.plane,
-            length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.share),
+            length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
+        }
+    }
+
+    /// The sum over its cells.
+    #[inline(always)]
+    fn counted(&self, of: Lanes) -> f64 {
+        of.to_array()[..self.used].iter().sum()
+    }
+
+    /// Adds `rows` of the balance of each cell, its own directions', to `out`; the amount has its own balance.
+    #[inline(always)]
+    fn scatter<const KIND: u8, const D: usize>(&self, rows: &[Lanes; MOST], out: &mut [f64]) {
+        let (nodes, own) = (node_directions(KIND, D), own_directions(KIND, D));
+        let rows = rows.map(Lanes::to_array);
+        for lane in 0..self.used {
+            for first in (0..nodes).step_by(2 * D) {
+                let node = &mut out[self.at[first][lane]..][..2 * D];
+                for (k, x) in node.iter_mut().enumerate() {
+                    *x += rows[first + k][lane];
+                }
+            }
+            for k in (nodes..own).filter(|k| *k != nodes + 2) {
+                out[self.at[k][lane]] += rows[k][lane];
+            }
         }
     }
 }
@@ -110,21 +148,84 @@ pub(super) struct Unknowns<L> {
     pub rate: [L; MOST],
 }
 
-impl<L: Copy> Unknowns<L> {
+/// What is told of an unknown.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    Position,
+    Value,
+    Rate,
+}
+
+/// Tells the unknowns of a cell, or of one in each lane, by their directions.
+trait Tell<L> {
+    /// The unknown of direction `k`.
+    fn tell(&self, part: Part, k: usize) -> L;
+
+    /// Those of a node, whose first direction is `first`: deflection and slope of each component.
     #[inline(always)]
-    fn gather(view: View<'_>, count: usize, zero: L, pick: impl Fn(&[f64], usize) -> L) -> Self {
-        let gather = |from: &[f64]| {
-            let mut to = [zero; MOST];
+    fn tell_node<const D: usize>(&self, part: Part, first: usize) -> [[L; 2]; D] {
+        std::array::from_fn(|k| [0, 1].map(|slope| self.tell(part, first + 2 * k + slope)))
+    }
+}
+
+impl<L: Copy> Tell<L> for Unknowns<L> {
+    #[inline(always)]
+    fn tell(&self, part: Part, k: usize) -> L {
+        match part {
+            Part::Position => self.position[k],
+            Part::Value => self.value[k],
+            Part::Rate => self.rate[k],
+        }
+    }
+}
+
+/// The unknowns of a pack where they stand.
+struct InPlace<'a> {
+    pack: &'a Pack,
+    view: View<'a>,
+}
+
+impl InPlace<'_> {
+    #[inline(always)]
+    fn part(&self, part: Part) -> &[f64] {
+        match part {
+            Part::Position => self.view.q,
+            Part::Value => self.view.y,
+            Part::Rate => self.view.y_dot,
+        }
+    }
+
+    /// All of them, in `count` directions.
+    #[inline(always)]
+    fn gather(&self, count: usize) -> Unknowns<Lanes> {
+        let all = |part: Part| {
+            let mut to = [Lanes::zero(); MOST];
             for (k, x) in to[..count].iter_mut().enumerate() {
-                *x = pick(from, k);
+                *x = self.tell(part, k);
             }
             to
         };
-        Self {
-            position: gather(view.q),
-            value: gather(view.y),
-            rate: gather(view.y_dot),
+        Unknowns {
+            position: all(Part::Position),
+            value: all(Part::Value),
+            rate: all(Part::Rate),
         }
+    }
+}
+
+impl Tell<Lanes> for InPlace<'_> {
+    #[inline(always)]
+    fn tell(&self, part: Part, k: usize) -> Lanes {
+        let from = self.part(part);
+        Lanes::new(self.pack.at[k].map(|i| from[i]))
+    }
+
+    /// They follow each other.
+    #[inline(always)]
+    fn tell_node<const D: usize>(&self, part: Part, first: usize) -> [[Lanes; 2]; D] {
+        let from = self.part(part);
+        let nodes = self.pack.at[first].map(|i| &from[i..][..2 * D]);
+        std::array::from_fn(|k| [0, 1].map(|slope| Lanes::new(nodes.map(|of| of[2 * k + slope]))))
     }
 }
 
@@ -203,6 +304,13 @@ impl VariatorSystem {
             (at, count)
         };
         let amount = self.amount_direction();
+        let whole = Element {
+            segment: 0,
+            start: 0.0,
+            share: 1.0,
+        };
+        let element = parts(&whole, self.mesh.cells_per_element, self.mesh.points);
+        let mut known: Vec<Arc<Slots>> = Vec::new();
         let mut packs = Vec::new();
         let mut first = 0;
         while first < cells {
@@ -212,6 +320,19 @@ impl VariatorSystem {
                 + 1;
             let cell: [usize; LANES] = std::array::from_fn(|lane| first + lane.min(used - 1));
             let member = cell.map(|c| &self.mesh.cells[c]);
+            let parts = cell.map(|c| c % self.mesh.cells_per_element);
+            let slots = known.iter().find(|slots| slots.parts == parts).cloned();
+            let slots = slots.unwrap_or_else(|| {
+                let cells = parts.map(|part| &element[part]);
+                known.push(Arc::new(Slots {
+                    parts,
+                    face: Station::pack(cells.map(|(face, _)| face)),
+                    stations: (0..self.mesh.points)
+                        .map(|i| Station::pack(cells.map(|(_, stations)| &stations[i])))
+                        .collect(),
+                }));
+                known[known.len() - 1].clone()
+            });
             let at = cell.map(directions);
             let count = at[0].1;
             let mut entries = Vec::new();
@@ -225,22 +346,16 @@ impl VariatorSystem {
                 cells: cell,
                 used,
                 segment: segment(first),
-                share: Lanes::new(member.map(|c| self.mesh.elements[c.element].share)),
-                face: Station::pack(member.map(|c| &c.face)),
-                stations: (0..member[0].stations.len())
-                    .map(|i| Station::pack(member.map(|c| &c.stations[i])))
-                    .collect(),
+                of_segment: [
+                    Lanes::new(member.map(|c| self.mesh.elements[c.element].start)),
+                    Lanes::new(member.map(|c| self.mesh.elements[c.element].share)),
+                ],
+                slots,
                 axis: Lanes::new(member.map(|c| self.law.axes[c.pulley])),
                 plane: [
                     Lanes::new(member.map(|c| self.law.planes[c.pulley].side)),
                     Lanes::new(member.map(|c| self.law.planes[c.pulley].middle)),
                 ],
-                ends: [0.0, 1.0].map(|along| {
-                    Lanes::new(member.map(|c| {
-                        let element = &self.mesh.elements[c.element];
-                        element.start + along * element.share
-                    }))
-                }),
                 at: std::array::from_fn(|k| at.map(|(at, _)| at[k])),
                 entries,
             });
@@ -249,7 +364,7 @@ impl VariatorSystem {
         self.flux_entries = (0..cells)
             .map(|cell| {
                 let before = (cell + cells - 1) % cells;
-                let rows = [self.layout.amount(before), self.layout.amount(cell)];
+                let rows = [self.amounts[before], self.amounts[cell]];
                 [cell, before].map(|of| {
                     let (at, count) = directions(of);
                     std::array::from_fn(|k| {
@@ -310,11 +425,7 @@ impl VariatorSystem {
 
     /// The direction that is the element amount, whose row the fluxes fill.
     fn amount_direction(&self) -> usize {
-        if self.layout.flexible {
-            4 * self.layout.components + 2
-        } else {
-            2
-        }
+        node_directions(self.ring_kind(), self.layout.components) + 2
     }
 
     /// Global indices of a cell's directions: its own unknowns, then s, Θ, z, ψ_x, ψ_y, ω.
@@ -352,34 +463,45 @@ impl VariatorSystem {
     /// Motion of the nodes (`ALE`).
     #[inline(always)]
     fn nodes<T: Real, const D: usize>(
-        unknowns: &Unknowns<T::Constant>,
+        unknowns: &impl Tell<T::Constant>,
         [alpha, beta]: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> [Motion<Node<T, D>>; 2] {
-        [0, 1].map(|i| Motion {
-            value: node(i, |k| seed(unknowns.position[k], k, beta)),
-            rate: node(i, |k| seed(unknowns.value[k], k, 1.0)),
-            acceleration: node(i, |k| seed(unknowns.rate[k], k, alpha)),
+        [0, 1].map(|i| {
+            let first = 2 * D * i;
+            let node = |part: Part, scale: f64| {
+                let told = unknowns.tell_node::<D>(part, first);
+                let seeded = |slope: usize| SVector::from_fn(|k, _| seed(told[k][slope], first + 2 * k + slope, scale));
+                Node {
+                    a: seeded(0),
+                    b: seeded(1),
+                }
+            };
+            Motion {
+                value: node(Part::Position, beta),
+                rate: node(Part::Value, 1.0),
+                acceleration: node(Part::Rate, alpha),
+            }
         })
     }
 
     /// Ring tension at the faces (`ALE0`), N.
     #[inline(always)]
-    fn tensions<T: Real>(unknowns: &Unknowns<T::Constant>, seed: impl Fn(T::Constant, usize, f64) -> T) -> [T; 2] {
-        [3, 4].map(|k| seed(unknowns.value[k], k, 1.0))
+    fn tensions<T: Real>(unknowns: &impl Tell<T::Constant>, seed: impl Fn(T::Constant, usize, f64) -> T) -> [T; 2] {
+        [3, 4].map(|k| seed(unknowns.tell(Part::Value, k), k, 1.0))
     }
 
     /// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
     #[inline(always)]
     fn motion<T: Real, const KIND: u8, const D: usize>(
-        unknowns: &Unknowns<T::Constant>,
+        unknowns: &impl Tell<T::Constant>,
         [alpha, beta]: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> CellMotion<T> {
-        let value = |k: usize| seed(unknowns.value[k], k, 1.0);
-        let rate = |k: usize| seed(unknowns.rate[k], k, alpha);
-        let position = |k: usize| seed(unknowns.position[k], k, beta);
-        let (own, g) = (if KIND == GUIDED { 0 } else { 4 * D }, own_directions(KIND, D));
+        let value = |k: usize| seed(unknowns.tell(Part::Value, k), k, 1.0);
+        let rate = |k: usize| seed(unknowns.tell(Part::Rate, k), k, alpha);
+        let position = |k: usize| seed(unknowns.tell(Part::Position, k), k, beta);
+        let (own, g) = (node_directions(KIND, D), own_directions(KIND, D));
         CellMotion {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
@@ -443,13 +565,11 @@ impl VariatorSystem {
     }
 
     fn sample_packs<const KIND: u8, const D: usize, C: Standing>(&self, view: View<'_>, out: &mut [Sample]) {
-        let count = directions(KIND, D);
         let points = self.mesh.points;
         let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
         for pack in &self.packs {
-            let unknowns = self.gather(view, pack, count);
             let mut station = 0;
-            self.sampled_balance::<KIND, D, C>(pack, &frame, &unknowns, &mut |sample| {
+            self.sampled_balance::<KIND, D, C>(pack, &frame, &InPlace { pack, view }, &mut |sample| {
                 for lane in 0..pack.used {
                     out[pack.cells[lane] * points + station] = sample.lane(lane);
                 }
@@ -464,7 +584,7 @@ impl VariatorSystem {
         &self,
         pack: &Pack,
         frame: &C::Frame<Lanes>,
-        unknowns: &Unknowns<Lanes>,
+        unknowns: &impl Tell<Lanes>,
         take: &mut dyn FnMut(Sample<Lanes>),
     ) -> CellBalance<Lanes> {
         let seed = |value, _, _| value;
@@ -478,14 +598,14 @@ impl VariatorSystem {
         &self,
         pack: &Pack,
         frame: &C::Frame<T>,
-        unknowns: &Unknowns<Lanes>,
+        unknowns: &impl Tell<Lanes>,
         slopes: [f64; 2],
         seed: impl Fn(Lanes, usize, f64) -> T,
         probe: &mut S,
     ) -> (CellBalance<T>, RingForces<T, D>) {
         let motion = Self::motion::<T, KIND, D>(unknowns, slopes, &seed);
         let place = pack.place::<T, C>(frame);
-        let reference = |slot: usize| C::point(frame, pack.segment, place.slot(slot).fraction);
+        let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
         let (law, ring) = (&self.law, &self.law.parameters.ring);
         if KIND == GUIDED {
             let tensions = Self::tensions(unknowns, &seed);
@@ -496,7 +616,9 @@ impl VariatorSystem {
         let nodes = Self::nodes(unknowns, slopes, &seed);
         if KIND == TURNING {
             let curve = |fraction| C::turning(frame, pack.segment, fraction);
-            let mut ring = Turning::new(ring, &place, &motion.reference, nodes, pack.ends, curve);
+            let [start, share] = pack.of_segment;
+            let ends = [start, start + share];
+            let mut ring = Turning::new(ring, &place, &motion.reference, nodes, ends, curve);
             let b = balance(law, &place, &motion, &mut ring, reference, probe);
             (b, ring.forces())
         } else {
@@ -504,13 +626,6 @@ impl VariatorSystem {
             let b = balance(law, &place, &motion, &mut ring, reference, probe);
             (b, ring.forces())
         }
-    }
-
-    #[inline(always)]
-    fn gather(&self, view: View<'_>, pack: &Pack, count: usize) -> Unknowns<Lanes> {
-        Unknowns::gather(view, count, Lanes::zero(), |from, k| {
-            Lanes::new(pack.at[k].map(|i| from[i]))
-        })
     }
 
     /// One pass over a pack: derivatives in the directions `first` and on.
@@ -543,7 +658,7 @@ impl VariatorSystem {
         let plain = |value, _, _| value;
         let motion = Self::motion::<Lanes, KIND, D>(unknowns, slopes, plain);
         let place = pack.place::<Lanes, C>(frame);
-        let reference = |slot: usize| C::point(frame, pack.segment, place.slot(slot).fraction);
+        let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
         let (law, ring) = (&self.law, &self.law.parameters.ring);
         if KIND == GUIDED {
             let tensions = Self::tensions::<Lanes>(unknowns, plain);
@@ -577,33 +692,23 @@ impl VariatorSystem {
         view: View<'_>,
         out: &mut [f64],
     ) {
-        let count = directions(KIND, D);
-        let amount = self.amount_direction();
-        let first_global = own_directions(KIND, D) + 2;
+        let own = own_directions(KIND, D);
         let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
+        let (mut drift, mut theta) = (0.0, 0.0);
         for pack in &self.packs {
-            let unknowns = self.gather(view, pack, count);
             let (b, ring) = self.pack_balance::<_, _, KIND, D, C>(
                 pack,
                 &frame,
-                &unknowns,
+                &InPlace { pack, view },
                 [0.0; 2],
                 |value, _, _| value,
                 &mut NoProbe,
             );
-            // s and Θ go straight into the residual; the pulley's rows need its whole sum first.
-            for (k, (row, at)) in Self::rows::<_, KIND, D>(&b, &ring)[..first_global]
-                .iter()
-                .zip(&pack.at)
-                .enumerate()
-            {
-                if k != amount {
-                    let row = row.to_array();
-                    for lane in 0..pack.used {
-                        out[at[lane]] += row[lane];
-                    }
-                }
-            }
+            let rows = Self::rows::<_, KIND, D>(&b, &ring);
+            pack.scatter::<KIND, D>(&rows, out);
+            drift += pack.counted(rows[own]);
+            theta += pack.counted(rows[own + 1]);
+            // The pulley's rows need its whole sum first.
             let [axial, torque, x, y] = [b.axial, b.torque, b.tilting[0], b.tilting[1]].map(Lanes::to_array);
             for lane in 0..pack.used {
                 let cell = pack.cells[lane];
@@ -615,18 +720,34 @@ impl VariatorSystem {
                 self.transports[cell] = b.transport.map(|of| of.to_array()[lane]);
             }
         }
+        out[self.layout.global(Global::Drift, 0)] += drift;
+        out[self.layout.global(Global::Theta, 0)] += theta;
         self.add_fluxes(view, out);
     }
 
     /// Adds the balance of the amounts: fluxes through the left faces.
     pub(super) fn add_fluxes(&self, view: View<'_>, out: &mut [f64]) {
         let cells = self.mesh.cells.len();
-        for cell in 0..cells {
-            let before = (cell + cells - 1) % cells;
-            let flux = chain::flux(&self.transports[before], &self.transports[cell]);
-            let (into, from) = (self.layout.amount(cell), self.layout.amount(before));
-            out[into] += view.y_dot[into] - flux;
-            out[from] += flux;
+        let before = |cell: usize| if cell == 0 { cells - 1 } else { cell - 1 };
+        for first in (0..cells).step_by(LANES) {
+            let last = cells.min(first + LANES);
+            let pack: [usize; LANES] = std::array::from_fn(|lane| (first + lane).min(last - 1));
+            let [left, right] = [pack.map(before), pack].map(|of| self.packed_transport(of));
+            for (cell, flux) in (first..last).zip(chain::flux(&left, &right).to_array()) {
+                let (into, from) = (self.amounts[cell], self.amounts[before(cell)]);
+                out[into] += view.y_dot[into] - flux;
+                out[from] += flux;
+            }
+        }
+    }
+
+    /// What the balance of the amounts needs of these cells.
+    fn packed_transport(&self, of: [usize; LANES]) -> Transport<Lanes> {
+        let of = of.map(|cell| &self.transports[cell]);
+        Transport {
+            flow: Lanes::new(of.map(|t| t.flow)),
+            density: Lanes::new(of.map(|t| t.density)),
+            lag: Lanes::new(of.map(|t| t.lag)),
         }
     }
 
@@ -646,7 +767,7 @@ impl VariatorSystem {
             regime: &mut regime,
         };
         let b = self.sampled_balance::<KIND, D, C>(pack, frame, unknowns, &mut |sample| look.take(&sample));
-        let own = if KIND == GUIDED { 0 } else { 4 * D };
+        let own = node_directions(KIND, D);
         let [left, right] = [unknowns.value[own], unknowns.value[own + 1]];
         regime.see_difference(right - left);
         (regime, b.transport)
@@ -730,7 +851,7 @@ impl VariatorSystem {
             let mut kept = [kept.clone(), kept.clone()];
             let mut transports = [self.transport_slopes.clone(), self.transport_slopes.clone()];
             for k in &mut kept {
-                (k.unknowns, k.slopes) = (self.gather(view, pack, count), [alpha, 1.0 / alpha]);
+                (k.unknowns, k.slopes) = (InPlace { pack, view }.gather(count), [alpha, 1.0 / alpha]);
             }
             self.differentiate::<KIND, D, C>(pack, &frames, &mut kept[0], &mut transports[0]);
             self.differentiate_forward::<KIND, D, C>(pack, &frames, &mut kept[1], &mut transports[1]);
@@ -787,9 +908,9 @@ impl VariatorSystem {
             std::mem::take(&mut self.transport_slopes),
         );
         for (pack, kept) in self.packs.iter().zip(&mut all) {
-            let unknowns = self.gather(view, pack, count);
+            let unknowns = InPlace { pack, view }.gather(count);
             let (regime, transport) = self.look::<KIND, D, C>(pack, &frames.plain, &unknowns, alpha);
-            let length = C::segment_length(&frames.plain, pack.segment).v * pack.share;
+            let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
             if !kept.holds(
                 &regime,
                 &unknowns,
@@ -813,7 +934,7 @@ impl VariatorSystem {
         }
         (self.kept, self.transport_slopes) = (all, transports);
         for cell in 0..self.mesh.cells.len() {
-            let row = self.layout.amount(cell);
+            let row = self.amounts[cell];
             out.add(row, row, alpha);
         }
         // Fluxes through the left faces.
@@ -854,14 +975,5 @@ impl<C: Standing> Frames<C> {
             moving: C::stand(curve, shape.frame(Tangent::seed(Lanes::zero(), theta % PASS, beta))),
             of_theta: C::stand(curve, shape.frame(Tangent::seed(Lanes::zero(), 0, beta))),
         }
-    }
-}
-
-/// Node `i` of a cell from its directions.
-#[inline(always)]
-fn node<T: Real, const D: usize>(i: usize, f: impl Fn(usize) -> T) -> Node<T, D> {
-    Node {
-        a: SVector::from_fn(|k, _| f(2 * (D * i + k))),
-        b: SVector::from_fn(|k, _| f(2 * (D * i + k) + 1)),
     }
 }

@@ -9,6 +9,7 @@ use super::signals::Losses;
 use super::system::VariatorSystem;
 use crate::reference_curve::ReferenceCurve;
 use crate::solver::View;
+use crate::{chain, contact};
 
 /// The belt at one state.
 #[derive(Clone, Debug, Default)]
@@ -109,8 +110,16 @@ impl VariatorSystem {
     /// Energy of ring, stack and flanks, J.
     #[must_use]
     pub fn belt_energy(&self, survey: &Survey) -> f64 {
-        let density = |s: &Sample| s.kinetic + s.elastic(&self.law);
-        survey.travelling + survey.samples.iter().map(|s| density(s) * s.weight).sum::<f64>()
+        let (law, p) = (&self.law, &self.law.parameters);
+        let mut sum = survey.travelling;
+        for cell in survey.samples.chunks_exact(self.mesh.points) {
+            let stack = chain::energy_density(&p.belt, cell[0].density);
+            for s in cell {
+                let flanks = contact::energy_density(&p.contact, law.wedge[1], s.penetration, s.offset);
+                sum += (s.kinetic + s.ring_elastic + s.lambda * (stack + flanks)) * s.weight;
+            }
+        }
+        sum
     }
 
     /// Pressure-weighted mean pitch radii over pulleys, m; reference radius − e where nothing presses.

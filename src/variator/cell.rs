@@ -10,8 +10,8 @@
 use super::mesh::Station;
 use super::parameters::{Friction, Parameters};
 use super::ring::{Action, CellRing};
-use crate::chain::{self, ChainPoint, Stack, Transport};
-use crate::contact::{self, FlankForce, FlankMotion, flank_force};
+use crate::chain::{ChainPoint, Stack, Transport};
+use crate::contact::{FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::ring::kinematics::{Load, ReferenceMotion, RingPoint, embed, in_plane};
 use crate::scalar::{Lanes, Real, smooth_plus};
@@ -225,21 +225,14 @@ impl Sample {
     pub fn on_arc(&self) -> bool {
         self.curvature[0] > 0.0
     }
-
-    /// Elastic energy of ring, stack and flanks, J/m.
-    #[must_use]
-    pub fn elastic(&self, law: &CellLaw) -> f64 {
-        let p = &law.parameters;
-        let stack = chain::energy_density(&p.belt, self.density);
-        let flanks = contact::energy_density(&p.contact, law.wedge[1], self.penetration, self.offset);
-        self.ring_elastic + self.lambda * (stack + flanks)
-    }
 }
 
 /// Where cells lie: constants of the mesh, and the element at the present Θ.
 #[derive(Debug)]
 pub struct Place<'a, T: Real> {
-    /// Left face.
+    /// Start and length of the element as fractions of the segment.
+    pub of_segment: [T::Constant; 2],
+    /// Left face; its fraction and those of the stations are of the element.
     pub face: &'a Station<T::Constant>,
     /// Quadrature points.
     pub stations: &'a [Station<T::Constant>],
@@ -257,6 +250,14 @@ impl<T: Real> Place<'_, T> {
     #[must_use]
     pub fn slot(&self, slot: usize) -> &Station<T::Constant> {
         if slot == 0 { self.face } else { &self.stations[slot - 1] }
+    }
+
+    /// Fraction of the segment there.
+    #[inline(always)]
+    #[must_use]
+    pub fn fraction(&self, slot: usize) -> T::Constant {
+        let [start, share] = self.of_segment;
+        start + share * self.slot(slot).fraction
     }
 }
 
@@ -440,13 +441,19 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     let e = p.belt.pitch_offset;
     let theta_dot = motion.reference.theta.rate;
 
-    // Cell: length of the pitch line, density, shortening.
+    // Cell: length of the pitch line, density, shortening. All slots in one loop, so that what they need is compiled in once.
+    let mut face = None;
     let mut points = [None; STATIONS];
     let mut pitch_length = T::zero();
     let mut carried = T::zero();
     let mut through = T::zero();
-    for (i, (slot, station)) in points.iter_mut().zip(place.stations).enumerate() {
-        let point = ring.point(i + 1, reference(i + 1));
+    for slot in 0..=place.stations.len() {
+        let point = ring.point(slot, reference(slot));
+        let Some(i) = slot.checked_sub(1) else {
+            face = Some(point);
+            continue;
+        };
+        let station = &place.stations[i];
         let speed = between(&motion.speed, station.right);
         let chain = ChainPoint::new(e, &point, theta_dot, speed);
         let weight = length.v * station.weight;
@@ -455,8 +462,9 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
             carried += weight * chain.curvature[k] * chain.normal_speed[k];
         }
         through += weight * chain.flow;
-        *slot = Some((point, chain, weight));
+        points[i] = Some((point, chain, weight));
     }
+    let face = face.expect("slot 0 is the face");
     let density = motion.amount / pitch_length;
     let lengthening = motion.speed[1] - motion.speed[0] - carried;
     let cell_length: T = place
@@ -467,7 +475,6 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     let thinning = -(density * lengthening) / pitch_length;
     let Stack { push, collision, lag } = Stack::new(&p.belt, [density, thinning, through / cell_length, difference]);
 
-    let face = ring.point(0, reference(0));
     let mut out = CellBalance {
         speed: [push.force - collision, collision - push.force],
         axial: T::zero(),

@@ -9,8 +9,7 @@ use crate::ring::kinematics::{
 };
 use crate::ring::turning::{TurningElement, rotated_load, rotated_point};
 use crate::ring::{Ring, ale};
-use crate::scalar::Real;
-use nalgebra::SVector;
+use crate::scalar::{Real, zero_vector};
 
 /// Kind of an Eulerian ring: it keeps to the reference curve (`ALE0`).
 pub const GUIDED: u8 = 0;
@@ -295,7 +294,7 @@ impl<'a, T: Real, const D: usize> Turning<'a, T, D> {
         Self {
             ring: Deflecting::new(ring, place, motion, &nodes),
             ends,
-            curve: std::array::from_fn(|slot| curve(place.slot(slot.min(place.stations.len())).fraction)),
+            curve: std::array::from_fn(|slot| curve(place.fraction(slot.min(place.stations.len())))),
         }
     }
 
@@ -389,8 +388,8 @@ impl<T: Real> GuidedSum<T> {
     #[inline(always)]
     fn forces<const D: usize>(&self) -> RingForces<T, D> {
         let still = Node {
-            a: SVector::zeros(),
-            b: SVector::zeros(),
+            a: zero_vector(),
+            b: zero_vector(),
         };
         RingForces {
             nodes: [still; 2],

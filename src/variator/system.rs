@@ -71,6 +71,8 @@ pub struct VariatorSystem {
     pub(super) kept: Vec<Kept>,
     /// How often packs of cells were differentiated.
     pub(super) differentiations: u64,
+    /// Where the element amount of each cell stands.
+    pub(super) amounts: Vec<usize>,
     /// What the balance of the amounts needs of each cell.
     pub(super) transports: Vec<Transport<f64>>,
     /// Its slopes in the cell's directions: kept as those of the packs are.
@@ -195,6 +197,7 @@ impl VariatorSystem {
             inertia_factor: 1.0,
             ledger: Ledger::default(),
             has_position,
+            amounts: (0..cells).map(|cell| layout.amount(cell)).collect(),
             transports: vec![Transport::default(); cells],
             sums: [PulleySum::default(); 2],
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],

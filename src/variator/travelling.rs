@@ -327,6 +327,7 @@ impl VariatorSystem {
         let of_mesh = &self.mesh.cells[cell];
         let element = &self.mesh.elements[of_mesh.element];
         let place = Place {
+            of_segment: [0.0, 1.0],
             face: &of_mesh.face,
             stations: &of_mesh.stations,
             axis: self.law.axes[of_mesh.pulley],
@@ -334,8 +335,7 @@ impl VariatorSystem {
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
         };
         let references: [Option<ReferencePoint<T>>; SLOTS] = std::array::from_fn(|slot| {
-            (slot <= of_mesh.stations.len())
-                .then(|| TwoPulley::point(frame, element.segment, place.slot(slot).fraction))
+            (slot <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(slot)))
         });
         let drift = position(s);
         let per_element = ring.element_length().recip();
@@ -576,7 +576,7 @@ impl VariatorSystem {
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
-            let rows = [self.layout.amount(before), self.layout.amount(cell)];
+            let rows = [self.amounts[before], self.amounts[cell]];
             out.add(rows[1], rows[1], alpha);
             let (own, other) = (&memory[cell], &memory[before]);
             let slopes = chain::flux_slopes(&self.transports[before], &self.transports[cell]);
