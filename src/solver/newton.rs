@@ -57,8 +57,18 @@ struct Update {
     square: f64,
 }
 
+/// a·b, in as many sums as keep the processor's adders busy.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    const SUMS: usize = 16;
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
+    let mut sums = [0.0; SUMS];
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Memory of the iteration.
@@ -105,10 +115,13 @@ impl Stage<'_> {
         for ((rate, y), base) in self.y_dot.iter_mut().zip(&*self.y).zip(self.base) {
             *rate = self.alpha * (y - base);
         }
-        for (i, has) in has_position.iter().enumerate() {
-            if *has {
-                self.q[i] = self.position[i] + beta * self.y[i];
-            }
+        let new = self
+            .position
+            .iter()
+            .zip(&*self.y)
+            .map(|(position, y)| position + beta * y);
+        for ((q, has), new) in self.q.iter_mut().zip(has_position).zip(new) {
+            *q = if *has { new } else { *q };
         }
     }
 
@@ -201,14 +214,8 @@ impl Newton {
         self.damped(system, stage, tolerance)
     }
 
-    /// Newton correction at `stage.y` with the factors at hand, into `self.correction`; its largest scaled entry and
-    /// scaled 2-norm.
-    fn correct<S: System>(
-        &mut self,
-        system: &mut S,
-        stage: &mut Stage<'_>,
-        renew: bool,
-    ) -> Result<(f64, f64), NotConverged> {
+    /// Newton correction at `stage.y` with the factors at hand, into `self.correction`.
+    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, renew: bool) -> Result<(), NotConverged> {
         stage.complete(system.has_position());
         system.residual(stage.view(), &mut self.correction);
         self.counts.residuals += 1;
@@ -216,6 +223,17 @@ impl Newton {
             self.refresh(system, stage)?;
         }
         self.factors.solve(&mut self.correction);
+        Ok(())
+    }
+
+    /// [`Newton::correct`]; the largest scaled entry of the correction and its scaled 2-norm.
+    fn correct_and_measure<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        renew: bool,
+    ) -> Result<(f64, f64), NotConverged> {
+        self.correct(system, stage, renew)?;
         let (mut largest, mut sum) = (0.0_f64, 0.0);
         for (d, s) in self.correction.iter().zip(&self.scale) {
             let x = d / s;
@@ -248,7 +266,7 @@ impl Newton {
                 break;
             }
             let change = self.update(iteration);
-            if !change.is_finite() {
+            if !self.updates[iteration].square.is_finite() {
                 break;
             }
             if change < least {
@@ -318,7 +336,7 @@ impl Newton {
     ) -> Result<usize, NotConverged> {
         let mut damping = 1.0_f64;
         for iteration in 1..=FRESH_ITERATIONS {
-            let (largest, norm) = self.correct(system, stage, true)?;
+            let (largest, norm) = self.correct_and_measure(system, stage, true)?;
             if iteration == 1 && largest < 1e-3 * tolerance {
                 return Ok(iteration);
             }
@@ -329,7 +347,7 @@ impl Newton {
                 for ((y, g), d) in stage.y.iter_mut().zip(&self.guess).zip(&self.step) {
                     *y = g - damping * d;
                 }
-                match self.correct(system, stage, false) {
+                match self.correct_and_measure(system, stage, false) {
                     Ok((change, after)) if after <= (1.0 - 0.25 * damping) * norm || change < 0.1 * tolerance => break,
                     _ => damping *= 0.5,
                 }

@@ -79,6 +79,13 @@ struct Buffers {
 /// Smallest step, s.
 const MIN_STEP: f64 = 1.0e-10;
 
+/// `out` = `from` + `time`·`rate`.
+fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
+    for ((out, from), rate) in out.iter_mut().zip(from).zip(rate) {
+        *out = from + time * rate;
+    }
+}
+
 impl Sdirk {
     /// Integrator for `system`.
     #[must_use]
@@ -131,11 +138,8 @@ impl Sdirk {
         self.kept = None;
         system.set_time(time + GAMMA * h);
         let alpha = 1.0 / (h * GAMMA);
-        let n = y.len();
         let [first, second] = &mut self.stages;
-        for ((guess, y), slope) in first.y.iter_mut().zip(y).zip(&self.slope) {
-            *guess = y + GAMMA * h * slope;
-        }
+        move_by(GAMMA * h, &mut first.y, y, &self.slope);
         first.q.copy_from_slice(q);
         let mut stage = Stage {
             alpha,
@@ -148,11 +152,9 @@ impl Sdirk {
         self.newton
             .solve(system, &mut stage, self.newton_tolerance, true)
             .ok()?;
-        for i in 0..n {
-            self.base[i] = y[i] + h * (1.0 - GAMMA) * first.y_dot[i];
-            self.position[i] = q[i] + h * (1.0 - GAMMA) * first.y[i];
-            second.y[i] = self.base[i] + h * GAMMA * first.y_dot[i];
-        }
+        move_by(h * (1.0 - GAMMA), &mut self.base, y, &first.y_dot);
+        move_by(h * (1.0 - GAMMA), &mut self.position, q, &first.y);
+        move_by(h * GAMMA, &mut second.y, &self.base, &first.y_dot);
         second.q.copy_from_slice(q);
         system.set_time(time + h);
         let mut stage = Stage {
@@ -167,10 +169,13 @@ impl Sdirk {
             .solve(system, &mut stage, self.newton_tolerance, true)
             .ok()?;
         let [w0, w1, w2] = error_weights().map(|w| h * w);
-        for i in 0..n {
-            self.y_error[i] = w0 * y_dot[i] + w1 * first.y_dot[i] + w2 * second.y_dot[i];
-            self.q_error[i] = w0 * y[i] + w1 * first.y[i] + w2 * second.y[i];
-        }
+        let weigh = |out: &mut [f64], slopes: [&[f64]; 3]| {
+            for (((out, a), b), c) in out.iter_mut().zip(slopes[0]).zip(slopes[1]).zip(slopes[2]) {
+                *out = w0 * a + w1 * b + w2 * c;
+            }
+        };
+        weigh(&mut self.y_error, [y_dot, &first.y_dot, &second.y_dot]);
+        weigh(&mut self.q_error, [y, &first.y, &second.y]);
         let view = View {
             y: &second.y,
             y_dot: &second.y_dot,
