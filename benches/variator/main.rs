@@ -163,16 +163,29 @@ fn steady_states(table: &mut Table, options: &Options) {
         );
     }
     for model in MODELS {
-        let (time, counts, [solved, warm]) = steady_map(model);
+        let Map {
+            time,
+            warm_time,
+            counts,
+            solved,
+            warm,
+        } = steady_map(model);
         let points = MAP_RATIOS * MAP_TORQUES;
         table.row(
             &format!("steady map, {MAP_RATIOS} ratios x {MAP_TORQUES} torques, {model:?}"),
             format!(
-                "{time:.2} s, {:.1} ms a point; {solved} of {points} solved, {warm} from their neighbour, {}",
-                1e3 * time / points as f64,
+                "{time:.2} s; {solved} of {points} solved, {warm} from their neighbour in {:.1} ms each, {}",
+                1e3 * warm_time / warm as f64,
                 text(&counts)
             ),
-            json!({"seconds": time, "solved": solved, "warm": warm, "points": points, "counts": numbers(&counts)}),
+            json!({
+                "seconds": time,
+                "warm_seconds": warm_time,
+                "solved": solved,
+                "warm": warm,
+                "points": points,
+                "counts": numbers(&counts),
+            }),
         );
     }
 }
@@ -307,12 +320,24 @@ fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, Counts, Vec<Op
     (start.elapsed().as_secs_f64(), total, ratios)
 }
 
+/// What a steady map took.
+struct Map {
+    /// Processor time, s.
+    time: f64,
+    /// That of the points found from their neighbour, s.
+    warm_time: f64,
+    counts: Counts,
+    solved: usize,
+    /// How many from their neighbour.
+    warm: usize,
+}
+
 /// Thrust-ratio map at 2000 rpm and F_S = 10 kN: i from 2.2 to 0.45, 5 to 65 % of the primary pulley's capacity. The first
 /// torque of a ratio starts from the kinematic state, each other one from its neighbour's state, or where that leads
-/// nowhere from the kinematic one. Time, work, how many were solved, and how many of them from the neighbour.
-fn steady_map(model: RingModel) -> (f64, Counts, [usize; 2]) {
+/// nowhere from the kinematic one.
+fn steady_map(model: RingModel) -> Map {
     let parameters = common::variator(model);
-    let (mut solved, mut warm_starts) = (0, 0);
+    let (mut solved, mut warm, mut warm_time) = (0, 0, 0.0);
     let start = ThreadTime::now();
     let mut system = VariatorSystem::new(&parameters);
     let mut newton = Newton::new(&system);
@@ -339,13 +364,23 @@ fn steady_map(model: RingModel) -> (f64, Counts, [usize; 2]) {
                 let found = solve(&mut system, &mut newton, &mut state, &task, 400);
                 found.ok().map(|_| state)
             };
+            let clock = ThreadTime::now();
             let from_neighbour = neighbour.take().and_then(|state| find(state, true));
-            warm_starts += usize::from(from_neighbour.is_some());
+            if from_neighbour.is_some() {
+                warm += 1;
+                warm_time += clock.elapsed().as_secs_f64();
+            }
             neighbour = from_neighbour.or_else(|| find(kinematic, false));
             solved += usize::from(neighbour.is_some());
         }
     }
-    (start.elapsed().as_secs_f64(), newton.counts, [solved, warm_starts])
+    Map {
+        time: start.elapsed().as_secs_f64(),
+        warm_time,
+        counts: newton.counts,
+        solved,
+        warm,
+    }
 }
 
 fn steady_start(model: RingModel) -> (f64, (), ()) {
