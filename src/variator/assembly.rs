@@ -364,7 +364,7 @@ impl VariatorSystem {
         self.flux_entries = (0..cells)
             .map(|cell| {
                 let before = (cell + cells - 1) % cells;
-                let rows = [self.amounts[before], self.amounts[cell]];
+                let rows = [before, cell].map(|cell| self.cells_at[cell][1]);
                 [cell, before].map(|of| {
                     let (at, count) = directions(of);
                     std::array::from_fn(|k| {
@@ -570,8 +570,8 @@ impl VariatorSystem {
         for pack in &self.packs {
             let mut station = 0;
             self.sampled_balance::<KIND, D, C>(pack, &frame, &InPlace { pack, view }, &mut |sample| {
-                for lane in 0..pack.used {
-                    out[pack.cells[lane] * points + station] = sample.lane(lane);
+                for (&cell, sample) in pack.cells[..pack.used].iter().zip(sample.lanes()) {
+                    out[cell * points + station] = sample;
                 }
                 station += 1;
             });
@@ -734,7 +734,7 @@ impl VariatorSystem {
             let pack: [usize; LANES] = std::array::from_fn(|lane| (first + lane).min(last - 1));
             let [left, right] = [pack.map(before), pack].map(|of| self.packed_transport(of));
             for (cell, flux) in (first..last).zip(chain::flux(&left, &right).to_array()) {
-                let (into, from) = (self.amounts[cell], self.amounts[before(cell)]);
+                let [into, from] = [cell, before(cell)].map(|cell| self.cells_at[cell][1]);
                 out[into] += view.y_dot[into] - flux;
                 out[from] += flux;
             }
@@ -934,7 +934,7 @@ impl VariatorSystem {
         }
         (self.kept, self.transport_slopes) = (all, transports);
         for cell in 0..self.mesh.cells.len() {
-            let row = self.amounts[cell];
+            let [_, row] = self.cells_at[cell];
             out.add(row, row, alpha);
         }
         // Fluxes through the left faces.

@@ -14,7 +14,7 @@ use crate::chain::{ChainPoint, Stack, Transport};
 use crate::contact::{FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::ring::kinematics::{Load, ReferenceMotion, RingPoint, embed, in_plane};
-use crate::scalar::{Lanes, Real, smooth_plus};
+use crate::scalar::{LANES, Lanes, Real, smooth_plus};
 use nalgebra::{SVector, Vector2};
 
 /// Most stations of a cell.
@@ -182,10 +182,15 @@ pub struct Sample<L = f64> {
 }
 
 impl Sample<Lanes> {
-    /// The sample of the cell in a lane.
+    /// The samples of the cells, lane by lane.
     #[inline(always)]
     #[must_use]
-    pub fn lane(&self, lane: usize) -> Sample {
+    pub fn lanes(&self) -> [Sample; LANES] {
+        std::array::from_fn(|lane| self.lane(lane))
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Sample {
         let of = |x: Lanes| x.to_array()[lane];
         Sample {
             r: self.r.map(of),

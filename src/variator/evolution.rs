@@ -43,9 +43,9 @@ impl Evolution for VariatorSystem {
         let speed_scale = tolerance * (2.0 + speed + 8.0 * speed / (1.0 + speed));
         let mean = layout.len() as f64;
         let mut local = 0.0;
-        for cell in 0..layout.cells() {
-            let speed = y_error[layout.speed(cell)] / speed_scale;
-            let amount = y_error[layout.amount(cell)] / (5.0e-3 * tolerance);
+        for &[speed, amount] in &self.cells_at {
+            let speed = y_error[speed] / speed_scale;
+            let amount = y_error[amount] / (5.0e-3 * tolerance);
             local += speed * speed + amount * amount;
         }
         if layout.flexible {

@@ -71,8 +71,8 @@ pub struct VariatorSystem {
     pub(super) kept: Vec<Kept>,
     /// How often packs of cells were differentiated.
     pub(super) differentiations: u64,
-    /// Where the element amount of each cell stands.
-    pub(super) amounts: Vec<usize>,
+    /// Where V at its left face and the element amount of each cell stand.
+    pub(super) cells_at: Vec<[usize; 2]>,
     /// What the balance of the amounts needs of each cell.
     pub(super) transports: Vec<Transport<f64>>,
     /// Its slopes in the cell's directions: kept as those of the packs are.
@@ -197,7 +197,9 @@ impl VariatorSystem {
             inertia_factor: 1.0,
             ledger: Ledger::default(),
             has_position,
-            amounts: (0..cells).map(|cell| layout.amount(cell)).collect(),
+            cells_at: (0..cells)
+                .map(|cell| [layout.speed(cell), layout.amount(cell)])
+                .collect(),
             transports: vec![Transport::default(); cells],
             sums: [PulleySum::default(); 2],
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
@@ -372,9 +374,9 @@ impl System for VariatorSystem {
                 out[layout.global(Global::Gauge, k)] = 1.0 / HOLD;
             }
         }
-        for cell in 0..layout.cells() {
-            out[layout.speed(cell)] = slip;
-            out[layout.amount(cell)] = 1.0e-9;
+        for (cell, &[speed, amount]) in self.cells_at.iter().enumerate() {
+            out[speed] = slip;
+            out[amount] = 1.0e-9;
             if layout.has_tension() {
                 out[layout.tension(cell)] = 0.1;
             }

@@ -576,7 +576,7 @@ impl VariatorSystem {
         let cells = self.mesh.cells.len();
         for cell in 0..cells {
             let before = (cell + cells - 1) % cells;
-            let rows = [self.amounts[before], self.amounts[cell]];
+            let rows = [before, cell].map(|cell| self.cells_at[cell][1]);
             out.add(rows[1], rows[1], alpha);
             let (own, other) = (&memory[cell], &memory[before]);
             let slopes = chain::flux_slopes(&self.transports[before], &self.transports[cell]);
