@@ -161,10 +161,10 @@ trait Tell<L> {
     /// The unknown of direction `k`.
     fn tell(&self, part: Part, k: usize) -> L;
 
-    /// Those of a node, whose first direction is `first`: deflection and slope of each component.
+    /// Those of a node in D components, whose first direction is `first`.
     #[inline(always)]
-    fn tell_node<const D: usize>(&self, part: Part, first: usize) -> [[L; 2]; D] {
-        std::array::from_fn(|k| [0, 1].map(|slope| self.tell(part, first + 2 * k + slope)))
+    fn tell_node<const D: usize>(&self, part: Part, first: usize) -> impl Fn(usize) -> L {
+        move |k| self.tell(part, first + k)
     }
 }
 
@@ -222,10 +222,10 @@ impl Tell<Lanes> for InPlace<'_> {
 
     /// They follow each other.
     #[inline(always)]
-    fn tell_node<const D: usize>(&self, part: Part, first: usize) -> [[Lanes; 2]; D] {
+    fn tell_node<const D: usize>(&self, part: Part, first: usize) -> impl Fn(usize) -> Lanes {
         let from = self.part(part);
         let nodes = self.pack.at[first].map(|i| &from[i..][..2 * D]);
-        std::array::from_fn(|k| [0, 1].map(|slope| Lanes::new(nodes.map(|of| of[2 * k + slope]))))
+        move |k| Lanes::new(nodes.map(|of| of[k]))
     }
 }
 
@@ -467,14 +467,13 @@ impl VariatorSystem {
         [alpha, beta]: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> [Motion<Node<T, D>>; 2] {
-        [0, 1].map(|i| {
-            let first = 2 * D * i;
-            let node = |part: Part, scale: f64| {
+        [0, 2 * D].map(|first| {
+            let node = |part: Part, slope: f64| {
                 let told = unknowns.tell_node::<D>(part, first);
-                let seeded = |slope: usize| SVector::from_fn(|k, _| seed(told[k][slope], first + 2 * k + slope, scale));
+                let seeded = |k: usize| seed(told(k), first + k, slope);
                 Node {
-                    a: seeded(0),
-                    b: seeded(1),
+                    a: SVector::from_fn(|k, _| seeded(2 * k)),
+                    b: SVector::from_fn(|k, _| seeded(2 * k + 1)),
                 }
             };
             Motion {
