@@ -1,5 +1,5 @@
 //! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they stand in registers, several times
-//! as fast as loops over slices; a size of 0 stands for any.
+//! as fast as loops over slices; for products a size of 0 stands for any.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
