@@ -30,6 +30,11 @@ const fn node_directions(kind: u8, components: usize) -> usize {
     if kind == GUIDED { 0 } else { 4 * components }
 }
 
+/// The direction that is the element amount, whose row the fluxes fill.
+const fn amount_direction(kind: u8, components: usize) -> usize {
+    node_directions(kind, components) + 2
+}
+
 /// Directions of a cell before the globals.
 const fn own_directions(kind: u8, components: usize) -> usize {
     node_directions(kind, components) + if kind == GUIDED { 5 } else { 3 }
@@ -125,7 +130,7 @@ impl Pack {
                     *x += rows[first + k][lane];
                 }
             }
-            for k in (nodes..own).filter(|k| *k != nodes + 2) {
+            for k in (nodes..own).filter(|k| *k != amount_direction(KIND, D)) {
                 out[self.at[k][lane]] += rows[k][lane];
             }
         }
@@ -303,7 +308,7 @@ impl VariatorSystem {
             let count = self.directions(cell, &mut at);
             (at, count)
         };
-        let amount = self.amount_direction();
+        let amount = amount_direction(self.ring_kind(), self.layout.components);
         let whole = Element {
             segment: 0,
             start: 0.0,
@@ -421,11 +426,6 @@ impl VariatorSystem {
         } else {
             self.curve.at(frame, fraction * self.curve.length())
         }
-    }
-
-    /// The direction that is the element amount, whose row the fluxes fill.
-    fn amount_direction(&self) -> usize {
-        node_directions(self.ring_kind(), self.layout.components) + 2
     }
 
     /// Global indices of a cell's directions: its own unknowns, then s, Θ, z, ψ_x, ψ_y, ω.
@@ -785,7 +785,7 @@ impl VariatorSystem {
             return;
         }
         let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
-        let amount = self.amount_direction();
+        let amount = amount_direction(KIND, D);
         let mut put = |direction: usize, rows: &[Lanes; MOST], transport: &Transport<Lanes>| {
             let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
             for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
@@ -812,7 +812,7 @@ impl VariatorSystem {
         transports: &mut [Transport<[f64; MOST]>],
     ) {
         let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
-        let amount = self.amount_direction();
+        let amount = amount_direction(KIND, D);
         for first in (0..count).step_by(PASS) {
             let frame = if first == theta / PASS * PASS {
                 &frames.moving

@@ -327,6 +327,7 @@ impl VariatorSystem {
         let of_mesh = &self.mesh.cells[cell];
         let element = &self.mesh.elements[of_mesh.element];
         let place = Place {
+            // The mesh's own stations tell fractions of the segment.
             of_segment: [0.0, 1.0],
             face: &of_mesh.face,
             stations: &of_mesh.stations,
