@@ -125,12 +125,11 @@ impl VariatorSystem {
     /// Pressure-weighted mean pitch radii over pulleys, m; reference radius − e where nothing presses.
     #[must_use]
     pub fn mean_radii(&self, view: View<'_>, sums: &BeltSums) -> [f64; 2] {
-        let frame = self.curve.frame::<f64>(view.q[self.layout.global(Global::Theta, 0)]);
         [S, P].map(|j| {
             if sums.axial[j] > 1.0 {
                 sums.axial_radius[j] / sums.axial[j]
             } else {
-                frame.radius[j].v - self.law.parameters.belt.pitch_offset
+                self.curve.frame::<f64>(self.theta(view)).radius[j].v - self.law.parameters.belt.pitch_offset
             }
         })
     }

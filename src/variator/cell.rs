@@ -186,41 +186,20 @@ impl Sample<Lanes> {
     #[inline(always)]
     #[must_use]
     pub fn lanes(&self) -> [Sample; LANES] {
-        std::array::from_fn(|lane| self.lane(lane))
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> Sample {
-        let of = |x: Lanes| x.to_array()[lane];
-        Sample {
-            r: self.r.map(of),
-            xi: of(self.xi),
-            curvature: self.curvature.map(of),
-            weight: of(self.weight),
-            pitch_radius: of(self.pitch_radius),
-            face_radius: of(self.face_radius),
-            lambda: of(self.lambda),
-            density: of(self.density),
-            push: of(self.push),
-            tension: of(self.tension),
-            normal: of(self.normal),
-            axial: of(self.axial),
-            torque: of(self.torque),
-            sliding: of(self.sliding),
-            flank_sliding: of(self.flank_sliding),
-            ring_sliding: of(self.ring_sliding),
-            penetration: of(self.penetration),
-            offset: of(self.offset),
-            lateral: self.lateral.map(of),
-            flow: of(self.flow),
-            speed: of(self.speed),
-            sheave_loss: of(self.sheave_loss),
-            ring_loss: of(self.ring_loss),
-            damping_loss: of(self.damping_loss),
-            kinetic: of(self.kinetic),
-            ring_elastic: of(self.ring_elastic),
-            outward: of(self.outward),
+        let mut cells = [Sample::default(); LANES];
+        macro_rules! hand {
+            ($($field:ident $([$k:literal])?),* $(,)?) => {$(
+                for (cell, x) in cells.iter_mut().zip(self.$field $([$k])?.to_array()) {
+                    cell.$field $([$k])? = x;
+                }
+            )*};
         }
+        hand! {
+            xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque,
+            sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, damping_loss,
+            kinetic, ring_elastic, outward,
+        }
+        cells
     }
 }
 

@@ -4,8 +4,8 @@
 //! from one to the next: contact, friction, push, flow. The others' derivatives are still good for Newton's method, which
 //! needs a direction and not a derivative. So each pack of cells remembers where it was differentiated, and what it was in.
 
-use super::assembly::{MOST, Unknowns};
 use super::cell::{CellLaw, STATIONS, Sample};
+use super::pack::{MOST, Unknowns};
 use crate::chain::CLOSING_SMOOTHING;
 use crate::contact::PENETRATION_SMOOTHING;
 use crate::scalar::{Lanes, Real};

@@ -1,6 +1,6 @@
 //! The variator as an implicit system: cells, pulleys and boundary conditions assembled, with the exact Jacobian.
 
-use super::assembly::{MOST, Pack, PulleySum, for_kind};
+use super::assembly::PulleySum;
 use super::boundary::{Boundary, Course, SheaveMode, SpeedMode};
 use super::cell::{CellLaw, SheavePlane};
 use super::evolution::Ledger;
@@ -8,6 +8,7 @@ use super::kept::Kept;
 use super::layout::{Global, Layout};
 use super::mesh::{BeltMesh, P, S};
 use super::order::{self, Order, Travelling};
+use super::pack::{MOST, Pack, for_kind};
 use super::parameters::{Parameters, Pulley, RIGID_TILT_STIFFNESS, RingModel};
 use super::ring::{FIXED, GUIDED, TURNING};
 use super::travelling::{CellSlopes, MeanTension, TravellingRing, with_ring};
