@@ -20,7 +20,8 @@ use pushbelt::ring::ancf::Ancf;
 use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::RingModel;
 use pushbelt::ring::rcm::Rcm;
-use pushbelt::ring::system::{RingSystem, State};
+use pushbelt::ring::system::RingSystem;
+use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -127,7 +128,7 @@ fn swing<M: RingModel>(model: M, arguments: &Arguments) -> Result<(), Box<dyn Er
     for k in 0..samples as usize {
         let t = k as f64 * step;
         integrator
-            .advance(&mut system, &mut state.y, &mut state.y_dot, &mut state.q, t, t + step)
+            .advance(&mut system, &mut state, t, t + step)
             .map_err(|stalled| format!("{stalled:?}"))?;
         let now = ovality(&system, &state);
         if k > 0 && before * now < 0.0 {

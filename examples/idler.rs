@@ -12,7 +12,8 @@ use pushbelt::ring::ancf::Ancf;
 use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::RingModel;
 use pushbelt::ring::rcm::Rcm;
-use pushbelt::ring::system::{RingSystem, State};
+use pushbelt::ring::system::RingSystem;
+use pushbelt::solver::State;
 use pushbelt::solver::sdirk::{Sdirk, Stalled};
 use std::error::Error;
 
@@ -60,7 +61,7 @@ fn advance<M: RingModel>(
     from: f64,
     to: f64,
 ) -> Result<(), Stalled> {
-    integrator.advance(system, &mut state.y, &mut state.y_dot, &mut state.q, from, to)
+    integrator.advance(system, state, from, to)
 }
 
 /// Runs a string through half the drive and prints how far it leaves its shape.

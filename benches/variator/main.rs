@@ -23,6 +23,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use common::{LoadCase, Manoeuvre, SPEED};
 use cpu_time::ThreadTime;
+use pushbelt::solver::State;
 use pushbelt::solver::System;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::newton::{Counts, Newton};
@@ -33,7 +34,7 @@ use pushbelt::variator::parameters::{Parameters, RingModel};
 use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::start::{Start, kinematic_state};
 use pushbelt::variator::steady::{SteadyTask, solve};
-use pushbelt::variator::system::{State, VariatorSystem};
+use pushbelt::variator::system::VariatorSystem;
 use serde_json::{Value, json};
 
 /// Points of the steady map.

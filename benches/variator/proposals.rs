@@ -2,6 +2,7 @@
 //! would take, and how many modes an overlay by proper orthogonal decomposition needs.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use pushbelt::solver::State;
 use pushbelt::solver::System;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::sdirk::GAMMA;
@@ -9,7 +10,7 @@ use pushbelt::variator::instance::Variator;
 use pushbelt::variator::layout::Global;
 use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::signals::Inputs;
-use pushbelt::variator::system::{State, VariatorSystem};
+use pushbelt::variator::system::VariatorSystem;
 use serde_json::json;
 
 use crate::common::{self, LoadCase, Manoeuvre};

@@ -9,7 +9,7 @@ use super::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
 use crate::solver::arrow::{Arrow, ArrowLu, Shape as MatrixShape, Singular};
 use crate::solver::sdirk::{Evolution, Sdirk, Stalled};
-use crate::solver::{System, View};
+use crate::solver::{State, System, View};
 use nalgebra::{DMatrix, SVector};
 use num_dual::{Derivative, DualSVec64};
 use std::f64::consts::TAU;
@@ -17,29 +17,6 @@ use std::f64::consts::TAU;
 /// Change of the shape that does not matter to Newton's method, in units of the length L. Thin rings leave no smaller
 /// one: rounding in the tension bends them by 1e-16·EA L²/EI.
 const NEWTON_ACCURACY: f64 = 1.0e-9;
-
-/// Rates, accelerations and positions in the order of the unknowns.
-#[derive(Clone, Debug, PartialEq)]
-pub struct State {
-    /// q̇.
-    pub y: Vec<f64>,
-    /// q̈.
-    pub y_dot: Vec<f64>,
-    /// q.
-    pub q: Vec<f64>,
-}
-
-impl State {
-    /// View for a residual.
-    #[must_use]
-    pub fn view(&self) -> View<'_> {
-        View {
-            y: &self.y,
-            y_dot: &self.y_dot,
-            q: &self.q,
-        }
-    }
-}
 
 /// A free ring.
 #[derive(Clone, Debug)]
@@ -113,15 +90,10 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     }
 
     fn at_rest(&self, theta: f64, lay: impl Fn(&M, &mut [f64])) -> State {
-        let zeros = vec![0.0; self.shape().len()];
-        let mut q = zeros.clone();
-        q[self.theta()] = theta;
-        lay(&self.model, &mut q);
-        State {
-            y: zeros.clone(),
-            y_dot: zeros,
-            q,
-        }
+        let mut state = State::zero(self.shape().len());
+        state.q[self.theta()] = theta;
+        lay(&self.model, &mut state.q);
+        state
     }
 
     /// Gives a ring the velocities v(ξ), m/s, in the sense of least squares: M q̇ = ∫m_r Pᵀv dξ.
@@ -176,7 +148,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
         system.tolerance = f64::INFINITY;
         let mut integrator = Sdirk::new(&system, step, step);
         for _ in 0..count {
-            integrator.advance(&mut system, &mut state.y, &mut state.y_dot, &mut state.q, 0.0, step)?;
+            integrator.advance(&mut system, state, 0.0, step)?;
             state.y.fill(0.0);
             state.y_dot.fill(0.0);
         }
@@ -392,6 +364,7 @@ mod tests {
     use crate::ring::ancf::Ancf;
     use crate::ring::mesh::RingMesh;
     use crate::ring::rcm::Rcm;
+    use crate::solver::differences::compare;
 
     fn jacobian_matches_differences<const D: usize, const N: usize>(model: impl RingModel<D, N>) {
         let mut system = RingSystem::new(model);
@@ -408,35 +381,19 @@ mod tests {
             state.y[i] = 3.0 * random();
             state.y_dot[i] = 100.0 * random();
         }
-        let (alpha, beta) = (300.0, 0.01);
-        let mut matrix = Arrow::new(system.shape());
-        system.jacobian(state.view(), alpha, beta, &mut matrix);
-        let (mut unit, mut column) = (vec![0.0; n], vec![0.0; n]);
-        for j in 0..n {
-            unit[j] = 1.0;
-            matrix.multiply(&unit, &mut column);
-            unit[j] = 0.0;
-            let h = 1.0e-4;
-            let mut shifted = |h: f64| {
-                let mut s = state.clone();
-                s.y[j] += h;
-                s.y_dot[j] += alpha * h;
-                s.q[j] += beta * h;
-                let mut r = vec![0.0; n];
-                system.residual(s.view(), &mut r);
-                r
-            };
-            let (plus, minus) = (shifted(h), shifted(-h));
-            let scale = column.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-            for i in 0..n {
-                let difference = (plus[i] - minus[i]) / (2.0 * h);
+        compare(
+            &mut system,
+            &state,
+            [300.0, 0.01],
+            |_| 1.0e-4,
+            |entry| {
                 assert!(
-                    (difference - column[i]).abs() < 1e-6 * scale,
-                    "row {i} column {j}: {} {difference}",
-                    column[i]
+                    (entry.difference - entry.exact).abs() < 1e-6 * entry.largest,
+                    "row {}: {entry:?}",
+                    entry.row
                 );
-            }
-        }
+            },
+        );
     }
 
     #[test]

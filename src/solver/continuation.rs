@@ -1,7 +1,7 @@
 //! Steady states by pseudo-transient continuation: implicit Euler whose step grows without bound.
 
 use super::newton::{Newton, Stage};
-use super::{System, View};
+use super::{State, System, View};
 
 /// Settings of [`settle`].
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ pub struct Trial<'a> {
     pub step: f64,
 }
 
-/// Drives (y, ẏ, q) to the steady state. `judge` sees each solved step, may correct the system (a control of the
+/// Drives a state to the steady one. `judge` sees each solved step, may correct the system (a control of the
 /// steady state), and answers with the longest step to try next, or with none to refuse the step as too large. After the last step
 /// comes another, which answers what `judge` corrected last.
 ///
@@ -45,14 +45,11 @@ pub struct Trial<'a> {
 pub fn settle<S: System>(
     system: &mut S,
     newton: &mut Newton,
-    y: &mut [f64],
-    y_dot: &mut [f64],
-    q: &mut [f64],
+    state: &mut State,
     settings: &Settling,
     mut judge: impl FnMut(&mut S, &Trial<'_>) -> Option<f64>,
 ) -> Result<Settled, Settled> {
-    let n = y.len();
-    let (mut trial, mut rate, mut place) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut trial = state.clone();
     let mut report = Settled {
         step: settings.first_step,
         ..Settled::default()
@@ -65,15 +62,14 @@ pub fn settle<S: System>(
         report.solves += 1;
         let before = newton.counts.residuals;
         let last = report.step >= settings.last_step;
-        trial.copy_from_slice(y);
-        place.copy_from_slice(q);
+        trial.copy_from(state);
         let mut stage = Stage {
             alpha: 1.0 / report.step,
-            base: y,
-            position: q,
-            y: &mut trial,
-            y_dot: &mut rate,
-            q: &mut place,
+            base: &state.y,
+            position: &state.q,
+            y: &mut trial.y,
+            y_dot: &mut trial.y_dot,
+            q: &mut trial.q,
         };
         let tolerance = if last { 1.0 } else { 100.0 };
         let outcome = newton.solve(system, &mut stage, tolerance, false);
@@ -81,21 +77,15 @@ pub fn settle<S: System>(
         match outcome {
             Ok(iterations) => {
                 let seen = Trial {
-                    before: View { y, y_dot, q },
-                    after: View {
-                        y: &trial,
-                        y_dot: &rate,
-                        q: &place,
-                    },
+                    before: state.view(),
+                    after: trial.view(),
                     step: report.step,
                 };
                 let Some(longest) = judge(system, &seen) else {
                     report.step *= 0.4;
                     continue;
                 };
-                y.copy_from_slice(&trial);
-                y_dot.copy_from_slice(&rate);
-                q.copy_from_slice(&place);
+                state.copy_from(&trial);
                 if settled && last {
                     return Ok(report);
                 }

@@ -5,6 +5,8 @@
 
 pub mod arrow;
 pub mod continuation;
+#[cfg(test)]
+pub(crate) mod differences;
 mod kernels;
 pub mod newton;
 pub mod sdirk;
@@ -20,6 +22,47 @@ pub struct View<'a> {
     pub y_dot: &'a [f64],
     /// Positions; entries of unknowns without a position are unused.
     pub q: &'a [f64],
+}
+
+/// A state: unknowns, their rates, and positions in the order of the unknowns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// y.
+    pub y: Vec<f64>,
+    /// ẏ.
+    pub y_dot: Vec<f64>,
+    /// q, with q̇ = y; entries of unknowns without a position are unused.
+    pub q: Vec<f64>,
+}
+
+impl State {
+    /// Zeros, for so many unknowns.
+    #[must_use]
+    pub fn zero(unknowns: usize) -> Self {
+        let zeros = vec![0.0; unknowns];
+        Self {
+            y: zeros.clone(),
+            y_dot: zeros.clone(),
+            q: zeros,
+        }
+    }
+
+    /// View for a residual.
+    #[must_use]
+    pub fn view(&self) -> View<'_> {
+        View {
+            y: &self.y,
+            y_dot: &self.y_dot,
+            q: &self.q,
+        }
+    }
+
+    /// Becomes a copy of `other`, without an allocation.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.y.copy_from_slice(&other.y);
+        self.y_dot.copy_from_slice(&other.y_dot);
+        self.q.copy_from_slice(&other.q);
+    }
 }
 
 /// An implicit system.

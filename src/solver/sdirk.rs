@@ -5,7 +5,7 @@
 //! c = 0 is the last one of the step before.
 
 use super::newton::{Newton, Stage};
-use super::{System, View};
+use super::{State, System, View};
 use crate::tape::Tape;
 
 /// γ = 1 − 1/√2.
@@ -59,7 +59,7 @@ pub struct Sdirk {
     pub newton_tolerance: f64,
     /// Size of the step whose stages are kept; none after an attempt that failed, s.
     kept: Option<f64>,
-    stages: [Buffers; 2],
+    stages: [State; 2],
     /// ẏ at the end of the last step, before loads jumped: what the first stage is guessed with. A sheave follows its force in less than a
     /// step, so its jump would lead far off.
     slope: Vec<f64>,
@@ -67,13 +67,6 @@ pub struct Sdirk {
     position: Vec<f64>,
     y_error: Vec<f64>,
     q_error: Vec<f64>,
-}
-
-#[derive(Clone, Debug)]
-struct Buffers {
-    y: Vec<f64>,
-    y_dot: Vec<f64>,
-    q: Vec<f64>,
 }
 
 /// Smallest step, s.
@@ -91,18 +84,13 @@ impl Sdirk {
     #[must_use]
     pub fn new(system: &impl System, first_step: f64, max_step: f64) -> Self {
         let n = system.shape().len();
-        let buffers = || Buffers {
-            y: vec![0.0; n],
-            y_dot: vec![0.0; n],
-            q: vec![0.0; n],
-        };
         Self {
             newton: Newton::new(system),
             step: first_step,
             max_step,
             newton_tolerance: 1.0,
             kept: None,
-            stages: [buffers(), buffers()],
+            stages: [State::zero(n), State::zero(n)],
             slope: vec![0.0; n],
             base: vec![0.0; n],
             position: vec![0.0; n],
@@ -176,24 +164,17 @@ impl Sdirk {
         };
         weigh(&mut self.y_error, [y_dot, &first.y_dot, &second.y_dot]);
         weigh(&mut self.q_error, [y, &first.y, &second.y]);
-        let view = View {
-            y: &second.y,
-            y_dot: &second.y_dot,
-            q: &second.q,
-        };
-        Some(system.error_norm(view, &self.y_error, &self.q_error))
+        Some(system.error_norm(second.view(), &self.y_error, &self.q_error))
     }
 
-    /// Advances (y, ẏ, q) from `time` to exactly `to`.
+    /// Advances a state from `time` to exactly `to`.
     ///
     /// # Errors
     /// The step size fell below 0.1 ns; the state is that of the last accepted step, whose time the error tells.
     pub fn advance<S: Evolution>(
         &mut self,
         system: &mut S,
-        y: &mut [f64],
-        y_dot: &mut [f64],
-        q: &mut [f64],
+        state: &mut State,
         time: f64,
         to: f64,
     ) -> Result<(), Stalled> {
@@ -201,25 +182,18 @@ impl Sdirk {
         let mut done = 0.0;
         while done < span {
             let rest = span - done;
-            let longest = self.max_step.min(system.longest_step(View { y, y_dot, q }));
+            let longest = self.max_step.min(system.longest_step(state.view()));
             let preferred = self.step.min(longest);
             // Whole steps to the end: never a sliver.
             let h = rest / (rest / preferred * (1.0 - 1e-9)).ceil().max(1.0);
             let last = h >= rest;
-            let outcome = self.attempt(system, View { y, y_dot, q }, time + done, h);
+            let outcome = self.attempt(system, state.view(), time + done, h);
             match outcome {
                 Some(error) if error <= 1.0 => {
                     let end = &self.stages[1];
-                    let after = View {
-                        y: &end.y,
-                        y_dot: &end.y_dot,
-                        q: &end.q,
-                    };
-                    system.accumulate(View { y, y_dot, q }, after, h);
-                    y.copy_from_slice(&end.y);
-                    y_dot.copy_from_slice(&end.y_dot);
+                    system.accumulate(state.view(), end.view(), h);
+                    state.copy_from(end);
                     self.slope.copy_from_slice(&end.y_dot);
-                    q.copy_from_slice(&end.q);
                     self.newton.counts.steps += 1;
                     // Slopes over less than this differ by rounding only.
                     self.kept = (h >= MIN_STEP).then_some(h);

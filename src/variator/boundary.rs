@@ -167,6 +167,13 @@ impl VariatorSystem {
         self.boundary = boundary;
     }
 
+    /// Clamping force under which a sheave stands still, N: the belt's `axial` force on it, less what an end stop gives.
+    #[must_use]
+    pub fn holding_force(&self, j: usize, view: View<'_>, axial: f64) -> f64 {
+        let z = self.layout.global(Global::Sheave, j);
+        axial - self.travel[j].stop_force(view.q[z], view.y[z]).force
+    }
+
     fn balanced_factor(&self, view: View<'_>) -> f64 {
         let omega = |j| view.y[self.layout.global(Global::Speed, j)];
         let primary = self.pulley(P).inertia * omega(P);

@@ -8,8 +8,9 @@ use super::parameters::{Axial, Drive, Parameters, RingModel};
 use super::signals::{Inputs, Outputs, PulleyInputs};
 use super::start::{Start, kinematic_state};
 use super::steady::{self, SteadyTask};
-use super::system::{State, VariatorSystem};
+use super::system::VariatorSystem;
 use super::validation::ParameterError;
+use crate::solver::State;
 use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
@@ -153,11 +154,7 @@ impl Variator {
         Ok(Self {
             parameters,
             integrator,
-            state: State {
-                y: vec![0.0; n],
-                y_dot: vec![0.0; n],
-                q: vec![0.0; n],
-            },
+            state: State::zero(n),
             system,
             time: 0.0,
             ramp_end: f64::NEG_INFINITY,
@@ -352,7 +349,9 @@ impl Variator {
             }
         }
         self.integrator.step = WARM_STEP;
-        let reaction = self.system.belt_load(P).0;
+        let reaction = self
+            .system
+            .holding_force(P, self.state.view(), self.system.belt_load(P).0);
         if equilibrium {
             let at_ratio = self.state.clone();
             let range = self.ratio_range();
@@ -504,8 +503,9 @@ impl Variator {
                 to
             };
             self.apply();
-            let State { y, y_dot, q } = &mut self.state;
-            let outcome = self.integrator.advance(&mut self.system, y, y_dot, q, self.time, end);
+            let outcome = self
+                .integrator
+                .advance(&mut self.system, &mut self.state, self.time, end);
             if let Err(stalled) = outcome {
                 self.time = stalled.time;
                 self.system.move_loads(self.time);

@@ -6,7 +6,7 @@
 //! first pass of an element.
 
 use super::layout::Global;
-use super::system::{State, VariatorSystem};
+use super::system::VariatorSystem;
 use super::travelling::with_ring;
 use crate::reference_curve::ReferenceCurve;
 use crate::ring::ale_ring::AleRing;
@@ -14,6 +14,7 @@ use crate::ring::kinematics::Motion;
 use crate::ring::mesh::{RingMesh, gauss};
 use crate::ring::model::{Coordinates, NODAL, RingModel};
 use crate::ring::particle::Particle;
+use crate::solver::State;
 use std::f64::consts::{PI, TAU};
 
 /// Half the time over which the unknowns of the ring are differentiated, s: it moves by a micrometre.
@@ -24,11 +25,7 @@ impl VariatorSystem {
     #[must_use]
     pub fn lay_on(&self, ale: &VariatorSystem, state: &State) -> State {
         let n = self.layout.len();
-        let mut out = State {
-            y: vec![0.0; n],
-            y_dot: vec![0.0; n],
-            q: vec![0.0; n],
-        };
+        let mut out = State::zero(n);
         for cell in 0..self.mesh.cells.len() {
             out.y[self.layout.speed(cell)] = state.y[ale.layout.speed(cell)];
             out.y[self.layout.amount(cell)] = state.y[ale.layout.amount(cell)];

@@ -18,8 +18,9 @@ use super::mesh::{P, S};
 use super::observe::{Context, Observer};
 use super::parameters::{Axial, Drive, Parameters, SPEED_LAG};
 use super::signals::{Inputs, Outputs};
-use super::system::{State, VariatorSystem};
+use super::system::VariatorSystem;
 use super::validation::ParameterError;
+use crate::solver::State;
 use crate::solver::System;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 

@@ -7,10 +7,11 @@ use super::layout::Global;
 use super::mesh::{BeltMesh, Element};
 use super::parameters::{Mesh, Parameters};
 use super::ring::TURNING;
-use super::system::{State, VariatorSystem};
+use super::system::VariatorSystem;
 use crate::reference_curve::{ReferenceCurve, TwoPulleyFrame};
 use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::find;
+use crate::solver::State;
 use nalgebra::{Vector2, Vector3};
 
 /// Fewest elements of an arc and of a strand on a coarse mesh.

@@ -4,8 +4,9 @@
 
 use super::layout::Global;
 use super::mesh::{Cell, P, S, Station};
-use super::system::{State, VariatorSystem};
+use super::system::VariatorSystem;
 use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
+use crate::solver::State;
 use std::f64::consts::TAU;
 
 /// What the start state is built for.
@@ -25,12 +26,7 @@ pub struct Start {
 /// The belt does not close at this ratio.
 pub fn kinematic_state(system: &VariatorSystem, start: &Start) -> Result<State, GeometryError> {
     let layout = system.layout;
-    let n = layout.len();
-    let mut state = State {
-        y: vec![0.0; n],
-        y_dot: vec![0.0; n],
-        q: vec![0.0; n],
-    };
+    let mut state = State::zero(layout.len());
     let parameters = &system.law.parameters;
     let e = parameters.belt.pitch_offset;
     let (reference_ratio, radii) = radii_at_pitch_ratio(&system.curve, e, start.ratio)?;

@@ -10,8 +10,9 @@ use super::mesh::{P, S};
 use super::parameters::Parameters;
 use super::refine::{coarser, prolong};
 use super::start::{Start, kinematic_state};
-use super::system::{State, VariatorSystem};
+use super::system::VariatorSystem;
 use crate::reference_curve::ratio_of_theta;
+use crate::solver::State;
 use crate::solver::View;
 use crate::solver::continuation::{Settled, Settling, Trial, settle};
 use crate::solver::newton::Newton;
@@ -149,7 +150,8 @@ fn solve_from(
     let reaction = task.reaction;
     let mut clamping = task.clamping;
     if task.warm {
-        clamping[reaction] = system.surveyed(state.view()).sums.axial[reaction];
+        let axial = system.surveyed(state.view()).sums.axial[reaction];
+        clamping[reaction] = system.holding_force(reaction, state.view(), axial);
     }
     let mut theta = state.q[theta_index];
     // Until the belt grips, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to the
@@ -180,7 +182,6 @@ fn solve_from(
     let sharp = system.law.parameters.friction.velocity;
     system.law.parameters.friction.velocity = velocity;
     system.inertia_factor = PSEUDO_INERTIA;
-    let State { y, y_dot, q } = state;
     let judge = |system: &mut VariatorSystem, trial: &Trial<'_>| {
         for j in [S, P] {
             let i = layout.global(Global::Speed, j);
@@ -194,8 +195,8 @@ fn solve_from(
         }
         // Slower than the belt settles, or the two integrators would swing up against it.
         let gain = |time: f64| (trial.step / time).min(1.0);
-        let axial = system.belt_load(reaction).0;
-        clamping[reaction] += (axial - clamping[reaction]) * gain(FORCE_TIME);
+        let holding = system.holding_force(reaction, trial.after, system.belt_load(reaction).0);
+        clamping[reaction] += (holding - clamping[reaction]) * gain(FORCE_TIME);
         let present = geometric_ratio(system, trial.after);
         theta += (ratio_of_theta(task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
@@ -211,7 +212,7 @@ fn solve_from(
         }
         Some(SOFT_STEP)
     };
-    let outcome = settle(system, newton, y, y_dot, q, &settings, judge);
+    let outcome = settle(system, newton, state, &settings, judge);
     system.law.parameters.friction.velocity = sharp;
     system.inertia_factor = 1.0;
     outcome
@@ -232,10 +233,16 @@ pub fn solve_equilibrium(
 ) -> Result<f64, Settled> {
     let reaction = task.reaction;
     let wanted = task.clamping[reaction].max(1.0);
-    let defect = |system: &VariatorSystem| (wanted / system.belt_load(reaction).0.max(1.0)).ln();
+    let defect = |system: &VariatorSystem, state: &State| {
+        (wanted
+            / system
+                .holding_force(reaction, state.view(), system.belt_load(reaction).0)
+                .max(1.0))
+        .ln()
+    };
     let (lowest, highest) = (range.0.ln(), range.1.ln());
     let mut x = task.ratio.ln();
-    let mut f = defect(system);
+    let mut f = defect(system, state);
     // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
     let mut slope = if reaction == P { 0.5 } else { -0.5 };
     let mut longest = LARGEST_RATIO_STEP;
@@ -262,7 +269,7 @@ pub fn solve_equilibrium(
             continue;
         }
         near.clone_from(state);
-        let reached = defect(system);
+        let reached = defect(system, state);
         let secant = (reached - f) / (next - x);
         if secant * slope > 0.0 {
             slope = secant;

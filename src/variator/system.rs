@@ -19,29 +19,6 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::{System, View};
 use std::sync::Arc;
 
-/// The whole dynamic state: unknowns, their rates, positions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct State {
-    /// Unknowns y in the order of [`Layout`].
-    pub y: Vec<f64>,
-    /// Rates ẏ.
-    pub y_dot: Vec<f64>,
-    /// Positions q with q̇ = y.
-    pub q: Vec<f64>,
-}
-
-impl State {
-    /// View for a residual.
-    #[must_use]
-    pub fn view(&self) -> View<'_> {
-        View {
-            y: &self.y,
-            y_dot: &self.y_dot,
-            q: &self.q,
-        }
-    }
-}
-
 /// The assembled variator.
 #[derive(Clone, Debug)]
 pub struct VariatorSystem {
@@ -398,6 +375,8 @@ mod tests {
     use super::super::start::{Start, kinematic_state};
     use super::*;
     use crate::noise::noise;
+    use crate::solver::State;
+    use crate::solver::differences::compare;
 
     /// A small variator with this ring, in the plane, on the aligned mesh.
     fn small(ring_model: RingModel) -> Parameters {
@@ -460,48 +439,30 @@ mod tests {
     /// The same with steps of this share of what does not matter.
     fn check_jacobian_by(parameters: &Parameters, speed: f64, step: f64) {
         let (mut system, state) = disturbed(parameters, speed);
-        let n = state.y.len();
         let (alpha, beta) = (1.0e4, 1.0e-4);
-        let mut size = vec![0.0; n];
+        let mut size = vec![0.0; state.y.len()];
         system.newton_scale(beta, &mut size);
-        let mut matrix = Arrow::new(system.shape());
-        let mut residual = vec![0.0; n];
-        system.residual(state.view(), &mut residual);
-        system.jacobian(state.view(), alpha, beta, &mut matrix);
-        let mut unit = vec![0.0; n];
-        let mut column = vec![0.0; n];
-        for j in 0..n {
-            unit[j] = 1.0;
-            matrix.multiply(&unit, &mut column);
-            unit[j] = 0.0;
-            // Strains of a ring that travels are differences of places: EA·ε of rounding in each force.
-            let coarse = system.layout.travelling.is_some_and(|t| {
-                let first = system.layout.node(0, 0);
-                let length = |k: usize| system.travelling.as_ref().is_some_and(|ring| ring.is_length(k));
-                (first..first + t.nodes * t.block).contains(&j) && length((j - first) % t.block)
-            });
-            let h = size[j] * if coarse { 2.0 } else { step };
-            let mut shifted = |h: f64| {
-                let mut s = state.clone();
-                s.y[j] += h;
-                s.y_dot[j] += alpha * h;
-                s.q[j] += beta * h;
-                let mut r = vec![0.0; n];
-                system.residual(s.view(), &mut r);
-                r
-            };
-            let (plus, minus, plus2, minus2) = (shifted(h), shifted(-h), shifted(2.0 * h), shifted(-2.0 * h));
-            let scale = column.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-            for i in 0..n {
-                let difference = (8.0 * (plus[i] - minus[i]) - plus2[i] + minus2[i]) / (12.0 * h);
-                let noise = 1e-15 * (plus[i].abs() + 1e3) / h;
-                assert!(
-                    (difference - column[i]).abs() < 2e-4 * column[i].abs() + 2e-7 * scale + 20.0 * noise,
-                    "row {i} column {j}: {} against {difference} (scale {scale}, speed {speed})",
-                    column[i]
-                );
-            }
-        }
+        // Strains of a ring that travels are differences of places: EA·ε of rounding in each force.
+        let layout = system.layout;
+        let coarse: Vec<bool> = (0..size.len())
+            .map(|i| {
+                layout.travelling.is_some_and(|t| {
+                    let first = layout.node(0, 0);
+                    let length = |k: usize| system.travelling.as_ref().is_some_and(|ring| ring.is_length(k));
+                    (first..first + t.nodes * t.block).contains(&i) && length((i - first) % t.block)
+                })
+            })
+            .collect();
+        let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
+        compare(&mut system, &state, [alpha, beta], h, |entry| {
+            let noise = 1e-15 * (entry.rounded + 1e3 / h(entry.column));
+            let allowed = 2e-4 * entry.exact.abs() + 2e-7 * entry.largest + 20.0 * noise;
+            assert!(
+                (entry.difference - entry.exact).abs() < allowed,
+                "{speed} rad/s, row {}: {entry:?}",
+                entry.row
+            );
+        });
     }
 
     /// The derivatives by hand are those that forward differentiation finds, to rounding.

@@ -1,6 +1,7 @@
 //! What the variator's tests share: load cases, steady solutions, fields along the belt, runs with their books.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::cell::Sample;
@@ -12,7 +13,7 @@ use pushbelt::variator::parameters::{Mesh, Parameters, RIGID_TILT_STIFFNESS, Rin
 use pushbelt::variator::signals::{Inputs, Outputs, PulleyInputs, PulleyOutputs};
 use pushbelt::variator::start::{Start, kinematic_state};
 use pushbelt::variator::steady::{self, SteadyTask};
-use pushbelt::variator::system::{State, VariatorSystem};
+use pushbelt::variator::system::VariatorSystem;
 
 /// 2000 rpm, rad/s.
 pub const SPEED: f64 = 209.44;

@@ -9,7 +9,8 @@ use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::RingModel;
 use pushbelt::ring::particle::Particle;
-use pushbelt::ring::system::{RingSystem, State};
+use pushbelt::ring::system::RingSystem;
+use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
 use std::f64::consts::TAU;
 

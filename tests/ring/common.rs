@@ -8,7 +8,8 @@ use pushbelt::ring::ancf::Ancf;
 use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::RingModel;
 use pushbelt::ring::rcm::Rcm;
-use pushbelt::ring::system::{RingSystem, State};
+use pushbelt::ring::system::RingSystem;
+use pushbelt::solver::State;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt::solver::{System, View};
@@ -218,7 +219,7 @@ pub fn run<M: RingModel<D, N>, const D: usize, const N: usize>(
     to: f64,
 ) {
     integrator
-        .advance(system, &mut state.y, &mut state.y_dot, &mut state.q, from, to)
+        .advance(system, state, from, to)
         .expect("the free ring can be integrated");
 }
 

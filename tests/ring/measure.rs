@@ -7,7 +7,8 @@ use pushbelt::ring::Ring;
 use pushbelt::ring::ale_ring::AleRing;
 use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::{Energy, RingModel};
-use pushbelt::ring::system::{RingSystem, State};
+use pushbelt::ring::system::RingSystem;
+use pushbelt::solver::State;
 use pushbelt::solver::View;
 use pushbelt::solver::newton::Counts;
 use pushbelt::solver::sdirk::Sdirk;
@@ -206,8 +207,7 @@ pub fn record<M: RingModel>(
     let mut samples = vec![sample(system, &state, 0.0)];
     for k in 0..count {
         let (from, to) = (k as f64 * step, (k + 1) as f64 * step);
-        let State { y, y_dot, q } = &mut state;
-        if integrator.advance(system, y, y_dot, q, from, to).is_err() || state.q[system.theta()].abs() > limit {
+        if integrator.advance(system, &mut state, from, to).is_err() || state.q[system.theta()].abs() > limit {
             break;
         }
         samples.push(sample(system, &state, to));

@@ -9,7 +9,8 @@ use pushbelt::ring::ale_ring::{AleRing, Directions};
 use pushbelt::ring::kinematics::Motion;
 use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::RingModel;
-use pushbelt::ring::system::{RingSystem, State};
+use pushbelt::ring::system::RingSystem;
+use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
 use std::f64::consts::{PI, TAU};
 
