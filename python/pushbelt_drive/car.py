@@ -7,10 +7,12 @@ communication point; the mean clutch torque over the communication step goes to 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-import numpy as np
 from pushbelt_demo.data import published_data
+
+from .piecewise import clip, interpolate
 
 GRAVITY = 9.81
 AIR_DENSITY = 1.2
@@ -56,7 +58,7 @@ class Car:
     def road_load(self, speed: float) -> float:
         """Air drag and rolling resistance against a speed in m/s, N; the latter fades out below 0.1 m/s."""
         air = 0.5 * AIR_DENSITY * self.drag_area * speed * abs(speed)
-        return air + self.mass * GRAVITY * self.rolling_resistance * float(np.tanh(speed / 0.1))
+        return air + self.mass * GRAVITY * self.rolling_resistance * math.tanh(speed / 0.1)
 
     def brake_force(self, demand: float, speed: float, step: float) -> float:
         """Force of the brakes, N, for a demand in N; near standstill proportional to speed, so that it holds the car.
@@ -64,22 +66,22 @@ class Car:
         The slope is at most half of what a communication step would let ring.
         """
         width = max(0.05, 2.0 * demand * step / self.mass)
-        return min(demand, self.max_brake) * float(np.clip(speed / width, -1.0, 1.0))
+        return min(demand, self.max_brake) * clip(speed / width, -1.0, 1.0)
 
     def full_load(self, speed: float) -> float:
         """Largest torque of the engine at a speed in rad/s, N·m."""
         if speed >= self.max_speed:
             return self.drag_torque(speed)
-        low_end = self.max_torque * float(np.interp(speed, [0.5 * self.idle_speed, 2.2 * self.idle_speed], [0.5, 1.0]))
+        low_end = self.max_torque * interpolate(speed, (0.5 * self.idle_speed, 2.2 * self.idle_speed), (0.5, 1.0))
         return min(low_end, self.max_power / max(speed, 1.0))
 
     def drag_torque(self, speed: float) -> float:
         """Torque of the engine with no fuel, negative, N·m."""
-        return -(8.0 + 0.02 * speed) * float(np.clip(speed / 20.0, 0.0, 1.0))
+        return -(8.0 + 0.02 * speed) * clip(speed / 20.0, 0.0, 1.0)
 
     def engine_speed_for(self, power: float) -> float:
         """Speed on the line of low consumption at a power in W, rad/s: about 110 N·m, at least 1250 rpm."""
-        return float(np.clip(power / 110.0, 131.0, 0.9 * self.max_speed))
+        return clip(power / 110.0, 131.0, 0.9 * self.max_speed)
 
 
 def demo_car() -> Car:
@@ -147,7 +149,7 @@ class Powertrain:
         impulse = self.clutch_loss = self.engine_work = 0.0
         for _ in range(count):
             idle = 2.0 * (car.idle_speed - self.speed)
-            wanted = float(np.clip(max(demand, idle), car.drag_torque(self.speed), car.full_load(self.speed)))
+            wanted = clip(max(demand, idle), car.drag_torque(self.speed), car.full_load(self.speed))
             self.torque += (wanted - self.torque) * dt / self.TORQUE_LAG
             clutch = self._clutch_torque(pulley)
             before = self.speed
@@ -174,6 +176,6 @@ class Powertrain:
         inertia = self.car.engine_inertia
         if self.locked:
             torque = self.torque - inertia * self._acceleration + inertia / self.SYNCHRONISATION * difference
-            return float(np.clip(torque, -self.CLUTCH_LIMIT, self.CLUTCH_LIMIT))
+            return clip(torque, -self.CLUTCH_LIMIT, self.CLUTCH_LIMIT)
         above_idle = max(max(self.speed, pulley) - self.car.idle_speed - 5.0, 0.0)
-        return min(0.02 * above_idle**2, self.CLUTCH_LIMIT) * float(np.tanh(difference / 3.0))
+        return min(0.02 * above_idle**2, self.CLUTCH_LIMIT) * math.tanh(difference / 3.0)

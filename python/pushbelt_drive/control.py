@@ -10,8 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-
+from .piecewise import clip
 from .thrust_map import ThrustMap
 
 
@@ -175,7 +174,7 @@ class SlipControl:
         low = max(self.LOW, utilisation / stable)
         if not overruled and (factor > low or error > 0.0) and (factor < self.HIGH or error < 0.0):
             self._integral += step * self.INTEGRAL * error
-        return float(np.clip(factor, low, self.HIGH)) * feed_forward
+        return clip(factor, low, self.HIGH) * feed_forward
 
 
 class RatioControl:
@@ -220,7 +219,7 @@ class RatioControl:
     def forces(self, target: float, measured: Measured, secondary: float, step: float) -> tuple[float, float]:
         """Primary and secondary clamping force, N, for a target ratio and a secondary force that carries the torque."""
         low, high = self.limits
-        secondary = float(np.clip(secondary, low, high))
+        secondary = clip(secondary, low, high)
         ratio_log = math.log(measured.ratio)
         last = ratio_log if self._last is None else self._last
         self._shift_speed += step / (self.FILTER + step) * ((ratio_log - last) / step - self._shift_speed)
@@ -232,7 +231,7 @@ class RatioControl:
                 primary, secondary = low, self._secondary_for(low, 0.0, measured, secondary)
             return min(primary, high), secondary
         wanted = self.APPROACH * (math.log(target) - ratio_log)
-        wanted = float(np.clip(wanted, -self.FASTEST, self.FASTEST))
+        wanted = clip(wanted, -self.FASTEST, self.FASTEST)
         error = wanted - self._shift_speed
         per_speed = self._force_per_shift_speed(wanted, measured, secondary)
         correction = per_speed * self.PROPORTIONAL * error + self._integral

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from pushbelt_demo.geometry import Array
+
+from .piecewise import interpolate
 
 PARTS = {"low": (0, 589), "medium": (589, 1022), "high": (1022, 1477), "extra high": (1477, 1800)}
 """Parts of the cycle, s."""
@@ -31,9 +34,13 @@ class Cycle:
         """m."""
         return float(np.trapezoid(self.speed, self.time))
 
+    @cached_property
+    def _points(self) -> tuple[list[float], list[float]]:
+        return self.time.tolist(), self.speed.tolist()
+
     def at(self, time: float) -> float:
         """Speed at a time, m/s; before the start and after the end that of the nearest point."""
-        return float(np.interp(time, self.time, self.speed))
+        return interpolate(time, *self._points)
 
     def section(self, start: float, stop: float) -> Cycle:
         """A part of it, with time from 0 on.

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from .car import Car
 from .cycle import Cycle
+from .piecewise import clip
 
 
 @dataclass(frozen=True)
@@ -53,5 +52,5 @@ class Driver:
         limit = car.mass * 4.0
         if abs(force) < limit and wanted > 0.0:
             self._integral += step * self.INTEGRAL * error
-        force = float(np.clip(force, -limit, limit))
+        force = clip(force, -limit, limit)
         return Demand(force, max(force, 0.0) * max(wanted, speed, 1.0), False)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-import numpy as np
+from .piecewise import clip
 
 
 @dataclass
@@ -43,14 +44,14 @@ class PressureCircuit:
 
     def advance(self, demand: float, step: float) -> float:
         """Advances by a communication step towards a clamping force, N; returns the mean force over it, N."""
-        wanted = float(np.clip(demand / self.area, self.lowest, self.highest))
+        wanted = clip(demand / self.area, self.lowest, self.highest)
         count = max(round(step / self.substep), 1)
         dt = step / count
+        # Exact for a demand that is held, so that it doesn't ring however short the lag is.
+        share, most = -math.expm1(-dt / self.lag), self.rate * dt
         impulse = 0.0
         for _ in range(count):
             before = self.pressure
-            # Exact for a demand that is held, so that it doesn't ring however short the lag is.
-            change = (wanted - self.pressure) * -np.expm1(-dt / self.lag)
-            self.pressure += float(np.clip(change, -self.rate * dt, self.rate * dt))
+            self.pressure += clip((wanted - before) * share, -most, most)
             impulse += 0.5 * dt * (before + self.pressure)
         return self.area * impulse / step

@@ -8,12 +8,18 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from operator import mul
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from pushbelt_demo.data import torque_capacity
 from pushbelt_demo.geometry import Array
 from pushbelt_demo.unit import Archive, UnitError, Variator
+
+from .piecewise import clip, interpolate, interval
 
 RATIOS = (0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2)
 UTILISATIONS = (-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.8, 0.9, 0.97)
@@ -35,6 +41,27 @@ SHIFT_TIME, SHIFT_STEP, SHIFT_REACH = 0.1, 0.005, 0.05
 Parameters = Mapping[str, float]
 
 
+class _Plain(NamedTuple):
+    """The tables of a map as plain numbers."""
+
+    ratios: list[float]
+    utilisations: list[float]
+    thrust: list[list[float]]
+    slips: list[list[float]]
+    excesses: list[float]
+    shift_rates: list[list[list[float]]]
+
+
+def _falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
+    """Utilisations up to the last steady state, and the steepest −dκ/du up to each of them, of a row of a map."""
+    # Where there is no steady state its neighbour was filled in: there slip stands still.
+    steady = 1 + int(np.sum(np.diff(slips) > STILL))
+    slopes = np.diff(thrust[:steady]) / np.diff(places[:steady])
+    middles = 0.5 * (places[: steady - 1] + places[1:steady])
+    falls = np.maximum.accumulate(-np.append(slopes, slopes[-1]))
+    return np.append(middles, places[steady - 1]).tolist(), falls.tolist()
+
+
 @dataclass(frozen=True)
 class ThrustMap:
     """Steady states over ratio × torque utilisation; between the points bilinear, beyond them constant."""
@@ -53,59 +80,67 @@ class ThrustMap:
     """R of d(ln i)/dt = −ω_P F_S R(ε) at the utilisations `SHIFT_UTILISATIONS`, 1/(N·rad), shape (m, 2, k), ascending along
     ε, 0 at ε = 0."""
 
+    @cached_property
+    def _plain(self) -> _Plain:
+        fields = (self.ratios, self.utilisations, self.thrust, self.slips, self.excesses, self.shift_rates)
+        return _Plain(*(field.tolist() for field in fields))
+
+    @cached_property
+    def _falls(self) -> list[tuple[list[float], list[float]]]:
+        """At each ratio utilisations, driving, and the steepest −dκ/du up to there."""
+        driving = self.utilisations >= 0.0
+        rows = zip(self.thrust[:, driving], self.slips[:, driving], strict=True)
+        return [_falls(self.utilisations[driving], *row) for row in rows]
+
     def excess(self, ratio: float, utilisation: float, rate: float) -> float:
         """ε that shifts at a rate R, 1/(N·rad); linear between the points, constant beyond them."""
-        return float(np.interp(rate, self._rates(ratio, utilisation), self.excesses))
+        return interpolate(rate, self._rates(ratio, utilisation), self._plain.excesses)
 
     def shift_gain(self, ratio: float, utilisation: float, excess: float = 0.0) -> float:
         """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad): the steepest R within ±`NEARBY` of it."""
-        slopes = np.diff(self._rates(ratio, utilisation)) / np.diff(self.excesses)
-        near = (self.excesses[1:] > excess - NEARBY) & (self.excesses[:-1] < excess + NEARBY)
-        middle = np.clip(0.5 * (self.excesses[1:] + self.excesses[:-1]), excess - NEARBY, excess + NEARBY)
-        # F_P = κ F_S exp ε
-        return float((slopes / np.exp(middle))[near].max()) / self.thrust_ratio(ratio, utilisation)
+        low, high = excess - NEARBY, excess + NEARBY
+        points = list(zip(self._plain.excesses, self._rates(ratio, utilisation), strict=True))
+        steepest = max(
+            # F_P = κ F_S exp ε
+            (rate - rate_before) / (end - start) / math.exp(clip(0.5 * (start + end), low, high))
+            for (start, rate_before), (end, rate) in pairwise(points)
+            if end > low and start < high
+        )
+        return steepest / self.thrust_ratio(ratio, utilisation)
 
-    def _rates(self, ratio: float, utilisation: float) -> Array:
-        """R at the excesses, shape (k,)."""
-        m, p = _place(self.ratios, ratio)
-        n, q = _place(SHIFT_UTILISATIONS, utilisation)
-        rows = (1.0 - p) * self.shift_rates[m] + p * self.shift_rates[m + 1]
-        return (1.0 - q) * rows[n] + q * rows[n + 1]
+    def _rates(self, ratio: float, utilisation: float) -> list[float]:
+        """R at the excesses, of length k."""
+        m, p = interval(self._plain.ratios, ratio)
+        n, q = interval(SHIFT_UTILISATIONS, utilisation)
+        (a, b), (c, d) = self._plain.shift_rates[m][n : n + 2], self._plain.shift_rates[m + 1][n : n + 2]
+        shares = (1.0 - p) * (1.0 - q), (1.0 - p) * q, p * (1.0 - q), p * q
+        return [sum(map(mul, shares, corners)) for corners in zip(a, b, c, d, strict=True)]
 
     def stable_utilisation(self, ratio: float, flywheel: float) -> float:
-        """Largest torque utilisation, driving, that has a steady state and at which −dκ/du · `flywheel` stays below 1.
+        """Largest torque utilisation, driving, that has a steady state and at which −dκ/du · `flywheel` ≥ 0 stays below 1.
 
         The thrust ratio falls towards capacity. Its slopes count at the middle of their intervals, linear in between.
         """
-        m, p = _place(self.ratios, ratio)
-        low, high = (self._stable(row, flywheel) for row in (m, m + 1))
+        m, p = interval(self._plain.ratios, ratio)
+        low, high = (
+            interpolate(1.0, [flywheel * fall for fall in falls], places)
+            for places, falls in self._falls[m : m + 2]
+        )
         return (1.0 - p) * low + p * high
-
-    def _stable(self, row: int, flywheel: float) -> float:
-        """The same at a ratio of the map."""
-        driving = self.utilisations >= 0.0
-        places, slips = self.utilisations[driving], self.slips[row, driving]
-        # Where there is no steady state its neighbour was filled in: there slip stands still.
-        steady = 1 + int(np.sum(np.diff(slips) > STILL))
-        slopes = np.diff(self.thrust[row, driving][:steady]) / np.diff(places[:steady])
-        middles = 0.5 * (places[: steady - 1] + places[1:steady])
-        falls = np.maximum.accumulate(-flywheel * np.append(slopes, slopes[-1]))
-        return float(np.interp(1.0, falls, np.append(middles, places[steady - 1])))
 
     def thrust_ratio(self, ratio: float, utilisation: float) -> float:
         """Thrust ratio that holds a ratio."""
-        return self._at(self.thrust, ratio, utilisation)
+        return self._at(self._plain.thrust, ratio, utilisation)
 
     def slip(self, ratio: float, utilisation: float) -> float:
         """Slip in the steady state."""
-        return self._at(self.slips, ratio, utilisation)
+        return self._at(self._plain.slips, ratio, utilisation)
 
-    def _at(self, table: Array, ratio: float, utilisation: float) -> float:
-        m, p = _place(self.ratios, ratio)
-        n, q = _place(self.utilisations, utilisation)
-        low = (1.0 - q) * table[m, n] + q * table[m, n + 1]
-        high = (1.0 - q) * table[m + 1, n] + q * table[m + 1, n + 1]
-        return float((1.0 - p) * low + p * high)
+    def _at(self, table: Sequence[Sequence[float]], ratio: float, utilisation: float) -> float:
+        m, p = interval(self._plain.ratios, ratio)
+        n, q = interval(self._plain.utilisations, utilisation)
+        low, high = ((1.0 - q) * row[n] + q * row[n + 1] for row in table[m : m + 2])
+        return (1.0 - p) * low + p * high
 
     def write(self, path: Path, key: str) -> None:
         """Writes it as CSV, to the last bit: a comment with key and shift rates, then one row a point."""
@@ -134,12 +169,6 @@ class ThrustMap:
         shape = (len(ratios), len(utilisations))
         thrust, slips = (rows[:, k].reshape(shape) for k in (2, 3))
         return cls(ratios, utilisations, thrust, slips, np.array(head["excesses"]), np.array(head["shiftRates"]))
-
-
-def _place(grid: Array | Sequence[float], value: float) -> tuple[int, float]:
-    """Interval of a grid that holds a value, and the share of the way through it, 0 to 1."""
-    index = int(np.clip(np.searchsorted(grid, value) - 1, 0, len(grid) - 2))
-    return index, float(np.clip((value - grid[index]) / (grid[index + 1] - grid[index]), 0.0, 1.0))
 
 
 def map_key(fmu: Path, parameters: Parameters) -> str:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from .car import Car
 from .control import ClampingStrategy, Friction, Measured, PressureControl, RatioControl, SafetyFactor, SlipControl
 from .hydraulics import PressureCircuit
+from .piecewise import clip
 from .thrust_map import ThrustMap
 
 RATIO_LIMITS = 0.46, 2.2
@@ -34,7 +33,7 @@ class ClampingSignals:
 def ratio_target(engine_speed: float, secondary_speed: float, before: float, step: float) -> float:
     """Target ratio that lets the engine run at a wanted speed; it moves by at most 120 % a second."""
     wanted = engine_speed / max(secondary_speed, 1.0)
-    change = float(np.clip(math.log(np.clip(wanted, *RATIO_LIMITS) / before), -1.2 * step, 1.2 * step))
+    change = clip(math.log(clip(wanted, *RATIO_LIMITS) / before), -1.2 * step, 1.2 * step)
     return before * math.exp(change)
 
 

@@ -32,6 +32,7 @@ from pushbelt_drive.control import (  # noqa: E402
 from pushbelt_drive.cycle import PARTS, Cycle, nedc, wltc_class_3b  # noqa: E402
 from pushbelt_drive.driver import Driver  # noqa: E402
 from pushbelt_drive.hydraulics import PressureCircuit  # noqa: E402
+from pushbelt_drive.piecewise import clip, interpolate, interval  # noqa: E402
 from pushbelt_drive.thrust_map import ThrustMap  # noqa: E402
 
 CAR = demo_car()
@@ -47,6 +48,32 @@ MAP = ThrustMap(
 """Its belt shifts by 8e-7/(N·rad) times the excess of the primary force at ratio 1 without torque."""
 MEASURED = Measured(primary_speed=200.0, ratio=1.0, slip=0.005, macro_slip=False, pitch_radius=0.0575, torque=50.0)
 STEP = simulate.STEP
+
+
+# Numbers
+
+
+def test_interpolation_is_numpy_s_to_the_last_bit() -> None:
+    random = np.random.default_rng(1)
+    places = np.sort(random.choice(np.linspace(-1.0, 1.0, 9), 12))  # some of them twice
+    values = random.normal(size=12)
+    asked = np.concatenate([random.uniform(-1.5, 1.5, 500), places])
+    found = [interpolate(x, places.tolist(), values.tolist()) for x in asked.tolist()]
+    assert found == np.interp(asked, places, values).tolist()
+    assert [clip(x, -0.5, 0.7) for x in asked.tolist()] == np.clip(asked, -0.5, 0.7).tolist()
+
+
+def test_intervals_cover_the_grid() -> None:
+    grid = [0.5, 1.0, 2.0]
+    assert [interval(grid, x) for x in (0.1, 0.5, 0.75, 1.0, 1.5, 2.0, 9.0)] == [
+        (0, 0.0),
+        (0, 0.0),
+        (0, 0.5),
+        (0, 1.0),
+        (1, 0.5),
+        (1, 1.0),
+        (1, 1.0),
+    ]
 
 
 # Cycle
