@@ -45,7 +45,7 @@ const DRIFT: usize = 3;
 const THETA: usize = 4;
 
 /// Directions differentiated in one pass over a cell.
-const PASS: usize = 10;
+const PASS: usize = 4;
 type Slopes = Tangent<PASS, f64>;
 
 /// The ring models that travel with their mesh.
