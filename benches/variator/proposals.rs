@@ -2,10 +2,9 @@
 //! would take, and how many modes an overlay by proper orthogonal decomposition needs.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use pushbelt::solver::State;
-use pushbelt::solver::System;
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::sdirk::GAMMA;
+use pushbelt::solver::{State, System};
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::layout::Global;
 use pushbelt::variator::parameters::RingModel;

@@ -52,7 +52,7 @@ class _Plain(NamedTuple):
     shift_rates: list[list[list[float]]]
 
 
-def _falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
+def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
     """Utilisations up to the last steady state, and the steepest −dκ/du up to each of them, of a row of a map."""
     # Where there is no steady state its neighbour was filled in: there slip stands still.
     steady = 1 + int(np.sum(np.diff(slips) > STILL))
@@ -90,7 +90,7 @@ class ThrustMap:
         """At each ratio utilisations, driving, and the steepest −dκ/du up to there."""
         driving = self.utilisations >= 0.0
         rows = zip(self.thrust[:, driving], self.slips[:, driving], strict=True)
-        return [_falls(self.utilisations[driving], *row) for row in rows]
+        return [_steepest_falls(self.utilisations[driving], *row) for row in rows]
 
     def excess(self, ratio: float, utilisation: float, rate: float) -> float:
         """ε that shifts at a rate R, 1/(N·rad); linear between the points, constant beyond them."""

@@ -13,7 +13,7 @@ use super::ring::{Action, CellRing};
 use crate::chain::{ChainPoint, Stack, Transport};
 use crate::contact::{FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
-use crate::ring::kinematics::{Load, ReferenceMotion, RingPoint, embed, in_plane};
+use crate::ring::kinematics::{Load, Motion, ReferenceMotion, RingPoint, embed, in_plane};
 use crate::scalar::{LANES, Lanes, Real, smooth_plus};
 use nalgebra::{SVector, Vector2};
 
@@ -105,6 +105,40 @@ pub struct CellMotion<T: Real> {
     pub reference: ReferenceMotion<T>,
     /// The pulley this cell can touch.
     pub pulley: PulleyMotion<T>,
+}
+
+impl<T: Real> CellMotion<T> {
+    /// From what tells the unknowns of a direction: V, V, N are those from `own` on, s, Θ, z, ψ_x, ψ_y, ω those from `globals` on.
+    #[inline(always)]
+    pub(super) fn of_directions(
+        [own, globals]: [usize; 2],
+        position: impl Fn(usize) -> T,
+        value: impl Fn(usize) -> T,
+        rate: impl Fn(usize) -> T,
+    ) -> Self {
+        let [drift, theta, sheave, tilt_x, tilt_y, shaft] = std::array::from_fn(|k| globals + k);
+        Self {
+            speed: [value(own), value(own + 1)],
+            speed_dot: [rate(own), rate(own + 1)],
+            amount: value(own + 2),
+            reference: ReferenceMotion {
+                theta: Motion {
+                    value: position(theta),
+                    rate: value(theta),
+                    acceleration: rate(theta),
+                },
+                s_dot: value(drift),
+                s_ddot: rate(drift),
+            },
+            pulley: PulleyMotion {
+                z: position(sheave),
+                z_dot: value(sheave),
+                psi: [value(tilt_x), value(tilt_y)],
+                psi_dot: [rate(tilt_x), rate(tilt_y)],
+                omega: value(shaft),
+            },
+        }
+    }
 }
 
 /// Generalised residual forces of a cell (inertia − forces), those on the ring aside, and its flow.

@@ -127,23 +127,19 @@ impl VariatorSystem {
             self.differentiate_forward::<KIND, D, C>(pack, frames, kept, transports);
             return;
         }
-        let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
-        let amount = amount_direction(KIND, D);
-        let mut put = |direction: usize, rows: &[Lanes; MOST], transport: &Transport<Lanes>| {
-            let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
-            for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
-                block[direction] = *row;
-            }
-            for (figure, slope) in transport.each().into_iter().enumerate() {
-                for (&cell, slope) in pack.cells[..pack.used].iter().zip(slope.to_array()) {
-                    transports[cell].each_mut()[figure][direction] = slope;
-                }
-            }
-        };
-        self.vary_pack::<KIND, D, C>(pack, &frames.plain, &kept.unknowns, kept.slopes, &mut put);
-        let (rows, transport) =
-            self.pack_pass::<1, KIND, D, C>(pack, &frames.of_theta, &kept.unknowns, kept.slopes, theta);
-        put(theta, &rows.map(|row| row.eps[0]), &transport.map(|of| of.eps[0]));
+        let theta = own_directions(KIND, D) + 1;
+        let Kept {
+            unknowns,
+            slopes,
+            block,
+            ..
+        } = kept;
+        let mut columns = Columns::new::<KIND, D>(pack, block, transports);
+        self.vary_pack::<KIND, D, C>(pack, &frames.plain, unknowns, *slopes, |k, rows, transport| {
+            columns.put(k, rows, transport);
+        });
+        let (rows, transport) = self.pack_pass::<1, KIND, D, C>(pack, &frames.of_theta, unknowns, *slopes, theta);
+        columns.put(theta, &rows.map(|row| row.eps[0]), &transport.map(|of| of.eps[0]));
     }
 
     /// The same by forward differentiation alone.
@@ -155,23 +151,19 @@ impl VariatorSystem {
         transports: &mut [Transport<[f64; MOST]>],
     ) {
         let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
-        let amount = amount_direction(KIND, D);
+        let Kept {
+            unknowns,
+            slopes,
+            block,
+            ..
+        } = kept;
+        let mut columns = Columns::new::<KIND, D>(pack, block, transports);
         for first in (0..count).step_by(PASS) {
-            let pass = first..(first + PASS).min(count);
-            let moving = Tangent::seed(Lanes::zero(), theta.wrapping_sub(first), kept.slopes[1]);
+            let moving = Tangent::seed(Lanes::zero(), theta.wrapping_sub(first), slopes[1]);
             let frame = C::stand(&self.curve, frames.shape.frame(moving));
-            let (rows, transport) =
-                self.pack_pass::<PASS, KIND, D, C>(pack, &frame, &kept.unknowns, kept.slopes, first);
-            let rows = rows[..count].iter().enumerate().filter(|(k, _)| *k != amount);
-            for ((_, row), block) in rows.zip(kept.block.chunks_exact_mut(count)) {
-                block[pass.clone()].copy_from_slice(&row.eps[..pass.len()]);
-            }
-            for (figure, of) in transport.each().into_iter().enumerate() {
-                for (k, slope) in pass.clone().zip(&of.eps) {
-                    for (&cell, slope) in pack.cells[..pack.used].iter().zip(slope.to_array()) {
-                        transports[cell].each_mut()[figure][k] = slope;
-                    }
-                }
+            let (rows, transport) = self.pack_pass::<PASS, KIND, D, C>(pack, &frame, unknowns, *slopes, first);
+            for (i, k) in (first..count.min(first + PASS)).enumerate() {
+                columns.put(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
             }
         }
     }
@@ -294,6 +286,48 @@ impl VariatorSystem {
                         }
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Where the derivatives of a pack go, a direction after the other.
+struct Columns<'a> {
+    pack: &'a Pack,
+    /// Directions, and the one whose row the fluxes fill.
+    count: usize,
+    amount: usize,
+    block: &'a mut [Lanes],
+    transports: &'a mut [Transport<[f64; MOST]>],
+}
+
+impl<'a> Columns<'a> {
+    #[inline(always)]
+    fn new<const KIND: u8, const D: usize>(
+        pack: &'a Pack,
+        block: &'a mut [Lanes],
+        transports: &'a mut [Transport<[f64; MOST]>],
+    ) -> Self {
+        Self {
+            pack,
+            count: directions(KIND, D),
+            amount: amount_direction(KIND, D),
+            block,
+            transports,
+        }
+    }
+
+    /// Puts the derivatives in a direction: rows of the balance, and what the balance of the amounts needs.
+    #[inline(always)]
+    fn put(&mut self, direction: usize, rows: &[Lanes; MOST], transport: &Transport<Lanes>) {
+        let amount = self.amount;
+        let rows = rows[..self.count].iter().enumerate().filter(|(k, _)| *k != amount);
+        for ((_, row), block) in rows.zip(self.block.chunks_exact_mut(self.count)) {
+            block[direction] = *row;
+        }
+        for (figure, slope) in transport.each().into_iter().enumerate() {
+            for (&cell, slope) in self.pack.cells[..self.pack.used].iter().zip(slope.to_array()) {
+                self.transports[cell].each_mut()[figure][direction] = slope;
             }
         }
     }

@@ -20,9 +20,8 @@ use super::parameters::{Axial, Drive, Parameters, SPEED_LAG};
 use super::signals::{Inputs, Outputs};
 use super::system::VariatorSystem;
 use super::validation::ParameterError;
-use crate::solver::State;
-use crate::solver::System;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
+use crate::solver::{State, System};
 
 /// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the overlay.
 const NEUTRAL: f64 = 1.0e-3;

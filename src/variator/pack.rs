@@ -1,6 +1,6 @@
 //! Cells in packs, one in each lane of a register: which unknowns a cell has, where they stand, and what motion they are.
 
-use super::cell::{CellBalance, CellMotion, Place, PulleyMotion};
+use super::cell::{CellBalance, CellMotion, Place};
 use super::kept::Kept;
 use super::layout::Global;
 use super::mesh::Station;
@@ -8,7 +8,7 @@ use super::ring::{GUIDED, RingForces};
 use super::system::VariatorSystem;
 use super::variation::Direction;
 use crate::reference_curve::{Jet, ReferenceCurve, TwoPulley, TwoPulleyFrame, Unaligned};
-use crate::ring::kinematics::{Hermite, Motion, Node, ReferenceMotion};
+use crate::ring::kinematics::{Hermite, Motion, Node};
 use crate::ring::mesh::{Element, parts};
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
@@ -449,28 +449,12 @@ pub(super) fn motion<T: Real, const KIND: u8, const D: usize>(
     let value = |k: usize| seed(unknowns.tell(Part::Value, k), k, 1.0);
     let rate = |k: usize| seed(unknowns.tell(Part::Rate, k), k, alpha);
     let position = |k: usize| seed(unknowns.tell(Part::Position, k), k, beta);
-    let (own, g) = (node_directions(KIND, D), own_directions(KIND, D));
-    CellMotion {
-        speed: [value(own), value(own + 1)],
-        speed_dot: [rate(own), rate(own + 1)],
-        amount: value(own + 2),
-        reference: ReferenceMotion {
-            theta: Motion {
-                value: position(g + 1),
-                rate: value(g + 1),
-                acceleration: rate(g + 1),
-            },
-            s_dot: value(g),
-            s_ddot: rate(g),
-        },
-        pulley: PulleyMotion {
-            z: position(g + 2),
-            z_dot: value(g + 2),
-            psi: [value(g + 3), value(g + 4)],
-            psi_dot: [rate(g + 3), rate(g + 4)],
-            omega: value(g + 5),
-        },
-    }
+    CellMotion::of_directions(
+        [node_directions(KIND, D), own_directions(KIND, D)],
+        position,
+        value,
+        rate,
+    )
 }
 
 /// Rows of the balance in the order of the directions; the amount has its own balance, the flux.

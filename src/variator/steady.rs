@@ -12,10 +12,9 @@ use super::refine::{coarser, prolong};
 use super::start::{Start, kinematic_state};
 use super::system::VariatorSystem;
 use crate::reference_curve::ratio_of_theta;
-use crate::solver::State;
-use crate::solver::View;
 use crate::solver::continuation::{Settled, Settling, Trial, settle};
 use crate::solver::newton::Newton;
+use crate::solver::{State, View};
 
 /// A steady state to find.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -234,11 +233,8 @@ pub fn solve_equilibrium(
     let reaction = task.reaction;
     let wanted = task.clamping[reaction].max(1.0);
     let defect = |system: &VariatorSystem, state: &State| {
-        (wanted
-            / system
-                .holding_force(reaction, state.view(), system.belt_load(reaction).0)
-                .max(1.0))
-        .ln()
+        let holding = system.holding_force(reaction, state.view(), system.belt_load(reaction).0);
+        (wanted / holding.max(1.0)).ln()
     };
     let (lowest, highest) = (range.0.ln(), range.1.ln());
     let mut x = task.ratio.ln();

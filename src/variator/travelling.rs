@@ -13,7 +13,7 @@
 //! and contact arrives at the ring without remainder. The multipliers are small: they carry what the pitch line's
 //! reference curvature (λ = |r'| − e κ_ref) leaves of a change of s alone.
 
-use super::cell::{CellBalance, CellMotion, NoProbe, Place, PulleyMotion, SLOTS, Sample, Sampler, balance};
+use super::cell::{CellBalance, CellMotion, NoProbe, Place, SLOTS, Sample, Sampler, balance};
 use super::layout::{Global, Layout};
 use super::parameters::{Parameters, RingModel};
 use super::ring::{Action, CellRing, RingDensity};
@@ -302,28 +302,7 @@ impl VariatorSystem {
         let rate = |k: usize| seed(view.y_dot[at[k]], k, alpha);
         let position = |k: usize| seed(view.q[at[k]], k, beta);
         let own = under.nodal();
-        let (s, theta) = (own + DRIFT, own + THETA);
-        let motion = CellMotion {
-            speed: [value(own), value(own + 1)],
-            speed_dot: [rate(own), rate(own + 1)],
-            amount: value(own + 2),
-            reference: ReferenceMotion {
-                theta: Motion {
-                    value: position(theta),
-                    rate: value(theta),
-                    acceleration: rate(theta),
-                },
-                s_dot: value(s),
-                s_ddot: rate(s),
-            },
-            pulley: PulleyMotion {
-                z: position(own + 5),
-                z_dot: value(own + 5),
-                psi: [value(own + 6), value(own + 7)],
-                psi_dot: [rate(own + 6), rate(own + 7)],
-                omega: value(own + 8),
-            },
-        };
+        let motion = CellMotion::of_directions([own, own + DRIFT], position, value, rate);
         let of_mesh = &self.mesh.cells[cell];
         let element = &self.mesh.elements[of_mesh.element];
         let place = Place {
@@ -338,7 +317,7 @@ impl VariatorSystem {
         let references: [Option<ReferencePoint<T>>; SLOTS] = std::array::from_fn(|slot| {
             (slot <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(slot)))
         });
-        let drift = position(s);
+        let drift = position(own + DRIFT);
         let per_element = ring.element_length().recip();
         let slots = std::array::from_fn(|slot| {
             let reference = references[slot].as_ref()?;

@@ -9,10 +9,9 @@ use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::RingModel;
 use pushbelt::ring::rcm::Rcm;
 use pushbelt::ring::system::RingSystem;
-use pushbelt::solver::State;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt::solver::{System, View};
+use pushbelt::solver::{State, System, View};
 use std::f64::consts::TAU;
 use std::fmt::Debug;
 

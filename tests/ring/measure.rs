@@ -8,10 +8,9 @@ use pushbelt::ring::ale_ring::AleRing;
 use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::{Energy, RingModel};
 use pushbelt::ring::system::RingSystem;
-use pushbelt::solver::State;
-use pushbelt::solver::View;
 use pushbelt::solver::newton::Counts;
 use pushbelt::solver::sdirk::Sdirk;
+use pushbelt::solver::{State, View};
 use std::f64::consts::TAU;
 
 /// Number of elements in the tests of derivatives: every kind of neighbourhood occurs.
