@@ -58,12 +58,12 @@ fn whole_manoeuvre(model: RingModel, work: [u64; 3]) {
 
 #[test]
 fn the_whole_manoeuvre_keeps_its_books_ale0() {
-    whole_manoeuvre(RingModel::Ale0, [10_240, 39_400, 1_140]);
+    whole_manoeuvre(RingModel::Ale0, [10_140, 33_000, 455]);
 }
 
 #[test]
 fn the_whole_manoeuvre_keeps_its_books_ale() {
-    whole_manoeuvre(RingModel::Ale, [10_780, 77_500, 4_670]);
+    whole_manoeuvre(RingModel::Ale, [10_380, 50_200, 1_600]);
 }
 
 /// The deflecting ring: launch.

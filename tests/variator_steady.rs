@@ -8,7 +8,7 @@ use common::{
 };
 use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::{Parameters, RingModel};
+use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::steady::SteadyTask;
 
 /// Smallest and largest.
@@ -34,8 +34,11 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
         "{name}: {low} to {high} N in the push strand"
     );
     let (_, left) = strand(1);
+    // Twentieths of the push force, or of what neighbouring elements feel at the first touch.
+    let belt = &state.system.law.parameters.belt;
+    let touch = 0.5 * belt.push_stiffness * belt.contact_strain;
     assert!(
-        left <= 0.05 * high,
+        left <= 0.05 * high.max(touch),
         "{name}: {left} N left in the pulling strand of {high} N"
     );
     let friction = &state.system.law.parameters.friction;
@@ -70,24 +73,6 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
     }
 }
 
-/// The steady state of a load case. A belt without spiral running has less thrust on the small pulley, and in underdrive
-/// carries 98 to 102 % of the load cases' torques at most: there its slip is given, not its torque.
-fn load_case_of_either_model(parameters: &Parameters, case: &LoadCase) -> Steady {
-    if parameters.ring_model == RingModel::Ale || case.theta >= 0.0 {
-        let state = load_case(parameters, case);
-        assert_close(-state.outputs.primary.shaft_torque, case.torque, 1e-4, "torque on P");
-        return state;
-    }
-    let i = ratio(case.theta);
-    let state = steady(
-        parameters,
-        &given(i, P, case.clamping, 0.0),
-        [SPEED / i * (1.0 - 0.028), SPEED],
-    );
-    assert_close(-state.outputs.primary.shaft_torque, case.torque, 0.03, "torque on P");
-    state
-}
-
 /// Nine load cases: supplied power is lost power, the drive slips forward and loses less than a whole measured
 /// transmission, the push force runs its course, the thrust ratio rises from underdrive to overdrive.
 fn nine_load_cases(model: RingModel) {
@@ -96,7 +81,8 @@ fn nine_load_cases(model: RingModel) {
         let mut thrust = Vec::new();
         // Efficiencies of a whole transmission at 41 or 81 N·m (NREL ADVISOR, TX_CVT50_SUBARU).
         for (case, measured) in LoadCase::three(&parameters, torque).iter().zip([0.851, 0.924, 0.947]) {
-            let state = load_case_of_either_model(&parameters, case);
+            let state = load_case(&parameters, case);
+            assert_close(-state.outputs.primary.shaft_torque, case.torque, 1e-4, "torque on P");
             let o = &state.outputs;
             let name = format!("{model:?} {} {torque} N·m", case.name);
             println!(
@@ -159,7 +145,7 @@ fn four_times_the_cells(model: RingModel) {
     parameters.mesh = refined(&parameters.mesh, 4);
     for torque in [30.0, 50.0, 100.0] {
         for case in LoadCase::three(&parameters, torque) {
-            let defect = load_case_of_either_model(&parameters, &case).power_defect();
+            let defect = load_case(&parameters, &case).power_defect();
             println!("{model:?} {} {torque} N·m: {defect:+.1e}", case.name);
             assert!(defect.abs() <= 5e-4, "{model:?} {} {torque} N·m: {defect:e}", case.name);
         }
@@ -302,11 +288,20 @@ fn swapped_pulleys_mirror_each_other() {
     }
 }
 
-/// At ratio 1 and one speed both shafts deliver half of the losses, and neither pulley is distinguished.
+/// Where both shafts deliver half of the losses neither pulley is distinguished.
 #[test]
 fn equal_pulleys_with_equal_torques_share_the_thrust() {
     for model in MODELS {
-        let o = steady(&variator(model), &given(1.0, P, 10e3, 0.0), [SPEED; 2]).outputs;
+        // One speed at ratio 1, as far as a ratio is solved for: slip of 3e-8 is torque of 3e-4 N·m.
+        let without_slip = given(1.0, P, 10e3, 0.0);
+        let o = steady(&variator(model), &without_slip, [SPEED; 2]).outputs;
+        let half = -0.5 * (o.primary.shaft_torque + o.secondary.shaft_torque);
+        assert!(half > 0.0, "losses must be supplied");
+        let task = SteadyTask {
+            speed: [SpeedMode::Transmit(half), SpeedMode::Fixed],
+            ..without_slip
+        };
+        let o = steady(&variator(model), &task, [SPEED; 2]).outputs;
         println!(
             "{model:?}: thrust ratio − 1 = {:.1e}, torques {:.6} and {:.6} N·m",
             o.thrust_ratio - 1.0,
@@ -314,7 +309,6 @@ fn equal_pulleys_with_equal_torques_share_the_thrust() {
             o.secondary.shaft_torque
         );
         assert!((o.thrust_ratio - 1.0).abs() < 1e-6);
-        assert!(o.primary.shaft_torque < 0.0, "losses must be supplied");
         assert_close(o.primary.shaft_torque, o.secondary.shaft_torque, 1e-4, "shaft torques");
     }
 }
@@ -355,6 +349,6 @@ fn a_steady_state_takes_its_usual_work() {
     let parameters = variator(RingModel::Ale);
     let counts = load_case(&parameters, &LoadCase::new(&parameters, "medium", 0.0, 50.0)).counts;
     println!("{counts:?}");
-    assert_pinned(counts.residuals, 525, "residuals");
-    assert_pinned(counts.factorizations, 107, "factorizations");
+    assert_pinned(counts.residuals, 365, "residuals");
+    assert_pinned(counts.factorizations, 79, "factorizations");
 }

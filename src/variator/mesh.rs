@@ -21,7 +21,7 @@ pub const S: usize = 0;
 pub const P: usize = 1;
 
 /// Grading of the arcs: an element at the border has 1 − this of the mean size.
-const ARC_GRADING: f64 = 0.7;
+const ARC_GRADING: f64 = 0.76;
 /// Grading of the strands.
 const STRAND_GRADING: f64 = 0.88;
 
@@ -158,7 +158,7 @@ mod tests {
             BeltMesh::new(&parameters, RingModel::Ale),
         );
         assert_eq!(even.elements.len(), aligned.elements.len());
-        assert_eq!((even.opposite(), aligned.opposite()), (32, 32));
+        assert_eq!((even.opposite(), aligned.opposite()), (26, 26));
         let share = 1.0 / even.elements.len() as f64;
         assert!(
             even.elements
@@ -166,7 +166,7 @@ mod tests {
                 .all(|e| e.segment == 0 && (e.share - share).abs() < 1e-15)
         );
         let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
-        assert_eq!((touching(S), touching(P)), (64, 64));
+        assert_eq!((touching(S), touching(P)), (52, 52));
     }
 
     #[test]
