@@ -1,5 +1,6 @@
-//! Where the belt's play goes at a fifth of capacity near ratio 1: from one strand to the other. Prints slip and work over half a second on several
-//! meshes, without play, without ring friction and with a softer first touch; draws the gaps along the belt over time (`target/play.svg`):
+//! Where the belt's play goes at a fifth of capacity near ratio 1: with a hard first touch from one strand to the other. Prints slip and work over half
+//! a second as it is, with a harder first touch, and with that on several meshes, without play, without ring friction; draws the gaps along the
+//! belt over time (`target/play.svg`). Then counts the working points at which slip swings:
 //!
 //! `cargo run --release --example play`
 
@@ -26,17 +27,45 @@ type Change = (&'static str, fn(&mut Parameters));
 
 const CHANGES: [Change; 7] = [
     ("as it is", |_| ()),
-    ("one cell an element", |p| p.mesh.cells_per_element = 1),
-    ("twice the elements", |p| {
+    ("contact strain 3e-5", harden),
+    ("3e-5, one cell an element", |p| {
+        harden(p);
+        p.mesh.cells_per_element = 1;
+    }),
+    ("3e-5, twice the elements", |p| {
+        harden(p);
         p.mesh.primary_arc *= 2;
         p.mesh.secondary_arc *= 2;
         p.mesh.strand *= 2;
     }),
-    ("a tenth of the tolerance", |p| p.solver.tolerance *= 0.1),
-    ("no play", |p| p.belt.play = 0.0),
-    ("no ring friction", |p| p.friction.ring = 0.0),
-    ("contact strain 1e-4", |p| p.belt.contact_strain = 1e-4),
+    ("3e-5, a tenth of the tolerance", |p| {
+        harden(p);
+        p.solver.tolerance *= 0.1;
+    }),
+    ("3e-5, no play", |p| {
+        harden(p);
+        p.belt.play = 0.0;
+    }),
+    ("3e-5, no ring friction", |p| {
+        harden(p);
+        p.friction.ring = 0.0;
+    }),
 ];
+/// The one whose gaps are drawn.
+const DRAWN: usize = 1;
+
+fn harden(parameters: &mut Parameters) {
+    parameters.belt.contact_strain = 3e-5;
+}
+
+/// Ratios, clamping forces of both pulleys, N, and torques as shares of full slip's, over which swings are counted.
+const RATIOS: [f64; 7] = [0.5, 0.8, 0.95, 1.0, 1.06, 1.3, 2.0];
+const FORCES: [f64; 2] = [4e3, 10e3];
+/// Torque of full slip at ratio 1, N·m; it goes with the radius.
+const FULL_SLIP: f64 = 43.0;
+const SHARES: [f64; 9] = [-0.3, -0.1, 0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5];
+/// Range of slip over half a second that counts as a swing.
+const SWING: f64 = 5e-4;
 
 /// At stations: time, s, ξ, m, ring length that it stands for, m, 1 − ν.
 type Gaps = Vec<[f64; 4]>;
@@ -46,36 +75,45 @@ const LOOK: u32 = 2;
 fn main() -> Result<(), Box<dyn Error>> {
     println!("| changed | slip, least | most | steps | Jacobians |\n|---|---|---|---|---|");
     for (k, (name, change)) in CHANGES.iter().enumerate() {
-        let gaps = run(name, change)?;
-        if k == 0 {
+        let gaps = run(name, *change)?;
+        if k == DRAWN {
             draw(&gaps)?;
         }
     }
     println!("\ndrawn in target/play.svg");
+    survey("as it is", |_| ())?;
+    survey("contact strain 3e-5", harden)?;
     Ok(())
 }
 
-fn run(name: &str, change: &fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>> {
+/// A run at a held ratio, jolted once: range of slip at the end, work there, gaps.
+fn swing(
+    change: fn(&mut Parameters),
+    ratio: f64,
+    clamping: f64,
+    torque: f64,
+) -> Result<([f64; 2], [u64; 2], Gaps), Box<dyn Error>> {
     let mut parameters = Parameters::default();
     parameters.primary.axial = Axial::Held;
     parameters.secondary.drive = Drive::Speed;
-    parameters.initial.ratio = RATIO;
+    parameters.initial.ratio = ratio;
     parameters.initial.primary_speed = SPEED;
     change(&mut parameters);
     let mut inputs = Inputs::default();
-    inputs.primary.torque = TORQUE;
-    inputs.primary.clamping_force = CLAMPING;
-    inputs.secondary.clamping_force = CLAMPING;
-    inputs.secondary.speed_setpoint = SPEED / RATIO;
+    inputs.primary.torque = torque;
+    inputs.primary.clamping_force = clamping;
+    inputs.secondary.clamping_force = clamping;
+    inputs.secondary.speed_setpoint = SPEED / ratio;
     let mut variator = Variator::new(parameters)?;
     variator.initialise(0.0, &inputs)?;
     let (mut least, mut most, mut gaps) = (f64::INFINITY, f64::NEG_INFINITY, Gaps::new());
     let mut before = variator.counts();
     let steps = (END / STEP).round() as u32;
+    let jolt = JOLT * 2.0 / (1.0 + ratio) * clamping / CLAMPING;
     for k in 0..steps {
         let time = f64::from(k) * STEP;
         let jolted = (0.1..0.3).contains(&time);
-        inputs.primary.torque = TORQUE + if jolted { JOLT } else { 0.0 };
+        inputs.primary.torque = torque + if jolted { jolt } else { 0.0 };
         variator.advance(f64::from(k + 1) * STEP, &inputs)?;
         if time < END - WATCHED {
             before = variator.counts();
@@ -89,16 +127,46 @@ fn run(name: &str, change: &fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>>
         }
     }
     let counts = variator.counts();
-    let (taken, formed) = (
+    let work = [
         counts.steps - before.steps,
         counts.factorizations - before.factorizations,
-    );
+    ];
+    Ok(([least, most], work, gaps))
+}
+
+fn run(name: &str, change: fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>> {
+    let ([least, most], [steps, formed], gaps) = swing(change, RATIO, CLAMPING, TORQUE)?;
     println!(
-        "| {name} | {:.2} % | {:.2} % | {taken} | {formed} |",
+        "| {name} | {:.2} % | {:.2} % | {steps} | {formed} |",
         1e2 * least,
         1e2 * most
     );
     Ok(gaps)
+}
+
+/// Over ratios, clamping forces and torques: where slip swings, and the Jacobians that all of them take.
+fn survey(name: &str, change: fn(&mut Parameters)) -> Result<(), Box<dyn Error>> {
+    let (mut points, mut formed, mut swinging) = (0, 0, Vec::new());
+    for ratio in RATIOS {
+        for force in FORCES {
+            for share in SHARES {
+                let torque = share * FULL_SLIP * 2.0 / (1.0 + ratio) * force / CLAMPING;
+                let ([least, most], [_, jacobians], _) = swing(change, ratio, force, torque)?;
+                points += 1;
+                formed += jacobians;
+                if most - least > SWING {
+                    swinging.push(format!("{ratio} at {torque:.0} N·m, {:.2} %", 1e2 * (most - least)));
+                }
+            }
+        }
+    }
+    println!(
+        "{name}: slip swings by more than {} % at {} of {points} points, {formed} Jacobians in all",
+        1e2 * SWING,
+        swinging.len()
+    );
+    println!("  ratio {}", swinging.join("; ratio "));
+    Ok(())
 }
 
 fn draw(gaps: &Gaps) -> Result<(), Box<dyn Error>> {

@@ -1,5 +1,6 @@
 //! How thrust ratio and slip move with the parameters that nobody knows exactly, around the laboratory variator at 50 N·m,
-//! 2000 rpm and three ratios. Prints the Markdown table of `docs/sensitivity.md`:
+//! 2000 rpm and three ratios; then with the strain over which neighbouring elements touch. Prints the Markdown tables of
+//! `docs/sensitivity.md`:
 //!
 //! `cargo run --release --example sensitivity`
 
@@ -9,18 +10,43 @@ use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::{Axial, Drive, Parameters};
 use pushbelt::variator::signals::Inputs;
 
-/// Name, r_S/r_P, secondary clamping force (1.3 times what full slip needs), N.
-const CASES: [(&str, f64, f64); 3] = [
-    ("underdrive", 7.0 / 3.0, 10_781.0),
-    ("medium", 1.0, 6_174.0),
-    ("overdrive", 3.0 / 7.0, 6_000.0),
+/// A working point.
+struct Case {
+    name: &'static str,
+    /// r_S/r_P.
+    ratio: f64,
+    /// N·m.
+    torque: f64,
+    /// Secondary clamping force: 1.3 times what full slip needs, 6 kN at least, N.
+    force: f64,
+}
+
+const fn case(name: &'static str, ratio: f64, torque: f64, force: f64) -> Case {
+    Case {
+        name,
+        ratio,
+        torque,
+        force,
+    }
+}
+
+const CASES: [Case; 3] = [
+    case("underdrive", 7.0 / 3.0, 50.0, 10_781.0),
+    case("medium", 1.0, 50.0, 6_174.0),
+    case("overdrive", 3.0 / 7.0, 50.0, 6_000.0),
 ];
-const TORQUE: f64 = 50.0;
+/// Where the first touch matters most.
+const TOUCH_CASES: [Case; 3] = [
+    case("underdrive, 100 N·m", 7.0 / 3.0, 100.0, 21_562.0),
+    case("medium, 50 N·m", 1.0, 50.0, 6_174.0),
+    case("overdrive, 30 N·m", 3.0 / 7.0, 30.0, 6_000.0),
+];
+const CONTACT_STRAINS: [f64; 9] = [1e-5, 2e-5, 3e-5, 5e-5, 7e-5, 1e-4, 1.4e-4, 2e-4, 4e-4];
 const SPEED: f64 = 209.44;
 
 type Change = (&'static str, fn(&mut Parameters));
 
-const CHANGES: [Change; 20] = [
+const CHANGES: [Change; 22] = [
     ("contact stiffness k_c × 0.5", |p| p.contact.stiffness *= 0.5),
     ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
     ("push stiffness k_e × 0.5", |p| p.belt.push_stiffness *= 0.5),
@@ -34,7 +60,9 @@ const CHANGES: [Change; 20] = [
     ("ring friction μ_r × 2", |p| p.friction.ring *= 2.0),
     ("play = 0", |p| p.belt.play = 0.0),
     ("play × 2", |p| p.belt.play *= 2.0),
-    ("contact strain × 1/3", |p| p.belt.contact_strain /= 3.0),
+    ("contact strain × 0.1", |p| p.belt.contact_strain *= 0.1),
+    ("contact strain × 0.3", |p| p.belt.contact_strain *= 0.3),
+    ("contact strain × 0.5", |p| p.belt.contact_strain *= 0.5),
     ("contact strain × 2", |p| p.belt.contact_strain *= 2.0),
     ("friction velocity v_0 × 0.5", |p| p.friction.velocity *= 0.5),
     ("friction velocity v_0 × 2", |p| p.friction.velocity *= 2.0),
@@ -55,17 +83,16 @@ fn mesh(p: &mut Parameters, times: i32, over: i32) {
 }
 
 /// Thrust ratio and slip of the steady state; none where the belt does not carry the torque.
-fn steady(parameters: &Parameters, case: usize) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
-    let (_, ratio, force) = CASES[case];
+fn steady(parameters: &Parameters, case: &Case) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
     let mut p = parameters.clone();
-    p.initial.ratio = ratio;
+    p.initial.ratio = case.ratio;
     p.initial.primary_speed = SPEED;
     p.primary.axial = Axial::Held;
     p.secondary.drive = Drive::Speed;
     let mut inputs = Inputs::default();
-    inputs.primary.torque = TORQUE;
-    inputs.secondary.clamping_force = force;
-    inputs.secondary.speed_setpoint = SPEED / ratio;
+    inputs.primary.torque = case.torque;
+    inputs.secondary.clamping_force = case.force;
+    inputs.secondary.speed_setpoint = SPEED / case.ratio;
     let mut variator = Variator::new(p)?;
     variator.initialise(0.0, &inputs)?;
     if variator.take_messages().iter().any(|m| m.warning) {
@@ -75,16 +102,20 @@ fn steady(parameters: &Parameters, case: usize) -> Result<Option<(f64, f64)>, Bo
     Ok(Some((outputs.thrust_ratio, outputs.slip)))
 }
 
+fn heading(first: &str, cases: &[Case]) {
+    print!("| {first} |");
+    for case in cases {
+        print!(" {}: thrust ratio | slip |", case.name);
+    }
+    println!("\n|---|{}", "---|---|".repeat(cases.len()));
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let base = Parameters::default();
     let mut reference = [(0.0, 0.0); 3];
-    print!("| changed |");
-    for (name, _, _) in CASES {
-        print!(" {name}: thrust ratio | slip |");
-    }
-    println!("\n|---|{}", "---|---|".repeat(CASES.len()));
+    heading("changed", &CASES);
     print!("| nothing |");
-    for (case, reference) in reference.iter_mut().enumerate() {
+    for (case, reference) in CASES.iter().zip(&mut reference) {
         *reference = steady(&base, case)?.ok_or("no steady state at default parameters")?;
         print!(" {:.4} | {:.2} % |", reference.0, 100.0 * reference.1);
     }
@@ -93,13 +124,27 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut parameters = base.clone();
         change(&mut parameters);
         print!("| {name} |");
-        for (case, reference) in reference.iter().enumerate() {
+        for (case, reference) in CASES.iter().zip(&reference) {
             match steady(&parameters, case)? {
                 Some((thrust, slip)) => print!(
                     " {:+.1} % | {:.2} % |",
                     100.0 * (thrust / reference.0 - 1.0),
                     100.0 * slip
                 ),
+                None => print!(" slips | – |"),
+            }
+        }
+        println!();
+    }
+    println!();
+    heading("δ", &TOUCH_CASES);
+    for strain in CONTACT_STRAINS {
+        let mut parameters = base.clone();
+        parameters.belt.contact_strain = strain;
+        print!("| {strain:.1e} |");
+        for case in &TOUCH_CASES {
+            match steady(&parameters, case)? {
+                Some((thrust, slip)) => print!(" {thrust:.3} | {:.2} % |", 100.0 * slip),
                 None => print!(" slips | – |"),
             }
         }
