@@ -8,10 +8,11 @@ use crate::tape::Tape;
 const FRESH_ITERATIONS: usize = 15;
 /// Most iterations of Broyden's method with the same factors. An iteration costs a twentieth of a Jacobian.
 const QUASI_ITERATIONS: usize = 16;
-/// Iterations of a stage with good factors.
-const USUAL: usize = 2;
-/// Iterations beyond these, added up over stages, that cost as much as the new Jacobian which the next stage then takes.
-const STALE: u64 = 12;
+/// Iterations of a stage with good factors in a smooth motion.
+const USUAL: usize = 1;
+/// Iterations beyond these, added up over stages, after which the next stage takes a new Jacobian: some three times its cost, because
+/// a new one doesn't save them all.
+const STALE: u64 = 40;
 /// Growth of the step in one iteration at which Broyden's method is given up. Where cells change their regime steps grow and
 /// fall again.
 const DIVERGED: f64 = 8.0;
