@@ -86,13 +86,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A run at a held ratio, jolted once: range of slip at the end, work there, gaps.
-fn swing(
-    change: fn(&mut Parameters),
-    ratio: f64,
-    clamping: f64,
-    torque: f64,
-) -> Result<([f64; 2], [u64; 2], Gaps), Box<dyn Error>> {
+/// What the end of a run shows.
+struct Swing {
+    /// Least and most slip.
+    slip: [f64; 2],
+    steps: u64,
+    jacobians: u64,
+    gaps: Gaps,
+}
+
+/// A run at a held ratio, jolted once.
+fn swing(change: fn(&mut Parameters), ratio: f64, clamping: f64, torque: f64) -> Result<Swing, Box<dyn Error>> {
     let mut parameters = Parameters::default();
     parameters.primary.axial = Axial::Held;
     parameters.secondary.drive = Drive::Speed;
@@ -127,21 +131,22 @@ fn swing(
         }
     }
     let counts = variator.counts();
-    let work = [
-        counts.steps - before.steps,
-        counts.factorizations - before.factorizations,
-    ];
-    Ok(([least, most], work, gaps))
+    Ok(Swing {
+        slip: [least, most],
+        steps: counts.steps - before.steps,
+        jacobians: counts.factorizations - before.factorizations,
+        gaps,
+    })
 }
 
 fn run(name: &str, change: fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>> {
-    let ([least, most], [steps, formed], gaps) = swing(change, RATIO, CLAMPING, TORQUE)?;
+    let found = swing(change, RATIO, CLAMPING, TORQUE)?;
+    let [least, most] = found.slip.map(|slip| 1e2 * slip);
     println!(
-        "| {name} | {:.2} % | {:.2} % | {steps} | {formed} |",
-        1e2 * least,
-        1e2 * most
+        "| {name} | {least:.2} % | {most:.2} % | {} | {} |",
+        found.steps, found.jacobians
     );
-    Ok(gaps)
+    Ok(found.gaps)
 }
 
 /// Over ratios, clamping forces and torques: where slip swings, and the Jacobians that all of them take.
@@ -151,11 +156,12 @@ fn survey(name: &str, change: fn(&mut Parameters)) -> Result<(), Box<dyn Error>>
         for force in FORCES {
             for share in SHARES {
                 let torque = share * FULL_SLIP * 2.0 / (1.0 + ratio) * force / CLAMPING;
-                let ([least, most], [_, jacobians], _) = swing(change, ratio, force, torque)?;
+                let found = swing(change, ratio, force, torque)?;
                 points += 1;
-                formed += jacobians;
-                if most - least > SWING {
-                    swinging.push(format!("{ratio} at {torque:.0} N·m, {:.2} %", 1e2 * (most - least)));
+                formed += found.jacobians;
+                let range = found.slip[1] - found.slip[0];
+                if range > SWING {
+                    swinging.push(format!("{ratio} at {torque:.0} N·m, {:.2} %", 1e2 * range));
                 }
             }
         }
