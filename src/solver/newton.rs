@@ -8,11 +8,10 @@ use crate::tape::Tape;
 const FRESH_ITERATIONS: usize = 15;
 /// Most iterations of Broyden's method with the same factors. An iteration costs a twentieth of a Jacobian.
 const QUASI_ITERATIONS: usize = 16;
-/// Iterations of a stage with good factors in a smooth motion.
-const USUAL: usize = 1;
-/// Iterations beyond these, added up over stages, after which the next stage takes a new Jacobian: some three times its cost, because
-/// a new one doesn't save them all.
+/// What iterations beyond the first of a stage cost, added up over stages, after which the next stage takes a new Jacobian. The
+/// second counts once, for a new Jacobian saves it in smooth motions only; each further one counts [`FURTHER`] times.
 const STALE: u64 = 40;
+const FURTHER: usize = 3;
 /// Growth of the step in one iteration at which Broyden's method is given up. Where cells change their regime steps grow and
 /// fall again.
 const DIVERGED: f64 = 8.0;
@@ -87,7 +86,7 @@ pub struct Newton {
     best: Vec<f64>,
     /// Contraction per iteration seen with these factors; 1 before any.
     rate: f64,
-    /// Iterations with these factors beyond the usual.
+    /// What iterations with these factors have cost beyond the first of each stage.
     excess: u64,
     /// Work counts.
     pub counts: Counts,
@@ -292,7 +291,7 @@ impl Newton {
             // What is left after this step, as far as the rate tells.
             if change * rate.powf(0.8).min(1.0) < 0.1 * tolerance {
                 stage.complete(system.has_position());
-                self.excess += (iteration + 1).saturating_sub(USUAL) as u64;
+                self.excess += (iteration.min(1) + FURTHER * iteration.saturating_sub(1)) as u64;
                 if self.excess > STALE {
                     self.forget();
                 }
