@@ -128,17 +128,11 @@ impl VariatorSystem {
             return;
         }
         let theta = own_directions(KIND, D) + 1;
-        let Kept {
-            unknowns,
-            slopes,
-            block,
-            ..
-        } = kept;
-        let mut columns = Columns::new::<KIND, D>(pack, block, transports);
-        self.vary_pack::<KIND, D, C>(pack, &frames.plain, unknowns, *slopes, |k, rows, transport| {
+        let (unknowns, slopes, mut columns) = Columns::of::<KIND, D>(pack, kept, transports);
+        self.vary_pack::<KIND, D, C>(pack, &frames.plain, unknowns, slopes, |k, rows, transport| {
             columns.put(k, rows, transport);
         });
-        let (rows, transport) = self.pack_pass::<1, KIND, D, C>(pack, &frames.of_theta, unknowns, *slopes, theta);
+        let (rows, transport) = self.pack_pass::<1, KIND, D, C>(pack, &frames.of_theta, unknowns, slopes, theta);
         columns.put(theta, &rows.map(|row| row.eps[0]), &transport.map(|of| of.eps[0]));
     }
 
@@ -151,17 +145,11 @@ impl VariatorSystem {
         transports: &mut [Transport<[f64; MOST]>],
     ) {
         let (count, theta) = (directions(KIND, D), own_directions(KIND, D) + 1);
-        let Kept {
-            unknowns,
-            slopes,
-            block,
-            ..
-        } = kept;
-        let mut columns = Columns::new::<KIND, D>(pack, block, transports);
+        let (unknowns, slopes, mut columns) = Columns::of::<KIND, D>(pack, kept, transports);
         for first in (0..count).step_by(PASS) {
             let moving = Tangent::seed(Lanes::zero(), theta.wrapping_sub(first), slopes[1]);
             let frame = C::stand(&self.curve, frames.shape.frame(moving));
-            let (rows, transport) = self.pack_pass::<PASS, KIND, D, C>(pack, &frame, unknowns, *slopes, first);
+            let (rows, transport) = self.pack_pass::<PASS, KIND, D, C>(pack, &frame, unknowns, slopes, first);
             for (i, k) in (first..count.min(first + PASS)).enumerate() {
                 columns.put(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
             }
@@ -302,19 +290,21 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
+    /// The unknowns and slopes at which a pack is differentiated, and where its columns go.
     #[inline(always)]
-    fn new<const KIND: u8, const D: usize>(
+    fn of<const KIND: u8, const D: usize>(
         pack: &'a Pack,
-        block: &'a mut [Lanes],
+        kept: &'a mut Kept,
         transports: &'a mut [Transport<[f64; MOST]>],
-    ) -> Self {
-        Self {
+    ) -> (&'a Unknowns<Lanes>, [f64; 2], Self) {
+        let columns = Self {
             pack,
             count: directions(KIND, D),
             amount: amount_direction(KIND, D),
-            block,
+            block: &mut kept.block,
             transports,
-        }
+        };
+        (&kept.unknowns, kept.slopes, columns)
     }
 
     /// Puts the derivatives in a direction: rows of the balance, and what the balance of the amounts needs.
