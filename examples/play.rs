@@ -127,7 +127,8 @@ fn swing(change: fn(&mut Parameters), ratio: f64, clamping: f64, torque: f64) ->
         (least, most) = (least.min(slip), most.max(slip));
         if k % LOOK == 0 {
             let survey = variator.system().surveyed(variator.state().view());
-            gaps.extend(survey.samples.iter().map(|s| [time, s.xi, s.weight, 1.0 - s.density]));
+            let stations = survey.stations(&variator.system().mesh);
+            gaps.extend(stations.map(|(_, s)| [time, s.xi, s.weight, 1.0 - s.density]));
         }
     }
     let counts = variator.counts();

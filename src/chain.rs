@@ -325,10 +325,11 @@ pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwi
 }
 
 /// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' = k_e⟨ν−1⟩₊/ν².
+#[inline(always)]
 #[must_use]
-pub fn energy_density(belt: &Belt, nu: f64) -> f64 {
+pub fn energy_density<T: Real>(belt: &Belt, nu: T) -> T {
     // 1/ν² is expanded about contact: ν − 1 is below 1e-2 wherever force acts.
-    belt.push_stiffness * crate::scalar::smooth_plus_energy(nu - 1.0, belt.contact_strain, 0.1)
+    crate::scalar::smooth_plus_energy(nu - 1.0, belt.contact_strain, 0.1) * belt.push_stiffness
 }
 
 /// What the balance of the amounts needs of a cell.

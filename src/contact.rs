@@ -87,15 +87,12 @@ pub fn flank_force<T: Real>(
     }
 }
 
-/// Elastic energy of both flanks per pitch-line length, J/m, of an element that is off the middle by `offset`, m.
+/// Elastic energy of a flank per pitch-line length, J/m.
+#[inline(always)]
 #[must_use]
-pub fn energy_density(contact: &Contact, cos_beta: f64, penetration: f64, offset: f64) -> f64 {
-    let k = contact.stiffness * cos_beta * cos_beta;
-    let flank = |depth: f64| k * crate::scalar::smooth_plus_energy(depth, PENETRATION_SMOOTHING, 1.0);
-    if offset == 0.0 {
-        return 2.0 * flank(penetration);
-    }
-    flank(penetration + offset) + flank(penetration - offset)
+pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
+    let stiffness = contact.stiffness * cos_beta * cos_beta;
+    crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, 1.0) * stiffness
 }
 
 #[cfg(test)]

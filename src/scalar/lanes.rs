@@ -12,7 +12,7 @@ use wide::f64x4 as Pack;
 pub const LANES: usize = if cfg!(target_feature = "avx") { 4 } else { 2 };
 
 /// [`LANES`] numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lanes(Pack);
 
 impl Lanes {
@@ -28,6 +28,47 @@ impl Lanes {
     #[must_use]
     pub fn to_array(self) -> [f64; LANES] {
         self.0.to_array()
+    }
+
+    /// The number in a lane, where it stands in memory.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, lane: usize) -> f64 {
+        self.0.as_array()[lane]
+    }
+
+    /// Writes the number in a lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, value: f64) {
+        self.0.as_mut_array()[lane] = value;
+    }
+
+    /// The sum over the lanes.
+    #[inline(always)]
+    #[must_use]
+    pub fn sum(self) -> f64 {
+        self.to_array().iter().sum()
+    }
+
+    /// Lane by lane the smaller number.
+    #[inline(always)]
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0))
+    }
+
+    /// Lane by lane the larger number.
+    #[inline(always)]
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+
+    /// Lane by lane `yes` where this is positive, else `no`.
+    #[inline(always)]
+    #[must_use]
+    pub fn if_positive(self, yes: Self, no: Self) -> Self {
+        Self(self.0.simd_gt(Pack::splat(0.0)).select(yes.0, no.0))
     }
 }
 
@@ -123,7 +164,7 @@ impl Real for Lanes {
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> f64 {
-        self.to_array()[lane]
+        self.get(lane)
     }
 
     #[inline(always)]
@@ -155,13 +196,17 @@ impl Real for Lanes {
     }
 
     #[inline(always)]
+    fn ln(self) -> Self {
+        Self(self.0.ln())
+    }
+
+    #[inline(always)]
     fn smooth_plus(self, delta: f64) -> [Self; 3] {
         let square = delta * delta;
         let root = (self * self + square).sqrt();
         let sum = root + Self(self.0.abs());
         let half = Self::from(0.5 * square);
-        let positive = self.0.simd_gt(Pack::splat(0.0));
-        let plus = Self(positive.select((sum * 0.5).0, (half / sum).0));
+        let plus = self.if_positive(sum * 0.5, half / sum);
         [plus, plus / root, half / (root * root * root)]
     }
 }

@@ -71,6 +71,10 @@ pub trait Real:
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 
+    /// Natural logarithm.
+    #[must_use]
+    fn ln(self) -> Self;
+
     /// ⟨x⟩₊ = ½(x + √(x² + δ²)), its slope and its second derivative.
     #[must_use]
     fn smooth_plus(self, delta: f64) -> [Self; 3];
@@ -107,6 +111,11 @@ impl Real for f64 {
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         self.sin_cos()
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.ln()
     }
 
     #[inline(always)]
@@ -150,6 +159,10 @@ macro_rules! real_by_num_dual {
                 DualNum::sin_cos(&self)
             }
 
+            fn ln(self) -> Self {
+                DualNum::ln(&self)
+            }
+
             fn smooth_plus(self, delta: f64) -> [Self; 3] {
                 let square = delta * delta;
                 let root = DualNum::sqrt(&(self * self + square));
@@ -175,27 +188,15 @@ pub fn smooth_plus<T: Real>(x: T, delta: f64) -> (T, T) {
 }
 
 /// ∫⟨x⟩₊ dx, zero at x = −`reach`.
+#[inline(always)]
 #[must_use]
-pub fn smooth_plus_energy(x: f64, delta: f64, reach: f64) -> f64 {
+pub fn smooth_plus_energy<T: Real>(x: T, delta: f64, reach: f64) -> T {
     let square = delta * delta;
-    let root = |x: f64| (x * x + square).sqrt();
-    let product = |x: f64| {
-        if x > 0.0 {
-            x * (x + root(x))
-        } else {
-            x * square / (root(x) - x)
-        }
-    };
+    let plus = |x: f64| x.smooth_plus(delta)[0];
+    let [here, ..] = x.smooth_plus(delta);
     // asinh(x/δ) + asinh(reach/δ), in one logarithm.
-    let grown = |x: f64| {
-        if x > 0.0 {
-            (x + root(x)) / delta
-        } else {
-            delta / (root(x) - x)
-        }
-    };
-    let turning = (grown(x) * grown(reach)).ln();
-    0.25 * (product(x) - product(-reach) + square * turning)
+    let turning = (here * (4.0 * plus(reach) / square)).ln();
+    (x * here + turning * (0.5 * square) + reach * plus(-reach)) * 0.5
 }
 
 /// The zero vector. nalgebra's `zeros` goes through an iterator and the stack, which costs a tenth of a residual.

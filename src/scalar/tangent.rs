@@ -108,6 +108,11 @@ where
     }
 
     #[inline(always)]
+    fn ln(self) -> Self {
+        self.chain(self.re.ln(), self.re.recip())
+    }
+
+    #[inline(always)]
     fn smooth_plus(self, delta: f64) -> [Self; 3] {
         let [plus, slope, bend] = self.re.smooth_plus(delta);
         let square = self.re * self.re + delta * delta;

@@ -15,8 +15,12 @@ const FURTHER: usize = 3;
 /// Growth of the step in one iteration at which Broyden's method is given up. Where cells change their regime steps grow and
 /// fall again.
 const DIVERGED: f64 = 8.0;
-/// Contraction that the first iteration is trusted with at best: so the rate is measured again before it is stale.
-const BEST_RATE: f64 = 0.02;
+/// Contraction that the first iteration is trusted with at best, and its growth with each stage that ends without measuring it: so it
+/// is measured again before it is stale.
+const BEST_RATE: f64 = 1.0e-3;
+const AGEING: f64 = 1.2;
+/// Part of the tolerance that may be left after the last iteration.
+const LEFT: f64 = 0.15;
 /// Damping factor at which a stage is given up.
 const MIN_DAMPING: f64 = 0.02;
 
@@ -273,23 +277,26 @@ impl Newton {
                 least = change;
                 self.best.copy_from_slice(stage.y);
             }
-            let rate = if iteration == 0 {
-                self.rate.max(BEST_RATE)
-            } else {
-                change / before
-            };
             if iteration > 0 {
+                let rate = change / before;
                 self.rate = if iteration == 1 { rate } else { self.rate.max(rate) };
                 if rate > DIVERGED && change > tolerance {
                     break;
                 }
             }
+            // After the first iteration the last stage's rate counts; Broyden's method contracts a little faster from one to the next.
+            let ahead = if iteration == 0 {
+                self.rate = (self.rate.max(BEST_RATE) * AGEING).min(1.0);
+                self.rate
+            } else {
+                (change / before).powf(0.8).min(1.0)
+            };
             before = change;
             for ((y, u), s) in stage.y.iter_mut().zip(&self.updates[iteration].step).zip(&self.scale) {
                 *y += u * s;
             }
             // What is left after this step, as far as the rate tells.
-            if change * rate.powf(0.8).min(1.0) < 0.1 * tolerance {
+            if change * ahead < LEFT * tolerance {
                 stage.complete(system.has_position());
                 self.excess += (iteration.min(1) + FURTHER * iteration.saturating_sub(1)) as u64;
                 if self.excess > STALE {

@@ -46,10 +46,9 @@ impl VariatorSystem {
         }
     }
 
-    /// Samples of all stations, in the order of ξ.
-    pub(super) fn sample(&self, view: View<'_>, out: &mut Vec<Sample>) {
-        let cells = self.mesh.cells.len();
-        out.resize(cells * self.mesh.points, Sample::default());
+    /// Samples of the stations of each group of cells.
+    pub(super) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) {
+        out.resize(self.mesh.groups.len() * self.mesh.points, Sample::default());
         if let Some(travelling) = &self.travelling {
             with_ring!(&**travelling, ring => self.sample_travelling(ring, view, out));
         } else {
@@ -57,16 +56,12 @@ impl VariatorSystem {
         }
     }
 
-    fn sample_packs<const KIND: u8, const D: usize, C: Standing>(&self, view: View<'_>, out: &mut [Sample]) {
-        let points = self.mesh.points;
+    fn sample_packs<const KIND: u8, const D: usize, C: Standing>(&self, view: View<'_>, out: &mut [Sample<Lanes>]) {
         let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
+        let mut places = out.iter_mut();
         for pack in &self.packs {
-            let mut station = 0;
             self.sampled_balance::<KIND, D, C>(pack, &frame, &InPlace { pack, view }, &mut |sample| {
-                for (&cell, sample) in pack.cells[..pack.used].iter().zip(sample.lanes()) {
-                    out[cell * points + station] = sample;
-                }
-                station += 1;
+                *places.next().expect("a place for each station") = sample;
             });
         }
     }

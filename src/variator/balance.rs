@@ -8,14 +8,16 @@ use super::parameters::SPEED_LAG;
 use super::signals::Losses;
 use super::system::VariatorSystem;
 use crate::reference_curve::ReferenceCurve;
+use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::{chain, contact};
+use num_traits::Zero;
 
 /// The belt at one state.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
-    /// A sample for each station, in the order of ξ: those of a cell follow each other.
-    pub samples: Vec<Sample>,
+    /// Samples of the stations of a [`super::mesh::Group`] of cells, one group after the other.
+    pub groups: Vec<Sample<Lanes>>,
     /// Sums over them.
     pub sums: BeltSums,
     /// Energy of a ring that counts it on elements of its own, J.
@@ -23,61 +25,111 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Cells and samples of all stations.
-    pub fn stations<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Cell, &'a Sample)> {
-        let cells = mesh.cells.iter();
-        cells
-            .zip(self.samples.chunks_exact(mesh.points))
-            .flat_map(|(cell, samples)| samples.iter().map(move |sample| (cell, sample)))
+    /// The sample of a station of a cell.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample(&self, mesh: &BeltMesh, cell: &Cell, station: usize) -> Sample {
+        self.groups[cell.group * mesh.points + station].get(cell.lane)
+    }
+
+    /// Cells and samples of all stations, in the order of ξ.
+    #[inline(always)]
+    pub fn stations<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Cell, Sample)> {
+        mesh.cells
+            .iter()
+            .flat_map(move |cell| (0..mesh.points).map(move |station| (cell, self.sample(mesh, cell, station))))
     }
 }
 
-/// Sums over the belt at one state.
+/// Sums over the belt at one state, or over the cells in each lane.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct BeltSums {
+pub struct BeltSums<L = f64> {
     /// Losses, W.
-    pub losses: Losses,
+    pub losses: Losses<L>,
     /// Axial force on one sheave, over pulleys, N.
-    pub axial: [f64; 2],
+    pub axial: [L; 2],
     /// Torque of the belt on the pulley, N·m.
-    pub torque: [f64; 2],
+    pub torque: [L; 2],
     /// ∫ axial · ϱ, N·m.
-    pub axial_radius: [f64; 2],
+    pub axial_radius: [L; 2],
     /// Sliding weighted by normal force, and its share of either sign.
-    pub sliding: [Sliding; 2],
+    pub sliding: [Sliding<L>; 2],
     /// Smallest net strand force T − Q, N.
-    pub strand_force: f64,
+    pub strand_force: L,
+    /// Largest push force, N.
+    pub push_force: L,
+    /// Length of the pitch line, m.
+    pub pitch_length: L,
+    /// ∫ V along it, m²/s.
+    pub carried: L,
 }
 
 /// How the loaded stations of a pulley slide.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sliding {
+pub struct Sliding<L = f64> {
     /// ∫ normal dξ, N.
-    pub load: f64,
+    pub load: L,
     /// ∫ normal · v_t dξ, W.
-    pub weighted: f64,
+    pub weighted: L,
     /// ∫ normal dξ where v_t > 0, N.
-    pub forward: f64,
+    pub forward: L,
 }
 
-impl BeltSums {
-    /// Adds a station of a cell on pulley `j`.
-    pub fn add(&mut self, j: usize, s: &Sample) {
-        self.losses.sheaves += s.sheave_loss * s.weight;
-        self.losses.ring += s.ring_loss * s.weight;
-        self.losses.other += s.damping_loss * s.weight;
-        self.axial[j] += s.axial * s.weight;
-        self.torque[j] += s.torque * s.weight;
-        self.axial_radius[j] += s.axial * s.weight * s.pitch_radius;
-        let load = s.normal * s.weight;
-        let sliding = &mut self.sliding[j];
-        sliding.load += load;
-        sliding.weighted += load * s.sliding;
-        if s.sliding > 0.0 {
-            sliding.forward += load;
+impl BeltSums<Lanes> {
+    /// Nothing yet.
+    fn empty() -> Self {
+        Self {
+            strand_force: f64::INFINITY.into(),
+            ..Self::default()
         }
-        if !s.on_arc() {
-            self.strand_force = self.strand_force.min(s.tension - s.push);
+    }
+
+    /// Adds a station of cells that are `on` each pulley or not.
+    fn add(&mut self, on: &[Lanes; 2], s: &Sample<Lanes>) {
+        let weight = s.weight * (on[S] + on[P]);
+        self.losses.sheaves += s.sheave_loss * weight;
+        self.losses.ring += s.ring_loss * weight;
+        self.losses.other += s.damping_loss * weight;
+        for j in [S, P] {
+            let weight = s.weight * on[j];
+            self.axial[j] += s.axial * weight;
+            self.torque[j] += s.torque * weight;
+            self.axial_radius[j] += s.axial * weight * s.pitch_radius;
+            let load = s.normal * weight;
+            let sliding = &mut self.sliding[j];
+            sliding.load += load;
+            sliding.weighted += load * s.sliding;
+            sliding.forward += s.sliding.if_positive(load, Lanes::zero());
+        }
+        let strand = s.curvature[0].if_positive(f64::INFINITY.into(), s.tension - s.push);
+        self.strand_force = self.strand_force.min(strand);
+        self.push_force = self.push_force.max(s.push);
+        let length = s.lambda * weight;
+        self.pitch_length += length;
+        self.carried += s.speed * length;
+    }
+
+    /// Over all lanes.
+    fn total(&self) -> BeltSums {
+        let Losses { sheaves, ring, other } = self.losses;
+        BeltSums {
+            losses: Losses {
+                sheaves: sheaves.sum(),
+                ring: ring.sum(),
+                other: other.sum(),
+            },
+            axial: self.axial.map(Lanes::sum),
+            torque: self.torque.map(Lanes::sum),
+            axial_radius: self.axial_radius.map(Lanes::sum),
+            sliding: self.sliding.map(|of| Sliding {
+                load: of.load.sum(),
+                weighted: of.weighted.sum(),
+                forward: of.forward.sum(),
+            }),
+            strand_force: self.strand_force.to_array().into_iter().fold(f64::INFINITY, f64::min),
+            push_force: self.push_force.to_array().into_iter().fold(0.0, f64::max),
+            pitch_length: self.pitch_length.sum(),
+            carried: self.carried.sum(),
         }
     }
 }
@@ -85,18 +137,22 @@ impl BeltSums {
 impl VariatorSystem {
     /// Surveys the belt, in the memory of an earlier survey.
     pub fn survey(&self, view: View<'_>, survey: &mut Survey) {
-        self.sample(view, &mut survey.samples);
-        let mut sums = BeltSums {
-            strand_force: f64::INFINITY,
-            ..BeltSums::default()
-        };
-        for (cell, sample) in survey.stations(&self.mesh) {
-            sums.add(cell.pulley, sample);
+        self.sample(view, &mut survey.groups);
+        let mut sums = BeltSums::empty();
+        for (group, samples) in self
+            .mesh
+            .groups
+            .iter()
+            .zip(survey.groups.chunks_exact(self.mesh.points))
+        {
+            for sample in samples {
+                sums.add(&group.on, sample);
+            }
         }
+        survey.sums = sums.total();
         let (energy, loss) = self.travelling_energy(view);
-        sums.losses.other += loss;
+        survey.sums.losses.other += loss;
         survey.travelling = energy.total();
-        survey.sums = sums;
     }
 
     /// The belt at a state. Allocates.
@@ -111,15 +167,26 @@ impl VariatorSystem {
     #[must_use]
     pub fn belt_energy(&self, survey: &Survey) -> f64 {
         let (law, p) = (&self.law, &self.law.parameters);
-        let mut sum = survey.travelling;
-        for cell in survey.samples.chunks_exact(self.mesh.points) {
-            let stack = chain::energy_density(&p.belt, cell[0].density);
-            for s in cell {
-                let flanks = contact::energy_density(&p.contact, law.wedge[1], s.penetration, s.offset);
-                sum += (s.kinetic + s.ring_elastic + s.lambda * (stack + flanks)) * s.weight;
+        let mut sum = Lanes::zero();
+        for (group, samples) in self
+            .mesh
+            .groups
+            .iter()
+            .zip(survey.groups.chunks_exact(self.mesh.points))
+        {
+            let stack = chain::energy_density(&p.belt, samples[0].density);
+            let flank = |penetration| contact::energy_density(&p.contact, law.wedge[1], penetration);
+            let counted = group.on[S] + group.on[P];
+            for s in samples {
+                let flanks = if self.layout.is_spatial() {
+                    flank(s.penetration + s.offset) + flank(s.penetration - s.offset)
+                } else {
+                    flank(s.penetration) * 2.0
+                };
+                sum += (s.kinetic + s.ring_elastic + s.lambda * (stack + flanks)) * s.weight * counted;
             }
         }
-        sum
+        survey.travelling + sum.sum()
     }
 
     /// Pressure-weighted mean pitch radii over pulleys, m; reference radius − e where nothing presses.

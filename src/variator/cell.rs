@@ -14,7 +14,7 @@ use crate::chain::{ChainPoint, Stack, Transport};
 use crate::contact::{FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::ring::kinematics::{Load, Motion, ReferenceMotion, RingPoint, embed, in_plane};
-use crate::scalar::{LANES, Lanes, Real, smooth_plus};
+use crate::scalar::{Lanes, Real, smooth_plus};
 use nalgebra::{SVector, Vector2};
 
 /// Most stations of a cell.
@@ -215,25 +215,36 @@ pub struct Sample<L = f64> {
     pub outward: L,
 }
 
-impl Sample<Lanes> {
-    /// The samples of the cells, lane by lane.
-    #[inline(always)]
-    #[must_use]
-    pub fn lanes(&self) -> [Sample; LANES] {
-        let mut cells = [Sample::default(); LANES];
-        macro_rules! hand {
-            ($($field:ident $([$k:literal])?),* $(,)?) => {$(
-                for (cell, x) in cells.iter_mut().zip(self.$field $([$k])?.to_array()) {
-                    cell.$field $([$k])? = x;
-                }
-            )*};
-        }
-        hand! {
+/// Calls a macro with all figures of a [`Sample`].
+macro_rules! for_each_figure {
+    ($with:ident) => {
+        $with! {
             xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque,
             sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, damping_loss,
-            kinetic, ring_elastic, outward,
+            kinetic, ring_elastic, outward
         }
-        cells
+    };
+}
+
+impl Sample<Lanes> {
+    /// The sample of the cell in a lane. Inlined, it reads only what is asked of it.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, lane: usize) -> Sample {
+        let mut cell = Sample::default();
+        macro_rules! get {
+            ($($field:ident $([$k:literal])?),*) => {$( cell.$field $([$k])? = self.$field $([$k])?.get(lane); )*};
+        }
+        for_each_figure!(get);
+        cell
+    }
+
+    /// Writes the sample of the cell in a lane.
+    pub fn set(&mut self, lane: usize, cell: &Sample) {
+        macro_rules! set {
+            ($($field:ident $([$k:literal])?),*) => {$( self.$field $([$k])?.set(lane, cell.$field $([$k])?); )*};
+        }
+        for_each_figure!(set);
     }
 }
 

@@ -12,6 +12,7 @@
 use super::parameters::{Mesh, RingModel};
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::mesh::{Spacing, divide, parts};
+use crate::scalar::{LANES, Lanes};
 
 pub use crate::ring::mesh::{Element, Station};
 
@@ -36,6 +37,21 @@ pub struct Cell {
     pub face: Station,
     /// Quadrature points.
     pub stations: Vec<Station>,
+    /// Its [`Group`].
+    pub group: usize,
+    /// Its lane there.
+    pub lane: usize,
+}
+
+/// Neighbours on one segment that are evaluated at once, a cell in each lane of a register.
+#[derive(Clone, Copy, Debug)]
+pub struct Group {
+    /// Cells; the last one repeats where there are fewer than lanes.
+    pub cells: [usize; LANES],
+    /// Lanes in use.
+    pub used: usize,
+    /// 1 in the lanes in use whose cell can touch the pulley, [`S`] or [`P`], else 0.
+    pub on: [Lanes; 2],
 }
 
 /// Elements and cells around the loop; the first node is at ξ = 0.
@@ -47,6 +63,8 @@ pub struct BeltMesh {
     pub elements: Vec<Element>,
     /// Chain cells.
     pub cells: Vec<Cell>,
+    /// Cells that are evaluated at once, around the loop.
+    pub groups: Vec<Group>,
     /// Cells in each element.
     pub cells_per_element: usize,
     /// Quadrature points in each cell.
@@ -68,6 +86,28 @@ fn segments(mesh: &Mesh) -> Vec<(usize, Spacing)> {
     } else {
         vec![(2 * (half + strand) + arc, Spacing::Even)]
     }
+}
+
+/// Divides cells into groups, and tells them where they are.
+fn group(cells: &mut [Cell], elements: &[Element]) -> Vec<Group> {
+    let mut groups = Vec::new();
+    for segment in cells.chunk_by_mut(|a, b| elements[a.element].segment == elements[b.element].segment) {
+        for members in segment.chunks_mut(LANES) {
+            let used = members.len();
+            let first = groups.last().map_or(0, |g: &Group| g.cells[0] + g.used);
+            for (lane, cell) in members.iter_mut().enumerate() {
+                (cell.group, cell.lane) = (groups.len(), lane);
+            }
+            let touches =
+                |j: usize| std::array::from_fn(|lane| f64::from(members.get(lane).is_some_and(|c| c.pulley == j)));
+            groups.push(Group {
+                cells: std::array::from_fn(|lane| first + lane.min(used - 1)),
+                used,
+                on: [S, P].map(|j| Lanes::new(touches(j))),
+            });
+        }
+    }
+    groups
 }
 
 impl BeltMesh {
@@ -108,13 +148,17 @@ impl BeltMesh {
                     pulley: if touches_primary { P } else { S },
                     face,
                     stations,
+                    group: 0,
+                    lane: 0,
                 });
             }
         }
+        let groups = group(&mut cells, &elements);
         Self {
             aligned: mesh.aligned,
             elements,
             cells,
+            groups,
             cells_per_element,
             points,
         }

@@ -3,7 +3,7 @@
 use super::balance::{BeltSums, Sliding, Survey};
 use super::cell::Sample;
 use super::layout::Global;
-use super::mesh::{P, S};
+use super::mesh::{Cell, P, S};
 use super::signals::{Losses, Outputs, PROFILE_POINTS, PulleyOutputs};
 use super::system::VariatorSystem;
 use crate::solver::View;
@@ -29,6 +29,8 @@ struct ElementTension {
 #[derive(Clone, Debug, Default)]
 pub struct Observer {
     tensions: Vec<ElementTension>,
+    /// ξ of the stations, m.
+    stations: Vec<f64>,
 }
 
 /// What the state alone does not tell.
@@ -63,13 +65,7 @@ impl Observer {
         } else {
             (sums.axial[P] / sums.axial[S]).clamp(-100.0, 100.0)
         };
-        let (mut speed, mut length) = (0.0, 0.0);
-        for sample in &survey.samples {
-            let weight = sample.weight * sample.lambda;
-            speed += sample.speed * weight;
-            length += weight;
-        }
-        out.belt_speed = speed / length;
+        out.belt_speed = sums.carried / sums.pitch_length;
         out.ring_speed = view.y[layout.global(Global::Drift, 0)];
         out.ratio_speed = if omega[S].abs() * radii[S] < NO_SPEED {
             0.0
@@ -109,7 +105,7 @@ impl Observer {
             }
         };
         out.macro_slip = context.macro_slip;
-        out.push_force_max = survey.samples.iter().map(|s| s.push).fold(0.0, f64::max);
+        out.push_force_max = sums.push_force;
         self.mean_tensions(system, survey);
         let tensions = || self.tensions.iter().map(|e| e.tension);
         out.ring_tension_max = tensions().fold(f64::NEG_INFINITY, f64::max);
@@ -127,12 +123,14 @@ impl Observer {
         self.tensions.clear();
         self.tensions
             .resize(system.mesh.elements.len(), ElementTension::default());
-        for (cell, sample) in survey.stations(&system.mesh) {
+        self.stations.clear();
+        survey.stations(&system.mesh).for_each(|(cell, sample)| {
+            self.stations.push(sample.xi);
             let mean = &mut self.tensions[cell.element];
             mean.xi += sample.xi * sample.weight;
             mean.tension += sample.tension * sample.weight;
             mean.length += sample.weight;
-        }
+        });
         for mean in &mut self.tensions {
             mean.xi /= mean.length;
             mean.tension /= mean.length;
@@ -145,33 +143,35 @@ impl Observer {
         let profile = &mut out.profile;
         let [secondary, primary] = system.middles(view);
         let plane = 0.5 * (secondary + primary);
-        let (mut place, mut element) = (0, 0);
+        let mesh = &system.mesh;
+        let deviation = |cell: &Cell, sample: &Sample| {
+            if sample.on_arc() {
+                sample.pitch_radius - radii[cell.pulley]
+            } else {
+                sample.outward
+            }
+        };
+        let sliding = |sample: &Sample| if sample.normal > 100.0 { sample.sliding } else { 0.0 };
+        let (mut station, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
-            let (a, b, share) = bracket(&survey.samples, |s| s.xi, xi, length, &mut place);
-            let between = |f: fn(&Sample) -> f64| f(&survey.samples[a]) * (1.0 - share) + f(&survey.samples[b]) * share;
-            let (before, after, part) = bracket(&self.tensions, |e| e.xi, xi, length, &mut element);
-            let deviation = |station: usize| {
-                let (cell, sample) = (
-                    &system.mesh.cells[station / system.mesh.points],
-                    &survey.samples[station],
-                );
-                if sample.on_arc() {
-                    sample.pitch_radius - radii[cell.pulley]
-                } else {
-                    sample.outward
-                }
-            };
+            let (before, after, share) = bracket(&self.tensions, |e| e.xi, xi, length, &mut element);
+            let [before, after] = [before, after].map(|e| self.tensions[e].tension);
             profile.position[k] = xi;
-            profile.push_force[k] = between(|s| s.push);
-            profile.ring_tension[k] =
-                self.tensions[before].tension * (1.0 - part) + self.tensions[after].tension * part;
-            profile.normal_force[k] = between(|s| s.normal);
-            profile.sliding_speed[k] = between(|s| if s.normal > 100.0 { s.sliding } else { 0.0 });
+            profile.ring_tension[k] = before * (1.0 - share) + after * share;
+            let (before, after, share) = bracket(&self.stations, |xi| *xi, xi, length, &mut station);
+            let [(of_a, a), (of_b, b)] = [before, after].map(|k| {
+                let cell = &mesh.cells[k / mesh.points];
+                (cell, survey.sample(mesh, cell, k % mesh.points))
+            });
+            let between = |a: f64, b: f64| a * (1.0 - share) + b * share;
+            profile.push_force[k] = between(a.push, b.push);
+            profile.normal_force[k] = between(a.normal, b.normal);
+            profile.sliding_speed[k] = between(sliding(&a), sliding(&b));
+            profile.radial_deviation[k] = between(deviation(of_a, &a), deviation(of_b, &b));
             if system.layout.is_spatial() {
-                profile.lateral_deflection[k] = between(|s| s.lateral[0]) - plane;
+                profile.lateral_deflection[k] = between(a.lateral[0], b.lateral[0]) - plane;
             }
-            profile.radial_deviation[k] = deviation(a) * (1.0 - share) + deviation(b) * share;
         }
     }
 }
@@ -186,7 +186,7 @@ fn lateral(system: &VariatorSystem, view: View<'_>, survey: &Survey, out: &mut O
     let plane = 0.5 * (middles[S] + middles[P]);
     let (mut largest, mut rise, mut length) = (0.0_f64, 0.0, 0.0);
     let length_of_belt = system.law.parameters.geometry.belt_length;
-    for sample in &survey.samples {
+    for (_, sample) in survey.stations(&system.mesh) {
         let [w, slope] = sample.lateral;
         largest = largest.max((w - plane).abs());
         if sample.on_arc() {

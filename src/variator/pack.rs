@@ -3,7 +3,7 @@
 use super::cell::{CellBalance, CellMotion, Place};
 use super::kept::Kept;
 use super::layout::Global;
-use super::mesh::Station;
+use super::mesh::{Group, Station};
 use super::ring::{GUIDED, RingForces};
 use super::system::VariatorSystem;
 use super::variation::Direction;
@@ -285,7 +285,6 @@ impl VariatorSystem {
         }
         let shape = self.layout.shape();
         let cells = self.mesh.cells.len();
-        let segment = |cell: usize| self.mesh.elements[self.mesh.cells[cell].element].segment;
         let directions = |cell: usize| {
             let mut at = [0; MOST];
             let count = self.directions(cell, &mut at);
@@ -300,13 +299,7 @@ impl VariatorSystem {
         let element = parts(&whole, self.mesh.cells_per_element, self.mesh.points);
         let mut known: Vec<Arc<Slots>> = Vec::new();
         let mut packs = Vec::new();
-        let mut first = 0;
-        while first < cells {
-            let used = (1..LANES)
-                .take_while(|&i| first + i < cells && segment(first + i) == segment(first))
-                .count()
-                + 1;
-            let cell: [usize; LANES] = std::array::from_fn(|lane| first + lane.min(used - 1));
+        for &Group { cells: cell, used, .. } in &self.mesh.groups {
             let member = cell.map(|c| &self.mesh.cells[c]);
             let parts = cell.map(|c| c % self.mesh.cells_per_element);
             let slots = known.iter().find(|slots| slots.parts == parts).cloned();
@@ -333,7 +326,7 @@ impl VariatorSystem {
             packs.push(Pack {
                 cells: cell,
                 used,
-                segment: segment(first),
+                segment: self.mesh.elements[member[0].element].segment,
                 of_segment: [
                     Lanes::new(member.map(|c| self.mesh.elements[c.element].start)),
                     Lanes::new(member.map(|c| self.mesh.elements[c.element].share)),
@@ -347,7 +340,6 @@ impl VariatorSystem {
                 at: std::array::from_fn(|k| at.map(|(at, _)| at[k])),
                 entries,
             });
-            first += used;
         }
         self.flux_entries = (0..cells)
             .map(|cell| {

@@ -199,11 +199,14 @@ pub fn prolong(coarse: &VariatorSystem, from: &State, fine: &VariatorSystem, sta
 
 /// A figure of each cell from its pitch length, m, and its density.
 fn per_cell(system: &VariatorSystem, state: &State, figure: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let survey = system.surveyed(state.view());
-    survey
-        .samples
-        .chunks_exact(system.mesh.points)
-        .map(|cell| figure(cell.iter().map(|s| s.lambda * s.weight).sum(), cell[0].density))
+    let (mesh, survey) = (&system.mesh, system.surveyed(state.view()));
+    mesh.cells
+        .iter()
+        .map(|cell| {
+            let sample = |station| survey.sample(mesh, cell, station);
+            let length = (0..mesh.points).map(sample).map(|s| s.lambda * s.weight).sum();
+            figure(length, sample(0).density)
+        })
         .collect()
 }
 

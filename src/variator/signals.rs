@@ -75,13 +75,13 @@ pub struct PulleyOutputs {
 
 /// Losses, each from its own law, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Losses {
+pub struct Losses<L = f64> {
     /// Friction between element flanks and sheaves.
-    pub sheaves: f64,
+    pub sheaves: L,
     /// Friction between ring and elements.
-    pub ring: f64,
+    pub ring: L,
     /// Sheave damper, tilt relaxation, chain, structural and contact damping, end stops.
-    pub other: f64,
+    pub other: L,
 }
 
 impl Losses {

@@ -27,7 +27,7 @@ use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::model::{Coordinates, DIRECTIONS, Energy, NODAL, RingModel as _};
 use crate::ring::particle::{Particle, ParticleLoad};
 use crate::ring::rcm::Rcm;
-use crate::scalar::{Real, Tangent};
+use crate::scalar::{Lanes, Real, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use std::ops::Mul;
@@ -582,16 +582,19 @@ impl VariatorSystem {
         &self,
         ring: &LagrangianRing<E, TwoPulley>,
         view: View<'_>,
-        out: &mut [Sample],
+        out: &mut [Sample<Lanes>],
     ) {
         let frame = self.curve.frame(self.theta(view));
         let s = view.q[self.layout.global(Global::Drift, 0)];
         let mut at = [0; MOST];
-        for cell in 0..self.mesh.cells.len() {
+        for (cell, place) in self.mesh.cells.iter().enumerate() {
             let under = self.under(&frame, cell, s);
-            under.directions(&self.layout, cell, self.mesh.cells[cell].pulley, &mut at);
-            let mut stations = out[cell * self.mesh.points..].iter_mut();
-            let mut take = |sample| *stations.next().expect("a place for each station") = sample;
+            under.directions(&self.layout, cell, place.pulley, &mut at);
+            let mut stations = out[place.group * self.mesh.points..].iter_mut();
+            let mut take = |sample| {
+                let group = stations.next().expect("a place for each station");
+                group.set(place.lane, &sample);
+            };
             let mut sampler = Sampler(&mut take);
             let seed = |value: f64, _: usize, _: f64| value;
             self.passing(

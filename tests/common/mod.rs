@@ -190,7 +190,7 @@ impl Steady {
             .map(|(cell, sample)| At {
                 segment: mesh.elements[cell.element].segment,
                 element: cell.element,
-                sample: *sample,
+                sample,
             })
             .collect()
     }
