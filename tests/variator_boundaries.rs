@@ -268,6 +268,14 @@ fn a_push_strand_in_net_compression_is_told() {
             run.warned("the net force in a strand is -") && run.warned("buckle"),
             "{model:?}"
         );
+        // Not again within a second.
+        run.inputs = inputs((40.0, 11e3), (-39.0, 9e3));
+        run.go(0.02, 1e-3);
+        assert!(run.variator.system().ledger.last.sums.strand_force > 0.0);
+        run.inputs = inputs((-300.0, 1e3), (300.0, 1e3));
+        run.go(0.02, 1e-3);
+        let told = run.messages.iter().filter(|m| m.text.contains("buckle")).count();
+        assert_eq!(told, 1, "{model:?}");
     }
 }
 

@@ -30,6 +30,9 @@ const WARM_STEP: f64 = 1.0e-4;
 /// Shortest time to advance by, s: rates over less are rounding errors.
 const SHORTEST_STEP: f64 = 1.0e-9;
 
+/// Time without net compression in a strand after which it is told of again, s: a strand at the limit does not fill the log.
+const QUIET: f64 = 1.0;
+
 /// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and
 /// it leaves nine digits of a difference.
 const MOMENT: f64 = 1.0e-6;
@@ -100,7 +103,8 @@ pub struct Variator {
     /// Time at which the load ramp ends.
     ramp_end: f64,
     macro_slip: bool,
-    buckling: bool,
+    /// Time at which a strand was last seen in net compression, s.
+    buckled: f64,
     initial_energy: f64,
     external_torque: [f64; 2],
     /// Inputs in force, the time at which they were given, and how they change from then on.
@@ -159,7 +163,7 @@ impl Variator {
             time: 0.0,
             ramp_end: f64::NEG_INFINITY,
             macro_slip: false,
-            buckling: false,
+            buckled: f64::NEG_INFINITY,
             initial_energy: 0.0,
             external_torque: [0.0; 2],
             held: Held {
@@ -207,7 +211,7 @@ impl Variator {
             kinematic_state(system, start).map_err(|e| InitialisationError::NoState(e.to_string()))
         };
         self.time = time;
-        self.buckling = false;
+        self.buckled = f64::NEG_INFINITY;
         self.ramp_end = f64::NEG_INFINITY;
         self.integrator = integrator(&self.system, &parameters);
         self.system.forget_derivatives();
@@ -525,16 +529,19 @@ impl Variator {
         self.time = to;
         let sums = self.system.ledger.last.sums;
         self.macro_slip = macro_slip(&self.system, self.state.view(), &sums, self.macro_slip);
-        let buckling = sums.strand_force < 0.0;
-        if buckling && !self.buckling {
-            let force = sums.strand_force;
-            self.say(
-                true,
-                format!("at {to} s the net force in a strand is {force:.0} N: a real push strand would buckle"),
-            );
+        if sums.strand_force < 0.0 {
+            if to - self.buckled > QUIET {
+                let force = sums.strand_force;
+                self.say(
+                    true,
+                    format!(
+                        "at {to} s the net force in a strand is {force:.0} N: a real push strand would buckle (said again only \
+                         after {QUIET} s without)"
+                    ),
+                );
+            }
+            self.buckled = to;
         }
-        // Cleared with a margin, so that a strand at the limit does not fill the log.
-        self.buckling = buckling || self.buckling && sums.strand_force < 50.0;
         self.system.move_loads(to);
         self.external_torque = [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
         Ok(())
@@ -589,6 +596,7 @@ impl Variator {
         for value in [
             &mut self.time,
             &mut self.ramp_end,
+            &mut self.buckled,
             &mut self.initial_energy,
             &mut ledger.supplied,
             &mut ledger.lost,
@@ -601,7 +609,6 @@ impl Variator {
             tape.real(value);
         }
         tape.flag(&mut self.macro_slip);
-        tape.flag(&mut self.buckling);
         if tape.is_reading() {
             self.system.law.parameters.friction = self.parameters.friction.clone();
             self.system.retake_derivatives();
