@@ -4,8 +4,9 @@ use super::boundary::{Boundary, LoadRates, SheaveMode, SpeedMode};
 use super::layout::Global;
 use super::mesh::{P, S};
 use super::observe::{Context, Observer, macro_slip};
-use super::parameters::{Axial, Drive, Parameters, RingModel};
+use super::parameters::{Axial, Drive, Friction, Parameters, RingModel};
 use super::signals::{Inputs, Outputs, PulleyInputs};
+use super::soft_start::{LOAD_RAMP, SoftStart};
 use super::start::{Start, kinematic_state};
 use super::steady::{self, SteadyTask};
 use super::system::VariatorSystem;
@@ -14,12 +15,6 @@ use crate::solver::State;
 use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
-
-/// Time over which the loads ramp in when a run starts from the kinematic state, s.
-pub const LOAD_RAMP: f64 = 2.0e-3;
-
-/// Inputs are held constant over this part of the ramp, s.
-const RAMP_PIECE: f64 = 2.5e-4;
 
 /// First step from a kinematic state, s.
 const COLD_STEP: f64 = 1.0e-6;
@@ -100,8 +95,7 @@ pub struct Variator {
     integrator: Sdirk,
     state: State,
     time: f64,
-    /// Time at which the load ramp ends.
-    ramp_end: f64,
+    soft_start: SoftStart,
     macro_slip: bool,
     /// Time at which a strand was last seen in net compression, s.
     buckled: f64,
@@ -161,7 +155,7 @@ impl Variator {
             state: State::zero(n),
             system,
             time: 0.0,
-            ramp_end: f64::NEG_INFINITY,
+            soft_start: SoftStart::NONE,
             macro_slip: false,
             buckled: f64::NEG_INFINITY,
             initial_energy: 0.0,
@@ -212,7 +206,7 @@ impl Variator {
         };
         self.time = time;
         self.buckled = f64::NEG_INFINITY;
-        self.ramp_end = f64::NEG_INFINITY;
+        self.soft_start = SoftStart::NONE;
         self.integrator = integrator(&self.system, &parameters);
         self.system.forget_derivatives();
         let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
@@ -227,7 +221,7 @@ impl Variator {
                 ..start
             };
             self.state = cold(&self.system, &unloaded)?;
-            self.ramp_end = time + LOAD_RAMP;
+            self.soft_start = SoftStart { from: time };
         }
         if parameters.secondary.drive == Drive::Speed {
             let i = self.system.layout.global(Global::Speed, S);
@@ -263,7 +257,7 @@ impl Variator {
         })?;
         ale.initialise(self.time, inputs)?;
         self.messages.append(&mut ale.messages);
-        self.ramp_end = ale.ramp_end;
+        self.soft_start = ale.soft_start;
         self.state = self.system.lay_on(&ale.system, &ale.state);
         Ok(())
     }
@@ -337,7 +331,7 @@ impl Variator {
                 ),
                 Err(report) => {
                     self.state = cold;
-                    self.ramp_end = self.time + LOAD_RAMP;
+                    self.soft_start = SoftStart { from: self.time };
                     self.state = kinematic_state(&self.system, &Start { clamping: [0.0; 2], ..*start })
                         .map_err(|e| InitialisationError::NoState(e.to_string()))?;
                     self.say(
@@ -420,19 +414,17 @@ impl Variator {
         (edge(p.initial.ratio, 0.05), edge(p.initial.ratio, 20.0))
     }
 
-    /// Share of the loads at time `t`.
-    fn ramp(&self, t: f64) -> f64 {
-        if t >= self.ramp_end {
-            1.0
-        } else {
-            (1.0 - (self.ramp_end - t) / LOAD_RAMP).clamp(0.0, 1.0)
-        }
-    }
-
-    /// Boundary conditions from the inputs; a load ramp's share is that in the middle of its piece.
+    /// Boundary conditions from the inputs, and friction.
     fn apply(&mut self) {
-        let share = self.ramp(self.time + 0.5 * RAMP_PIECE);
+        let share = self.soft_start.load_share(self.time);
         let p = &self.parameters;
+        let velocity = self.soft_start.friction_velocity(self.time, p.friction.velocity);
+        let in_force = &mut self.system.law.parameters.friction.velocity;
+        if *in_force != velocity {
+            *in_force = velocity;
+            // All that are kept are of the same law, so a stored state needs to know one only.
+            self.system.forget_derivatives();
+        }
         let Held { from, inputs, rates } = &self.held;
         let speed = |drive: Drive, input: &PulleyInputs| match drive {
             Drive::Torque => SpeedMode::Torque(share * input.torque),
@@ -501,11 +493,7 @@ impl Variator {
         };
         self.stale = true;
         while to - self.time >= SHORTEST_STEP {
-            let end = if self.time < self.ramp_end {
-                to.min(self.time + RAMP_PIECE)
-            } else {
-                to
-            };
+            let end = to.min(self.time + self.soft_start.piece(self.time));
             self.apply();
             let outcome = self
                 .integrator
@@ -595,7 +583,8 @@ impl Variator {
         let [torque_s, torque_p] = &mut self.external_torque;
         for value in [
             &mut self.time,
-            &mut self.ramp_end,
+            &mut self.soft_start.from,
+            &mut self.system.law.parameters.friction.velocity,
             &mut self.buckled,
             &mut self.initial_energy,
             &mut ledger.supplied,
@@ -610,7 +599,7 @@ impl Variator {
         }
         tape.flag(&mut self.macro_slip);
         if tape.is_reading() {
-            self.system.law.parameters.friction = self.parameters.friction.clone();
+            self.put_friction();
             self.system.retake_derivatives();
             self.system.take_stock(self.state.view());
             self.stale = true;
@@ -656,13 +645,20 @@ impl Variator {
         changed.friction.pulley = pulley;
         changed.friction.ring = ring;
         changed.validate()?;
-        self.system.law.parameters.friction = changed.friction.clone();
-        self.system.take_stock(self.state.view());
         self.parameters = changed;
+        self.put_friction();
+        self.system.take_stock(self.state.view());
         self.integrator.newton.forget();
         self.system.forget_derivatives();
         self.stale = true;
         Ok(())
+    }
+
+    /// Puts the two tunable coefficients in force.
+    fn put_friction(&mut self) {
+        let Friction { pulley, ring, .. } = self.parameters.friction;
+        let in_force = &mut self.system.law.parameters.friction;
+        (in_force.pulley, in_force.ring) = (pulley, ring);
     }
 
     /// Outputs at the present time.

@@ -19,6 +19,7 @@ pub mod parameters;
 pub mod refine;
 pub mod ring;
 pub mod signals;
+pub mod soft_start;
 pub mod start;
 pub mod steady;
 pub mod system;
