@@ -27,7 +27,7 @@ class Plan:
     """Section that both clamping strategies drive, s."""
     close_up: tuple[float, float]
     """Section that is driven once more on the FMU's own mesh, s."""
-    ring: str = "ALE0"
+    ring: str = "ALE"
     """Ring model of the first."""
     low_friction: tuple[float, float] = (10.0, 20.0)
     """Section that both strategies drive with less friction than they believe in, s."""
