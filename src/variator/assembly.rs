@@ -139,8 +139,8 @@ impl VariatorSystem {
             theta += pack.counted(rows[own + 1]);
             // The pulley's rows need its whole sum first.
             let [axial, torque, x, y] = [b.axial, b.torque, b.tilting[0], b.tilting[1]].map(Lanes::to_array);
-            for lane in 0..pack.used {
-                let cell = pack.cells[lane];
+            for lane in 0..pack.group.used {
+                let cell = pack.group.cells[lane];
                 let sum = &mut self.sums[self.mesh.cells[cell].pulley];
                 sum.axial += axial[lane];
                 sum.torque += torque[lane];

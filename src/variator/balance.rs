@@ -3,7 +3,7 @@
 use super::boundary::SpeedMode;
 use super::cell::Sample;
 use super::layout::Global;
-use super::mesh::{BeltMesh, Cell, P, S};
+use super::mesh::{BeltMesh, Cell, Group, P, S};
 use super::parameters::SPEED_LAG;
 use super::signals::Losses;
 use super::system::VariatorSystem;
@@ -16,8 +16,8 @@ use num_traits::Zero;
 /// The belt at one state.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
-    /// Samples of the stations of a [`super::mesh::Group`] of cells, one group after the other.
-    pub groups: Vec<Sample<Lanes>>,
+    /// Samples of the stations of each [`Group`] of cells.
+    samples: Vec<Sample<Lanes>>,
     /// Sums over them.
     pub sums: BeltSums,
     /// Energy of a ring that counts it on elements of its own, J.
@@ -29,7 +29,12 @@ impl Survey {
     #[inline(always)]
     #[must_use]
     pub fn sample(&self, mesh: &BeltMesh, cell: &Cell, station: usize) -> Sample {
-        self.groups[cell.group * mesh.points + station].get(cell.lane)
+        self.samples[cell.group * mesh.points + station].get(cell.lane)
+    }
+
+    /// Groups of cells, and the samples of their stations.
+    fn groups<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Group, &'a [Sample<Lanes>])> {
+        mesh.groups.iter().zip(self.samples.chunks_exact(mesh.points))
     }
 
     /// Cells and samples of all stations, in the order of ξ.
@@ -84,14 +89,15 @@ impl BeltSums<Lanes> {
         }
     }
 
-    /// Adds a station of cells that are `on` each pulley or not.
-    fn add(&mut self, on: &[Lanes; 2], s: &Sample<Lanes>) {
-        let weight = s.weight * (on[S] + on[P]);
+    /// Adds a station of the cells of a group.
+    fn add(&mut self, group: &Group, s: &Sample<Lanes>) {
+        let in_use = group.in_use();
+        let weight = s.weight * in_use;
         self.losses.sheaves += s.sheave_loss * weight;
         self.losses.ring += s.ring_loss * weight;
         self.losses.other += s.damping_loss * weight;
         for j in [S, P] {
-            let weight = s.weight * on[j];
+            let weight = s.weight * group.on[j];
             self.axial[j] += s.axial * weight;
             self.torque[j] += s.torque * weight;
             self.axial_radius[j] += s.axial * weight * s.pitch_radius;
@@ -101,8 +107,9 @@ impl BeltSums<Lanes> {
             sliding.weighted += load * s.sliding;
             sliding.forward += s.sliding.if_positive(load, Lanes::zero());
         }
-        let strand = s.curvature[0].if_positive(f64::INFINITY.into(), s.tension - s.push);
-        self.strand_force = self.strand_force.min(strand);
+        let none = f64::INFINITY.into();
+        let strand = s.curvature[0].if_positive(none, s.tension - s.push);
+        self.strand_force = self.strand_force.min(in_use.if_positive(strand, none));
         self.push_force = self.push_force.max(s.push);
         let length = s.lambda * weight;
         self.pitch_length += length;
@@ -137,16 +144,11 @@ impl BeltSums<Lanes> {
 impl VariatorSystem {
     /// Surveys the belt, in the memory of an earlier survey.
     pub fn survey(&self, view: View<'_>, survey: &mut Survey) {
-        self.sample(view, &mut survey.groups);
+        self.sample(view, &mut survey.samples);
         let mut sums = BeltSums::empty();
-        for (group, samples) in self
-            .mesh
-            .groups
-            .iter()
-            .zip(survey.groups.chunks_exact(self.mesh.points))
-        {
+        for (group, samples) in survey.groups(&self.mesh) {
             for sample in samples {
-                sums.add(&group.on, sample);
+                sums.add(group, sample);
             }
         }
         survey.sums = sums.total();
@@ -168,22 +170,17 @@ impl VariatorSystem {
     pub fn belt_energy(&self, survey: &Survey) -> f64 {
         let (law, p) = (&self.law, &self.law.parameters);
         let mut sum = Lanes::zero();
-        for (group, samples) in self
-            .mesh
-            .groups
-            .iter()
-            .zip(survey.groups.chunks_exact(self.mesh.points))
-        {
+        for (group, samples) in survey.groups(&self.mesh) {
             let stack = chain::energy_density(&p.belt, samples[0].density);
             let flank = |penetration| contact::energy_density(&p.contact, law.wedge[1], penetration);
-            let counted = group.on[S] + group.on[P];
+            let in_use = group.in_use();
             for s in samples {
                 let flanks = if self.layout.is_spatial() {
                     flank(s.penetration + s.offset) + flank(s.penetration - s.offset)
                 } else {
                     flank(s.penetration) * 2.0
                 };
-                sum += (s.kinetic + s.ring_elastic + s.lambda * (stack + flanks)) * s.weight * counted;
+                sum += (s.kinetic + s.ring_elastic + s.lambda * (stack + flanks)) * s.weight * in_use;
             }
         }
         survey.travelling + sum.sum()

@@ -30,7 +30,7 @@ impl VariatorSystem {
         }
         let count = directions(self.ring_kind(), self.layout.components);
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
-            kept.pass(tape, count, pack.used);
+            kept.pass(tape, count, pack.group.used);
         }
     }
 
@@ -175,7 +175,7 @@ impl VariatorSystem {
             }
             self.differentiate::<KIND, D, C>(pack, &frames, &mut kept[0], &mut transports[0]);
             self.differentiate_forward::<KIND, D, C>(pack, &frames, &mut kept[1], &mut transports[1]);
-            for lane in 0..pack.used {
+            for lane in 0..pack.group.used {
                 let [hand, forward] = kept.each_ref().map(|kept| {
                     let entry = |row: usize, column: usize| kept.block[row * count + column].to_array()[lane];
                     let column = |column| (0..count - 1).map(move |row| entry(row, column)).collect::<Vec<_>>();
@@ -183,7 +183,7 @@ impl VariatorSystem {
                 });
                 let [of_hand, of_forward] = transports
                     .each_ref()
-                    .map(|t| t[pack.cells[lane]].each().map(|of| of[..count].to_vec()));
+                    .map(|t| t[pack.group.cells[lane]].each().map(|of| of[..count].to_vec()));
                 let pairs = hand.iter().zip(&forward).chain(of_hand.iter().zip(&of_forward));
                 for (hand, forward) in pairs {
                     let scale = forward.iter().fold(1e-300_f64, |most, x| most.max(x.abs()));
@@ -243,12 +243,12 @@ impl VariatorSystem {
             }
             for (entry, value) in pack.entries.iter().zip(&kept.block) {
                 let value = value.to_array();
-                for lane in 0..pack.used {
+                for lane in 0..pack.group.used {
                     out.add_at(entry[lane], value[lane]);
                 }
             }
-            for lane in 0..pack.used {
-                self.transports[pack.cells[lane]] = transport.map(|of| of.to_array()[lane]);
+            for lane in 0..pack.group.used {
+                self.transports[pack.group.cells[lane]] = transport.map(|of| of.to_array()[lane]);
             }
         }
         (self.kept, self.transport_slopes) = (all, transports);
@@ -316,7 +316,10 @@ impl<'a> Columns<'a> {
             block[direction] = *row;
         }
         for (figure, slope) in transport.each().into_iter().enumerate() {
-            for (&cell, slope) in self.pack.cells[..self.pack.used].iter().zip(slope.to_array()) {
+            for (&cell, slope) in self.pack.group.cells[..self.pack.group.used]
+                .iter()
+                .zip(slope.to_array())
+            {
                 self.transports[cell].each_mut()[figure][direction] = slope;
             }
         }

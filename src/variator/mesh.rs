@@ -44,7 +44,7 @@ pub struct Cell {
 }
 
 /// Neighbours on one segment that are evaluated at once, a cell in each lane of a register.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Group {
     /// Cells; the last one repeats where there are fewer than lanes.
     pub cells: [usize; LANES],
@@ -52,6 +52,15 @@ pub struct Group {
     pub used: usize,
     /// 1 in the lanes in use whose cell can touch the pulley, [`S`] or [`P`], else 0.
     pub on: [Lanes; 2],
+}
+
+impl Group {
+    /// 1 in the lanes in use, else 0.
+    #[inline(always)]
+    #[must_use]
+    pub fn in_use(&self) -> Lanes {
+        self.on[S] + self.on[P]
+    }
 }
 
 /// Elements and cells around the loop; the first node is at ξ = 0.

@@ -70,13 +70,10 @@ pub(super) struct Slots {
     stations: Vec<Station<Lanes>>,
 }
 
-/// Cells that are computed at once, one in each lane. They lie on the same segment, next to each other.
+/// A group of cells, with what their evaluation needs.
 #[derive(Clone, Debug)]
 pub(super) struct Pack {
-    /// Cells; the last one repeats where there are fewer than lanes.
-    pub cells: [usize; LANES],
-    /// Lanes in use.
-    pub used: usize,
+    pub group: Group,
     pub segment: usize,
     /// Start and length of the elements as fractions of the segment.
     pub of_segment: [Lanes; 2],
@@ -106,7 +103,7 @@ impl Pack {
     /// The sum over its cells.
     #[inline(always)]
     pub fn counted(&self, of: Lanes) -> f64 {
-        of.to_array()[..self.used].iter().sum()
+        of.to_array()[..self.group.used].iter().sum()
     }
 
     /// Adds `rows` of the balance of each cell, its own directions', to `out`; the amount has its own balance.
@@ -114,7 +111,7 @@ impl Pack {
     pub fn scatter<const KIND: u8, const D: usize>(&self, rows: &[Lanes; MOST], out: &mut [f64]) {
         let (nodes, own) = (node_directions(KIND, D), own_directions(KIND, D));
         let rows = rows.map(Lanes::to_array);
-        for lane in 0..self.used {
+        for lane in 0..self.group.used {
             for first in (0..nodes).step_by(2 * D) {
                 let node = &mut out[self.at[first][lane]..][..2 * D];
                 for (k, x) in node.iter_mut().enumerate() {
@@ -299,7 +296,8 @@ impl VariatorSystem {
         let element = parts(&whole, self.mesh.cells_per_element, self.mesh.points);
         let mut known: Vec<Arc<Slots>> = Vec::new();
         let mut packs = Vec::new();
-        for &Group { cells: cell, used, .. } in &self.mesh.groups {
+        for group in &self.mesh.groups {
+            let cell = group.cells;
             let member = cell.map(|c| &self.mesh.cells[c]);
             let parts = cell.map(|c| c % self.mesh.cells_per_element);
             let slots = known.iter().find(|slots| slots.parts == parts).cloned();
@@ -324,8 +322,7 @@ impl VariatorSystem {
                 }
             }
             packs.push(Pack {
-                cells: cell,
-                used,
+                group: group.clone(),
                 segment: self.mesh.elements[member[0].element].segment,
                 of_segment: [
                     Lanes::new(member.map(|c| self.mesh.elements[c.element].start)),
