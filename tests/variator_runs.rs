@@ -121,7 +121,7 @@ const NAMES: [&str; 7] = [
 
 /// A tolerance ten times tighter changes launch and shift by less than 0.2 % of each output's range: motions at every
 /// output point, forces in the root mean square. (The moments at which elements stick and slip move with the tolerance, and
-/// with them single values: of the push force by up to 0.4 % of its range, of the thrust ratio by 1.2 % in the first millisecond.)
+/// with them single values of forces: by up to 0.4 % of the range.)
 fn tighter_tolerance(model: RingModel, to: f64) {
     let [a, b] = [1.0, 0.1].map(|factor| {
         let mut parameters = Manoeuvre::variator(coarse(model));
@@ -143,7 +143,8 @@ fn tighter_tolerance(model: RingModel, to: f64) {
             100.0 * most
         );
         assert!(mean < 2e-3, "{model:?} {name}: {mean} in the mean");
-        assert!(k >= MOTIONS || most < 2e-3, "{model:?} {name}: {most} at {clock} s");
+        let allowed = if k < MOTIONS { 2e-3 } else { 5e-3 };
+        assert!(most < allowed, "{model:?} {name}: {most} at {clock} s");
     }
 }
 
