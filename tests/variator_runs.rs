@@ -3,7 +3,8 @@
 mod common;
 
 use common::{MODELS, Manoeuvre, Run, assert_close, assert_pinned, coarse, inputs, variator};
-use pushbelt::variator::parameters::{Parameters, RingModel};
+use pushbelt::variator::instance::Variator;
+use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
 use pushbelt::variator::signals::{Inputs, Outputs};
 
 /// Communication step of the manoeuvre, s.
@@ -193,6 +194,27 @@ fn runs_and_snapshots_repeat_bit_for_bit() {
         assert_eq!(one.variator.state(), snapshot.variator.state());
         assert_eq!(one.variator.outputs(), snapshot.variator.outputs());
     }
+}
+
+/// A start doesn't depend on the run before it, be it one whose friction is still soft.
+#[test]
+fn a_second_start_is_like_a_first() {
+    let mut parameters = coarse(RingModel::Ale0);
+    parameters.primary.drive = Drive::Speed;
+    let running = inputs((0.0, 13e3), (-49.0, 10e3));
+    let mut resting = running;
+    resting.primary.speed_setpoint = 0.0;
+    let mut fresh = Variator::new(parameters.clone()).unwrap();
+    fresh.initialise(0.0, &running).unwrap();
+    let mut used = Variator::new(parameters).unwrap();
+    used.initialise(0.0, &resting).unwrap();
+    used.advance(3e-3, &resting).unwrap();
+    used.initialise(0.0, &running).unwrap();
+    for variator in [&mut fresh, &mut used] {
+        variator.advance(1e-3, &running).unwrap();
+    }
+    assert_eq!(fresh.state(), used.state());
+    assert_eq!(fresh.outputs(), used.outputs());
 }
 
 /// What a short run takes, so that a solver that got slower shows without a clock: a step of F_P on the default variator.

@@ -207,6 +207,7 @@ impl Variator {
         self.time = time;
         self.buckled = f64::NEG_INFINITY;
         self.soft_start = SoftStart::NONE;
+        self.soften();
         self.integrator = integrator(&self.system, &parameters);
         self.system.forget_derivatives();
         let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
@@ -414,17 +415,23 @@ impl Variator {
         (edge(p.initial.ratio, 0.05), edge(p.initial.ratio, 20.0))
     }
 
-    /// Boundary conditions from the inputs, and friction.
-    fn apply(&mut self) {
-        let share = self.soft_start.load_share(self.time);
-        let p = &self.parameters;
-        let velocity = self.soft_start.friction_velocity(self.time, p.friction.velocity);
+    /// Puts the friction velocity of this time in force.
+    fn soften(&mut self) {
+        let sharp = self.parameters.friction.velocity;
+        let velocity = self.soft_start.friction_velocity(self.time, sharp);
         let in_force = &mut self.system.law.parameters.friction.velocity;
         if *in_force != velocity {
             *in_force = velocity;
             // All that are kept are of the same law, so a stored state needs to know one only.
             self.system.forget_derivatives();
         }
+    }
+
+    /// Boundary conditions from the inputs, and friction.
+    fn apply(&mut self) {
+        self.soften();
+        let share = self.soft_start.load_share(self.time);
+        let p = &self.parameters;
         let Held { from, inputs, rates } = &self.held;
         let speed = |drive: Drive, input: &PulleyInputs| match drive {
             Drive::Torque => SpeedMode::Torque(share * input.torque),

@@ -5,7 +5,7 @@
 pub const LOAD_RAMP: f64 = 2.0e-3;
 
 /// Time over which friction sharpens, s.
-pub const SHARPENING: f64 = 1.0e-2;
+const SHARPENING: f64 = 1.0e-2;
 
 /// v₀ that friction starts with, m/s, unless its own is larger.
 const SOFT_VELOCITY: f64 = 0.02;
@@ -41,10 +41,9 @@ impl SoftStart {
         }
     }
 
-    /// Time after `time` of which the piece that begins there takes the values, s: its middle.
+    /// Time since the start in the middle of the piece that begins at `time`, s.
     fn middle(self, time: f64) -> f64 {
-        let piece = self.piece(time);
-        time - self.from + if piece.is_finite() { 0.5 * piece } else { 0.0 }
+        time - self.from + 0.5 * self.piece(time)
     }
 
     /// Share of the loads in the piece that begins at `time`.
