@@ -30,13 +30,6 @@ impl Lanes {
         self.0.to_array()
     }
 
-    /// The number in a lane, where it stands in memory.
-    #[inline(always)]
-    #[must_use]
-    pub fn get(&self, lane: usize) -> f64 {
-        self.0.as_array()[lane]
-    }
-
     /// Writes the number in a lane.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, value: f64) {
@@ -164,14 +157,13 @@ impl Real for Lanes {
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> f64 {
-        self.get(lane)
+        self.0.as_array()[lane]
     }
 
     #[inline(always)]
-    fn with_lane(self, lane: usize, other: Self) -> Self {
-        let mut values = self.to_array();
-        values[lane] = other.lane(lane);
-        Self::new(values)
+    fn with_lane(mut self, lane: usize, other: Self) -> Self {
+        self.set(lane, other.lane(lane));
+        self
     }
 
     #[inline(always)]

@@ -233,7 +233,7 @@ impl Sample<Lanes> {
     pub fn get(&self, lane: usize) -> Sample {
         let mut cell = Sample::default();
         macro_rules! get {
-            ($($field:ident $([$k:literal])?),*) => {$( cell.$field $([$k])? = self.$field $([$k])?.get(lane); )*};
+            ($($field:ident $([$k:literal])?),*) => {$( cell.$field $([$k])? = self.$field $([$k])?.lane(lane); )*};
         }
         for_each_figure!(get);
         cell
