@@ -8,7 +8,7 @@ use std::error::Error;
 
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::{Axial, Drive, Parameters};
-use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::signals::{Inputs, StartState};
 
 /// A working point.
 struct Case {
@@ -95,10 +95,10 @@ fn steady(parameters: &Parameters, case: &Case) -> Result<Option<(f64, f64)>, Bo
     inputs.secondary.speed_setpoint = SPEED / case.ratio;
     let mut variator = Variator::new(p)?;
     variator.initialise(0.0, &inputs)?;
-    if variator.take_messages().iter().any(|m| m.warning) {
+    let outputs = variator.outputs();
+    if outputs.start_state != StartState::Steady || outputs.macro_slip {
         return Ok(None);
     }
-    let outputs = variator.outputs();
     Ok(Some((outputs.thrust_ratio, outputs.slip)))
 }
 

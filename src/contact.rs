@@ -17,6 +17,8 @@
 //! The normal force acts along the gradient of g, slopes of w included, so its power is −2 p cos β Dg/Dt and its energy
 //! 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an element's path.
 
+#![forbid(unsafe_code)]
+
 use crate::scalar::{Real, smooth_plus};
 use crate::variator::parameters::{Contact, Friction};
 

@@ -5,6 +5,8 @@
 //!   from moment balance: |ψ| = aΔ tan β, a = (1 + cos²β)/sin 2β, gives the same spread of radius,
 //! - rotation: J ω̇ = T + belt torque, or τ_ω ω̇ = ω_set − ω in speed drive.
 
+#![forbid(unsafe_code)]
+
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
 use crate::variator::parameters::Pulley;
 

@@ -1,5 +1,7 @@
 //! The exported C functions, called as an importer calls them.
 
+#![allow(unsafe_code, reason = "it calls the C functions")]
+
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};

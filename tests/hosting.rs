@@ -2,6 +2,8 @@
 //!
 //! `PUSHBELT_STEPS=1000000 PUSHBELT_CYCLES=1000 cargo test --test hosting` is the long run.
 
+#![allow(unsafe_code, reason = "it calls the C functions")]
+
 #[allow(dead_code, reason = "each test needs a part of it")]
 mod library;
 

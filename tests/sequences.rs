@@ -4,6 +4,8 @@
 //! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test sequences`. Under valgrind,
 //! where it is installed, a short run is part of the test.
 
+#![allow(unsafe_code, reason = "it calls the C functions")]
+
 #[allow(dead_code, reason = "each test needs a part of it")]
 mod library;
 

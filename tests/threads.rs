@@ -1,5 +1,7 @@
 //! Many instances in one process, on several threads.
 
+#![allow(unsafe_code, reason = "it calls the C functions")]
+
 #[allow(dead_code, reason = "each test needs a part of it")]
 mod library;
 

@@ -4,7 +4,7 @@ mod common;
 
 use common::{MODELS, Run, SPEED, assert_close, coarse, inputs, variator};
 use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
-use pushbelt::variator::signals::Outputs;
+use pushbelt::variator::signals::{Outputs, StartState};
 
 /// At a standstill, at a ratio, with a flywheel on the secondary shaft.
 fn at_rest(model: RingModel, ratio: f64) -> Parameters {
@@ -287,6 +287,7 @@ fn equilibrium(mut parameters: Parameters, force: f64) {
     let mut run = Run::new(parameters, inputs((0.0, force), (-49.0, 8.5e3)));
     assert!(run.messages.iter().all(|m| !m.warning), "{:?}", run.messages);
     let before = run.variator.outputs().clone();
+    assert_eq!(before.start_state, StartState::Steady);
     let after = run.go(0.2, 5e-3);
     println!(
         "{model:?}: ratio {:.6} then {:.6}, forces {:.1} {:.1} N",
@@ -372,7 +373,32 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
             o.torque_utilisation
         );
         assert!(!o.macro_slip && o.slip < 0.03);
-        run.go(0.02, 1e-3);
+        assert_eq!(o.start_state, StartState::ReducedTorque);
+        assert_eq!(run.go(0.02, 1e-3).start_state, StartState::ReducedTorque);
         run.assert_books();
+    }
+}
+
+/// What a run started from is told: also where nothing steady was asked for, or nothing was found.
+#[test]
+fn what_a_run_starts_from_is_told() {
+    for model in MODELS {
+        let start = |change: &dyn Fn(&mut Parameters), force: f64| {
+            let mut parameters = coarse(model);
+            change(&mut parameters);
+            let mut run = Run::new(parameters, inputs((50.0, force), (-49.0, force)));
+            for message in &run.messages {
+                println!("{model:?}: {}", message.text);
+            }
+            run.variator.outputs().start_state
+        };
+        let steady = start(&|_| {}, 10e3);
+        let standstill = start(&|p| p.initial.primary_speed = 0.0, 10e3);
+        let unloaded = start(&|p| p.initial.steady = false, 10e3);
+        let no_force = start(&|_| {}, 0.0);
+        println!("{model:?}: {steady:?} {standstill:?} {unloaded:?} {no_force:?}");
+        assert_eq!(steady, StartState::Steady);
+        assert_eq!([standstill, unloaded], [StartState::Unloaded; 2]);
+        assert_eq!(no_force, StartState::NotFound);
     }
 }

@@ -21,6 +21,8 @@ TORQUE_DRIVE, SPEED_DRIVE = 1, 2
 """Values of `primary.drive` and `secondary.drive`."""
 CLAMPED, HELD = 1, 2
 """Values of `primary.axial` and `secondary.axial`."""
+STEADY = 2
+"""Value of `initial.found` where the run started from the steady state that was asked for."""
 RING_MODELS = {"ALE0": 1, "ALE": 2}
 """Values of `ring.model`."""
 
@@ -117,8 +119,11 @@ class Variator:
 
     @property
     def not_steady(self) -> str | None:
-        """What the FMU says of a steady state that it did not find and started elsewhere; none if it found it."""
-        return next((warning for warning in self.warnings if "steady state" in warning), None)
+        """Why the FMU did not start from the steady state that was asked for; none if it did."""
+        reference = self.variables["initial.found"].valueReference
+        if self._call(self._slave.getInteger, [reference])[0] == STEADY:
+            return None
+        return "; ".join(self.warnings) or "none was asked for"
 
     def step_to(self, time: float) -> None:
         """Advances to a time, s, with the inputs as last set."""

@@ -5,6 +5,8 @@
 //! arc or strand. Derivatives with respect to Θ are taken at fixed η. The curve runs clockwise: tangent
 //! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), turning angle χ growing, t' = κ n, n' = −κ t.
 
+#![forbid(unsafe_code)]
+
 mod circle;
 mod drive;
 mod two_pulley;

@@ -1,6 +1,8 @@
 //! The ring (paper 3, 4): mesh, kinematics with its virtual power, the beam law, and the ring alone as a system. Three
 //! models stand behind [`model::RingModel`]: [`ale_ring::AleRing`], [`ancf::Ancf`] and [`rcm::Rcm`].
 
+#![forbid(unsafe_code)]
+
 pub mod ale;
 pub mod ale_ring;
 pub mod ancf;

@@ -1,5 +1,7 @@
 //! The scalar type that every law is generic over: a plain number, a pack of them, or either with derivatives.
 
+#![forbid(unsafe_code)]
+
 mod lanes;
 mod tangent;
 

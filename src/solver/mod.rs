@@ -3,6 +3,8 @@
 //! A system is F(y, ẏ, q) = 0 with q̇ = y for the unknowns that have a position: velocities of a mechanical system
 //! and first-order states stand side by side, positions are eliminated, and the Jacobian is an [`arrow::Arrow`].
 
+#![forbid(unsafe_code)]
+
 pub mod arrow;
 pub mod continuation;
 #[cfg(test)]

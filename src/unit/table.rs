@@ -15,7 +15,7 @@
 //! | 10001 + 100·j to 10072 + 100·j | field j of the profile along the belt |
 
 use super::Settings;
-use super::types::{AXIAL, DRIVE, ENUMERATIONS, RING_MODEL, UNITS};
+use super::types::{AXIAL, DRIVE, ENUMERATIONS, RING_MODEL, START_STATE, UNITS};
 use crate::fmi2::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
 use crate::variator::parameters::{Axial, Drive, RingModel};
 use crate::variator::signals::{Outputs, PROFILE_POINTS};
@@ -336,6 +336,7 @@ fn parameters(t: &mut Rows) {
 fn locals(t: &mut Rows) {
     t.read("stored.energy", 18, (Local, "J", typical(1000.0)), "Stored energy", read!(stored_energy));
     t.read("energy.residual", 19, (Local, "J", typical(1.0)), "Energy balance since the start: supplied - lost - stored", read!(energy_residual));
+    t.add("initial.found", 23, Local, "What the run started from: the steady state that was asked for, or why another one", Kind::Enumeration { of: &START_STATE, access: Access::Reading(|outputs| outputs.start_state as i32) });
     t.profile("position", 10_001, "m", 1.0, "Place xi along the belt", |outputs, at| outputs.profile.position[at]);
     t.profile("pushForce", 10_101, "N", 1000.0, "Push force", |outputs, at| outputs.profile.push_force[at]);
     t.profile("ringTension", 10_201, "N", 1000.0, "Ring tension", |outputs, at| outputs.profile.ring_tension[at]);

@@ -2,6 +2,7 @@
 
 use crate::fmi2::table::{Enumeration, Item, UnitDefinition};
 use crate::variator::parameters::{Axial, Drive, RingModel};
+use crate::variator::signals::StartState;
 
 const fn unit(name: &'static str, exponents: &'static [(&'static str, i32)]) -> UnitDefinition {
     UnitDefinition {
@@ -105,5 +106,38 @@ pub(super) static AXIAL: Enumeration = Enumeration {
     ],
 };
 
+/// `initial.found`.
+pub(super) static START_STATE: Enumeration = Enumeration {
+    name: "StartState",
+    description: "What a run started from",
+    items: &[
+        item(
+            "Unloaded",
+            StartState::Unloaded as i32,
+            "The unloaded kinematic state that was asked for, or a standstill",
+        ),
+        item(
+            "Steady",
+            StartState::Steady as i32,
+            "The steady state that was asked for; with initial.equilibrium the ratio too, or an end stop",
+        ),
+        item(
+            "ReducedTorque",
+            StartState::ReducedTorque as i32,
+            "A steady state at part of the torques, because the belt doesn't carry them",
+        ),
+        item(
+            "NoEquilibrium",
+            StartState::NoEquilibrium as i32,
+            "A steady state at initial.ratio, because no equilibrium of the clamping forces was found",
+        ),
+        item(
+            "NotFound",
+            StartState::NotFound as i32,
+            "The unloaded kinematic state, because no steady state was found",
+        ),
+    ],
+};
+
 /// Every enumeration that a variable uses.
-pub(super) static ENUMERATIONS: &[&Enumeration] = &[&RING_MODEL, &DRIVE, &AXIAL];
+pub(super) static ENUMERATIONS: &[&Enumeration] = &[&RING_MODEL, &DRIVE, &AXIAL, &START_STATE];

@@ -238,15 +238,17 @@ impl VariatorSystem {
         energy
     }
 
-    /// External torque at a shaft, N·m; `torque` is the belt's.
+    /// External torques at the shafts, N·m; `torques` are the belt's on the pulleys.
     #[must_use]
-    pub fn external_torque(&self, j: usize, view: View<'_>, torque: f64) -> f64 {
-        let i = self.layout.global(Global::Speed, j);
-        match self.boundary.speed[j] {
-            SpeedMode::Torque(external) | SpeedMode::Balanced(external, _) => external,
-            SpeedMode::Setpoint(set) => self.pulley(j).inertia * (set - view.y[i]) / SPEED_LAG - torque,
-            SpeedMode::Fixed | SpeedMode::Transmit(_) => -torque,
-        }
+    pub fn external_torques(&self, view: View<'_>, torques: [f64; 2]) -> [f64; 2] {
+        [S, P].map(|j| {
+            let i = self.layout.global(Global::Speed, j);
+            match self.boundary.speed[j] {
+                SpeedMode::Torque(external) | SpeedMode::Balanced(external, _) => external,
+                SpeedMode::Setpoint(set) => self.pulley(j).inertia * (set - view.y[i]) / SPEED_LAG - torques[j],
+                SpeedMode::Fixed | SpeedMode::Transmit(_) => -torques[j],
+            }
+        })
     }
 
     /// External force on a movable sheave, N.
@@ -261,11 +263,9 @@ impl VariatorSystem {
     /// Power supplied at the shafts, W; `torques` are the belt's on the pulleys.
     #[must_use]
     pub fn shaft_power(&self, view: View<'_>, torques: [f64; 2]) -> f64 {
+        let external = self.external_torques(view, torques);
         [S, P]
-            .map(|j| {
-                let omega = view.y[self.layout.global(Global::Speed, j)];
-                self.external_torque(j, view, torques[j]) * omega
-            })
+            .map(|j| external[j] * view.y[self.layout.global(Global::Speed, j)])
             .iter()
             .sum()
     }

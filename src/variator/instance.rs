@@ -1,26 +1,21 @@
 //! The variator as a user holds it: build from parameters, initialise, advance, read.
 
+mod initial;
+
 use super::boundary::{Boundary, LoadRates, SheaveMode, SpeedMode};
-use super::layout::Global;
-use super::mesh::{P, S};
 use super::observe::{Context, Observer, macro_slip};
-use super::parameters::{Axial, Drive, Friction, Parameters, RingModel};
-use super::signals::{Inputs, Outputs, PulleyInputs};
-use super::soft_start::{LOAD_RAMP, SoftStart};
-use super::start::{Start, kinematic_state};
-use super::steady::{self, SteadyTask};
+use super::parameters::{Axial, Drive, Friction, Parameters};
+use super::signals::{Inputs, Outputs, PulleyInputs, StartState};
+use super::soft_start::SoftStart;
 use super::system::VariatorSystem;
 use super::validation::ParameterError;
 use crate::solver::State;
-use crate::solver::newton::{Counts, Newton};
+use crate::solver::newton::Counts;
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
 
 /// First step from a kinematic state, s.
 const COLD_STEP: f64 = 1.0e-6;
-
-/// First step from a steady state, s.
-const WARM_STEP: f64 = 1.0e-4;
 
 /// Shortest time to advance by, s: rates over less are rounding errors.
 const SHORTEST_STEP: f64 = 1.0e-9;
@@ -31,12 +26,6 @@ const QUIET: f64 = 1.0;
 /// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and
 /// it leaves nine digits of a difference.
 const MOMENT: f64 = 1.0e-6;
-
-/// Most Newton solves for a steady state.
-const STEADY_SOLVES: usize = 400;
-
-/// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
-const STANDSTILL: f64 = 1.0e-3;
 
 /// A remark for the user's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,6 +85,7 @@ pub struct Variator {
     state: State,
     time: f64,
     soft_start: SoftStart,
+    start_state: StartState,
     macro_slip: bool,
     /// Time at which a strand was last seen in net compression, s.
     buckled: f64,
@@ -156,6 +146,7 @@ impl Variator {
             system,
             time: 0.0,
             soft_start: SoftStart::NONE,
+            start_state: StartState::Unloaded,
             macro_slip: false,
             buckled: f64::NEG_INFINITY,
             initial_energy: 0.0,
@@ -174,245 +165,6 @@ impl Variator {
 
     fn say(&mut self, warning: bool, text: String) {
         self.messages.push(Message { warning, text });
-    }
-
-    /// Finds the state to start from at `time`.
-    ///
-    /// What can't be solved starts from the nearest state, with a warning that says what and why.
-    ///
-    /// # Errors
-    /// Inputs out of range, or no state found.
-    pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
-        inputs.validate()?;
-        let parameters = self.parameters.clone();
-        if parameters.primary.axial == Axial::Held && parameters.secondary.axial == Axial::Held {
-            self.say(
-                true,
-                "both sheaves are held: the belt's tension follows from the start alone, clamping forces are ignored"
-                    .into(),
-            );
-        }
-        let primary_speed = match parameters.primary.drive {
-            Drive::Speed => inputs.primary.speed_setpoint,
-            Drive::Torque => parameters.initial.primary_speed,
-        };
-        let start = Start {
-            ratio: parameters.initial.ratio,
-            primary_speed,
-            clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
-        };
-        let cold = |system: &VariatorSystem, start: &Start| {
-            kinematic_state(system, start).map_err(|e| InitialisationError::NoState(e.to_string()))
-        };
-        self.time = time;
-        self.buckled = f64::NEG_INFINITY;
-        self.soft_start = SoftStart::NONE;
-        self.soften();
-        self.integrator = integrator(&self.system, &parameters);
-        self.system.forget_derivatives();
-        let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
-        if parameters.ring_model.travels() {
-            self.lay_on_ale(inputs)?;
-        } else if steady {
-            self.state = cold(&self.system, &start)?;
-            self.solve_steady(inputs, &start)?;
-        } else {
-            let unloaded = Start {
-                clamping: [0.0; 2],
-                ..start
-            };
-            self.state = cold(&self.system, &unloaded)?;
-            self.soft_start = SoftStart { from: time };
-        }
-        if parameters.secondary.drive == Drive::Speed {
-            let i = self.system.layout.global(Global::Speed, S);
-            self.state.y[i] = inputs.secondary.speed_setpoint;
-        }
-        self.state.y_dot.fill(0.0);
-        self.held = Held {
-            from: time,
-            inputs: *inputs,
-            rates: Inputs::ZERO,
-        };
-        self.apply();
-        self.system.open_ledger(self.state.view());
-        self.macro_slip = macro_slip(&self.system, self.state.view(), &self.system.ledger.last.sums, false);
-        if self.macro_slip {
-            self.say(
-                true,
-                "the belt slips through (macro-slip) in the state that the run starts from".into(),
-            );
-        }
-        self.hold_external();
-        self.initial_energy =
-            self.system.belt_energy(&self.system.ledger.last) + self.system.pulley_energy(self.state.view());
-        self.stale = true;
-        Ok(())
-    }
-
-    /// Starts as `ALE` would: a ring that travels is laid on it.
-    fn lay_on_ale(&mut self, inputs: &Inputs) -> Result<(), InitialisationError> {
-        let mut ale = Self::new(Parameters {
-            ring_model: RingModel::Ale,
-            ..self.parameters.clone()
-        })?;
-        ale.initialise(self.time, inputs)?;
-        self.messages.append(&mut ale.messages);
-        self.soft_start = ale.soft_start;
-        self.state = self.system.lay_on(&ale.system, &ale.state);
-        Ok(())
-    }
-
-    fn steady_task(&self, inputs: &Inputs, torque_share: f64) -> SteadyTask {
-        let p = &self.parameters;
-        let torques = [
-            inputs.secondary.torque * torque_share,
-            inputs.primary.torque * torque_share,
-        ];
-        let speed = match (p.secondary.drive, p.primary.drive) {
-            (Drive::Speed, Drive::Speed) => [SpeedMode::Fixed; 2],
-            (Drive::Speed, Drive::Torque) => [SpeedMode::Fixed, SpeedMode::Torque(torques[P])],
-            (Drive::Torque, Drive::Speed) => [SpeedMode::Torque(torques[S]), SpeedMode::Fixed],
-            (Drive::Torque, Drive::Torque) => [SpeedMode::Balanced(torques[S], torques[P]), SpeedMode::Fixed],
-        };
-        let reaction = if p.secondary.axial == Axial::Held && p.primary.axial == Axial::Force {
-            S
-        } else {
-            P
-        };
-        SteadyTask {
-            ratio: p.initial.ratio,
-            reaction,
-            clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
-            speed,
-            slip: self.slip_guess(inputs, torque_share),
-            warm: false,
-        }
-    }
-
-    /// One and a half percent at capacity, in the direction of the power.
-    fn slip_guess(&self, inputs: &Inputs, torque_share: f64) -> f64 {
-        let p = &self.parameters;
-        let torque = match p.primary.drive {
-            Drive::Torque => inputs.primary.torque,
-            Drive::Speed => -inputs.secondary.torque / p.initial.ratio,
-        };
-        let radius = 0.3 * p.geometry.center_distance;
-        let capacity = 2.0 * p.friction.pulley.max(1.0e-3) * inputs.secondary.clamping_force.max(1.0) * radius;
-        let direction = if p.initial.primary_speed < 0.0 { -1.0 } else { 1.0 };
-        0.015 * direction * (torque_share * torque / capacity).clamp(-1.0, 1.0)
-    }
-
-    fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
-        let mut newton = Newton::new(&self.system);
-        let task = self.steady_task(inputs, 1.0);
-        let p = &self.parameters;
-        let free = p.primary.axial == Axial::Force && p.secondary.axial == Axial::Force;
-        let equilibrium = p.initial.equilibrium && free;
-        let cold = self.state.clone();
-        let mut outcome = steady::solve(&mut self.system, &mut newton, &mut self.state, &task, STEADY_SOLVES);
-        if outcome.is_err() {
-            // Torque beyond capacity has no steady state: the largest share of it that has one is the nearest.
-            let mut share = 1.0;
-            while outcome.is_err() && share > 0.05 {
-                share *= 0.7;
-                self.state = cold.clone();
-                let mut reduced = self.steady_task(inputs, share);
-                reduced.clamping = task.clamping;
-                outcome = steady::solve(&mut self.system, &mut newton, &mut self.state, &reduced, STEADY_SOLVES);
-            }
-            match outcome {
-                Ok(_) => self.say(
-                    true,
-                    format!(
-                        "no steady state at the given torques (beyond the capacity of the clamping forces): the run starts \
-                         from the steady state at {:.0} % of them",
-                        100.0 * share
-                    ),
-                ),
-                Err(report) => {
-                    self.state = cold;
-                    self.soft_start = SoftStart { from: self.time };
-                    self.state = kinematic_state(&self.system, &Start { clamping: [0.0; 2], ..*start })
-                        .map_err(|e| InitialisationError::NoState(e.to_string()))?;
-                    self.say(
-                        true,
-                        format!(
-                            "no steady state was found (pseudo-time step {:.1e} s after {} solves): the run starts unloaded and \
-                             the loads ramp in over {LOAD_RAMP} s",
-                            report.step, report.solves
-                        ),
-                    );
-                    return Ok(());
-                }
-            }
-        }
-        self.integrator.step = WARM_STEP;
-        let reaction = self
-            .system
-            .holding_force(P, self.state.view(), self.system.belt_load(P).0);
-        if equilibrium {
-            let at_ratio = self.state.clone();
-            let range = self.ratio_range();
-            match steady::solve_equilibrium(&mut self.system, &mut newton, &mut self.state, &task, range) {
-                Ok(ratio) if ratio <= range.0 * 1.0001 || ratio >= range.1 * 0.9999 => self.say(
-                    true,
-                    format!(
-                        "the clamping forces drive the variator to an end stop: the run starts at the ratio {ratio:.4}"
-                    ),
-                ),
-                Ok(ratio) => self.say(
-                    false,
-                    format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
-                ),
-                Err(_) => {
-                    self.state = at_ratio;
-                    self.say(
-                        true,
-                        format!(
-                            "no equilibrium of the two clamping forces was found: the run starts from the steady state at the \
-                             initial ratio, where the primary force would have to be {reaction:.1} N"
-                        ),
-                    );
-                }
-            }
-        }
-        if free {
-            self.say(
-                false,
-                format!(
-                    "steady start: primary clamping force less axial belt force is {:.1} N",
-                    inputs.primary.clamping_force - self.system.surveyed(self.state.view()).sums.axial[P]
-                ),
-            );
-        }
-        Ok(())
-    }
-
-    /// Geometric ratios between the end stops.
-    fn ratio_range(&self) -> (f64, f64) {
-        let p = &self.parameters;
-        let e = p.belt.pitch_offset;
-        let fits = |ratio: f64| {
-            self.system.curve.radii(ratio).is_ok_and(|(r_p, r_s)| {
-                let inside = |radius: f64, pulley: &super::parameters::Pulley| {
-                    (pulley.min_radius..=pulley.max_radius).contains(&(radius - e))
-                };
-                inside(r_p, &p.primary) && inside(r_s, &p.secondary)
-            })
-        };
-        let edge = |mut inside: f64, mut outside: f64| {
-            for _ in 0..50 {
-                let middle = (inside * outside).sqrt();
-                if fits(middle) {
-                    inside = middle;
-                } else {
-                    outside = middle;
-                }
-            }
-            inside
-        };
-        (edge(p.initial.ratio, 0.05), edge(p.initial.ratio, 20.0))
     }
 
     /// Puts the friction velocity of this time in force.
@@ -470,8 +222,8 @@ impl Variator {
     }
 
     fn hold_external(&mut self) {
-        let sums = &self.system.ledger.last.sums;
-        self.external_torque = [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
+        let torques = self.system.ledger.last.sums.torque;
+        self.external_torque = self.system.external_torques(self.state.view(), torques);
     }
 
     /// Advances to time `to` with constant inputs.
@@ -538,7 +290,7 @@ impl Variator {
             self.buckled = to;
         }
         self.system.move_loads(to);
-        self.external_torque = [S, P].map(|j| self.system.external_torque(j, self.state.view(), sums.torque[j]));
+        self.hold_external();
         Ok(())
     }
 
@@ -554,11 +306,11 @@ impl Variator {
             }
             self.system.move_loads(self.time + after);
             let survey = self.system.surveyed(state.view());
-            let torque = survey.sums.torque;
             let context = Context {
-                external_torque: [S, P].map(|j| self.system.external_torque(j, state.view(), torque[j])),
+                external_torque: self.system.external_torques(state.view(), survey.sums.torque),
                 macro_slip: self.macro_slip,
                 initial_energy: self.initial_energy,
+                start_state: self.start_state,
             };
             let mut outputs = Box::<Outputs>::default();
             self.observer
@@ -605,6 +357,12 @@ impl Variator {
             tape.real(value);
         }
         tape.flag(&mut self.macro_slip);
+        let mut start = self.start_state as i32;
+        tape.integer(&mut start);
+        match StartState::from_number(start) {
+            Some(start) => self.start_state = start,
+            None => tape.reject(),
+        }
         if tape.is_reading() {
             self.put_friction();
             self.system.retake_derivatives();
@@ -675,6 +433,7 @@ impl Variator {
                 external_torque: self.external_torque,
                 macro_slip: self.macro_slip,
                 initial_energy: self.initial_energy,
+                start_state: self.start_state,
             };
             let survey = &self.system.ledger.last;
             self.observer

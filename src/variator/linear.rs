@@ -17,7 +17,7 @@ use super::layout::Global;
 use super::mesh::{P, S};
 use super::observe::{Context, Observer};
 use super::parameters::{Axial, Drive, Parameters, SPEED_LAG};
-use super::signals::{Inputs, Outputs};
+use super::signals::{Inputs, Outputs, StartState};
 use super::system::VariatorSystem;
 use super::validation::ParameterError;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
@@ -142,8 +142,10 @@ pub fn linearise(
     parameters.initial.steady = true;
     let mut variator = Variator::new(parameters.clone())?;
     variator.initialise(0.0, inputs)?;
-    if let Some(warning) = variator.take_messages().into_iter().find(|message| message.warning) {
-        return Err(LinearError::Unsteady(warning.text));
+    if variator.outputs().start_state != StartState::Steady {
+        let warning = variator.take_messages().into_iter().find(|message| message.warning);
+        let why = warning.map_or_else(|| "the primary pulley stands still".to_string(), |warning| warning.text);
+        return Err(LinearError::Unsteady(why));
     }
     let (mut system, state) = (variator.system().clone(), variator.state().clone());
     let inputs = hold(&mut system, &state, &parameters, inputs)?;
@@ -236,9 +238,7 @@ fn hold(
         (S, &parameters.secondary, &mut held.secondary),
     ] {
         if pulley.axial == Axial::Force {
-            let z = system.layout.global(Global::Sheave, j);
-            let stop = system.travel[j].stop_force(state.q[z], state.y[z]).force;
-            values.clamping_force = sums.axial[j] - stop;
+            values.clamping_force = system.holding_force(j, state.view(), sums.axial[j]);
             boundary.sheave[j] = SheaveMode::Force(values.clamping_force);
         }
         boundary.speed[j] = match pulley.drive {
@@ -446,9 +446,10 @@ fn slopes(
         }
         let survey = system.surveyed(state.view());
         let context = Context {
-            external_torque: [S, P].map(|j| system.external_torque(j, state.view(), survey.sums.torque[j])),
+            external_torque: system.external_torques(state.view(), survey.sums.torque),
             macro_slip: false,
             initial_energy: 0.0,
+            start_state: StartState::Steady,
         };
         let mut outputs = Outputs::default();
         Observer::default().observe(system, state.view(), &survey, &context, &mut outputs);

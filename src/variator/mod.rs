@@ -1,5 +1,7 @@
 //! The variator: parameters, state, residual, outputs, energy balance.
 
+#![forbid(unsafe_code)]
+
 mod assembly;
 pub mod balance;
 pub mod boundary;

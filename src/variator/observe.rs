@@ -4,7 +4,7 @@ use super::balance::{BeltSums, Sliding, Survey};
 use super::cell::Sample;
 use super::layout::Global;
 use super::mesh::{Cell, P, S};
-use super::signals::{Losses, Outputs, PROFILE_POINTS, PulleyOutputs};
+use super::signals::{Losses, Outputs, PROFILE_POINTS, PulleyOutputs, StartState};
 use super::system::VariatorSystem;
 use crate::solver::View;
 
@@ -42,6 +42,8 @@ pub struct Context {
     pub macro_slip: bool,
     /// Stored energy at the start, J.
     pub initial_energy: f64,
+    /// What the run started from.
+    pub start_state: StartState,
 }
 
 impl Observer {
@@ -113,6 +115,7 @@ impl Observer {
         lateral(system, view, survey, out);
         out.stored_energy = system.belt_energy(survey) + system.pulley_energy(view);
         let ledger = &system.ledger;
+        out.start_state = context.start_state;
         out.energy_residual = ledger.supplied - ledger.lost - (out.stored_energy - context.initial_energy);
         self.profile(system, view, survey, radii, out);
     }

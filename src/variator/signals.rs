@@ -126,6 +126,38 @@ impl Default for Profile {
     }
 }
 
+/// What a run started from. The numbers are those of the FMU.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StartState {
+    /// The unloaded kinematic state that was asked for: `initial.steady` is false, or the primary pulley stands still.
+    #[default]
+    Unloaded = 1,
+    /// The steady state that was asked for; with `initial.equilibrium` the ratio too, or an end stop.
+    Steady = 2,
+    /// A steady state at part of the torques: the belt doesn't carry them.
+    ReducedTorque = 3,
+    /// A steady state at `initial.ratio`: the equilibrium of the clamping forces was not found.
+    NoEquilibrium = 4,
+    /// The unloaded kinematic state: no steady state was found.
+    NotFound = 5,
+}
+
+impl StartState {
+    /// The item of a number.
+    #[must_use]
+    pub fn from_number(number: i32) -> Option<Self> {
+        [
+            Self::Unloaded,
+            Self::Steady,
+            Self::ReducedTorque,
+            Self::NoEquilibrium,
+            Self::NotFound,
+        ]
+        .into_iter()
+        .find(|item| *item as i32 == number)
+    }
+}
+
 /// Everything a variator tells about its present state. No entry depends on the present inputs
 /// (a torque drive's `external_torque` aside, which is the input as held over the last step).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -172,6 +204,8 @@ pub struct Outputs {
     pub stored_energy: f64,
     /// Energy balance since the start: supplied − lost − stored, J.
     pub energy_residual: f64,
+    /// What the run started from.
+    pub start_state: StartState,
     /// Fields along the belt.
     pub profile: Profile,
 }

@@ -10,7 +10,7 @@ use pushbelt::variator::layout::Global;
 use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::observe::{Context, Observer};
 use pushbelt::variator::parameters::{Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel};
-use pushbelt::variator::signals::{Inputs, Outputs, PulleyInputs, PulleyOutputs};
+use pushbelt::variator::signals::{Inputs, Outputs, PulleyInputs, PulleyOutputs, StartState};
 use pushbelt::variator::start::{Start, kinematic_state};
 use pushbelt::variator::steady::{self, SteadyTask};
 use pushbelt::variator::system::VariatorSystem;
@@ -232,6 +232,7 @@ pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: [f64; 2]) -> S
         external_torque: [0.0; 2],
         macro_slip: false,
         initial_energy: 0.0,
+        start_state: StartState::Steady,
     };
     let mut outputs = Outputs::default();
     let survey = system.surveyed(state.view());

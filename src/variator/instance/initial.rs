@@ -1,0 +1,299 @@
+//! The state that a run starts from: unloaded, steady, or the nearest to what was asked for that there is.
+
+use super::{Held, InitialisationError, Variator, integrator};
+use crate::solver::State;
+use crate::solver::continuation::Settled;
+use crate::solver::newton::Newton;
+use crate::variator::boundary::SpeedMode;
+use crate::variator::layout::Global;
+use crate::variator::mesh::{P, S};
+use crate::variator::observe::macro_slip;
+use crate::variator::parameters::{Axial, Drive, Parameters, Pulley, RingModel};
+use crate::variator::signals::{Inputs, StartState};
+use crate::variator::soft_start::{LOAD_RAMP, SoftStart};
+use crate::variator::start::{Start, kinematic_state};
+use crate::variator::steady::{self, SteadyTask};
+use crate::variator::system::VariatorSystem;
+
+/// First step from a steady state, s.
+const WARM_STEP: f64 = 1.0e-4;
+
+/// Most Newton solves for a steady state.
+const STEADY_SOLVES: usize = 400;
+
+/// Share of the torques below which no smaller one is tried.
+const LEAST_SHARE: f64 = 0.05;
+
+/// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
+const STANDSTILL: f64 = 1.0e-3;
+
+fn cold(system: &VariatorSystem, start: &Start) -> Result<State, InitialisationError> {
+    kinematic_state(system, start).map_err(|e| InitialisationError::NoState(e.to_string()))
+}
+
+impl Variator {
+    /// Finds the state to start from at `time`.
+    ///
+    /// What can't be solved starts from the nearest state, with a warning that says what and why.
+    ///
+    /// # Errors
+    /// Inputs out of range, or no state found.
+    pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
+        inputs.validate()?;
+        let parameters = self.parameters.clone();
+        if parameters.primary.axial == Axial::Held && parameters.secondary.axial == Axial::Held {
+            self.say(
+                true,
+                "both sheaves are held: the belt's tension follows from the start alone, clamping forces are ignored"
+                    .into(),
+            );
+        }
+        let primary_speed = match parameters.primary.drive {
+            Drive::Speed => inputs.primary.speed_setpoint,
+            Drive::Torque => parameters.initial.primary_speed,
+        };
+        let start = Start {
+            ratio: parameters.initial.ratio,
+            primary_speed,
+            clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
+        };
+        self.time = time;
+        self.buckled = f64::NEG_INFINITY;
+        self.soft_start = SoftStart::NONE;
+        self.soften();
+        self.integrator = integrator(&self.system, &parameters);
+        self.system.forget_derivatives();
+        let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
+        self.start_state = if parameters.ring_model.travels() {
+            self.lay_on_ale(inputs)?
+        } else if steady {
+            self.state = cold(&self.system, &start)?;
+            self.solve_steady(inputs, &start)?
+        } else {
+            self.start_unloaded(&start)?;
+            StartState::Unloaded
+        };
+        if parameters.secondary.drive == Drive::Speed {
+            let i = self.system.layout.global(Global::Speed, S);
+            self.state.y[i] = inputs.secondary.speed_setpoint;
+        }
+        self.state.y_dot.fill(0.0);
+        self.held = Held {
+            from: time,
+            inputs: *inputs,
+            rates: Inputs::ZERO,
+        };
+        self.apply();
+        self.system.open_ledger(self.state.view());
+        self.macro_slip = macro_slip(&self.system, self.state.view(), &self.system.ledger.last.sums, false);
+        if self.macro_slip {
+            self.say(
+                true,
+                "the belt slips through (macro-slip) in the state that the run starts from".into(),
+            );
+        }
+        self.hold_external();
+        self.initial_energy =
+            self.system.belt_energy(&self.system.ledger.last) + self.system.pulley_energy(self.state.view());
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Starts unloaded; loads and friction come in softly.
+    fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
+        let unloaded = Start {
+            clamping: [0.0; 2],
+            ..*start
+        };
+        self.state = cold(&self.system, &unloaded)?;
+        self.soft_start = SoftStart { from: self.time };
+        Ok(())
+    }
+
+    /// Starts as `ALE` would: a ring that travels is laid on it.
+    fn lay_on_ale(&mut self, inputs: &Inputs) -> Result<StartState, InitialisationError> {
+        let mut ale = Self::new(Parameters {
+            ring_model: RingModel::Ale,
+            ..self.parameters.clone()
+        })?;
+        ale.initialise(self.time, inputs)?;
+        self.messages.append(&mut ale.messages);
+        self.soft_start = ale.soft_start;
+        self.state = self.system.lay_on(&ale.system, &ale.state);
+        Ok(ale.start_state)
+    }
+
+    fn steady_task(&self, inputs: &Inputs, torque_share: f64) -> SteadyTask {
+        let p = &self.parameters;
+        let torques = [
+            inputs.secondary.torque * torque_share,
+            inputs.primary.torque * torque_share,
+        ];
+        let speed = match (p.secondary.drive, p.primary.drive) {
+            (Drive::Speed, Drive::Speed) => [SpeedMode::Fixed; 2],
+            (Drive::Speed, Drive::Torque) => [SpeedMode::Fixed, SpeedMode::Torque(torques[P])],
+            (Drive::Torque, Drive::Speed) => [SpeedMode::Torque(torques[S]), SpeedMode::Fixed],
+            (Drive::Torque, Drive::Torque) => [SpeedMode::Balanced(torques[S], torques[P]), SpeedMode::Fixed],
+        };
+        let reaction = if p.secondary.axial == Axial::Held && p.primary.axial == Axial::Force {
+            S
+        } else {
+            P
+        };
+        SteadyTask {
+            ratio: p.initial.ratio,
+            reaction,
+            clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
+            speed,
+            slip: self.slip_guess(inputs, torque_share),
+            warm: false,
+        }
+    }
+
+    /// One and a half percent at capacity, in the direction of the power.
+    fn slip_guess(&self, inputs: &Inputs, torque_share: f64) -> f64 {
+        let p = &self.parameters;
+        let torque = match p.primary.drive {
+            Drive::Torque => inputs.primary.torque,
+            Drive::Speed => -inputs.secondary.torque / p.initial.ratio,
+        };
+        let radius = 0.3 * p.geometry.center_distance;
+        let capacity = 2.0 * p.friction.pulley.max(1.0e-3) * inputs.secondary.clamping_force.max(1.0) * radius;
+        let direction = if p.initial.primary_speed < 0.0 { -1.0 } else { 1.0 };
+        0.015 * direction * (torque_share * torque / capacity).clamp(-1.0, 1.0)
+    }
+
+    /// Solves for the steady state that was asked for, or for the nearest one; says which.
+    fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
+        let mut newton = Newton::new(&self.system);
+        let found = match self.carry(&mut newton, inputs) {
+            Ok(1.0) => StartState::Steady,
+            Ok(share) => {
+                self.say(
+                    true,
+                    format!(
+                        "no steady state at the given torques (beyond the capacity of the clamping forces): the run starts \
+                         from the steady state at {:.0} % of them",
+                        100.0 * share
+                    ),
+                );
+                StartState::ReducedTorque
+            }
+            Err(report) => {
+                self.say(
+                    true,
+                    format!(
+                        "no steady state was found (pseudo-time step {:.1e} s after {} solves): the run starts unloaded and \
+                         the loads ramp in over {LOAD_RAMP} s",
+                        report.step, report.solves
+                    ),
+                );
+                self.start_unloaded(start)?;
+                return Ok(StartState::NotFound);
+            }
+        };
+        self.integrator.step = WARM_STEP;
+        let p = &self.parameters;
+        let free = p.primary.axial == Axial::Force && p.secondary.axial == Axial::Force;
+        let found = if p.initial.equilibrium && free {
+            self.balance_forces(&mut newton, inputs, found)
+        } else {
+            found
+        };
+        if free {
+            let axial = self.system.surveyed(self.state.view()).sums.axial[P];
+            self.say(
+                false,
+                format!(
+                    "steady start: primary clamping force less axial belt force is {:.1} N",
+                    inputs.primary.clamping_force - axial
+                ),
+            );
+        }
+        Ok(found)
+    }
+
+    /// Solves for the steady state at the largest share of the torques that has one: torque beyond capacity has none. The
+    /// share, or how far the last attempt came.
+    fn carry(&mut self, newton: &mut Newton, inputs: &Inputs) -> Result<f64, Settled> {
+        let cold = self.state.clone();
+        let mut share = 1.0;
+        loop {
+            let task = self.steady_task(inputs, share);
+            match steady::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES) {
+                Ok(_) => return Ok(share),
+                Err(report) if share <= LEAST_SHARE => return Err(report),
+                Err(_) => share *= 0.7,
+            }
+            self.state.clone_from(&cold);
+        }
+    }
+
+    /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
+    fn balance_forces(&mut self, newton: &mut Newton, inputs: &Inputs, found: StartState) -> StartState {
+        let task = self.steady_task(inputs, 1.0);
+        let holding = self
+            .system
+            .holding_force(P, self.state.view(), self.system.belt_load(P).0);
+        let at_ratio = self.state.clone();
+        let range = self.ratio_range();
+        match steady::solve_equilibrium(&mut self.system, newton, &mut self.state, &task, range) {
+            Ok(ratio) if ratio <= range.0 * 1.0001 || ratio >= range.1 * 0.9999 => {
+                self.say(
+                    true,
+                    format!(
+                        "the clamping forces drive the variator to an end stop: the run starts at the ratio {ratio:.4}"
+                    ),
+                );
+                StartState::Steady
+            }
+            Ok(ratio) => {
+                self.say(
+                    false,
+                    format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
+                );
+                StartState::Steady
+            }
+            Err(_) => {
+                self.state = at_ratio;
+                self.say(
+                    true,
+                    format!(
+                        "no equilibrium of the two clamping forces was found: the run starts from the steady state at the \
+                         initial ratio, where the primary force would have to be {holding:.1} N"
+                    ),
+                );
+                if found == StartState::Steady {
+                    StartState::NoEquilibrium
+                } else {
+                    found
+                }
+            }
+        }
+    }
+
+    /// Geometric ratios between the end stops.
+    fn ratio_range(&self) -> (f64, f64) {
+        let p = &self.parameters;
+        let e = p.belt.pitch_offset;
+        let fits = |ratio: f64| {
+            self.system.curve.radii(ratio).is_ok_and(|(r_p, r_s)| {
+                let inside =
+                    |radius: f64, pulley: &Pulley| (pulley.min_radius..=pulley.max_radius).contains(&(radius - e));
+                inside(r_p, &p.primary) && inside(r_s, &p.secondary)
+            })
+        };
+        let edge = |mut inside: f64, mut outside: f64| {
+            for _ in 0..50 {
+                let middle = (inside * outside).sqrt();
+                if fits(middle) {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            inside
+        };
+        (edge(p.initial.ratio, 0.05), edge(p.initial.ratio, 20.0))
+    }
+}
