@@ -97,7 +97,7 @@ fn start_values_are_legal() {
             Kind::Real {
                 access: Access::Setting { get, .. },
                 ..
-            } => variable.check_real(get(&settings)),
+            } => variable.admit_real(get(&settings)).map(drop),
             Kind::Integer {
                 access: Access::Setting { get, .. },
                 ..
@@ -105,7 +105,7 @@ fn start_values_are_legal() {
             | Kind::Enumeration {
                 access: Access::Setting { get, .. },
                 ..
-            } => variable.check_integer(get(&settings)),
+            } => variable.admit_integer(get(&settings)).map(drop),
             _ => Ok(()),
         };
         checked.unwrap_or_else(|error| panic!("{error}"));

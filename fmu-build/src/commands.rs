@@ -1,5 +1,11 @@
 //! One file a command.
 
+use std::process::Command;
+
+use crate::progress;
+use crate::python::{Environment, RUNNING};
+use crate::workspace::Workspace;
+
 pub mod bench;
 pub mod build;
 pub mod demo;
@@ -9,3 +15,21 @@ pub mod linearize;
 pub mod paper;
 pub mod sweep;
 pub mod test;
+
+/// A Python program that works with the FMU, after the FMU and its packages have been made ready. Its results go to a folder of
+/// this name below the target directory.
+///
+/// # Errors
+/// The FMU doesn't build, or the packages can't be installed.
+fn program(workspace: &Workspace, module: &str, folder: &str, headline: &str) -> anyhow::Result<Command> {
+    let fmu = build::run(workspace, &build::Arguments::default())?;
+    let environment = Environment::prepare(workspace, &RUNNING)?;
+    progress::headline(headline);
+    let mut program = environment.command();
+    program
+        .args(["-m", module, "--fmu"])
+        .arg(fmu)
+        .arg("--output")
+        .arg(workspace.target().join(folder));
+    Ok(program)
+}

@@ -114,3 +114,14 @@ fn check(library: &Path) -> anyhow::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_linker_is_told_the_oldest_glibc() {
+        let (major, minor) = GLIBC;
+        assert_eq!(TARGETS[0].zig, format!("{}.{major}.{minor}", TARGETS[0].triple));
+    }
+}

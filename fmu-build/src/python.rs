@@ -48,6 +48,7 @@ impl Environment {
     /// # Errors
     /// No suitable Python, or pip can't install what is locked.
     pub fn prepare(workspace: &Workspace, packages: &Packages) -> anyhow::Result<Self> {
+        let _alone = workspace.lock(packages.folder)?;
         let folder = workspace.target().join(packages.folder);
         let environment = Self {
             interpreter: interpreter_in(&folder),

@@ -1,5 +1,6 @@
 //! Where things lie: the source tree and the target directory that cargo uses.
 
+use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -53,6 +54,27 @@ impl Workspace {
         self.root.join("modelDescription.xml")
     }
 
+    /// Waits until no other run of this tool makes `what` in the target directory, and keeps others waiting until the file is
+    /// dropped.
+    ///
+    /// # Errors
+    /// The lock file can't be written.
+    pub fn lock(&self, what: &str) -> anyhow::Result<File> {
+        let path = self.target.join(format!(".fmu-{what}.lock"));
+        let file = fs::create_dir_all(&self.target)
+            .and_then(|()| File::create(&path))
+            .with_context(|| format!("can't write {}", path.display()))?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => {
+                eprintln!("waiting for another `cargo fmu` ({what})");
+                file.lock().with_context(|| format!("can't lock {}", path.display()))?;
+            }
+            // Some network file systems have no locks.
+            Err(TryLockError::Error(_)) | Ok(()) => {}
+        }
+        Ok(file)
+    }
+
     /// All packages with their dependencies, resolved by the lock file.
     ///
     /// # Errors
@@ -68,4 +90,33 @@ fn metadata_command() -> MetadataCommand {
     let mut command = MetadataCommand::new();
     command.manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
     command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc;
+    use std::time::Duration;
+
+    #[test]
+    fn a_lock_keeps_others_waiting() {
+        let target = std::env::temp_dir().join(format!("fmu-build-lock-{}", std::process::id()));
+        let workspace = Workspace {
+            root: target.clone(),
+            target: target.clone(),
+        };
+        let held = workspace.lock("build").expect("a lock");
+        let (say, hear) = mpsc::channel();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                let _second = workspace.lock("build").expect("the lock, later");
+                say.send(()).expect("a listener");
+            });
+            workspace.lock("venv").expect("another lock");
+            assert!(hear.recv_timeout(Duration::from_millis(100)).is_err());
+            drop(held);
+            hear.recv().expect("the lock was passed on");
+        });
+        fs::remove_dir_all(target).expect("the folder goes");
+    }
 }

@@ -51,8 +51,8 @@ impl Category {
     pub fn description(self) -> &'static str {
         match self {
             Self::Error => "Why a call failed (always logged)",
-            Self::Warning => "What looks wrong but lets the run go on",
-            Self::Discard => "Why a step could not be completed",
+            Self::Warning => "What looks wrong but lets the run go on (logged without debug logging too)",
+            Self::Discard => "Why a step could not be completed (logged without debug logging too)",
             Self::Events => "What the unit did, e.g. how it found its initial state",
         }
     }

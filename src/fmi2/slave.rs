@@ -214,7 +214,7 @@ impl<U: Unit> Slave<U> {
                 references,
                 values,
                 real_access,
-                |variable, value| variable.check_real(value),
+                |variable, value| variable.admit_real(value),
                 |v| v,
             )
         })
@@ -227,7 +227,7 @@ impl<U: Unit> Slave<U> {
                 references,
                 values,
                 integer_access,
-                |variable, value| variable.check_integer(value),
+                |variable, value| variable.admit_integer(value),
                 |v| v,
             )
         })
@@ -236,7 +236,7 @@ impl<U: Unit> Slave<U> {
     /// `fmi2SetBoolean`; what is not 0 is true. Either all values are taken or none.
     pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Status {
         self.call("fmi2SetBoolean", |slave| {
-            slave.set(references, values, boolean_access, |_, _| Ok(()), |v| v != 0)
+            slave.set(references, values, boolean_access, |_, v| Ok(v), |v| v != 0)
         })
     }
 
@@ -516,7 +516,7 @@ impl<U: Unit> Slave<U> {
         references: &[u32],
         values: &[V],
         access: AccessOf<U, T>,
-        check: CheckOf<U, V>,
+        admit: AdmissionOf<U, V>,
         convert: fn(V) -> T,
     ) -> Outcome {
         self.allow(Call::Set)?;
@@ -537,13 +537,13 @@ impl<U: Unit> Slave<U> {
             }
         }
         for (&reference, &value) in references.iter().zip(values) {
-            check(find(&self.table, reference, access)?.0, value)?;
+            admit(find(&self.table, reference, access)?.0, value)?;
         }
         // A tunable parameter must fit the others at once: there is no initialisation ahead that would check it.
         let before = (running && tunes).then(|| self.now.settings.clone());
         for (&reference, &value) in references.iter().zip(values) {
-            if let (_, Access::Setting { set, .. }) = find(&self.table, reference, access)? {
-                set(&mut self.now.settings, convert(value));
+            if let (variable, Access::Setting { set, .. }) = find(&self.table, reference, access)? {
+                set(&mut self.now.settings, convert(admit(variable, value)?));
             }
         }
         if let Some(before) = before
@@ -638,7 +638,7 @@ type AccessOf<U, T> = fn(
     &Kind<<U as Unit>::Settings, <U as Unit>::Readings>,
 ) -> Option<&Access<<U as Unit>::Settings, <U as Unit>::Readings, T>>;
 
-type CheckOf<U, V> = fn(&Variable<<U as Unit>::Settings, <U as Unit>::Readings>, V) -> Result<(), Refused>;
+type AdmissionOf<U, V> = fn(&Variable<<U as Unit>::Settings, <U as Unit>::Readings>, V) -> Result<V, Refused>;
 
 fn real_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, f64>> {
     match kind {

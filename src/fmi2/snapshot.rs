@@ -138,7 +138,7 @@ fn pass_settings<S, R>(
             } => {
                 let mut value = get(settings);
                 tape.integer(&mut value);
-                if variable.check_integer(value).is_ok() {
+                if variable.admit_integer(value).is_ok() {
                     set(settings, value);
                 } else {
                     tape.reject();

@@ -41,7 +41,7 @@ pub enum Causality {
     Parameter,
     /// A parameter that may also be changed between steps.
     Tunable,
-    /// Set between steps, constant over a step.
+    /// Set between steps; held over a step, or in proportion to time with an input derivative.
     Input,
     /// Calculated, to be wired.
     Output,
@@ -154,14 +154,18 @@ pub enum Refused {
     },
 }
 
+/// How far an input may be beyond a limit, in its unit, and is taken for the limit: where another model ends at zero, rounding may
+/// leave less.
+const ROUNDING: f64 = 1.0e-6;
+
 impl<S, R> Variable<S, R> {
-    /// Checks a real value against the limits.
+    /// Checks a real value against the limits; the value to be set.
     ///
     /// # Errors
-    /// The value is not finite or outside `min` and `max`.
-    pub fn check_real(&self, value: f64) -> Result<(), Refused> {
+    /// The value is not finite or outside `min` and `max`, by more than rounding where it is an input.
+    pub fn admit_real(&self, value: f64) -> Result<f64, Refused> {
         let Kind::Real { unit, range, .. } = &self.kind else {
-            return Ok(());
+            return Ok(value);
         };
         if !value.is_finite() {
             return Err(Refused::NotFinite {
@@ -169,7 +173,15 @@ impl<S, R> Variable<S, R> {
                 value,
             });
         }
-        if range.min.is_some_and(|min| value < min) || range.max.is_some_and(|max| value > max) {
+        let near = match (range.min, range.max) {
+            (Some(min), _) if value < min => Some(min),
+            (_, Some(max)) if value > max => Some(max),
+            _ => None,
+        };
+        if let Some(limit) = near {
+            if self.causality == Causality::Input && (value - limit).abs() < ROUNDING {
+                return Ok(limit);
+            }
             let unit = if *unit == "1" {
                 String::new()
             } else {
@@ -187,14 +199,14 @@ impl<S, R> Variable<S, R> {
                 range,
             });
         }
-        Ok(())
+        Ok(value)
     }
 
-    /// Checks an integer or an enumeration value against the limits.
+    /// Checks an integer or an enumeration value against the limits; the value to be set.
     ///
     /// # Errors
     /// The value is outside the range or not an item of the enumeration.
-    pub fn check_integer(&self, value: i32) -> Result<(), Refused> {
+    pub fn admit_integer(&self, value: i32) -> Result<i32, Refused> {
         let range = match &self.kind {
             Kind::Integer {
                 range: Some((min, max)),
@@ -208,7 +220,7 @@ impl<S, R> Variable<S, R> {
                     .collect();
                 items.join(", ")
             }
-            _ => return Ok(()),
+            _ => return Ok(value),
         };
         Err(Refused::OutOfRange {
             name: self.name.clone(),

@@ -219,8 +219,8 @@ macro_rules! pulley_outputs {
         $t.read("{}.position", 13, (Output, "m", typical(0.01)), "Displacement of the movable {} sheave, closing positive, 0 at ratio 1", read!($pulley.position));
         $t.read("{}.axialForce", 14, (Output, "N", typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
         $t.read("{}.shaftTorque", 15, (Output, "N.m", typical(100.0)), "Torque of the belt on the {} pulley, negative where power goes in", read!($pulley.shaft_torque));
-        $t.read("{}.externalTorque", 16, (Output, "N.m", typical(100.0)), "External torque on the {} shaft as held over the last step: the input, or the reaction in speed drive", read!($pulley.external_torque));
-        $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the variator", read!($pulley.power));
+        $t.read("{}.externalTorque", 16, (Output, "N.m", typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or the reaction in speed drive", read!($pulley.external_torque));
+        $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed; what accelerates {}.inertia is not in it", read!($pulley.power));
         $t.read("spiral.{}", 18, (Output, "m", not_negative(1e-4)), "Spiral running: spread of the running radius within the {} arc", read!($pulley.spiral));
     };
 }
@@ -277,9 +277,9 @@ fn outputs(t: &mut Rows) {
     t.read("ratio.speed", 4, (Output, "1", typical(1.0)), "Primary speed / secondary speed; 0 at standstill", read!(ratio_speed));
     t.read("ratio.geometric", 5, (Output, "1", typical(1.0)), "secondary.radius / primary.radius", read!(ratio_geometric));
     t.read("reference.theta", 6, (Output, "1", between(-1.0, 1.0)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i) of its radii, positive in overdrive", read!(reference_theta));
-    t.read("slip", 7, (Output, "1", between(-2.0, 2.0)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 near standstill", read!(slip));
-    t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven power / driving power; 0 where no power flows", read!(efficiency));
-    t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0)), "Belt torque on the primary pulley / torque at which the belt slips", read!(torque_utilisation));
+    t.read("slip", 7, (Output, "1", between(-2.0, 2.0)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 where the primary pulley hardly turns, even if the belt slips through (see macroSlip)", read!(slip));
+    t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven power / driving power, 0 to 1; 0 where no power flows. Means little while speeds change: the belt's kinetic energy is in it", read!(efficiency));
+    t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). The belt slips through below 1: from about 0.8 in underdrive", read!(torque_utilisation));
     t.add("macroSlip", 10, Output, "Whether all loaded elements of a pulley slide tangentially one way", Kind::Boolean { access: read!(macro_slip) });
     t.read("loss.total", 11, (Output, "W", typical(100.0)), "All losses", Access::Reading(|outputs| outputs.losses.total()));
     t.read("loss.sheaves", 12, (Output, "W", typical(100.0)), "Loss by friction between elements and sheaves", read!(losses.sheaves));
@@ -297,8 +297,8 @@ fn outputs(t: &mut Rows) {
 fn parameters(t: &mut Rows) {
     t.choice("ring.model", 1001, &RING_MODEL, "Level of detail of the ring", choose!(parameters.ring_model, 1 => RingModel::Ale0, 3 => RingModel::Rcm, 4 => RingModel::Ancf; RingModel::Ale));
     t.set("initial.ratio", 1011, Parameter, "1", "Geometric ratio secondary radius / primary radius at the start", set!(parameters.initial.ratio));
-    t.set("initial.primarySpeed", 1012, Parameter, "rad/s", "Speed of the primary pulley at the start; 0 is a standstill", set!(parameters.initial.primary_speed));
-    t.switch("initial.steady", 1013, "Start from the steady state at this ratio and speed (RCM, ANCF: laid on that of ALE); if false, from the unloaded kinematic state", set!(parameters.initial.steady));
+    t.set("initial.primarySpeed", 1012, Parameter, "rad/s", "Speed of the primary pulley at the start; 0 is a standstill. With primary.drive = Speed the set point takes its place", set!(parameters.initial.primary_speed));
+    t.switch("initial.steady", 1013, "Start from the steady state at this ratio and speed (RCM, ANCF: laid on that of ALE), with the primary sheave held there and unbalanced torque taken up by the inertias; if false, from the unloaded kinematic state", set!(parameters.initial.steady));
     t.switch("initial.equilibrium", 1014, "With initial.steady: the ratio too is solved for, from the two clamping forces", set!(parameters.initial.equilibrium));
     t.set("geometry.centerDistance", 1021, Parameter, "m", "Distance of the pulley axes", set!(parameters.geometry.center_distance));
     t.set("geometry.beltLength", 1022, Parameter, "m", "Length of the unstretched ring centre line", set!(parameters.geometry.belt_length));

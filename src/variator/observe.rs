@@ -93,7 +93,8 @@ impl Observer {
         out.efficiency = if driving < NO_POWER {
             0.0
         } else {
-            (driven / driving).clamp(0.0, 1.0)
+            // No −0 where the driven shaft stands.
+            (driven / driving).clamp(0.0, 1.0) + 0.0
         };
         let friction = system.law.parameters.friction.pulley;
         out.torque_utilisation = if sums.axial[S] < NO_FORCE {

@@ -14,7 +14,7 @@ pub struct PulleyInputs {
     pub speed_setpoint: f64,
 }
 
-/// Inputs of the variator, constant over a communication step.
+/// Inputs of the variator: held over a communication step, or in proportion to time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
     /// Primary pulley.

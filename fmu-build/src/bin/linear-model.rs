@@ -100,9 +100,8 @@ fn set(settings: &mut Settings, variable: &Variable<Settings, Outputs>, text: &s
             access: Access::Setting { set, .. },
             ..
         } => {
-            let value: f64 = text.parse().map_err(|_| no_value())?;
-            variable.check_real(value).map_err(|error| error.to_string())?;
-            set(settings, value);
+            let value = text.parse().map_err(|_| no_value())?;
+            set(settings, variable.admit_real(value).map_err(|error| error.to_string())?);
         }
         Kind::Integer {
             access: Access::Setting { set, .. },
@@ -112,9 +111,11 @@ fn set(settings: &mut Settings, variable: &Variable<Settings, Outputs>, text: &s
             access: Access::Setting { set, .. },
             ..
         } => {
-            let value: i32 = text.parse().map_err(|_| no_value())?;
-            variable.check_integer(value).map_err(|error| error.to_string())?;
-            set(settings, value);
+            let value = text.parse().map_err(|_| no_value())?;
+            set(
+                settings,
+                variable.admit_integer(value).map_err(|error| error.to_string())?,
+            );
         }
         Kind::Boolean {
             access: Access::Setting { set, .. },

@@ -30,6 +30,7 @@ pub struct Arguments {
 /// # Errors
 /// The library doesn't compile, or a file can't be read or written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathBuf> {
+    let _alone = workspace.lock("build")?;
     let binaries = if arguments.portable {
         portable::build(workspace)?
     } else {

@@ -3,9 +3,7 @@
 use clap::Args;
 
 use crate::cargo;
-use crate::commands::build;
-use crate::progress;
-use crate::python::{Environment, RUNNING};
+use crate::commands::program;
 use crate::workspace::Workspace;
 
 /// How to run the demo.
@@ -21,14 +19,6 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, or the demo fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let fmu = build::run(workspace, &build::Arguments::default())?;
-    let environment = Environment::prepare(workspace, &RUNNING)?;
-    progress::headline("Simulating");
-    let mut demo = environment.command();
-    demo.args(["-m", "pushbelt_demo", "--fmu"])
-        .arg(fmu)
-        .arg("--output")
-        .arg(workspace.target().join("demo"))
-        .args(&arguments.passed_on);
-    cargo::run(&mut demo)
+    let mut demo = program(workspace, "pushbelt_demo", "demo", "Simulating")?;
+    cargo::run(demo.args(&arguments.passed_on))
 }

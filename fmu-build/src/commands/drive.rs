@@ -3,9 +3,7 @@
 use clap::Args;
 
 use crate::cargo;
-use crate::commands::build;
-use crate::progress;
-use crate::python::{Environment, RUNNING};
+use crate::commands::program;
 use crate::workspace::Workspace;
 
 /// How to drive.
@@ -27,23 +25,14 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, or the simulation fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let fmu = build::run(workspace, &build::Arguments::default())?;
-    let environment = Environment::prepare(workspace, &RUNNING)?;
-    progress::headline("Driving");
-    let mut drive = environment.command();
-    let program = if arguments.cosim {
+    let module = if arguments.cosim {
         "pushbelt_drive.cosim"
     } else {
         "pushbelt_drive"
     };
-    drive
-        .args(["-m", program, "--fmu"])
-        .arg(fmu)
-        .arg("--output")
-        .arg(workspace.target().join("drive"));
+    let mut drive = program(workspace, module, "drive", "Driving")?;
     if arguments.short {
         drive.arg("--short");
     }
-    drive.args(&arguments.passed_on);
-    cargo::run(&mut drive)
+    cargo::run(drive.args(&arguments.passed_on))
 }

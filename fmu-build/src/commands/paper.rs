@@ -3,9 +3,7 @@
 use clap::Args;
 
 use crate::cargo;
-use crate::commands::build;
-use crate::progress;
-use crate::python::{Environment, RUNNING};
+use crate::commands::program;
 use crate::workspace::Workspace;
 
 /// The example that runs the tests of rings alone.
@@ -27,21 +25,11 @@ pub struct Arguments {
 /// # Errors
 /// The FMU or the example doesn't build, or the simulation fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let fmu = build::run(workspace, &build::Arguments::default())?;
     let rings = cargo::example(workspace, RINGS)?;
-    let environment = Environment::prepare(workspace, &RUNNING)?;
-    progress::headline("Running the paper's examples");
-    let mut paper = environment.command();
-    paper
-        .args(["-m", "pushbelt_paper", "--fmu"])
-        .arg(fmu)
-        .arg("--rings")
-        .arg(rings)
-        .arg("--output")
-        .arg(workspace.target().join("paper"));
+    let mut paper = program(workspace, "pushbelt_paper", "paper", "Running the paper's examples")?;
+    paper.arg("--rings").arg(rings);
     if arguments.short {
         paper.arg("--short");
     }
-    paper.args(&arguments.passed_on);
-    cargo::run(&mut paper)
+    cargo::run(paper.args(&arguments.passed_on))
 }

@@ -3,9 +3,7 @@
 use clap::Args;
 
 use crate::cargo;
-use crate::commands::build;
-use crate::progress;
-use crate::python::{Environment, RUNNING};
+use crate::commands::program;
 use crate::workspace::Workspace;
 
 /// Which study, and where.
@@ -36,15 +34,7 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, the cluster can't be reached, or no point has a steady state.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let fmu = build::run(workspace, &build::Arguments::default())?;
-    let environment = Environment::prepare(workspace, &RUNNING)?;
-    progress::headline("Solving");
-    let mut sweep = environment.command();
-    sweep
-        .args(["-m", "pushbelt_sweep", "--fmu"])
-        .arg(fmu)
-        .arg("--output")
-        .arg(workspace.target().join("sweep"));
+    let mut sweep = program(workspace, "pushbelt_sweep", "sweep", "Solving")?;
     for (flag, set) in [("--short", arguments.short), ("--measure", arguments.measure)] {
         if set {
             sweep.arg(flag);
@@ -59,6 +49,5 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
             sweep.args([flag, &value]);
         }
     }
-    sweep.args(&arguments.passed_on);
-    cargo::run(&mut sweep)
+    cargo::run(sweep.args(&arguments.passed_on))
 }

@@ -12,7 +12,7 @@ use crate::variator::parameters::{Axial, Drive, Parameters, Pulley, RingModel};
 use crate::variator::signals::{Inputs, StartState};
 use crate::variator::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::start::{Start, kinematic_state};
-use crate::variator::steady::{self, SteadyTask};
+use crate::variator::steady::{self, SteadyTask, geometric_ratio};
 use crate::variator::system::VariatorSystem;
 
 /// First step from a steady state, s.
@@ -23,6 +23,9 @@ const STEADY_SOLVES: usize = 400;
 
 /// Share of the torques below which no smaller one is tried.
 const LEAST_SHARE: f64 = 0.05;
+
+/// Clamping force below which a belt that turns has no steady state, N.
+const NO_FORCE: f64 = 1.0;
 
 /// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
 const STANDSTILL: f64 = 1.0e-3;
@@ -52,6 +55,16 @@ impl Variator {
             Drive::Speed => inputs.primary.speed_setpoint,
             Drive::Torque => parameters.initial.primary_speed,
         };
+        if primary_speed != parameters.initial.primary_speed {
+            self.say(
+                false,
+                format!(
+                    "primary.drive is Speed: the run starts at primary.speedSetpoint = {primary_speed} rad/s, not at \
+                     initial.primarySpeed = {} rad/s",
+                    parameters.initial.primary_speed
+                ),
+            );
+        }
         let start = Start {
             ratio: parameters.initial.ratio,
             primary_speed,
@@ -87,9 +100,16 @@ impl Variator {
         self.system.open_ledger(self.state.view());
         self.macro_slip = macro_slip(&self.system, self.state.view(), &self.system.ledger.last.sums, false);
         if self.macro_slip {
+            let speed = |j| self.state.y[self.system.layout.global(Global::Speed, j)];
             self.say(
                 true,
-                "the belt slips through (macro-slip) in the state that the run starts from".into(),
+                format!(
+                    "the belt slips through (macro-slip) in the state that the run starts from: {:.4} rad/s at the primary \
+                     pulley, {:.4} rad/s at the secondary, geometric ratio {:.4}",
+                    speed(P),
+                    speed(S),
+                    geometric_ratio(&self.system, self.state.view())
+                ),
             );
         }
         self.hold_external();
@@ -166,6 +186,21 @@ impl Variator {
     /// Solves for the steady state that was asked for, or for the nearest one; says which.
     fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         let mut newton = Newton::new(&self.system);
+        let task = self.steady_task(inputs, 1.0);
+        let clamped = 1 - task.reaction;
+        if task.clamping[clamped] < NO_FORCE {
+            let name = ["secondary", "primary"][clamped];
+            self.say(
+                true,
+                format!(
+                    "no steady state without a clamping force ({name}.clampingForce = {} N): the run starts unloaded and the \
+                     loads ramp in over {LOAD_RAMP} s",
+                    task.clamping[clamped]
+                ),
+            );
+            self.start_unloaded(start)?;
+            return Ok(StartState::NotFound);
+        }
         let found = match self.carry(&mut newton, inputs) {
             Ok(1.0) => StartState::Steady,
             Ok(share) => {
