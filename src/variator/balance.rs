@@ -1,6 +1,6 @@
 //! Power, losses and stored energy of a state: each loss from its own law, never as a remainder.
 
-use super::boundary::SpeedMode;
+use super::boundary::{SheaveMode, SpeedMode};
 use super::cell::Sample;
 use super::layout::Global;
 use super::mesh::{BeltMesh, Cell, Group, P, S};
@@ -251,21 +251,27 @@ impl VariatorSystem {
         })
     }
 
-    /// External force on a movable sheave, N.
+    /// External forces on the movable sheaves, N; 0 where they are held.
     #[must_use]
-    pub fn external_force(&self, j: usize) -> f64 {
-        match self.boundary.sheave[j] {
-            super::boundary::SheaveMode::Force(force) => force,
+    pub fn external_forces(&self) -> [f64; 2] {
+        self.boundary.sheave.map(|sheave| match sheave {
+            SheaveMode::Force(force) => force,
             _ => 0.0,
-        }
+        })
     }
 
-    /// Power supplied at the shafts, W; `torques` are the belt's on the pulleys.
+    /// Power supplied at the shafts, W, without what accelerates a pulley in speed drive; `torques` are the belt's on the pulleys.
     #[must_use]
     pub fn shaft_power(&self, view: View<'_>, torques: [f64; 2]) -> f64 {
         let external = self.external_torques(view, torques);
         [S, P]
-            .map(|j| external[j] * view.y[self.layout.global(Global::Speed, j)])
+            .map(|j| {
+                let torque = match self.boundary.speed[j] {
+                    SpeedMode::Setpoint(_) => -torques[j],
+                    _ => external[j],
+                };
+                torque * view.y[self.layout.global(Global::Speed, j)]
+            })
             .iter()
             .sum()
     }

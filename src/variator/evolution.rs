@@ -1,6 +1,7 @@
 //! What time integration needs beyond the residual: which errors matter, and the books of energy.
 
 use super::balance::{BeltSums, Survey};
+use super::boundary::SpeedMode;
 use super::layout::Global;
 use super::mesh::{P, S};
 use super::system::VariatorSystem;
@@ -40,7 +41,9 @@ impl Evolution for VariatorSystem {
         }
         // Sharper near standstill, where there is little energy to be wrong about.
         let speed = view.y[layout.speed(0)].abs();
-        let speed_scale = tolerance * (2.0 + speed + 8.0 * speed / (1.0 + speed));
+        let running = speed / (1.0 + speed);
+        let speed_scale = tolerance * (2.0 + speed + 8.0 * running);
+        let place_scale = 1.0e-2 * tolerance * (0.2 + 0.8 * running);
         let mean = layout.len() as f64;
         let mut local = 0.0;
         for &[speed, amount] in &self.cells_at {
@@ -51,7 +54,7 @@ impl Evolution for VariatorSystem {
         if layout.flexible {
             for node in 0..layout.elements {
                 for k in (0..2 * layout.components).step_by(2) {
-                    let x = q_error[layout.node(node, k)] / (1.0e-2 * tolerance);
+                    let x = q_error[layout.node(node, k)] / place_scale;
                     local += x * x;
                 }
             }
@@ -59,7 +62,7 @@ impl Evolution for VariatorSystem {
         if let (Some(t), Some(ring)) = (&layout.travelling, &self.travelling) {
             for k in (0..t.block).filter(|&k| ring.is_length(k)) {
                 for node in 0..t.nodes {
-                    let x = q_error[layout.node(node, k)] / (1.0e-2 * tolerance);
+                    let x = q_error[layout.node(node, k)] / place_scale;
                     local += x * x;
                 }
             }
@@ -83,25 +86,35 @@ impl Evolution for VariatorSystem {
         let end = self.load_time();
         self.move_loads(end - h);
         let first = self.rates(before, &self.ledger.last.sums);
+        let first_force = self.external_forces();
+        self.move_loads(end - 0.5 * h);
+        let middle_force = self.external_forces();
         self.move_loads(end);
         self.take_stock(after);
         let second = self.rates(after, &self.ledger.last.sums);
+        let last_force = self.external_forces();
         let half = 0.5 * h;
         let mut lost = half * (first.lost + second.lost);
         let mut supplied = half * (first.supplied + second.supplied);
         let mut moved = half * (first.moved + second.moved);
-        // A sheave's step response is shorter than a step. Its force is constant over the step, so the work is exact;
-        // its damper's loss takes Simpson's rule, with ż in the middle from the way.
+        // A sheave's step response is shorter than a step, so its force's work and its damper's loss take Simpson's rule, with ż in
+        // the middle from the way: under a constant force the work is exact.
+        let simpson = |[first, middle, last]: [f64; 3]| h / 6.0 * (first + 4.0 * middle + last);
         for j in [S, P] {
             let z = self.layout.global(Global::Sheave, j);
-            let work = self.external_force(j) * (after.q[z] - before.q[z]);
+            let (start, end) = (before.y[z], after.y[z]);
+            let middle = 1.5 * (after.q[z] - before.q[z]) / h - 0.25 * (start + end);
+            let work = simpson([first_force[j] * start, middle_force[j] * middle, last_force[j] * end]);
             supplied += work;
             moved += work.abs();
-            let mean = (after.q[z] - before.q[z]) / h;
-            let (start, end) = (before.y[z], after.y[z]);
-            let middle = 1.5 * mean - 0.25 * (start + end);
-            let square = (start * start + 4.0 * middle * middle + end * end) / 6.0;
-            lost += self.pulley(j).sheave_damping * (square * h - half * (start * start + end * end));
+            let square = simpson([start * start, middle * middle, end * end]);
+            lost += self.pulley(j).sheave_damping * (square - half * (start * start + end * end));
+            // So is that of a shaft to its set point. What accelerates the pulley's own inertia is known.
+            if let SpeedMode::Setpoint(_) = self.boundary.speed[j] {
+                let omega = self.layout.global(Global::Speed, j);
+                let change = after.y[omega].powi(2) - before.y[omega].powi(2);
+                supplied += 0.5 * self.pulley(j).inertia * change;
+            }
         }
         let ledger = &mut self.ledger;
         ledger.supplied += supplied;
@@ -110,7 +123,7 @@ impl Evolution for VariatorSystem {
     }
 }
 
-/// Powers of a state, W; those of the clamping forces aside.
+/// Powers of a state, W; those of the clamping forces aside, and what accelerates a pulley in speed drive.
 struct Rates {
     supplied: f64,
     lost: f64,

@@ -338,6 +338,32 @@ impl Run {
         self.variator.outputs().clone()
     }
 
+    /// Advances by `span` in communication steps of `step` with inputs that change at `rates`.
+    pub fn ramp(&mut self, span: f64, step: f64, rates: &Inputs) {
+        let from = self.variator.time();
+        let steps = (span / step).round().max(1.0) as u32;
+        for k in 0..steps {
+            let at = |k: u32| span * f64::from(k) / f64::from(steps);
+            let mut inputs = self.inputs;
+            let values = [&mut inputs.primary, &mut inputs.secondary];
+            for (value, rate) in values.into_iter().zip([&rates.primary, &rates.secondary]) {
+                value.torque += at(k) * rate.torque;
+                value.clamping_force += at(k) * rate.clamping_force;
+                value.speed_setpoint += at(k) * rate.speed_setpoint;
+            }
+            self.variator.advance_along(from + at(k + 1), &inputs, rates).expect("the run goes on");
+            self.look();
+        }
+        for (value, rate) in [
+            (&mut self.inputs.primary, &rates.primary),
+            (&mut self.inputs.secondary, &rates.secondary),
+        ] {
+            value.torque += span * rate.torque;
+            value.clamping_force += span * rate.clamping_force;
+            value.speed_setpoint += span * rate.speed_setpoint;
+        }
+    }
+
     /// Whether a warning contains `text`.
     pub fn warned(&self, text: &str) -> bool {
         self.messages.iter().any(|m| m.warning && m.text.contains(text))
