@@ -381,6 +381,43 @@ fn a_steady_start_does_not_bang() {
     }
 }
 
+/// So is one whose secondary shaft follows a set point, with the torque or the speed of the primary given.
+#[test]
+fn a_steady_start_at_a_set_point_does_not_bang() {
+    for model in MODELS {
+        for drive in [Drive::Torque, Drive::Speed] {
+            let mut parameters = variator(model);
+            (parameters.primary.drive, parameters.secondary.drive) = (drive, Drive::Speed);
+            parameters.primary.axial = Axial::Held;
+            let mut inputs = inputs((50.0, 0.0), (0.0, 8.5e3));
+            inputs.secondary.speed_setpoint = 0.99 * SPEED;
+            let mut run = Run::new(parameters, inputs);
+            let start = run.variator.outputs().clone();
+            assert_eq!(start.start_state, StartState::Steady, "{model:?}, {drive:?}");
+            assert_close(start.secondary.speed, 0.99 * SPEED, 1e-9, "set point");
+            let mut worst = 0.0_f64;
+            run.watch(0.05, 1e-3, |_, o| {
+                for (a, b) in [
+                    (o.thrust_ratio, start.thrust_ratio),
+                    (o.primary.speed, start.primary.speed),
+                    (o.primary.shaft_torque, start.primary.shaft_torque),
+                    (o.secondary.shaft_torque, start.secondary.shaft_torque),
+                ] {
+                    worst = worst.max((a / b - 1.0).abs());
+                }
+            });
+            println!(
+                "{model:?}, {drive:?}: {:.3} and {:.3} N·m, slip {:.5}, largest relative change {worst:.1e}",
+                start.primary.shaft_torque, start.secondary.shaft_torque, start.slip
+            );
+            assert!(worst < 1e-3, "{model:?}, {drive:?}: {worst}");
+            if drive == Drive::Torque {
+                assert_close(start.primary.shaft_torque, -50.0, 1e-4, "torque");
+            }
+        }
+    }
+}
+
 /// Shafts held at speeds 12 % apart have a steady state, in which the belt slips through: told from the start on.
 #[test]
 fn a_start_in_macro_slip_is_told() {
@@ -412,7 +449,7 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
         let o = run.variator.outputs().clone();
         assert!(run.warned("no steady state") && run.warned("capacity") && run.warned("% of them"));
         assert!(
-            o.torque_utilisation > 0.5 && o.torque_utilisation < 1.0,
+            o.torque_utilisation > 0.75 && o.torque_utilisation < 1.05,
             "{}",
             o.torque_utilisation
         );

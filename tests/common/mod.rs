@@ -351,7 +351,9 @@ impl Run {
                 value.clamping_force += at(k) * rate.clamping_force;
                 value.speed_setpoint += at(k) * rate.speed_setpoint;
             }
-            self.variator.advance_along(from + at(k + 1), &inputs, rates).expect("the run goes on");
+            self.variator
+                .advance_along(from + at(k + 1), &inputs, rates)
+                .expect("the run goes on");
             self.look();
         }
         for (value, rate) in [

@@ -21,8 +21,9 @@ const WARM_STEP: f64 = 1.0e-4;
 /// Most Newton solves for a steady state.
 const STEADY_SOLVES: usize = 400;
 
-/// Share of the torques below which no smaller one is tried.
+/// Share of the torques below which no smaller one is tried, and the factor to which the largest is found.
 const LEAST_SHARE: f64 = 0.05;
+const CLOSE_SHARE: f64 = 1.05;
 
 /// Clamping force below which a belt that turns has no steady state, N.
 const NO_FORCE: f64 = 1.0;
@@ -51,15 +52,16 @@ impl Variator {
                     .into(),
             );
         }
-        let primary_speed = match parameters.primary.drive {
-            Drive::Speed => inputs.primary.speed_setpoint,
-            Drive::Torque => parameters.initial.primary_speed,
+        let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
+            (Drive::Speed, _) => inputs.primary.speed_setpoint,
+            (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * parameters.initial.ratio,
+            (Drive::Torque, Drive::Torque) => parameters.initial.primary_speed,
         };
         if primary_speed != parameters.initial.primary_speed {
             self.say(
                 false,
                 format!(
-                    "primary.drive is Speed: the run starts at primary.speedSetpoint = {primary_speed} rad/s, not at \
+                    "a shaft follows its set point: the run starts near {primary_speed} rad/s at the primary pulley, not at \
                      initial.primarySpeed = {} rad/s",
                     parameters.initial.primary_speed
                 ),
@@ -81,15 +83,13 @@ impl Variator {
             self.lay_on_ale(inputs)?
         } else if steady {
             self.state = cold(&self.system, &start)?;
+            self.put_secondary_speed(inputs);
             self.solve_steady(inputs, &start)?
         } else {
             self.start_unloaded(&start)?;
             StartState::Unloaded
         };
-        if parameters.secondary.drive == Drive::Speed {
-            let i = self.system.layout.global(Global::Speed, S);
-            self.state.y[i] = inputs.secondary.speed_setpoint;
-        }
+        self.put_secondary_speed(inputs);
         self.state.y_dot.fill(0.0);
         self.held = Held {
             from: time,
@@ -117,6 +117,14 @@ impl Variator {
             self.system.belt_energy(&self.system.ledger.last) + self.system.pulley_energy(self.state.view());
         self.stale = true;
         Ok(())
+    }
+
+    /// Starts the secondary pulley at its set point, if it has one.
+    fn put_secondary_speed(&mut self, inputs: &Inputs) {
+        if self.parameters.secondary.drive == Drive::Speed {
+            let i = self.system.layout.global(Global::Speed, S);
+            self.state.y[i] = inputs.secondary.speed_setpoint;
+        }
     }
 
     /// Starts unloaded; loads and friction come in softly.
@@ -179,7 +187,7 @@ impl Variator {
         };
         let radius = 0.3 * p.geometry.center_distance;
         let capacity = 2.0 * p.friction.pulley.max(1.0e-3) * inputs.secondary.clamping_force.max(1.0) * radius;
-        let direction = if p.initial.primary_speed < 0.0 { -1.0 } else { 1.0 };
+        let direction = self.state.y[self.system.layout.global(Global::Speed, P)].signum();
         0.015 * direction * (torque_share * torque / capacity).clamp(-1.0, 1.0)
     }
 
@@ -248,20 +256,43 @@ impl Variator {
         Ok(found)
     }
 
-    /// Solves for the steady state at the largest share of the torques that has one: torque beyond capacity has none. The
-    /// share, or how far the last attempt came.
+    /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque beyond
+    /// capacity has none. The share, or how far the last attempt came.
     fn carry(&mut self, newton: &mut Newton, inputs: &Inputs) -> Result<f64, Settled> {
         let cold = self.state.clone();
-        let mut share = 1.0;
+        let (mut share, mut beyond) = (1.0, 1.0);
         loop {
             let task = self.steady_task(inputs, share);
             match steady::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES) {
-                Ok(_) => return Ok(share),
-                Err(report) if share <= LEAST_SHARE => return Err(report),
-                Err(_) => share *= 0.7,
+                Ok(_) => break,
+                Err(report) if share <= LEAST_SHARE || task.speed == [SpeedMode::Fixed; 2] => return Err(report),
+                Err(_) => (beyond, share) = (share, 0.7 * share),
             }
             self.state.clone_from(&cold);
         }
+        while beyond > CLOSE_SHARE * share {
+            let middle = (share * beyond).sqrt();
+            let task = SteadyTask {
+                warm: true,
+                ..self.steady_task(inputs, middle)
+            };
+            let carried = self.state.clone();
+            let solved = steady::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES / 4);
+            // Beyond capacity a pulley that slips for ever may be steady too.
+            if solved.is_ok() && !self.slips() {
+                share = middle;
+            } else {
+                beyond = middle;
+                self.state = carried;
+            }
+        }
+        Ok(share)
+    }
+
+    /// Whether the belt slips through, from the state alone.
+    fn slips(&self) -> bool {
+        let view = self.state.view();
+        macro_slip(&self.system, view, &self.system.surveyed(view).sums, false)
     }
 
     /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
