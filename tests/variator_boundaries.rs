@@ -350,6 +350,29 @@ fn a_start_in_equilibrium_stays_there() {
     equilibrium(variator(RingModel::Ale), 11e3);
 }
 
+/// Forces that drive it to an end stop start it there.
+#[test]
+fn a_start_in_equilibrium_at_an_end_stop_stays_there() {
+    for model in MODELS {
+        for (primary, secondary) in [(26e3, 10e3), (30e3, 6e3), (5e3, 12e3)] {
+            let mut parameters = coarse(model);
+            parameters.primary.drive = Drive::Speed;
+            parameters.initial.equilibrium = true;
+            let mut run = Run::new(parameters, inputs((0.0, primary), (-20.0, secondary)));
+            assert!(run.warned("end stop"), "{model:?}: {:?}", run.messages);
+            let before = run.variator.outputs().clone();
+            let after = run.go(0.5, 5e-3);
+            println!(
+                "{model:?}, {primary} and {secondary} N: ratio {:.5} then {:.5}, forces {:.0} {:.0} N",
+                before.ratio_geometric, after.ratio_geometric, before.primary.axial_force, before.secondary.axial_force
+            );
+            assert_eq!(before.start_state, StartState::Steady);
+            assert_close(after.ratio_geometric, before.ratio_geometric, 1e-4, "ratio");
+            assert_close(after.primary.axial_force, before.primary.axial_force, 1e-3, "force");
+        }
+    }
+}
+
 /// The way there leads through ratios from which only a small change finds the next state.
 #[test]
 fn a_start_in_equilibrium_far_in_overdrive_stays_there() {

@@ -57,6 +57,10 @@ const SOFT_STEP: f64 = 5.0e-3;
 /// First pseudo-time step from a kinematic and from a steady state, s.
 const COLD_STEP: f64 = 1.0e-6;
 const WARM_STEP: f64 = 1.0e-2;
+/// Force that an end stop carries where a sheave rests against it, N.
+const STOP_FORCE: f64 = 10.0;
+/// First pseudo-time step of sheaves that are let go, s.
+const STOP_STEP: f64 = 1.0e-4;
 /// Relative force error of an equilibrium.
 const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
 const EQUILIBRIUM_ITERATIONS: usize = 150;
@@ -182,14 +186,7 @@ fn solve_from(
     system.law.parameters.friction.velocity = velocity;
     system.inertia_factor = PSEUDO_INERTIA;
     let judge = |system: &mut VariatorSystem, trial: &Trial<'_>| {
-        for j in [S, P] {
-            let i = layout.global(Global::Speed, j);
-            let (before, after) = (trial.before.y[i], trial.after.y[i]);
-            if (after - before).abs() > LARGEST_SPEED_CHANGE * before.abs() + 0.1 {
-                return None;
-            }
-        }
-        if (trial.after.q[theta_index] - trial.before.q[theta_index]).abs() > LARGEST_THETA_CHANGE {
+        if leaps(system, trial) {
             return None;
         }
         // Slower than the belt settles, or the two integrators would swing up against it.
@@ -217,19 +214,70 @@ fn solve_from(
     outcome
 }
 
+/// Whether a pseudo-time step changes speeds or Θ by more than leads to the same branch.
+fn leaps(system: &VariatorSystem, trial: &Trial<'_>) -> bool {
+    let fast = |j: usize| {
+        let i = system.layout.global(Global::Speed, j);
+        let (before, after) = (trial.before.y[i], trial.after.y[i]);
+        (after - before).abs() > LARGEST_SPEED_CHANGE * before.abs() + 0.1
+    };
+    let theta = system.layout.global(Global::Theta, 0);
+    fast(S) || fast(P) || (trial.after.q[theta] - trial.before.q[theta]).abs() > LARGEST_THETA_CHANGE
+}
+
+/// Lets go of the sheaves near an end stop: under the task's clamping forces they come to rest against it.
+fn rest_at_stop(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+) -> Result<Settled, Settled> {
+    system.boundary = Boundary {
+        sheave: task.clamping.map(SheaveMode::Force),
+        speed: task.speed,
+    };
+    let settings = Settling {
+        first_step: STOP_STEP,
+        last_step: LAST_STEP,
+        max_solves: EQUILIBRIUM_SOLVES,
+    };
+    settle(system, newton, state, &settings, |system, trial| {
+        (!leaps(system, trial)).then_some(LAST_STEP)
+    })
+}
+
+/// Where the clamping forces balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equilibrium {
+    /// r_S/r_P of the pressure-weighted radii.
+    pub ratio: f64,
+    /// Whether a sheave rests against its end stop.
+    pub at_stop: bool,
+}
+
+impl Equilibrium {
+    fn at(system: &VariatorSystem, view: View<'_>) -> Self {
+        let carries = |j: usize| system.holding_force(j, view, 0.0).abs();
+        Self {
+            ratio: geometric_ratio(system, view),
+            at_stop: carries(S).max(carries(P)) > STOP_FORCE,
+        }
+    }
+}
+
 /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant
-/// method on ln(force/reaction) over ln(ratio), each state warm-started from the last. Ends at `range` (the end stops).
-/// Returns the ratio.
+/// method on ln(force/reaction) over ln(ratio), each state warm-started from the last. At the ends of `range`, where the sheaves
+/// are near their stops, they are let go.
 ///
 /// # Errors
-/// What was reached, when a state on the way could not be found.
+/// What was reached, when a state on the way could not be found, or the forces don't balance in the end.
 pub fn solve_equilibrium(
     system: &mut VariatorSystem,
     newton: &mut Newton,
     state: &mut State,
     task: &SteadyTask,
     range: (f64, f64),
-) -> Result<f64, Settled> {
+) -> Result<Equilibrium, Settled> {
     let reaction = task.reaction;
     let wanted = task.clamping[reaction].max(1.0);
     let defect = |system: &VariatorSystem, state: &State| {
@@ -245,11 +293,13 @@ pub fn solve_equilibrium(
     let mut near = state.clone();
     for _ in 0..EQUILIBRIUM_ITERATIONS {
         if f.abs() < EQUILIBRIUM_TOLERANCE {
-            break;
+            return Ok(Equilibrium::at(system, state.view()));
         }
-        let next = (x - (f / slope).clamp(-longest, longest)).clamp(lowest, highest);
-        if (next - x).abs() < 1.0e-9 {
-            break;
+        let wanted = x - (f / slope).clamp(-longest, longest);
+        let next = wanted.clamp(lowest, highest);
+        if next != wanted && (next - x).abs() < 1.0e-9 {
+            rest_at_stop(system, newton, state, task)?;
+            return Ok(Equilibrium::at(system, state.view()));
         }
         let warm = SteadyTask {
             ratio: next.exp(),
@@ -272,7 +322,7 @@ pub fn solve_equilibrium(
         }
         (x, f) = (next, reached);
     }
-    Ok(x.exp())
+    Err(Settled::default())
 }
 
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.

@@ -12,7 +12,7 @@ use crate::variator::parameters::{Axial, Drive, Parameters, Pulley, RingModel};
 use crate::variator::signals::{Inputs, StartState};
 use crate::variator::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::start::{Start, kinematic_state};
-use crate::variator::steady::{self, SteadyTask, geometric_ratio};
+use crate::variator::steady::{self, Equilibrium, SteadyTask, geometric_ratio};
 use crate::variator::system::VariatorSystem;
 
 /// First step from a steady state, s.
@@ -304,7 +304,7 @@ impl Variator {
         let at_ratio = self.state.clone();
         let range = self.ratio_range();
         match steady::solve_equilibrium(&mut self.system, newton, &mut self.state, &task, range) {
-            Ok(ratio) if ratio <= range.0 * 1.0001 || ratio >= range.1 * 0.9999 => {
+            Ok(Equilibrium { ratio, at_stop: true }) => {
                 self.say(
                     true,
                     format!(
@@ -313,7 +313,7 @@ impl Variator {
                 );
                 StartState::Steady
             }
-            Ok(ratio) => {
+            Ok(Equilibrium { ratio, .. }) => {
                 self.say(
                     false,
                     format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
@@ -338,7 +338,7 @@ impl Variator {
         }
     }
 
-    /// Geometric ratios between the end stops.
+    /// Geometric ratios between the end stops, of the reference curve: a loaded belt comes to a stop some per cent beyond.
     fn ratio_range(&self) -> (f64, f64) {
         let p = &self.parameters;
         let e = p.belt.pitch_offset;
