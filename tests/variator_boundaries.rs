@@ -211,6 +211,26 @@ fn at_standstill_the_clamped_belt_holds_the_torque() {
     }
 }
 
+/// Regularised friction creeps where a real belt sticks: under forces that don't balance the ratio drifts at a standstill, in
+/// proportion to the friction velocity.
+#[test]
+fn at_standstill_the_ratio_creeps_with_the_friction_velocity() {
+    for model in MODELS {
+        let creep = |velocity: f64| {
+            let mut parameters = at_rest(model, 2.2);
+            parameters.friction.velocity = velocity;
+            let mut run = Run::new(parameters, inputs((0.0, 4e3), (0.0, 7e3)));
+            // Past the first moments, in which the belt is clamped.
+            let before = run.go(1.0, 10e-3).ratio_geometric;
+            (run.go(5.0, 10e-3).ratio_geometric - before) / 5.0
+        };
+        let (usual, tenth) = (creep(5e-4), creep(5e-5));
+        println!("{model:?}: the ratio 2.2 creeps by {usual:.2e} a second, by {tenth:.2e} with a tenth of the friction velocity");
+        assert!(usual > 0.0 && usual < 0.01, "{model:?}");
+        assert_close(usual / tenth, 10.0, 0.1, "creep over friction velocity");
+    }
+}
+
 /// Clamped without torque, on the default mesh too: what rings then has hardly any energy to be wrong about.
 #[test]
 fn at_standstill_the_books_are_kept() {

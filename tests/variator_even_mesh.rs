@@ -11,10 +11,10 @@ fn on(mut parameters: Parameters, aligned: bool) -> Parameters {
     parameters
 }
 
-/// Steady states: thrust ratios +5, +2 and -18 % off the aligned mesh's; in overdrive an element is a seventh of the small arc, too long for the
-/// release at its exit. With three times the elements they are within 4 %. The ring tension ripples more where a border lies within an
-/// element. Power that no law accounts for is up to 0.05 %, where the aligned mesh leaves 0.01 %: Gauss's rule takes r'' and λ, which
-/// jump at a border, for smooth across a cell, so what flows in along ξ is not what flows out.
+/// Steady states: thrust ratios are off the aligned mesh's, most in overdrive, where an element is long for the release at the exit of the
+/// small arc. The ring tension ripples more where a border lies within an element. More power is left that no law accounts for:
+/// Gauss's rule takes r'' and λ, which jump at a border, for smooth across a cell, so what flows in along ξ is not what flows out.
+/// (The figures: docs/ring-models.md.)
 #[test]
 fn steady_states_are_near_those_of_the_aligned_mesh() {
     let parameters = variator(RingModel::Ale);

@@ -7,7 +7,7 @@
 //! - `--quick` runs everything once,
 //! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
 //! - `--directions` adds `ALE` with A_i = [t, n],
-//! - `--cycle` adds 1800 s of driving (some 20 minutes),
+//! - `--cycle` adds 1800 s of driving (half a minute),
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
 
 #[path = "../../tests/common/mod.rs"]

@@ -10,8 +10,7 @@ const SHARPENING: f64 = 1.0e-2;
 /// v₀ that friction starts with, m/s, unless its own is larger.
 const SOFT_VELOCITY: f64 = 0.02;
 
-/// Time for which loads are held on their ramp, and friction after it, s. Larger steps of the loads shake the belt more: with twice as large ones
-/// the energy residual of a launch triples.
+/// Time for which loads are held on their ramp, and friction after it, s. Larger steps of the loads shake the belt more.
 const LOAD_PIECE: f64 = 1.25e-4;
 const FRICTION_PIECE: f64 = 5.0e-4;
 

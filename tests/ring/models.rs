@@ -284,8 +284,8 @@ fn two_arc_oscillation<S: Case>() {
     if lagrangian(&system) {
         assert!((frequency - 9.23).abs() < 0.05, "{frequency}");
     } else {
-        // The linear curvature measure makes a large deflection from a circle swing too slowly: reported, not judged.
-        assert!((8.0..9.3).contains(&frequency), "{frequency}");
+        // The linear curvature measure makes a large deflection from a circle swing too slowly: that is what it does, not what a ring does.
+        assert!((8.4..8.7).contains(&frequency), "{frequency}");
     }
 }
 
