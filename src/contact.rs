@@ -89,6 +89,13 @@ pub fn flank_force<T: Real>(
     }
 }
 
+/// Torque at which a pulley whose sheaves bear the axial force `force`, N, at the pitch radius `radius`, m, slips tangentially all
+/// around, N·m: 2 μ F r/cos β.
+#[must_use]
+pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: f64) -> f64 {
+    2.0 * friction.pulley * force * radius / cos_beta
+}
+
 /// Elastic energy of a flank per pitch-line length, J/m.
 #[inline(always)]
 #[must_use]

@@ -219,7 +219,7 @@ impl Sink for Ear {
 
 fn slave() -> (Slave<Tank>, Heard) {
     let heard = Heard::default();
-    (Slave::new(Some(Box::new(Ear(heard.clone()))), false, None), heard)
+    (Slave::new(Some(Box::new(Ear(heard.clone()))), false), heard)
 }
 
 /// A slave in step mode at 0 s.

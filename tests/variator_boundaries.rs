@@ -225,7 +225,9 @@ fn at_standstill_the_ratio_creeps_with_the_friction_velocity() {
             (run.go(5.0, 10e-3).ratio_geometric - before) / 5.0
         };
         let (usual, tenth) = (creep(5e-4), creep(5e-5));
-        println!("{model:?}: the ratio 2.2 creeps by {usual:.2e} a second, by {tenth:.2e} with a tenth of the friction velocity");
+        println!(
+            "{model:?}: the ratio 2.2 creeps by {usual:.2e} a second, by {tenth:.2e} with a tenth of the friction velocity"
+        );
         assert!(usual > 0.0 && usual < 0.01, "{model:?}");
         assert_close(usual / tenth, 10.0, 0.1, "creep over friction velocity");
     }

@@ -6,7 +6,7 @@ use common::{
     MODELS, Run, SPEED, assert_close, coarse, full_slip_torque, given, inputs, refined, rigid, steady, variator,
 };
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::{Drive, RingModel};
+use pushbelt::variator::parameters::{Axial, Drive, RingModel};
 use pushbelt::variator::signals::Outputs;
 
 /// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
@@ -198,27 +198,47 @@ fn balanced(model: RingModel, omega: f64) -> Run {
     run
 }
 
-/// d ln i_g/dt and ln i_F, two to four belt turns after a step of F_P by `factor`. (The belt finds its new distribution
-/// of sliding within two turns; then the rate is steady.)
-fn shift(balanced: &Run, omega: f64, factor: f64) -> (f64, f64) {
+/// d ln i_g/dt, ln i_F and ln i_g in the middle of `turns` belt turns, two turns after a step of F_P by `factor`: the belt
+/// finds its new distribution of sliding within two.
+fn shift(balanced: &Run, omega: f64, factor: f64, turns: [f64; 2]) -> [f64; 3] {
     let mut run = balanced.clone();
     run.inputs.primary.clamping_force *= factor;
-    let turns = 2.0 * 0.7 / (0.058 * omega);
-    let from = run.go(turns, turns);
-    let to = run.go(turns, turns);
-    let rate = (to.ratio_geometric / from.ratio_geometric).ln() / turns;
-    (rate, to.thrust_ratio.ln())
+    let [first, last] = turns.map(|turn| turn * 0.7 / (0.058 * omega));
+    let from = run.go(first, first);
+    let to = run.go(last - first, last - first);
+    let [before, after] = [from.ratio_geometric.ln(), to.ratio_geometric.ln()];
+    [
+        (after - before) / (last - first),
+        0.5 * (from.thrust_ratio.ln() + to.thrust_ratio.ln()),
+        0.5 * (before + after),
+    ]
+}
+
+/// How ln(F_P/F_S)_eq moves with ln i_g near ratio 1: of steady states with the primary sheave held.
+fn equilibrium_slope(model: RingModel, omega: f64) -> f64 {
+    let [low, high] = [0.99, 1.01].map(|ratio: f64| {
+        let mut parameters = variator(model);
+        parameters.primary.drive = Drive::Speed;
+        parameters.primary.axial = Axial::Held;
+        parameters.initial.ratio = ratio;
+        let mut start = inputs((0.0, 0.0), (-40.0, 8.0e3));
+        start.primary.speed_setpoint = omega;
+        let o = Run::new(parameters, start).variator.outputs().clone();
+        (o.thrust_ratio.ln(), o.ratio_geometric.ln())
+    });
+    (high.0 - low.0) / (high.1 - low.1)
 }
 
 /// Coefficients c of d ln i_g/dt = c ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq) for small steps of either sign, in ascending
-/// order of F_P. Equilibrium is what the run does without a step.
-fn shift_coefficients(model: RingModel, omega: f64) -> [f64; 4] {
+/// order of F_P. Equilibrium is that of the present ratio: what the run does without a step, moved with the ratio.
+fn shift_coefficients(model: RingModel, omega: f64, turns: [f64; 2]) -> [f64; 4] {
     let run = balanced(model, omega);
-    let (rest, equilibrium) = shift(&run, omega, 1.0);
-    println!("{model:?} ω_P {omega:.1}: d ln i/dt = {rest:+.6}/s without a step");
+    let slope = equilibrium_slope(model, omega);
+    let [rest, equilibrium, ratio] = shift(&run, omega, 1.0, turns);
+    println!("{model:?} ω_P {omega:.1}: d ln i/dt = {rest:+.6}/s without a step, d ln i_F/d ln i = {slope:+.3}");
     STEPS.map(|factor| {
-        let (rate, thrust) = shift(&run, omega, factor);
-        let (rate, drive) = (rate - rest, thrust - equilibrium);
+        let [rate, thrust, reached] = shift(&run, omega, factor, turns);
+        let (rate, drive) = (rate - rest, thrust - equilibrium - slope * (reached - ratio));
         let coefficient = rate / (omega * drive);
         println!(
             "{model:?} ω_P {omega:.1} F_P·{factor}: d ln i/dt = {rate:+.6}/s at Δln = {drive:+.5}: {coefficient:+.6}"
@@ -234,7 +254,8 @@ fn shift_coefficients(model: RingModel, omega: f64) -> [f64; 4] {
 /// sliding to share: it shifts some fifty times slower, held by sticking.
 #[test]
 fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrust() {
-    let [slow, fast] = [0.5, 1.0].map(|share| shift_coefficients(RingModel::Ale, share * SPEED));
+    let [slow, fast] = [0.5, 1.0].map(|share| shift_coefficients(RingModel::Ale, share * SPEED, [2.0, 4.0]));
+    let later = shift_coefficients(RingModel::Ale, SPEED, [4.0, 12.0]);
     for c in [slow, fast] {
         let mean = 0.5 * (c[1] + c[2]);
         // What separates opposite steps is of the order of the step: at most 2.5 times it.
@@ -243,7 +264,8 @@ fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrus
         }
         assert_close(c[0] + c[3], c[1] + c[2], 5e-3, "mean of opposite steps");
     }
-    for (a, b) in slow.iter().zip(&fast) {
+    for ((a, b), c) in slow.iter().zip(&fast).zip(&later) {
         assert_close(*a, *b, 0.06, "half the pulley speed");
+        assert_close(*c, *b, 0.1, "later turns");
     }
 }

@@ -125,18 +125,30 @@ fn nine_load_cases_balance_their_power_ale0() {
     nine_load_cases(RingModel::Ale0);
 }
 
-/// The paper's 5.4: belt speed has a minor influence, once the ratio has been taken out.
+/// The paper's 5.4: belt speed has a minor influence, once the ratio has been taken out. (In underdrive the primary pulley of
+/// `ALE0` is near its own capacity at these forces; below 2000 rpm it slips.)
 #[test]
 fn belt_speed_moves_the_thrust_ratio_by_less_than_five_percent() {
-    let parameters = variator(RingModel::Ale);
-    let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
-    let [half, full, more] = [0.5, 1.0, 1.5].map(|share| {
-        let speed = share * SPEED;
-        steady(&parameters, &case.task(), [speed, speed]).outputs.thrust_ratio
-    });
-    println!("thrust ratio at 1000, 2000, 3000 rpm: {half:.4}, {full:.4}, {more:.4}");
-    assert_close(half, full, 0.05, "1000 rpm");
-    assert_close(more, full, 0.05, "3000 rpm");
+    for model in MODELS {
+        let parameters = variator(model);
+        for case in LoadCase::three(&parameters, 50.0) {
+            if model == RingModel::Ale0 && case.name == "underdrive" {
+                continue;
+            }
+            let [half, full, more] = [0.5, 1.0, 1.5].map(|share| {
+                let speed = share * SPEED;
+                steady(&parameters, &case.task(), [speed / ratio(case.theta), speed])
+                    .outputs
+                    .thrust_ratio
+            });
+            println!(
+                "{model:?} {} at 1000, 2000, 3000 rpm: {half:.4}, {full:.4}, {more:.4}",
+                case.name
+            );
+            assert_close(half, full, 0.05, "1000 rpm");
+            assert_close(more, full, 0.05, "3000 rpm");
+        }
+    }
 }
 
 /// Four times the cells close the power balance to 5e-4.

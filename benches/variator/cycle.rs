@@ -7,6 +7,7 @@
 use std::hint::black_box;
 
 use cpu_time::ThreadTime;
+use pushbelt::contact::full_slip_torque;
 use pushbelt::solver::newton::Counts;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
@@ -91,7 +92,7 @@ fn ride(mut parameters: Parameters) -> Ride {
     parameters.secondary.drive = Drive::Speed;
     parameters.initial.ratio = 2.2;
     parameters.initial.primary_speed = 0.0;
-    let friction = parameters.friction.pulley;
+    let friction = parameters.friction.clone();
     let cosine = parameters.geometry.wedge_angle.cos();
     let mut variator = Variator::new(parameters).expect("valid parameters");
     let mut inputs = Inputs::ZERO;
@@ -120,7 +121,8 @@ fn ride(mut parameters: Parameters) -> Ride {
             moving += 1;
         }
         slipping += usize::from(outputs.macro_slip);
-        let needed = (1.3 * torque.abs() * cosine / (2.0 * friction * outputs.primary.radius)).max(4e3);
+        let per_force = full_slip_torque(&friction, cosine, 1.0, outputs.primary.radius);
+        let needed = (1.3 * torque.abs() / per_force).max(4e3);
         let excess = (0.2 + integral + 3.0 * error).clamp(-1.2, 1.5);
         let from = inputs;
         inputs.primary.torque = torque;

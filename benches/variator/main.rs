@@ -23,6 +23,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use common::{LoadCase, Manoeuvre, SPEED};
 use cpu_time::ThreadTime;
+use pushbelt::contact::full_slip_torque;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::solver::{State, System};
@@ -344,8 +345,12 @@ fn steady_map(model: RingModel) -> Map {
     for i in 0..MAP_RATIOS {
         let ratio = 2.2 * (0.45_f64 / 2.2).powf(i as f64 / (MAP_RATIOS - 1) as f64);
         let (radius, _) = system.curve.radii(ratio).expect("the belt closes");
-        let capacity = 2.0 * parameters.friction.pulley * MAP_FORCE * (radius - parameters.belt.pitch_offset)
-            / parameters.geometry.wedge_angle.cos();
+        let capacity = full_slip_torque(
+            &parameters.friction,
+            parameters.geometry.wedge_angle.cos(),
+            MAP_FORCE,
+            radius - parameters.belt.pitch_offset,
+        );
         let mut neighbour: Option<State> = None;
         for k in 0..MAP_TORQUES {
             let share = 0.05 + 0.6 * k as f64 / (MAP_TORQUES - 1) as f64;

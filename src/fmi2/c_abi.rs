@@ -282,18 +282,14 @@ unsafe fn instantiate(
             return ptr::null_mut();
         }
         // Nothing is read from the resources: a location that can't be used is worth a remark, not a refusal.
-        let resources = match location.as_deref().map(resources::path).transpose() {
-            Ok(path) => path,
-            Err(remark) => {
-                if let Some(importer) = &importer {
-                    let text = format!("fmi2Instantiate: {remark}");
-                    importer.send(Status::Warning, Category::Warning, &text);
-                }
-                None
-            }
-        };
+        if let Some(Err(remark)) = location.as_deref().map(resources::path)
+            && let Some(importer) = &importer
+        {
+            let text = format!("fmi2Instantiate: {remark}");
+            importer.send(Status::Warning, Category::Warning, &text);
+        }
         let sink = importer.map(|importer| Box::new(importer) as Box<dyn Sink>);
-        Box::into_raw(Box::new(Instance::new(sink, logging_on != 0, resources))).cast()
+        Box::into_raw(Box::new(Instance::new(sink, logging_on != 0))).cast()
     })
 }
 

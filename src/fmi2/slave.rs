@@ -7,7 +7,6 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
 
 use super::log::{Category, Log, Sink, Status};
 use super::snapshot::{Snapshot, still};
@@ -53,19 +52,17 @@ pub struct Slave<U: Unit> {
     table: Table<U::Settings, U::Readings>,
     log: Log,
     debug: bool,
-    resources: Option<PathBuf>,
     now: Snapshot<U>,
 }
 
 impl<U: Unit> Slave<U> {
     /// A new instance that logs into `sink`.
     #[must_use]
-    pub fn new(sink: Option<Box<dyn Sink>>, debug: bool, resources: Option<PathBuf>) -> Self {
+    pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
         Self {
             table: U::table(),
             log: Log::new(sink, debug),
             debug,
-            resources,
             now: Snapshot::new(),
         }
     }
@@ -74,12 +71,6 @@ impl<U: Unit> Slave<U> {
     #[must_use]
     pub fn state(&self) -> State {
         self.now.state
-    }
-
-    /// The unpacked `resources` directory, if the importer named one.
-    #[must_use]
-    pub fn resources(&self) -> Option<&PathBuf> {
-        self.resources.as_ref()
     }
 
     /// `fmi2SetDebugLogging`: with no category all of them.

@@ -19,8 +19,6 @@ pub struct Settling {
 pub struct Settled {
     /// Newton solves.
     pub solves: usize,
-    /// Newton iterations over all solves.
-    pub iterations: usize,
     /// Last pseudo-time step, s.
     pub step: f64,
 }
@@ -60,7 +58,6 @@ pub fn settle<S: System>(
             return Err(report);
         }
         report.solves += 1;
-        let before = newton.counts.residuals;
         let last = report.step >= settings.last_step;
         trial.copy_from(state);
         let mut stage = Stage {
@@ -73,7 +70,6 @@ pub fn settle<S: System>(
         };
         let tolerance = if last { 1.0 } else { 100.0 };
         let outcome = newton.solve(system, &mut stage, tolerance, false);
-        report.iterations += (newton.counts.residuals - before) as usize;
         match outcome {
             Ok(iterations) => {
                 let seen = Trial {

@@ -13,6 +13,7 @@ use super::ring::{Action, CellRing};
 use crate::chain::{ChainPoint, Stack, Transport};
 use crate::contact::{FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
+use crate::ring::Ring;
 use crate::ring::kinematics::{Load, Motion, ReferenceMotion, RingPoint, embed, in_plane};
 use crate::scalar::{Lanes, Real, smooth_plus};
 use nalgebra::{SVector, Vector2};
@@ -351,6 +352,18 @@ impl<T: Real> FlankLoads<T> {
     }
 }
 
+/// Loads of both flanks of an element, per dξ.
+struct BothFlanks<T> {
+    /// Their sum.
+    loads: FlankLoads<T>,
+    /// Axial load on the movable sheave, N/m.
+    on_movable: T,
+    /// How far the element is off the middle, towards the movable sheave, m.
+    offset: T,
+    /// Lateral load on the ring along z, N/m.
+    lateral: T,
+}
+
 /// How a point of the belt stands to its pulley, and how its flanks move on the sheaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Approach<T: Real> {
@@ -415,6 +428,44 @@ impl<T: Real> Approach<T> {
         }
     }
 
+    /// Loads of the two flanks of an element whose ring moves with v_e. In the plane they are alike; in space the element may be off the
+    /// middle. `plane` is that of [`Place::plane`].
+    #[inline(always)]
+    fn both_flanks<const D: usize>(
+        &self,
+        law: &CellLaw,
+        [side, middle]: [T::Constant; 2],
+        pulley: &PulleyMotion<T>,
+        point: &RingPoint<T, D>,
+        v_e: &SVector<T, D>,
+        lambda: T,
+    ) -> BothFlanks<T> {
+        let p = &law.parameters;
+        let one = |flank: &FlankMotion<T>| {
+            let force = flank_force(&p.contact, &p.friction, law.wedge[1], flank);
+            self.loads(law, lambda, flank, &force)
+        };
+        if D == 2 {
+            let flank = one(&self.flank);
+            return BothFlanks {
+                loads: flank.plus(&flank),
+                on_movable: flank.axial,
+                offset: T::zero(),
+                lateral: T::zero(),
+            };
+        }
+        let offset = (point.r[D - 1] - T::constant(middle)) * side + pulley.z * 0.5;
+        let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
+        let movable = one(&self.flank.shifted(offset, speed, law.wedge[0]));
+        let fixed = one(&self.flank.shifted(-offset, -speed, law.wedge[0]));
+        BothFlanks {
+            loads: movable.plus(&fixed),
+            on_movable: movable.axial,
+            offset,
+            lateral: (movable.axial - fixed.axial) * side,
+        }
+    }
+
     /// Loads of a flank that moves like this under `force`.
     #[inline(always)]
     pub fn loads(&self, law: &CellLaw, lambda: T, flank: &FlankMotion<T>, force: &FlankForce<T>) -> FlankLoads<T> {
@@ -439,11 +490,22 @@ pub(super) fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
     faces[0] * (-right + 1.0) + faces[1] * right
 }
 
-/// Friction of the ring on elements per dξ, N/m, where the ring, less its own inertia, is under the tension `pressing`, N, and slides at
-/// `sliding`, m/s.
+/// Part of the ring's tension that presses it on the elements, N: less what keeps its own mass on the curve at ṡ, m/s.
+#[inline(always)]
+pub(super) fn pressing<T: Real>(ring: &Ring, tension: T, s_dot: T) -> T {
+    tension - s_dot * s_dot * ring.mass_per_length
+}
+
+/// The same where it is no pull, N.
+#[inline(always)]
+pub(super) fn ring_load<T: Real>(pressing: T) -> T {
+    smooth_plus(pressing, RING_LOAD_SMOOTHING).0
+}
+
+/// Friction of the ring on elements per dξ, N/m, under the tension `pressing`, N, where it slides at `sliding`, m/s.
 #[inline(always)]
 pub(super) fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
-    let (load, _) = smooth_plus(pressing, RING_LOAD_SMOOTHING);
+    let load = ring_load(pressing);
     let v0 = friction.velocity;
     load * kappa * friction.ring * sliding / (sliding * sliding + v0 * v0).sqrt()
 }
@@ -545,32 +607,23 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
             e_r, e_t, rho, flank, ..
         } = approach;
         let lambda = chain.lambda;
-        let one = |flank: &FlankMotion<T>| {
-            let force = flank_force(&p.contact, &p.friction, law.wedge[1], flank);
-            approach.loads(law, lambda, flank, &force)
-        };
-        // In the plane the flanks are alike. In space the element may be off the middle.
-        let [side, middle] = place.plane;
-        let mut offset = T::zero();
-        let (flanks, on_movable) = if D == 2 {
-            let flank = one(&flank);
-            (flank.plus(&flank), flank.axial)
-        } else {
-            offset = (point.r[D - 1] - T::constant(middle)) * side + pulley.z * 0.5;
-            let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
-            let movable = one(&flank.shifted(offset, speed, law.wedge[0]));
-            let fixed = one(&flank.shifted(-offset, -speed, law.wedge[0]));
-            point_load.position[D - 1] += (movable.axial - fixed.axial) * side;
-            flow += (movable.axial - fixed.axial) * side * point.slope[D - 1];
-            (movable.plus(&fixed), movable.axial)
-        };
+        let BothFlanks {
+            loads: flanks,
+            on_movable,
+            offset,
+            lateral,
+        } = approach.both_flanks(law, place.plane, pulley, point, &v_e, lambda);
+        if D > 2 {
+            point_load.position[D - 1] += lateral;
+            flow += lateral * point.slope[D - 1];
+        }
         let push_out = e_r * flanks.radial;
         let drag = e_t * flanks.around;
         point_load.position -= embed(push_out);
         flow -= push_out.dot(&in_plane(&point.slope));
         along -= drag.dot(&in_plane(&point.t));
-        let across = chain.normals.iter().zip(&chain.curvature).zip(&a_n);
-        for ((normal, curvature), acceleration) in across.take(D - 1) {
+        let normals = chain.normals.iter().zip(&chain.curvature).zip(&a_n);
+        for ((normal, curvature), acceleration) in normals.take(D - 1) {
             let inward = mass * *acceleration + push.force * *curvature - drag.dot(&in_plane(normal));
             point_load.position += normal * inward;
         }
@@ -582,7 +635,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         out.torque += flanks.torque * weight;
 
         // Ring on elements.
-        let pressing = tension - motion.reference.s_dot * motion.reference.s_dot * p.ring.mass_per_length;
+        let pressing = pressing(&p.ring, tension, motion.reference.s_dot);
         let sliding = (point.w - chain.c) * point.stretch;
         let ring_friction = ring_friction(&p.friction, pressing, point.reference.kappa, sliding);
         point_load.drift += ring_friction * point.stretch;

@@ -4,7 +4,7 @@
 //! from one to the next: contact, friction, push, flow. The others' derivatives are still good for Newton's method, which
 //! needs a direction and not a derivative. So each pack of cells remembers where it was differentiated, and what it was in.
 
-use super::cell::{CellLaw, STATIONS, Sample};
+use super::cell::{CellLaw, STATIONS, Sample, pressing, ring_load};
 use super::pack::{MOST, Unknowns};
 use crate::chain::CLOSING_SMOOTHING;
 use crate::contact::PENETRATION_SMOOTHING;
@@ -96,7 +96,7 @@ impl Look<'_> {
         // Ring on elements.
         let speed = (s.ring_sliding * s.ring_sliding + v0 * v0).sqrt();
         let side = s.ring_sliding / speed;
-        let load = (s.tension - self.ring_speed * self.ring_speed * p.ring.mass_per_length).smooth_plus(1.0)[0];
+        let load = ring_load(pressing(&p.ring, s.tension, self.ring_speed));
         figures[7] = load * s.curvature[0] * (p.friction.ring * inertia) * (-(side * side) + 1.0) / speed;
         // Convection: what passes in the time of the step.
         figures[8] = s.flow / (s.weight * self.alpha);

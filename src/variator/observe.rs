@@ -6,6 +6,7 @@ use super::layout::Global;
 use super::mesh::{Cell, P, S};
 use super::signals::{Losses, Outputs, PROFILE_POINTS, PulleyOutputs, StartState};
 use super::system::VariatorSystem;
+use crate::contact::full_slip_torque;
 use crate::solver::View;
 
 /// Belt force below which a thrust ratio or torque utilisation means nothing, N.
@@ -96,11 +97,11 @@ impl Observer {
             // No −0 where the driven shaft stands.
             (driven / driving).clamp(0.0, 1.0) + 0.0
         };
-        let friction = system.law.parameters.friction.pulley;
         out.torque_utilisation = if sums.axial[S] < NO_FORCE {
             0.0
         } else {
-            let capacity = 2.0 * friction * sums.axial[S] * radii[P] / system.law.wedge[1];
+            let friction = &system.law.parameters.friction;
+            let capacity = full_slip_torque(friction, system.law.wedge[1], sums.axial[S], radii[P]);
             if capacity > 0.0 {
                 (sums.torque[P].abs() / capacity).min(10.0)
             } else {

@@ -332,8 +332,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     #[inline(always)]
     fn ring_friction(&self, tension: Lanes, ring: &RingPoint<Lanes, D>, chain: &ChainPoint<Lanes, D>) -> [Lanes; 3] {
         let p = &self.law.parameters;
-        let s_dot = self.motion.reference.s_dot;
-        let pressing = Tangent::<2>::seed(tension - s_dot * s_dot * p.ring.mass_per_length, 0, 1.0);
+        let pressing = super::cell::pressing(&p.ring, tension, self.motion.reference.s_dot);
+        let pressing = Tangent::<2>::seed(pressing, 0, 1.0);
         let sliding = Tangent::seed((ring.w - chain.c) * ring.stretch, 1, 1.0);
         let kappa = Tangent::constant(ring.reference.kappa);
         let friction = super::cell::ring_friction(&p.friction, pressing, kappa, sliding);

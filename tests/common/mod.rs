@@ -1,6 +1,7 @@
 //! What the variator's tests share: load cases, steady solutions, fields along the belt, runs with their books.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+use pushbelt::contact;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::variator::boundary::SpeedMode;
@@ -70,9 +71,10 @@ pub fn rigid(mut parameters: Parameters) -> Parameters {
     parameters
 }
 
-/// Torque at which a pulley under axial force S slips tangentially all around, T = 2μSR/cos β, N·m.
+/// Torque at which a pulley under its axial force slips tangentially all around, N·m.
 pub fn full_slip_torque(parameters: &Parameters, pulley: &PulleyOutputs) -> f64 {
-    2.0 * parameters.friction.pulley * pulley.axial_force * pulley.radius / parameters.geometry.wedge_angle.cos()
+    let cos_beta = parameters.geometry.wedge_angle.cos();
+    contact::full_slip_torque(&parameters.friction, cos_beta, pulley.axial_force, pulley.radius)
 }
 
 /// `found` is `expected` within a relative bound.
@@ -115,12 +117,12 @@ impl LoadCase {
         let (primary, _) = system.curve.radii(ratio(theta)).expect("the belt closes");
         let radius = primary - parameters.belt.pitch_offset;
         let cos_beta = parameters.geometry.wedge_angle.cos();
-        let capacity = 2.0 * parameters.friction.pulley * radius / cos_beta;
+        let per_force = contact::full_slip_torque(&parameters.friction, cos_beta, 1.0, radius);
         Self {
             name,
             theta,
             torque,
-            clamping: (1.3 * torque / capacity).max(6000.0),
+            clamping: (1.3 * torque / per_force).max(6000.0),
         }
     }
 

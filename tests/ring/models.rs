@@ -242,9 +242,12 @@ fn running_ring_stays_round<S: Case>() {
         let observed = orders(&runs.each_ref().map(|run| run.drift), 2.0);
         assert!(observed.iter().all(|&order| order > 2.5), "{observed:?}");
         assert!(runs[2].shape < 2e-6);
+        assert!(runs[2].strain.abs() < 2e-3, "{}", runs[2].strain);
     } else {
         // Nothing moves on this mesh.
-        let errors = [10, 20, 40].map(|elements| run(elements, 0).shape);
+        let runs = [10, 20, 40].map(|elements| run(elements, 0));
+        assert!(runs[2].strain.abs() < 1e-6, "{}", runs[2].strain);
+        let errors = runs.map(|run| run.shape);
         assert!(
             errors[2] < 1e-9 && errors.windows(2).all(|e| e[1] < 0.07 * e[0] || e[1] < 1e-13),
             "{errors:?}"

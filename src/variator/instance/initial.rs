@@ -1,6 +1,7 @@
 //! The state that a run starts from: unloaded, steady, or the nearest to what was asked for that there is.
 
 use super::{Held, InitialisationError, Variator, integrator};
+use crate::contact::full_slip_torque;
 use crate::solver::State;
 use crate::solver::continuation::Settled;
 use crate::solver::newton::Newton;
@@ -185,8 +186,8 @@ impl Variator {
             Drive::Torque => inputs.primary.torque,
             Drive::Speed => -inputs.secondary.torque / p.initial.ratio,
         };
-        let radius = 0.3 * p.geometry.center_distance;
-        let capacity = 2.0 * p.friction.pulley.max(1.0e-3) * inputs.secondary.clamping_force.max(1.0) * radius;
+        let (force, radius) = (inputs.secondary.clamping_force, 0.3 * p.geometry.center_distance);
+        let capacity = full_slip_torque(&p.friction, self.system.law.wedge[1], force, radius).max(1.0e-6);
         let direction = self.state.y[self.system.layout.global(Global::Speed, P)].signum();
         0.015 * direction * (torque_share * torque / capacity).clamp(-1.0, 1.0)
     }
