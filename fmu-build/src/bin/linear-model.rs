@@ -63,6 +63,12 @@ fn run(arguments: &[String]) -> Result<Value, String> {
         _ => "1",
     };
     let mut held = model.inputs;
+    eprintln!("what holds the working point:");
+    for load in &model.loads {
+        let (name, asked) = (load.name(), *load.field(&mut chosen.inputs));
+        let found = *load.field(&mut held);
+        eprintln!("  {name} = {found:.6} {} (given: {asked})", unit_of(name));
+    }
     let inputs: Vec<Value> = model
         .loads
         .iter()
