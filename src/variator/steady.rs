@@ -148,70 +148,101 @@ fn solve_from(
     max_solves: usize,
     velocity: f64,
 ) -> Result<Settled, Settled> {
-    let layout = system.layout;
-    let theta_index = layout.global(Global::Theta, 0);
-    let reaction = task.reaction;
-    let mut clamping = task.clamping;
-    if task.warm {
-        let axial = system.surveyed(state.view()).sums.axial[reaction];
-        clamping[reaction] = system.holding_force(reaction, state.view(), axial);
-    }
-    let mut theta = state.q[theta_index];
-    // Until the belt grips, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to the
-    // branch where a pulley slips for ever.
-    let free = [S, P].into_iter().find(|&j| task.speed[j] != SpeedMode::Fixed);
-    let mut gripping = free.is_none() || task.warm;
-    if let (Some(j), false) = (free, task.warm) {
-        let i = layout.global(Global::Speed, j);
-        state.y[i] *= 1.0 - task.slip * if j == S { 1.0 } else { -1.0 };
-    }
-    let boundary = |clamping: [f64; 2], theta: f64, gripping: bool| {
-        let mut sheave = clamping.map(SheaveMode::Force);
-        sheave[reaction] = SheaveMode::Ratio {
-            theta,
-            force: clamping[reaction],
-        };
-        Boundary {
-            sheave,
-            speed: if gripping { task.speed } else { [SpeedMode::Fixed; 2] },
-        }
-    };
-    system.boundary = boundary(clamping, theta, gripping);
+    let mut control = Control::new(system, state, task);
+    system.boundary = control.boundary();
     let settings = Settling {
         first_step: if task.warm { WARM_STEP } else { COLD_STEP },
         last_step: LAST_STEP,
         max_solves,
     };
-    let sharp = system.law.parameters.friction.velocity;
     system.law.parameters.friction.velocity = velocity;
     system.inertia_factor = PSEUDO_INERTIA;
-    let judge = |system: &mut VariatorSystem, trial: &Trial<'_>| {
+    let outcome = settle(system, newton, state, &settings, |system, trial| {
+        control.judge(system, trial)
+    });
+    system.law.parameters.friction.velocity = control.sharp;
+    system.inertia_factor = 1.0;
+    outcome
+}
+
+/// What is moved on the way to a steady state: the reaction, the set point of Θ, the grip of the shafts, the softness of friction.
+struct Control<'a> {
+    task: &'a SteadyTask,
+    /// Clamping forces; the reaction's follows the force that holds the sheave, N.
+    clamping: [f64; 2],
+    /// Set point of Θ.
+    theta: f64,
+    /// Until the belt grips, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to the
+    /// branch where a pulley slips for ever.
+    gripping: bool,
+    /// The friction velocity to end with, m/s.
+    sharp: f64,
+}
+
+impl<'a> Control<'a> {
+    /// At the state to start from, which gets the first guess of the slip where a shaft's speed is solved for.
+    fn new(system: &VariatorSystem, state: &mut State, task: &'a SteadyTask) -> Self {
+        let mut clamping = task.clamping;
+        if task.warm {
+            let axial = system.surveyed(state.view()).sums.axial[task.reaction];
+            clamping[task.reaction] = system.holding_force(task.reaction, state.view(), axial);
+        }
+        let free = [S, P].into_iter().find(|&j| task.speed[j] != SpeedMode::Fixed);
+        if let (Some(j), false) = (free, task.warm) {
+            let i = system.layout.global(Global::Speed, j);
+            state.y[i] *= 1.0 - task.slip * if j == S { 1.0 } else { -1.0 };
+        }
+        Self {
+            task,
+            clamping,
+            theta: state.q[system.layout.global(Global::Theta, 0)],
+            gripping: free.is_none() || task.warm,
+            sharp: system.law.parameters.friction.velocity,
+        }
+    }
+
+    fn boundary(&self) -> Boundary {
+        let reaction = self.task.reaction;
+        let mut sheave = self.clamping.map(SheaveMode::Force);
+        sheave[reaction] = SheaveMode::Ratio {
+            theta: self.theta,
+            force: self.clamping[reaction],
+        };
+        Boundary {
+            sheave,
+            speed: if self.gripping {
+                self.task.speed
+            } else {
+                [SpeedMode::Fixed; 2]
+            },
+        }
+    }
+
+    /// Corrects the system after a solved step and says how long the next one may be; none refuses the step.
+    fn judge(&mut self, system: &mut VariatorSystem, trial: &Trial<'_>) -> Option<f64> {
         if leaps(system, trial) {
             return None;
         }
         // Slower than the belt settles, or the two integrators would swing up against it.
         let gain = |time: f64| (trial.step / time).min(1.0);
+        let reaction = self.task.reaction;
         let holding = system.holding_force(reaction, trial.after, system.belt_load(reaction).0);
-        clamping[reaction] += (holding - clamping[reaction]) * gain(FORCE_TIME);
+        self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
         let present = geometric_ratio(system, trial.after);
-        theta += (ratio_of_theta(task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
+        self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
-        let was_gripping = gripping;
-        gripping |= soft;
-        system.boundary = boundary(clamping, theta, gripping);
+        let was_gripping = self.gripping;
+        self.gripping |= soft;
+        system.boundary = self.boundary();
         let velocity = &mut system.law.parameters.friction.velocity;
-        if *velocity <= sharp {
+        if *velocity <= self.sharp {
             return Some(LAST_STEP);
         }
         if soft && was_gripping {
-            *velocity = (*velocity * SHARPENING).max(sharp);
+            *velocity = (*velocity * SHARPENING).max(self.sharp);
         }
         Some(SOFT_STEP)
-    };
-    let outcome = settle(system, newton, state, &settings, judge);
-    system.law.parameters.friction.velocity = sharp;
-    system.inertia_factor = 1.0;
-    outcome
+    }
 }
 
 /// Whether a pseudo-time step changes speeds or Θ by more than leads to the same branch.
