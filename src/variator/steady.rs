@@ -66,8 +66,9 @@ const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
 const EQUILIBRIUM_ITERATIONS: usize = 150;
 /// Most Newton solves for one state on the way.
 const EQUILIBRIUM_SOLVES: usize = 200;
-/// Largest change of ln(ratio) between two states on the way. Where that is too large, the way goes on in small changes, for
-/// which friction stays sharp.
+/// Largest change of ln(ratio) between two states on the way: solved for anew, which takes as long from near as from far; from the last
+/// one; in small changes, for which friction stays sharp. Each where the one before finds no state.
+const COLD_RATIO_STEP: f64 = 0.5;
 const LARGEST_RATIO_STEP: f64 = 0.05;
 const SMALL_RATIO_STEP: f64 = 0.8 * SHARP_WAY;
 /// Times in which the reaction force and the set point of Θ are corrected, s.
@@ -277,6 +278,21 @@ fn rest_at_stop(
     })
 }
 
+/// The kinematic state at a task's ratio with the speeds of `state`; `state` itself where the belt doesn't close there.
+fn cold_at(system: &VariatorSystem, state: &State, task: &SteadyTask) -> State {
+    let speed = |j: usize| system.layout.global(Global::Speed, j);
+    let start = Start {
+        ratio: task.ratio,
+        primary_speed: state.y[speed(P)],
+        clamping: task.clamping,
+    };
+    let mut cold = kinematic_state(system, &start).unwrap_or_else(|_| state.clone());
+    if task.speed[S] == SpeedMode::Fixed {
+        cold.y[speed(S)] = state.y[speed(S)];
+    }
+    cold
+}
+
 /// Where the clamping forces balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equilibrium {
@@ -320,7 +336,7 @@ pub fn solve_equilibrium(
     let mut f = defect(system, state);
     // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
     let mut slope = if reaction == P { 0.5 } else { -0.5 };
-    let mut longest = LARGEST_RATIO_STEP;
+    let mut longest = COLD_RATIO_STEP;
     let mut near = state.clone();
     for _ in 0..EQUILIBRIUM_ITERATIONS {
         if f.abs() < EQUILIBRIUM_TOLERANCE {
@@ -332,16 +348,22 @@ pub fn solve_equilibrium(
             rest_at_stop(system, newton, state, task)?;
             return Ok(Equilibrium::at(system, state.view()));
         }
-        let warm = SteadyTask {
+        let there = SteadyTask {
             ratio: next.exp(),
-            warm: true,
+            warm: (next - x).abs() <= LARGEST_RATIO_STEP,
             ..*task
         };
-        if let Err(report) = solve(system, newton, state, &warm, EQUILIBRIUM_SOLVES) {
-            if longest <= SMALL_RATIO_STEP {
+        if !there.warm {
+            *state = cold_at(system, state, &there);
+        }
+        if let Err(report) = solve(system, newton, state, &there, EQUILIBRIUM_SOLVES) {
+            longest = if longest > LARGEST_RATIO_STEP {
+                LARGEST_RATIO_STEP
+            } else if longest > SMALL_RATIO_STEP {
+                SMALL_RATIO_STEP
+            } else {
                 return Err(report);
-            }
-            longest = SMALL_RATIO_STEP;
+            };
             state.clone_from(&near);
             continue;
         }
