@@ -383,11 +383,8 @@ def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
 # With the FMU
 
 
-@pytest.mark.parametrize(
-    ("program", "last"),
-    [("controller", "ratio 0.8"), ("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`")],
-)
-def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
+def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
+    """Lines that a program of `examples/drivetrain` prints."""
     (tmp_path / "target").mkdir()
     shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
     ran = subprocess.run(
@@ -400,7 +397,21 @@ def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> Non
         check=False,
     )
     assert ran.returncode == 0, ran.stderr
-    assert last in ran.stdout.splitlines()[-1]
+    return ran.stdout.splitlines()
+
+
+@pytest.mark.parametrize(("program", "last"), [("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`")])
+def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
+    assert last in printed(fmu, tmp_path, program)[-1]
+
+
+def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
+    *states, end = printed(fmu, tmp_path, "controller")
+    ratios = [float(line.split("ratio.geometric ")[1].split()[0]) for line in states]
+    ratios.append(float(end.split()[1].rstrip(",")))
+    assert end.endswith("target 0.8")
+    assert ratios[0] == pytest.approx(1.6, rel=1e-3)
+    assert ratios[2:] == pytest.approx([0.8] * len(ratios[2:]), rel=0.05)
 
 
 @pytest.fixture(scope="module")
