@@ -368,6 +368,14 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
     assert target == pytest.approx(transmission.RATIO_LIMITS[0])
 
 
+def test_strategies_are_known_by_name() -> None:
+    kinds = {"safety": SafetyFactor, "slip": SlipControl}
+    for name, kind in kinds.items():
+        assert isinstance(transmission.strategy_of(name, FRICTION, MAP, 0.2), kind)
+    with pytest.raises(ValueError, match="'Slip' is no clamping strategy: safety or slip"):
+        transmission.strategy_of("Slip", FRICTION, MAP, 0.2)
+
+
 # Documentation
 
 
