@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from pushbelt_demo.data import parameter_set
+from pushbelt_demo.data import parameter_set, slip_torque
 from pushbelt_demo.geometry import Array
 from pushbelt_demo.results import Profile, SteadyState
 from pushbelt_demo.unit import RING_MODELS, Archive, UnitError, Variator
@@ -197,8 +197,10 @@ def run(
             acting, closing = earlier if setup.parallel else (given, clamped)
 
             table[k] = list(state.values())
-            capacity = max(2.0 * friction.coefficient * state["secondary.axialForce"] * state["primary.radius"], 1e-3)
-            utilisation = -state["primary.shaftTorque"] * math.cos(friction.wedge_angle) / capacity
+            capacity = slip_torque(
+                friction.coefficient, friction.wedge_angle, state["secondary.axialForce"], state["primary.radius"]
+            )
+            utilisation = -state["primary.shaftTorque"] / max(capacity, 1e-3)
             for name, value in _added(given, clamped, macro_slip, utilisation).items():
                 added[name][k] = value
             if k in kept:
