@@ -65,7 +65,7 @@ def drive(run: Run) -> str:
             for start, stop in intervals(run.time, run["macroSlip"], gap=0.2):
                 axes.axvspan(start, stop + STEP, color=RED, alpha=0.25, linewidth=0)
             if axes.get_legend_handles_labels()[0]:
-                axes.legend(loc="upper right", ncols=3)
+                axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.0)
         rows[0].set_xlim(run.time[0], run.time[-1])
     return svg(figure)
 
