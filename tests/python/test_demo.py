@@ -241,7 +241,7 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     verdicts = re.findall(r'class="(?:tick|cross)">(.)</span></td><td class="text">([^<]*)', section)
     assert len(verdicts) == 10
     red = {statement for mark, statement in verdicts if mark == "✗"}
-    # The sheaves yield more than the first takes for usual; most events come after the first second.
+    # The sheaves are softer than the first assumes; most events come after the first second.
     assert red <= {"Spiral running lies between 0.05 and 0.5 mm on both pulleys", "Every event of the manoeuvre occurs"}
     assert report.count("data:image/svg+xml;base64,") == 4
     with (tmp_path / "results.csv").open(encoding="utf-8", newline="") as file:
