@@ -18,7 +18,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
-from pushbelt_demo.unit import Archive, Variator  # noqa: E402
+from pushbelt_demo.unit import Archive, UnitError, Variator  # noqa: E402
 from pushbelt_drive import __main__, report, simulate, thrust_map, transmission  # noqa: E402
 from pushbelt_drive.car import Powertrain, demo_car  # noqa: E402
 from pushbelt_drive.control import (  # noqa: E402
@@ -443,6 +443,15 @@ def archive(fmu: Path) -> Iterator[Archive]:
     unpacked = Archive.unpack(fmu)
     yield unpacked
     unpacked.remove()
+
+
+def test_a_freed_instance_is_not_called(archive: Archive) -> None:
+    with Variator(archive, {}) as unit:
+        unit.initialise()
+        assert unit.not_steady is None
+    for call in (lambda: unit.not_steady, unit.outputs, lambda: unit.step_to(0.1)):
+        with pytest.raises(UnitError, match="freed already"):
+            call()
 
 
 PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
