@@ -25,6 +25,8 @@ SPEEDS, FORCE = (140.0, 210.0, 280.0), 9e3
 """Of the primary pulley, rad/s; secondary clamping force, N."""
 STEP, DURATION = simulate.STEP, 4.0
 INPUTS = ("primary.clampingForce", "secondary.clampingForce", "primary.torque")
+NO_MODEL = "this is no steady working point", "no mode is slower"
+"""What `cargo fmu linearize` says of points that have no linear model."""
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip", "primary.radius")
 CAR = demo_car()
 PARAMETERS = simulate.unit_parameters(CAR, "ALE", "default" if "default" in sys.argv[1:] else "coarse")
@@ -57,14 +59,21 @@ class Belt:
 
 
 def linear_model(ratio: float, torque: float, speed: float) -> dict | None:
-    """What `cargo fmu linearize` finds, if it finds a working point."""
+    """What `cargo fmu linearize` finds; none where there is no steady working point or no mode as slow as that.
+
+    Raises RuntimeError if it fails for another reason.
+    """
     settings = {**PARAMETERS, "initial.ratio": ratio, "initial.primarySpeed": speed, "primary.torque": torque}
     settings |= {"secondary.torque": -torque * ratio, "secondary.clampingForce": FORCE}
     words = [f"{name}={value:.15g}" for name, value in settings.items()]
     path = Path("target/linear-model.json")
     command = ["cargo", "fmu", "linearize", "--frequency", "100", "--output", str(path), *words]
     ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    return json.loads(path.read_text(encoding="utf-8")) if ran.returncode == 0 else None
+    if ran.returncode == 0:
+        return json.loads(path.read_text(encoding="utf-8"))
+    if any(reason in ran.stderr for reason in NO_MODEL):
+        return None
+    raise RuntimeError(f"{' '.join(command)} failed:\n{ran.stderr}")
 
 
 def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: float) -> float:
@@ -110,7 +119,7 @@ def main() -> None:
     """Prints the growth rates."""
     table = ThrustMap.read(Path("target/drive/thrust-ratio-map-ALE.csv"))
     if table is None:
-        raise SystemExit("run `cargo fmu drive --short -- --ring ALE` first: it leaves the thrust-ratio map")
+        raise SystemExit("run `cargo fmu drive --short` first: it leaves the thrust-ratio map")
     print("| ratio | utilisation | primary speed rad/s | forces held | pressures at 50 ms | at 12.5 ms |")
     print("|---" * 6 + "|")
     for ratio, utilisation in POINTS:

@@ -1,4 +1,4 @@
-"""Runs the demo: `python -m pushbelt_demo --fmu target/PushbeltVariator.fmu --output target/demo`."""
+"""Runs the demo: `python -m pushbelt_demo --fmu target/PushbeltVariator.fmu --output target/demo [--short]`."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="pushbelt_demo", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html, results.csv and cases.csv")
+    parser.add_argument("--short", action="store_true", help="three load cases, and 1 s of the manoeuvre")
     options = parser.parse_args(arguments)
     begin = time.perf_counter()
     try:
-        results = simulate.run_all(options.fmu)
+        results = simulate.run_all(options.fmu, simulate.SHORT if options.short else simulate.FULL)
     except (UnitError, NotFoundError) as error:
         print(f"The simulation failed: {error}", file=sys.stderr)
         return 1

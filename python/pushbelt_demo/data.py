@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,9 +39,14 @@ def curve_at(parameters: Mapping[str, float], state: SteadyState) -> TwoPulleyCu
     return curve_of(parameters, state["reference.theta"])
 
 
+def slip_torque(friction: float, wedge_angle: float, force: float, pitch_radius: float) -> float:
+    """Torque at which a belt slips through on a pulley, 2 μ F r/cosβ, N·m; angle β in rad, axial force in N, radius in m."""
+    return 2.0 * friction * force * pitch_radius / math.cos(wedge_angle)
+
+
 def clamping_force(torque: float, friction: float, wedge_angle: float, pitch_radius: float) -> float:
     """Secondary clamping force, N, with a safety of 1.3 against slip on P: 1.3 T_P cosβ/(2 μ r_P), at least 6 kN."""
-    return max(1.3 * torque * np.cos(wedge_angle) / (2.0 * friction * pitch_radius), 6000.0)
+    return max(1.3 * torque / slip_torque(friction, wedge_angle, 1.0, pitch_radius), 6000.0)
 
 
 def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
@@ -49,7 +55,7 @@ def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float)
     The pitch radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N.
     """
     pitch_radius = curve_of(parameters, theta_of(ratio)).primary_radius - parameters["belt.pitchOffset"]
-    return 2.0 * parameters["friction.pulley"] * force * pitch_radius / np.cos(parameters["geometry.wedgeAngle"])
+    return slip_torque(parameters["friction.pulley"], parameters["geometry.wedgeAngle"], force, pitch_radius)
 
 
 def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:

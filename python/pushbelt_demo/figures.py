@@ -27,6 +27,9 @@ BLUE, ORANGE, GREEN, RED, VIOLET = "#1f6fb2", "#d9772b", "#2f8f6b", "#c4423f", "
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 PUSH_COLOURS = LinearSegmentedColormap.from_list("push", ["#c9d3dd", "#7fb0d6", "#2f6fb0", "#6a2f8f", "#c4423f"])
 
+STANDSTILL = 1.0
+"""Below this secondary speed quotients of speeds say nothing, rad/s."""
+
 STYLE = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
@@ -163,7 +166,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> str:
         speed.plot(time, trace["secondary.speed"], color=ORANGE, label="S")
         speed.set_title("Speeds (rad/s)")
 
-        moving = np.abs(trace["secondary.speed"]) > 1.0
+        moving = np.abs(trace["secondary.speed"]) > STANDSTILL
         ratio.plot(time, trace["ratio.geometric"], color=GREEN, label="geometric, $r_S/r_P$")
         ratio.plot(
             time,
@@ -176,10 +179,11 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> str:
         ratio.set_ylim(0.0, 1.25 * trace["ratio.geometric"].max())
         ratio.set_title("Ratio")
 
-        slip.plot(time, 100 * trace["slip"], color=RED)
+        slip.plot(time, np.where(moving, 100 * trace["slip"], np.nan), color=RED)
         slip.set_yscale("symlog", linthresh=3, linscale=1.5)
         slip.set_yticks([-100, -10, -3, 0, 1, 2, 3, 10, 100], ["−100", "−10", "−3", "0", "1", "2", "3", "10", "100"])
-        slip.set_ylim(min(-1.0, 1.3 * 100 * trace["slip"].min()), max(5.0, 1.5 * 100 * trace["slip"].max()))
+        shown = 100 * trace["slip"][moving]
+        slip.set_ylim(min(-1.0, 1.3 * shown.min(initial=0.0)), max(5.0, 1.5 * shown.max(initial=0.0)))
         slip.set_title("Slip (%), linear to 3 %, logarithmic beyond")
 
         parts = (

@@ -125,6 +125,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "checks": checks.evaluate(results),
         "manoeuvre": results.manoeuvre,
         "duration": float(trace.time[-1]),
+        "standstill": figures.STANDSTILL,
         "start_values": START_VALUES,
         "residual": float(np.abs(trace["energy.residual"]).max()),
         "residual_share": float((np.abs(trace["energy.residual"]) / bound).max()),

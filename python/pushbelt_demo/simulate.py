@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from . import load_cases, manoeuvre, reference_case
@@ -14,6 +15,20 @@ from .unit import Archive
 
 VARIATOR = "bench168"
 """Parameter set of the load cases and the manoeuvre."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How much is run."""
+
+    torques: tuple[float, ...] | None = None
+    """Torques of the load cases, N·m; None for all."""
+    duration: float | None = None
+    """Of the manoeuvre, s; None for all of it."""
+
+
+FULL = Plan()
+SHORT = Plan(torques=(100.0,), duration=1.0)
 
 
 def _run_manoeuvre(archive: Archive, duration: float) -> ManoeuvreResult:
@@ -45,19 +60,19 @@ _CASE_TICKS = 5
 _MANOEUVRE_TICKS = 100
 
 
-def run_all(fmu: Path) -> DemoResults:
-    """Runs everything with an FMU."""
+def run_all(fmu: Path, plan: Plan = FULL) -> DemoResults:
+    """Runs a plan with an FMU."""
     archive = Archive.unpack(fmu)
     try:
-        return _run_all(archive)
+        return _run_all(archive, plan)
     finally:
         archive.remove()
 
 
-def _run_all(archive: Archive) -> DemoResults:
+def _run_all(archive: Archive, plan: Plan) -> DemoResults:
     parameters = parameter_set(VARIATOR)
-    cases = all_load_cases(parameters)
-    duration = float(manoeuvre_inputs().time[-1])
+    cases = [case for case in all_load_cases(parameters) if plan.torques is None or case.torque in plan.torques]
+    duration = float(manoeuvre_inputs().time[-1]) if plan.duration is None else plan.duration
     run, reference, *states = run_side_by_side(
         [
             # The manoeuvre takes longest and can't be divided: it starts first.

@@ -76,6 +76,7 @@ class Variator:
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.warnings: list[str] = []
         self.time = 0.0
+        self._freed = False
         self._errors: list[str] = []
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._hear)
@@ -202,6 +203,9 @@ class Variator:
         return Profile(**fields)
 
     def _call(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
+        # The library would read memory that is no longer its own.
+        if self._freed:
+            raise UnitError("the instance is freed already")
         self._errors.clear()
         try:
             return function(*arguments, **keywords)
@@ -218,6 +222,7 @@ class Variator:
     def free(self) -> None:
         """Frees the instance; it can't be used any more."""
         self._slave.freeInstance()
+        self._freed = True
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:

@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+from pushbelt_demo.data import slip_torque
+
 from .piecewise import clip
 from .thrust_map import ThrustMap
 
@@ -19,7 +21,7 @@ def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_an
 
     Torque in N·m, pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more.
     """
-    return safety * abs(torque) * math.cos(wedge_angle) / (2.0 * friction * pitch_radius)
+    return safety * abs(torque) / slip_torque(friction, wedge_angle, 1.0, pitch_radius)
 
 
 @dataclass(frozen=True)

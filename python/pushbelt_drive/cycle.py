@@ -23,6 +23,8 @@ class Cycle:
     """s, shape (n,), ascending."""
     speed: Array
     """m/s, shape (n,), at least 0."""
+    start: float = 0.0
+    """Where it starts in the cycle that it is a section of, s."""
 
     @property
     def duration(self) -> float:
@@ -53,7 +55,7 @@ class Cycle:
             raise ValueError(f"the car moves at {start:g} s: a section starts at standstill")
         inside = (self.time > start) & (self.time < stop)
         time = np.concatenate([[start], self.time[inside], [stop]])
-        return Cycle(time - start, np.interp(time, self.time, self.speed))
+        return Cycle(time - start, np.interp(time, self.time, self.speed), self.start + start)
 
 
 def wltc_class_3b() -> Cycle:

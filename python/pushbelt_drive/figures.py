@@ -12,6 +12,7 @@ from .hydraulics import PressureCircuit
 from .simulate import STEP, Run
 from .thrust_map import ThrustMap
 
+TIME = "time in the cycle (s)"
 MOST_POINTS = 3000
 """More would not be seen in a figure."""
 
@@ -59,12 +60,12 @@ def drive(run: Run) -> str:
         for part, colour in (("sheaves", BLUE), ("ring", ORANGE), ("other", MUTED)):
             loss.plot(time, run[f"loss.{part}"][some], color=colour, linewidth=0.9, label=part)
         loss.set_title("Loss of the variator (W)")
-        loss.set_xlabel("time (s)")
+        loss.set_xlabel(TIME)
         for axes in rows:
             for start, stop in intervals(run.time, run["macroSlip"], gap=0.2):
                 axes.axvspan(start, stop + STEP, color=RED, alpha=0.25, linewidth=0)
             if axes.get_legend_handles_labels()[0]:
-                axes.legend(loc="upper right", ncols=3)
+                axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.0)
         rows[0].set_xlim(run.time[0], run.time[-1])
     return svg(figure)
 
@@ -87,7 +88,7 @@ def savings(fixed: Run, slip: Run) -> str:
                 linewidth=1.4,
                 label=run.setup.name,
             )
-        loss.set(title="Variator loss, added up (kJ)", xlabel="time (s)")
+        loss.set(title="Variator loss, added up (kJ)", xlabel=TIME)
         loss.legend(loc="upper left")
         share.set(title="Time (s) at a torque utilisation, above 1 kW", xlabel="torque utilisation")
         share.legend(loc="upper left")
@@ -135,7 +136,7 @@ def low_friction(fixed: Run, slip: Run) -> str:
         force.set_title("Secondary clamping force (kN)")
         loss.set_title("Variator loss, added up (kJ)")
         for axes in rows:
-            axes.set_xlabel("time (s)")
+            axes.set_xlabel(TIME)
         slipping.legend(loc="upper left")
     return svg(figure)
 

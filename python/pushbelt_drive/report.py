@@ -48,7 +48,7 @@ def balance_gap(run: Run) -> float:
 
 
 def write_trace(run: Run, path: Path) -> None:
-    """Writes a run over time, one row every 0.1 s; SI units, FMU variables by their names."""
+    """Writes a run over the cycle's time, one row every 0.1 s; SI units, FMU variables by their names."""
     every = round(CSV_STEP / STEP)
     table = np.column_stack([run.time, *run.columns.values()])[::every]
     page.write_table(path, ["time", *run.columns], table.tolist(), digits=7)
@@ -65,7 +65,7 @@ def context(results: Results) -> dict[str, Any]:
     fixed, slip = results.fixed, results.slip
     pitch = parameters["belt.pitchOffset"]
     belts = [
-        (moment + results.plan.cycle[0], state, image(belt_picture(state, curve_at(parameters, state), pitch)))
+        (moment, state, image(belt_picture(state, curve_at(parameters, state), pitch)))
         for moment, state in sorted(slip.snapshots.items())
     ]
     return {

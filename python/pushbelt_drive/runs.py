@@ -47,7 +47,7 @@ class Plan:
         start, stop = self.cycle
         cycle = whole.section(start, stop)
         slippery = whole.section(*self.low_friction)
-        moments = tuple(moment - start for moment in self.snapshots if start < moment < stop)
+        moments = tuple(moment for moment in self.snapshots if start < moment < stop)
         return (
             Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
             Setup("slip control", "slip", cycle, self.ring, "coarse", moments),

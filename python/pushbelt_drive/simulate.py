@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from pushbelt_demo.data import parameter_set
+from pushbelt_demo.data import parameter_set, slip_torque
 from pushbelt_demo.geometry import Array
 from pushbelt_demo.results import Profile, SteadyState
 from pushbelt_demo.unit import RING_MODELS, Archive, UnitError, Variator
@@ -87,7 +87,7 @@ class Setup:
     ring: str = "ALE"
     mesh: str = "coarse"
     snapshots: tuple[float, ...] = ()
-    """Times at which the fields along the belt are kept, s."""
+    """Times of the whole cycle at which the fields along the belt are kept, s."""
     friction: float = 1.0
     """Friction of the belt as a share of what the controllers believe."""
     step: float = STEP
@@ -104,10 +104,11 @@ class Run:
 
     setup: Setup
     time: Array
-    """s, shape (n,)."""
+    """Of the whole cycle, s, shape (n,)."""
     columns: Mapping[str, Array]
     """By name, each of shape (n,), SI units."""
     snapshots: Mapping[float, SteadyState]
+    """By time of the whole cycle, s."""
     interventions: int
     processor_time: float
     """That it took, s."""
@@ -167,7 +168,7 @@ def run(
     step, count = setup.step, round(setup.cycle.duration / setup.step)
     table = np.empty((count, len(READ)))
     added = {name: np.zeros(count) for name in ADDED}
-    kept = {round(moment / step): moment for moment in setup.snapshots}
+    kept = {round((moment - setup.cycle.start) / step): moment for moment in setup.snapshots}
     snapshots: dict[float, SteadyState] = {}
     begin = clock.process_time()
     start = {**parameters, **at_rest(), "friction.pulley": setup.friction * friction.coefficient}
@@ -197,8 +198,10 @@ def run(
             acting, closing = earlier if setup.parallel else (given, clamped)
 
             table[k] = list(state.values())
-            capacity = max(2.0 * friction.coefficient * state["secondary.axialForce"] * state["primary.radius"], 1e-3)
-            utilisation = -state["primary.shaftTorque"] * math.cos(friction.wedge_angle) / capacity
+            capacity = slip_torque(
+                friction.coefficient, friction.wedge_angle, state["secondary.axialForce"], state["primary.radius"]
+            )
+            utilisation = -state["primary.shaftTorque"] / max(capacity, 1e-3)
             for name, value in _added(given, clamped, macro_slip, utilisation).items():
                 added[name][k] = value
             if k in kept:
@@ -212,12 +215,12 @@ def run(
             try:
                 unit.step_to((k + 1) * step)
             except UnitError as error:
-                raise UnitError(f"{setup.name}, from {time:.2f} s on: {error}") from error
+                raise UnitError(f"{setup.name}, from {setup.cycle.start + time:.2f} s on: {error}") from error
             progress(step)
         messages = tuple(unit.warnings)
     return Run(
         setup=setup,
-        time=np.arange(count) * step,
+        time=setup.cycle.start + np.arange(count) * step,
         columns={**{name: table[:, k] for k, name in enumerate(READ)}, **added},
         snapshots=snapshots,
         interventions=control.interventions,

@@ -38,10 +38,17 @@ def ratio_target(engine_speed: float, secondary_speed: float, before: float, ste
 
 
 def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: float) -> ClampingStrategy:
-    """A clamping strategy: `safety` for the fixed safety factor, `slip` for slip control; the engine's inertia in kg·m²."""
-    if name == "slip":
-        return SlipControl(friction, thrust_map, flywheel)
-    return SafetyFactor(friction)
+    """A clamping strategy: `safety` for the fixed safety factor, `slip` for slip control; the engine's inertia in kg·m².
+
+    Raises ValueError for any other name.
+    """
+    strategies = {
+        "safety": lambda: SafetyFactor(friction),
+        "slip": lambda: SlipControl(friction, thrust_map, flywheel),
+    }
+    if name not in strategies:
+        raise ValueError(f"{name!r} is no clamping strategy: {' or '.join(strategies)}")
+    return strategies[name]()
 
 
 class TransmissionControl:

@@ -147,11 +147,12 @@ class Runner:
         self.progress((moment - before) / self.revolution)
         return spent
 
-    def look(self) -> tuple[Window, Variator]:
-        """Runs, and samples the end of the run. The instance that is returned is freed already."""
+    def look(self) -> tuple[Window, bool, tuple[str, ...]]:
+        """Runs, and samples the end of the run; also whether it started from a steady state, and the FMU's warnings."""
         unit, _ = self._started()
         effort = self.effort
         with unit:
+            steady = unit.not_steady is None
             start = effort.settling * self.revolution
             for moment in _moments(start):
                 self._step(unit, moment)
@@ -171,7 +172,7 @@ class Runner:
             table = np.array(rows)
             columns = {name: table[:, k] for k, name in enumerate(outputs.names)} | {"macroSlip": np.array(macro)}
             window = Window(Trace(times - start, columns), np.array(push), np.array(radial), profile.position)
-        return window, unit
+        return window, steady, tuple(unit.warnings)
 
     def clock(self, wavy: bool) -> tuple[float, float]:
         """Processor times of one run: of all its steps, and from parameters to the first step, s."""
@@ -192,7 +193,7 @@ class Runner:
 
     def run(self, wavy: bool) -> CaseRun:
         """Everything about this case and model."""
-        window, unit = self.look()
+        window, steady, warnings = self.look()
         return CaseRun(
             self.model,
             self.case,
@@ -201,8 +202,8 @@ class Runner:
             self.times(False),
             self.times(True) if wavy else None,
             bool(window.trace["macroSlip"].any()),
-            unit.not_steady is None,
-            tuple(unit.warnings),
+            steady,
+            warnings,
         )
 
 

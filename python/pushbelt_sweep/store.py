@@ -86,12 +86,15 @@ class Store:
         return sorted(self.folder.glob("points-*.parquet"))
 
     def rows(self) -> list[Row]:
-        """All that is kept, each point once. A file that can't be read is removed: its points come again."""
+        """All that is kept, each point once. A file that is no Parquet is removed: its points come again.
+
+        Raises OSError where the disk fails: what is there may be whole.
+        """
         found: dict[int, Row] = {}
         for path in self._files():
             try:
                 part = pq.read_table(path)
-            except (pa.ArrowInvalid, OSError):
+            except pa.ArrowInvalid:
                 path.unlink()
                 continue
             found |= {row["point"]: row for row in part.to_pylist()}

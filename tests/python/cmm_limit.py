@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 import os
-import shutil
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -20,75 +19,39 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import cmm
-import fmpy
-from fmpy.fmi2 import FMU2Slave
 
-FMU = Path(os.environ.get("PUSHBELT_FMU", Path(__file__).parents[2] / "target" / "PushbeltVariator.fmu"))
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "python"))
 
-Value = float | int | bool
-TORQUE, SPEED = 1, 2
-FORCE, HELD = 1, 2
+from pushbelt_demo.data import clamping_force  # noqa: E402
+from pushbelt_demo.unit import CLAMPED, HELD, SPEED_DRIVE, TORQUE_DRIVE, Archive, Variator  # noqa: E402
 
 
 class Unit:
-    """The unpacked FMU: finds variables by name, starts one instance after another."""
+    """The unpacked FMU: start values by name, and one steady start after another."""
 
-    def __init__(self, path: Path = FMU) -> None:
-        self.description = fmpy.read_model_description(str(path))
-        self.folder = fmpy.extract(str(path))
-        self.variables = {v.name: v for v in self.description.modelVariables}
-        self._count = 0
-
-    def close(self) -> None:
-        shutil.rmtree(self.folder, ignore_errors=True)
+    def __init__(self, path: Path) -> None:
+        self.archive = Archive.unpack(path)
+        self.variables = {v.name: v for v in self.archive.description.modelVariables}
+        self._reals = [v.name for v in self.variables.values() if v.type == "Real" and v.causality in ("output", "local")]
 
     def start(self, name: str) -> float:
         return float(self.variables[name].start)
 
-    def _set(self, slave: FMU2Slave, values: Mapping[str, Value]) -> None:
-        for name, value in values.items():
-            variable = self.variables[name]
-            reference = [variable.valueReference]
-            if variable.type == "Real":
-                slave.setReal(reference, [float(value)])
-            elif variable.type == "Boolean":
-                slave.setBoolean(reference, [bool(value)])
-            else:
-                slave.setInteger(reference, [int(value)])
-
-    def steady(self, values: Mapping[str, Value], advance: float = 0.0) -> dict[str, float]:
-        """All real outputs of the steady start, after `advance` seconds if any."""
-        self._count += 1
-        slave = FMU2Slave(
-            guid=self.description.guid,
-            unzipDirectory=self.folder,
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName=f"case{self._count}",
-        )
-        slave.instantiate()
-        try:
-            inputs = {n: v for n, v in values.items() if self.variables[n].causality == "input"}
-            slave.setupExperiment(startTime=0.0)
-            self._set(slave, {n: v for n, v in values.items() if n not in inputs})
-            slave.enterInitializationMode()
-            self._set(slave, inputs)
-            slave.exitInitializationMode()
-            if advance > 0.0:
-                slave.doStep(currentCommunicationPoint=0.0, communicationStepSize=advance)
-            reals = [v for v in self.description.modelVariables if v.type == "Real" and v.causality in ("output", "local")]
-            read = slave.getReal([v.valueReference for v in reals])
-            return {v.name: float(x) for v, x in zip(reals, read)}
-        finally:
-            slave.freeInstance()
+    def steady(self, values: Mapping[str, float]) -> dict[str, float]:
+        """All real outputs and locals of the steady start."""
+        with Variator(self.archive, values) as started:
+            started.initialise()
+            return dict(zip(self._reals, started.read(started.reader(self._reals)).tolist(), strict=True))
 
 
 @contextmanager
-def unit(path: Path = FMU) -> Iterator[Unit]:
+def unit(path: Path) -> Iterator[Unit]:
     opened = Unit(path)
     try:
         yield opened
     finally:
-        opened.close()
+        opened.archive.remove()
 
 
 # ------------------------------------------------------------------------------------------------------ comparison
@@ -159,7 +122,7 @@ def _wraps(out: Mapping[str, float], radius_p: float, radius_s: float) -> tuple[
     return math.pi + 2.0 * lean, math.pi - 2.0 * lean
 
 
-def compare(unit: Unit, values: Mapping[str, Value], wanted_traction: float = math.nan) -> Deviation:
+def compare(unit: Unit, values: Mapping[str, float], wanted_traction: float = math.nan) -> Deviation:
     """Starts the FMU and solves the theory at the FMU's own radii, torque and secondary axial force."""
 
     def given(name: str) -> float:
@@ -268,7 +231,7 @@ def _geometry(unit: Unit, ratio: float) -> tuple[float, float, float, float]:
     return cmm.wrap_angles(ratio, unit.start("geometry.centerDistance"), unit.start("geometry.beltLength"))
 
 
-def limit_case(unit: Unit, ratio: float, traction: float, level: Level = LIMIT) -> dict[str, Value]:
+def limit_case(unit: Unit, ratio: float, traction: float, level: Level = LIMIT) -> dict[str, float]:
     """Settings of a steady start in the theory's limit, with the shaft torque that the theory asks for."""
     beta, mu = unit.start("geometry.wedgeAngle"), unit.start("friction.pulley")
     wrap_p, wrap_s, radius_p, radius_s = _geometry(unit, ratio)
@@ -279,10 +242,10 @@ def limit_case(unit: Unit, ratio: float, traction: float, level: Level = LIMIT) 
         return arc.thrust * theory.mean_force(CLAMPING) * arc.moment * radius / level.tilt
 
     return {
-        "primary.drive": SPEED,
-        "secondary.drive": TORQUE,
+        "primary.drive": SPEED_DRIVE,
+        "secondary.drive": TORQUE_DRIVE,
         "primary.axial": HELD,
-        "secondary.axial": FORCE,
+        "secondary.axial": CLAMPED,
         "initial.steady": True,
         "initial.ratio": ratio,
         "friction.ring": 0.0,
@@ -306,8 +269,8 @@ def limit_case(unit: Unit, ratio: float, traction: float, level: Level = LIMIT) 
 THETAS = {"overdrive": 0.4, "medium": 0.0, "underdrive": -0.4}
 
 
-def load_case(unit: Unit, shape: str, torque: float, ring_friction: bool = True) -> dict[str, Value]:
-    """One of the nine reference load cases: 2000 rpm and primary sheave held, F_S = 1.3 T_P cos(beta)/(2 mu r_P)."""
+def load_case(unit: Unit, shape: str, torque: float, ring_friction: bool = True) -> dict[str, float]:
+    """One of the nine reference load cases: 2000 rpm and primary sheave held, the demo's clamping force."""
     theta = THETAS[shape]
     ratio = (1.0 - theta) / (1.0 + theta)
     speed = 2000.0 * math.pi / 30.0
@@ -315,13 +278,13 @@ def load_case(unit: Unit, shape: str, torque: float, ring_friction: bool = True)
     radius_p -= unit.start("belt.pitchOffset")
     beta, mu = unit.start("geometry.wedgeAngle"), unit.start("friction.pulley")
     return {
-        "primary.drive": SPEED,
+        "primary.drive": SPEED_DRIVE,
         "primary.speedSetpoint": speed,
         "primary.axial": HELD,
         "initial.steady": True,
         "initial.ratio": ratio,
         "initial.primarySpeed": speed,
-        "secondary.clampingForce": max(6000.0, 1.3 * torque * math.cos(beta) / (2.0 * mu * radius_p)),
+        "secondary.clampingForce": clamping_force(torque, mu, beta, radius_p),
         "secondary.torque": -torque * ratio,
         "primary.torque": torque,
     } | ({} if ring_friction else {"friction.ring": 0.0})
@@ -343,7 +306,7 @@ def row(name: str, d: Deviation) -> str:
     )
 
 
-def attempt(unit: Unit, name: str, values: Mapping[str, Value], traction: float = math.nan) -> None:
+def attempt(unit: Unit, name: str, values: Mapping[str, float], traction: float = math.nan) -> None:
     try:
         print(row(name, compare(unit, values, traction)), flush=True)
     except Exception as error:  # a report goes on to the next case
@@ -374,7 +337,8 @@ def report_ladder(unit: Unit) -> None:
 
 def main() -> None:
     wanted = sys.argv[1] if len(sys.argv) > 1 else "default"
-    with unit() as opened:
+    fmu = Path(os.environ.get("PUSHBELT_FMU", ROOT / "target" / "PushbeltVariator.fmu"))
+    with unit(fmu) as opened:
         {"default": report_default, "limit": report_limit, "ladder": report_ladder}[wanted](opened)
 
 

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[2] / "python"))
+
 STEP = 1e-3
 """Communication step, s."""
 
@@ -21,43 +23,20 @@ def with_fmpy(
     fmu: Path, start: Values, inputs: Callable[[float], Values], steps: int, outputs: Sequence[str]
 ) -> np.ndarray:
     """fmpy, call by call."""
-    import shutil
+    from pushbelt_demo.unit import Archive, Variator
 
-    import fmpy
-    from fmpy.fmi2 import FMU2Slave
-
-    description = fmpy.read_model_description(fmu)
-    directory = fmpy.extract(fmu)
-    variables = {variable.name: variable for variable in description.modelVariables}
-    references = [variables[name].valueReference for name in outputs]
-    unit = FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=directory,
-        modelIdentifier=description.coSimulation.modelIdentifier,
-        instanceName="fmpy",
-    )
-    unit.instantiate()
-
-    def put(values: Values) -> None:
-        for name, value in values.items():
-            variable = variables[name]
-            setter = {"Real": unit.setReal, "Boolean": unit.setBoolean}.get(variable.type, unit.setInteger)
-            setter([variable.valueReference], [value])
-
+    archive = Archive.unpack(fmu)
     try:
-        unit.setupExperiment(startTime=0.0)
-        put({**start, **inputs(0.0)})
-        unit.enterInitializationMode()
-        unit.exitInitializationMode()
-        rows = [unit.getReal(references)]
-        for k in range(steps):
-            put(inputs(k * STEP))
-            unit.doStep(currentCommunicationPoint=k * STEP, communicationStepSize=STEP)
-            rows.append(unit.getReal(references))
-        unit.terminate()
+        with Variator(archive, {**start, **inputs(0.0)}) as unit:
+            unit.initialise()
+            reader = unit.reader(outputs)
+            rows = [unit.read(reader)]
+            for k in range(steps):
+                unit.set(inputs(k * STEP))
+                unit.step_to((k + 1) * STEP)
+                rows.append(unit.read(reader))
     finally:
-        unit.freeInstance()
-        shutil.rmtree(directory, ignore_errors=True)
+        archive.remove()
     return np.array(rows)
 
 

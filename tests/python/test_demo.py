@@ -1,9 +1,11 @@
-"""The pure functions of the demo: geometry, load cases, the closed-form theory, event detection. No FMU needed."""
+"""The demo: its pure functions (geometry, load cases, the closed-form theory, event detection), then a short run of all of it."""
 
 from __future__ import annotations
 
+import csv
 import json
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -13,7 +15,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
-from pushbelt_demo import data, events, page  # noqa: E402
+from pushbelt_demo import __main__, data, events, page  # noqa: E402
 from pushbelt_demo.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of  # noqa: E402
 from pushbelt_demo.load_cases import NotFoundError, find_load  # noqa: E402
 from pushbelt_demo.results import StrandForces, Trace  # noqa: E402
@@ -227,6 +229,28 @@ def test_numbers_are_set_as_in_print() -> None:
     assert page.number(-1234.5, 1) == "−1\u202f234.5"
     assert page.number(-0.001, 1) == "0.0"
     assert page.percent(0.9654, 2) == "96.54"
+
+
+def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
+    assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), "--short"]) == 0
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert 'src="http' not in report and 'href="http' not in report
+    for name in ("checks", "cases", "reference", "manoeuvre", "belt", "sources", "limits"):
+        assert f'<h2 id="{name}">' in report
+    section = report[report.index('id="checks"') : report.index('id="cases"')]
+    verdicts = re.findall(r'class="(?:tick|cross)">(.)</span></td><td class="text">([^<]*)', section)
+    assert len(verdicts) == 10
+    red = {statement for mark, statement in verdicts if mark == "✗"}
+    # The sheaves are softer than the first assumes; most events come after the first second.
+    assert red <= {"Spiral running lies between 0.05 and 0.5 mm on both pulleys", "Every event of the manoeuvre occurs"}
+    assert report.count("data:image/svg+xml;base64,") == 4
+    with (tmp_path / "results.csv").open(encoding="utf-8", newline="") as file:
+        times = [float(row["time"]) for row in csv.DictReader(file)]
+    assert times == pytest.approx(np.arange(1001) * 1e-3)
+    with (tmp_path / "cases.csv").open(encoding="utf-8", newline="") as file:
+        cases = {row["case"]: row for row in csv.DictReader(file)}
+    assert list(cases) == ["overdrive-100", "medium-100", "underdrive-100", "belt155-reference"]
+    assert float(cases["medium-100"]["primary.shaftTorque"]) == pytest.approx(-100.0, rel=1e-4)
 
 
 def test_curve_needs_no_more_than_geometry() -> None:

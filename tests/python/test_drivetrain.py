@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,8 +18,8 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
-from pushbelt_demo.unit import Archive, Variator  # noqa: E402
-from pushbelt_drive import report, simulate, thrust_map, transmission  # noqa: E402
+from pushbelt_demo.unit import Archive, UnitError, Variator  # noqa: E402
+from pushbelt_drive import __main__, report, simulate, thrust_map, transmission  # noqa: E402
 from pushbelt_drive.car import Powertrain, demo_car  # noqa: E402
 from pushbelt_drive.control import (  # noqa: E402
     Friction,
@@ -98,7 +99,7 @@ def test_cycle_is_nedc() -> None:
 def test_section_starts_at_zero_and_at_standstill() -> None:
     cycle = wltc_class_3b()
     section = cycle.section(1478.0, 1598.0)
-    assert (section.time[0], section.duration) == (0.0, 120.0)
+    assert (section.time[0], section.start, section.duration) == (0.0, 1478.0, 120.0)
     assert section.at(60.5) == pytest.approx(cycle.at(1538.5))
     with pytest.raises(ValueError, match="starts at standstill"):
         cycle.section(100.0 + 1478.0, 1700.0)
@@ -368,6 +369,14 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
     assert target == pytest.approx(transmission.RATIO_LIMITS[0])
 
 
+def test_strategies_are_known_by_name() -> None:
+    kinds = {"safety": SafetyFactor, "slip": SlipControl}
+    for name, kind in kinds.items():
+        assert isinstance(transmission.strategy_of(name, FRICTION, MAP, 0.2), kind)
+    with pytest.raises(ValueError, match="'Slip' is no clamping strategy: safety or slip"):
+        transmission.strategy_of("Slip", FRICTION, MAP, 0.2)
+
+
 # Documentation
 
 
@@ -380,14 +389,26 @@ def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
     assert f"```python\n{code.rstrip()}\n```" in shown
 
 
+def test_only_points_without_a_linear_model_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "examples" / "drivetrain")
+    import stability
+
+    def failing(stderr: str) -> None:
+        monkeypatch.setattr(stability.subprocess, "run", lambda *_, **__: SimpleNamespace(returncode=1, stderr=stderr))
+
+    for reason in ("Error: this is no steady working point: …", "Error: no mode is slower than 100 Hz"):
+        failing(reason)
+        assert stability.linear_model(1.0, 50.0, 200.0) is None
+    failing("error: could not compile `pushbelt`")
+    with pytest.raises(RuntimeError, match="could not compile"):
+        stability.linear_model(1.0, 50.0, 200.0)
+
+
 # With the FMU
 
 
-@pytest.mark.parametrize(
-    ("program", "last"),
-    [("controller", "ratio 0.8"), ("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`")],
-)
-def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
+def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
+    """Lines that a program of `examples/drivetrain` prints."""
     (tmp_path / "target").mkdir()
     shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
     ran = subprocess.run(
@@ -400,7 +421,21 @@ def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> Non
         check=False,
     )
     assert ran.returncode == 0, ran.stderr
-    assert last in ran.stdout.splitlines()[-1]
+    return ran.stdout.splitlines()
+
+
+@pytest.mark.parametrize(("program", "last"), [("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`")])
+def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
+    assert last in printed(fmu, tmp_path, program)[-1]
+
+
+def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
+    *states, end = printed(fmu, tmp_path, "controller")
+    ratios = [float(line.split("ratio.geometric ")[1].split()[0]) for line in states]
+    ratios.append(float(end.split()[1].rstrip(",")))
+    assert end.endswith("target 0.8")
+    assert ratios[0] == pytest.approx(1.6, rel=1e-3)
+    assert ratios[2:] == pytest.approx([0.8] * len(ratios[2:]), rel=0.05)
 
 
 @pytest.fixture(scope="module")
@@ -408,6 +443,15 @@ def archive(fmu: Path) -> Iterator[Archive]:
     unpacked = Archive.unpack(fmu)
     yield unpacked
     unpacked.remove()
+
+
+def test_a_freed_instance_is_not_called(archive: Archive) -> None:
+    with Variator(archive, {}) as unit:
+        unit.initialise()
+        assert unit.not_steady is None
+    for call in (lambda: unit.not_steady, unit.outputs, lambda: unit.step_to(0.1)):
+        with pytest.raises(UnitError, match="freed already"):
+            call()
 
 
 PARAMETERS = simulate.unit_parameters(CAR, "ALE", "coarse")
@@ -465,7 +509,7 @@ def ripple(values: np.ndarray) -> float:
 
 @pytest.mark.parametrize("strategy", ["safety", "slip"])
 def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
-    setup = simulate.Setup(strategy, strategy, wltc_class_3b().section(10.0, 20.0), snapshots=(9.0,))
+    setup = simulate.Setup(strategy, strategy, wltc_class_3b().section(10.0, 20.0), snapshots=(19.0,))
     run = simulate.run(archive, CAR, table, setup)
     root_mean_square, largest = report.speed_error(run)
     assert root_mean_square < 0.6
@@ -482,7 +526,8 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
     limit = 1.0 / 1.3 if strategy == "safety" else 1.0
     assert utilisation.max() < 1.05 * limit
     assert ripple(run["primary.clampingForce"]) < 0.02
-    assert list(run.snapshots) == [9.0]
+    assert (run.time[0], run.time[-1]) == pytest.approx((10.0, 20.0 - STEP))
+    assert run.snapshots[19.0]["ratio.geometric"] == run["ratio.geometric"][900]
 
 
 def test_slip_control_rescues_a_belt_of_low_friction(archive: Archive, table: ThrustMap) -> None:
@@ -514,3 +559,21 @@ def test_fast_overdrive_is_calm(archive: Archive, table: ThrustMap, monkeypatch:
     assert run.interventions == 0
     monkeypatch.setattr(PressureControl, "WANTED_LAG", PressureCircuit.lag)
     assert calm < 0.5 * drive()[1]
+
+
+def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, drive_folder: Path) -> None:
+    """4 s of the cycle; `table` is in the folder already, so that it isn't solved for again."""
+    arguments = ["--fmu", str(fmu), "--output", str(drive_folder), "--short", "--until", "4"]
+    assert __main__.main(arguments) == 0
+    page = (drive_folder / "report.html").read_text(encoding="utf-8")
+    assert 'src="http' not in page and 'href="http' not in page
+    for section in ("strategies", "friction", "drive", "map", "belt", "closeup", "sources"):
+        assert f'<h2 id="{section}">' in page
+    assert "A car on 10 to 14 s of WLTC class 3b" in page
+    assert page.count("data:image/svg+xml;base64,") == 6
+    ends = {"fixed-safety-factor": 14.0, "slip-control": 14.0, "close-up": 20.0}
+    ends |= {"low-friction-safety": 20.0, "low-friction-slip": 20.0}
+    for name, end in ends.items():
+        rows = np.genfromtxt(drive_folder / f"{name}.csv", delimiter=",", names=True)
+        assert rows["time"] == pytest.approx(np.arange(10.0, end - 0.05, 0.1))
+        assert all(np.isfinite(rows[column]).all() for column in rows.dtype.names)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import json
 import math
 import os
@@ -176,6 +177,20 @@ def test_store_keeps_whole_files_only(study: Study, tmp_path: Path) -> None:
     assert other.count() == 0
     again.clear()
     assert again.count() == 0
+
+
+def test_store_keeps_what_a_failing_disk_hides(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = Store(tmp_path, study)
+    store.add(made_up(study)[:5])
+
+    def failing(_path: Path) -> None:
+        raise OSError(errno.EIO, "Input/output error")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(pq, "read_table", failing)
+        with pytest.raises(OSError, match="Input/output"):
+            store.rows()
+    assert sorted(row["point"] for row in store.rows()) == list(range(5))
 
 
 def test_results_say_what_they_are(study: Study, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="pushbelt_drive.cosim", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the variator's FMU")
     parser.add_argument("--output", type=Path, required=True, help="folder for drive.ssp, its FMUs and coupling.html")
-    parser.add_argument("--short", action="store_true", help="5 s of the cycle and larger steps")
+    parser.add_argument("--short", action="store_true", help="5 s of the cycle instead of 20")
     options = parser.parse_args(arguments)
     try:
         result = study.run(options.fmu, study.SHORT if options.short else study.FULL, options.output)
