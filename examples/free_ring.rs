@@ -1,5 +1,5 @@
-//! The free ring of the paper's 5.3, to compare a beam code with: a steel band without supports, 0.70 m around, 0.185 mm ×
-//! 9.5 mm, E = 2.1e11 N/m², ρ = 7800 kg/m³, stress-free when straight.
+//! The free ring of the paper's 5.3, to compare a beam code with: a steel band without supports, 0.70 m around, 0.185
+//! mm × 9.5 mm, E = 2.1e11 N/m², ρ = 7800 kg/m³, stress-free when straight.
 //!
 //! `cargo run --release --example free_ring -- --model rcm --shape two-arc`
 //!

@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --example idler`
 //!
-//! Prints the geometry; how well each ring model keeps the belt's shape when it runs (a string in balance, EAγ = m ṡ²(1 + γ)
-//! on any closed curve); and the swing of a tensioner arm, Θ, on the bending energy of a belt.
+//! Prints the geometry; how well each ring model keeps the belt's shape when it runs (a string in balance, EAγ = m ṡ²(1
+//! + γ) on any closed curve); and the swing of a tensioner arm, Θ, on the bending energy of a belt.
 
 use pushbelt::reference_curve::{Drive, DriveError, Pulley, ReferenceCurve, Tensioner};
 use pushbelt::ring::Ring;

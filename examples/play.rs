@@ -1,6 +1,7 @@
-//! Where the belt's play goes at a fifth of capacity near ratio 1: with a hard first touch from one strand to the other. Prints slip and work over half
-//! a second as it is, with a harder first touch, and with that on several meshes, without play, without ring friction; draws the gaps along the
-//! belt over time (`target/play.svg`). Then counts the working points at which slip swings:
+//! Where the belt's play goes at a fifth of capacity near ratio 1: with a hard first touch from one strand to the
+//! other. Prints slip and work over half a second as it is, with a harder first touch, and with that on several meshes,
+//! without play, without ring friction; draws the gaps along the belt over time (`target/play.svg`). Then counts the
+//! working points at which slip swings:
 //!
 //! `cargo run --release --example play`
 

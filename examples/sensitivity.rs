@@ -1,6 +1,6 @@
-//! How thrust ratio and slip move with the parameters that nobody knows exactly, around the laboratory variator at 50 N·m,
-//! 2000 rpm and three ratios; then with the strain over which neighbouring elements touch. Prints the Markdown tables of
-//! `docs/sensitivity.md`:
+//! How thrust ratio and slip move with the parameters that nobody knows exactly, around the laboratory variator at 50
+//! N·m, 2000 rpm and three ratios; then with the strain over which neighbouring elements touch. Prints the Markdown
+//! tables of `docs/sensitivity.md`:
 //!
 //! `cargo run --release --example sensitivity`
 

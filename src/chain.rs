@@ -36,7 +36,8 @@ pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 /// Difference of V across a cell over which it goes from opening to closing, m/s. Where gaps close it is some 0.1 m/s.
 pub const CLOSING_SMOOTHING: f64 = 1.0e-2;
 
-/// Flow below which [`collision_force`] no longer falls, m/s: at standstill the oil squeezed between elements takes over.
+/// Flow below which [`collision_force`] no longer falls, m/s: at standstill the oil squeezed between elements takes
+/// over.
 pub const SQUEEZE_SPEED: f64 = 1.0;
 
 /// Flow far above which elements that part carry nothing of their neighbours' speed, m/s.
@@ -118,8 +119,8 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
     }
 }
 
-/// How the chain at a mesh point varies in a direction that leaves the reference curve where it is: the derivatives of a
-/// [`ChainPoint`].
+/// How the chain at a mesh point varies in a direction that leaves the reference curve where it is: the derivatives of
+/// a [`ChainPoint`].
 #[derive(Clone, Copy, Debug)]
 pub struct ChainVariation<T: Real> {
     /// δV.
@@ -269,8 +270,8 @@ pub struct Stack<T> {
 }
 
 impl<T: Real> Stack<T> {
-    /// Of a cell of density `nu`, of material rate `nu_rate`, 1/s, through which elements flow at `flow`, m/s, while V has this
-    /// `difference` across it, m/s.
+    /// Of a cell of density `nu`, of material rate `nu_rate`, 1/s, through which elements flow at `flow`, m/s, while V
+    /// has this `difference` across it, m/s.
     #[inline(always)]
     pub fn new(belt: &Belt, [nu, nu_rate, flow, difference]: [T; 4]) -> Self {
         let push = push_force(belt, nu, nu_rate);
@@ -306,7 +307,8 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     }
 }
 
-/// Weight of upwind convection, from 0 to 1: 1 where elements close up and near standstill, 0 where they part in a fast flow.
+/// Weight of upwind convection, from 0 to 1: 1 where elements close up and near standstill, 0 where they part in a fast
+/// flow.
 #[inline(always)]
 pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
     let closing = smooth_plus(-difference, CLOSING_SMOOTHING).1;
@@ -314,7 +316,8 @@ pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
     closing + (-closing + 1.0) * slow
 }
 
-/// Force that opposes a difference of V across a cell whose elements close up, N: ½ m_e ν |J| ΔV, with the weight of [`upwinding`].
+/// Force that opposes a difference of V across a cell whose elements close up, N: ½ m_e ν |J| ΔV, with the weight of
+/// [`upwinding`].
 ///
 /// Elements that fly freely through gaps carry their speed along, and a faster one is stopped by the one that it hits.
 /// Central differences of J V′ alone would leave a sawtooth of V there; with this force the convection of V is upwind.
@@ -375,12 +378,14 @@ impl Transport<f64> {
     }
 }
 
-/// How much less J is in the middle of a cell than at its right face, m/s, as far as elements part freely; as much more than at its left.
+/// How much less J is in the middle of a cell than at its right face, m/s, as far as elements part freely; as much more
+/// than at its left.
 ///
-/// In a steady state J ν is the same all around. With J at the face downstream, ν belongs half a cell upstream of its middle. That counts where
-/// elements leave a pulley: within 3 mm the push force falls to its last newtons, ν passes where the flow is as fast as waves in the
-/// stack, and what is left sets the gaps in the strand. With J of the middle it is of second order there. In contact, and with the
-/// weight of [`upwinding`], the face stays: with the middle alone a sawtooth of V would leave all amounts as they are.
+/// In a steady state J ν is the same all around. With J at the face downstream, ν belongs half a cell upstream of its
+/// middle. That counts where elements leave a pulley: within 3 mm the push force falls to its last newtons, ν passes
+/// where the flow is as fast as waves in the stack, and what is left sets the gaps in the strand. With J of the middle
+/// it is of second order there. In contact, and with the weight of [`upwinding`], the face stays: with the middle alone
+/// a sawtooth of V would leave all amounts as they are.
 #[inline(always)]
 pub fn lag<T: Real>(difference: T, contact: T, upwinding: T) -> T {
     (-contact + 1.0) * (-upwinding + 1.0) * difference * 0.5

@@ -3,7 +3,8 @@
 //! Place: polar coordinates about the pulley axis, e_r outward, e_t = (e_r,y, −e_r,x) clockwise like ω, pitch radius
 //! ϱ = |r − O| − e; θ grows with ω: e_r = (cos θ, −sin θ).
 //!
-//! - penetration of a flank (axial) g = z/2 − (ϱ − r₀) tan β − w, elastic opening of the sheave w = ϱ (ψ_x cos θ + ψ_y sin θ),
+//! - penetration of a flank (axial) g = z/2 − (ϱ − r₀) tan β − w, elastic opening of the sheave w = ϱ (ψ_x cos θ + ψ_y
+//!   sin θ),
 //! - its rate along an element's path Dg/Dt = ż/2 − ∂w/∂t − (tan β + ∂w/∂ϱ) v_r − (∂w/∂θ)(v_t,abs/ϱ),
 //! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), H the slope of ⟨·⟩₊,
 //! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with the closing speed of
@@ -11,8 +12,8 @@
 //! - friction −μ p_el (v_t, v_f)/√(v_t² + v_f² + v₀²), p_el the elastic part of p, which is never negative: friction
 //!   always takes energy.
 //!
-//! A belt that is off the middle of its pulley by δ, towards the movable sheave, presses on that one with g + δ and on the
-//! other with g − δ; δ moves as the element does along the axis, which enters closing and sliding in the same way.
+//! A belt that is off the middle of its pulley by δ, towards the movable sheave, presses on that one with g + δ and on
+//! the other with g − δ; δ moves as the element does along the axis, which enters closing and sliding in the same way.
 //!
 //! The normal force acts along the gradient of g, slopes of w included, so its power is −2 p cos β Dg/Dt and its energy
 //! 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an element's path.
@@ -89,8 +90,8 @@ pub fn flank_force<T: Real>(
     }
 }
 
-/// Torque at which a pulley whose sheaves bear the axial force `force`, N, at the pitch radius `radius`, m, slips tangentially all
-/// around, N·m: 2 μ F r/cos β.
+/// Torque at which a pulley whose sheaves bear the axial force `force`, N, at the pitch radius `radius`, m, slips
+/// tangentially all around, N·m: 2 μ F r/cos β.
 #[must_use]
 pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: f64) -> f64 {
     2.0 * friction.pulley * force * radius / cos_beta

@@ -1,9 +1,4 @@
-//! Pulleys: axial motion of the sheave, tilt, rotation.
-//!
-//! - axial: m_z z̈ = F − ∫p_ax − d_z ż − stop force; z closes the pulley, 0 at ratio 1,
-//! - tilt of one sheave: k (ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ). Its shape is Sattler's trigonometric law with the amplitude
-//!   from moment balance: |ψ| = aΔ tan β, a = (1 + cos²β)/sin 2β, gives the same spread of radius,
-//! - rotation: J ω̇ = T + belt torque, or τ_ω ω̇ = ω_set − ω in speed drive.
+//! End stops of the movable sheaves. The pulleys' equations of motion are rows of `variator/boundary.rs`.
 
 #![forbid(unsafe_code)]
 

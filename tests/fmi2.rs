@@ -684,8 +684,8 @@ fn check_output_derivatives(model: c_int) {
     let mut exact = 0;
     for (i, name) in names.iter().enumerate() {
         let found = last[i] - first[i];
-        // Newton's method leaves outputs uncertain by some 1e-6 of themselves, and in so short steps velocities and forces
-        // of what sticks by more.
+        // Newton's method leaves outputs uncertain by some 1e-6 of themselves, and in so short steps velocities and
+        // forces of what sticks by more.
         let error = (change[i] - found).abs();
         let uncertain = 3e-6 * last[i].abs() + 1e-12;
         exact += u32::from(error < 0.02 * travel[i] && travel[i] > 20.0 * uncertain);

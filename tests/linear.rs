@@ -103,8 +103,8 @@ fn small_steps_of_each_load_are_followed() {
     }
 }
 
-/// `ALE0` shifts by creeping, so its ratio hardly answers a force, and two slow modes lie close to each other and to zero: the gain is
-/// that of a run all the same.
+/// `ALE0` shifts by creeping, so its ratio hardly answers a force, and two slow modes lie close to each other and to
+/// zero: the gain is that of a run all the same.
 #[test]
 fn the_gain_of_ale0_is_that_of_a_run() {
     let mut parameters = parameters();
@@ -156,7 +156,8 @@ fn slow_modes_do_not_depend_on_the_cut_off() {
     }
 }
 
-/// An end stop takes its part of what the belt presses: the forces that hold the working point are those that were given.
+/// An end stop takes its part of what the belt presses: the forces that hold the working point are those that were
+/// given.
 #[test]
 fn an_end_stop_takes_its_part() {
     let mut parameters = parameters();

@@ -211,8 +211,8 @@ fn at_standstill_the_clamped_belt_holds_the_torque() {
     }
 }
 
-/// Regularised friction creeps where a real belt sticks: under forces that don't balance the ratio drifts at a standstill, nearly
-/// in proportion to the friction velocity.
+/// Regularised friction creeps where a real belt sticks: under forces that don't balance the ratio drifts at a
+/// standstill, nearly in proportion to the friction velocity.
 #[test]
 fn at_standstill_the_ratio_creeps_with_the_friction_velocity() {
     for model in MODELS {
@@ -251,8 +251,8 @@ fn at_standstill_the_books_are_kept() {
     }
 }
 
-/// Inputs that change in proportion to time do their work all along the step: a clamping force to and fro at low speed, a shaft
-/// brought to speed by its set point.
+/// Inputs that change in proportion to time do their work all along the step: a clamping force to and fro at low speed,
+/// a shaft brought to speed by its set point.
 #[test]
 fn ramped_inputs_keep_the_books() {
     for model in MODELS {

@@ -1,5 +1,5 @@
-//! The overlay in directions that turn with the reference curve, A_i = [t, n, b]_ref in (10), instead of fixed ones: the same
-//! belt in other coordinates.
+//! The overlay in directions that turn with the reference curve, A_i = [t, n, b]_ref in (10), instead of fixed ones:
+//! the same belt in other coordinates.
 
 mod common;
 

@@ -1,4 +1,5 @@
-//! Elements evenly spaced along the belt, as the paper's: the same laws hold, and what it costs that arc borders move through them.
+//! Elements evenly spaced along the belt, as the paper's: the same laws hold, and what it costs that arc borders move
+//! through them.
 
 mod common;
 
@@ -11,10 +12,10 @@ fn on(mut parameters: Parameters, aligned: bool) -> Parameters {
     parameters
 }
 
-/// Steady states: thrust ratios are off the aligned mesh's, most in overdrive, where an element is long for the release at the exit of the
-/// small arc. The ring tension ripples more where a border lies within an element. More power is left that no law accounts for:
-/// Gauss's rule takes r'' and λ, which jump at a border, for smooth across a cell, so what flows in along ξ is not what flows out.
-/// (The figures: docs/ring-models.md.)
+/// Steady states: thrust ratios are off the aligned mesh's, most in overdrive, where an element is long for the release
+/// at the exit of the small arc. The ring tension ripples more where a border lies within an element. More power is
+/// left that no law accounts for: Gauss's rule takes r'' and λ, which jump at a border, for smooth across a cell, so
+/// what flows in along ξ is not what flows out. (The figures: docs/ring-models.md.)
 #[test]
 fn steady_states_are_near_those_of_the_aligned_mesh() {
     let parameters = variator(RingModel::Ale);
@@ -48,8 +49,8 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
     }
 }
 
-/// A shift takes arc borders through quadrature points. Each time the reference curvature jumps there: the stack is squeezed, steps
-/// are thrown away, and energy appears and vanishes that no law accounts for.
+/// A shift takes arc borders through quadrature points. Each time the reference curvature jumps there: the stack is
+/// squeezed, steps are thrown away, and energy appears and vanishes that no law accounts for.
 #[test]
 fn a_shift_shows_what_borders_inside_elements_cost() {
     let [aligned, even, fine] = [(true, 1), (false, 1), (false, 3)].map(|(aligned, refinement)| {

@@ -1,5 +1,5 @@
-//! Rings that travel with their mesh, inside the variator: they start where ALE is steady, run on near it, keep the books and
-//! go on from a stored state bit for bit.
+//! Rings that travel with their mesh, inside the variator: they start where ALE is steady, run on near it, keep the
+//! books and go on from a stored state bit for bit.
 
 mod common;
 
@@ -65,13 +65,14 @@ fn three_ratios_near_ale() {
     }
 }
 
-/// The co-rotational ring has an even tension along an element, as ALE's mean is: +0.4, −1.1, −2.9 %. ANCF's membrane locks
-/// where the curvature jumps inside an element, so its tension swings by more than itself (the paper's 5.4: it reacts very
-/// stiff): +5, −3, −13 %.
+/// The co-rotational ring has an even tension along an element, as ALE's mean is: +0.4, −1.1, −2.9 %. ANCF's membrane
+/// locks where the curvature jumps inside an element, so its tension swings by more than itself (the paper's 5.4: it
+/// reacts very stiff): +5, −3, −13 %.
 const RCM_THRUST: f64 = 0.05;
 const ANCF_THRUST: f64 = 0.15;
 
-/// From standstill: unloaded on the reference curve, loads ramp in. What the laid elements stretch relaxes in microseconds.
+/// From standstill: unloaded on the reference curve, loads ramp in. What the laid elements stretch relaxes in
+/// microseconds.
 #[test]
 fn a_run_may_start_at_a_standstill() {
     for model in TRAVELLING {

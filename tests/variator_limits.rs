@@ -37,9 +37,9 @@ fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refine
     ]
 }
 
-/// Without friction F_P/F_S = α_P/α_S and S = (F − σV²)α/(2 tan β). A flank that yields presses beside the arc too, over
-/// √(2 r g/tan β): the law's own limit is the stiff contact on a mesh that resolves this edge. Worst deviation of the
-/// thrust ratio and of S over three ratios, on each rung of the ladder.
+/// Without friction F_P/F_S = α_P/α_S and S = (F − σV²)α/(2 tan β). A flank that yields presses beside the arc too,
+/// over √(2 r g/tan β): the law's own limit is the stiff contact on a mesh that resolves this edge. Worst deviation of
+/// the thrust ratio and of S over three ratios, on each rung of the ladder.
 fn frictionless_ladder(model: RingModel) -> [[f64; 2]; 3] {
     [(2.5e9, 1), (1e10, 2), (4e10, 2)].map(|(stiffness, refinement)| {
         let mut worst = [0.0_f64; 2];
@@ -198,8 +198,8 @@ fn balanced(model: RingModel, omega: f64) -> Run {
     run
 }
 
-/// d ln i_g/dt, ln i_F and ln i_g in the middle of `turns` belt turns, two turns after a step of F_P by `factor`: the belt
-/// finds its new distribution of sliding within two.
+/// d ln i_g/dt, ln i_F and ln i_g in the middle of `turns` belt turns, two turns after a step of F_P by `factor`: the
+/// belt finds its new distribution of sliding within two.
 fn shift(balanced: &Run, omega: f64, factor: f64, turns: [f64; 2]) -> [f64; 3] {
     let mut run = balanced.clone();
     run.inputs.primary.clamping_force *= factor;
@@ -250,8 +250,8 @@ fn shift_coefficients(model: RingModel, omega: f64, turns: [f64; 2]) -> [f64; 4]
 }
 
 /// Carbone, Mangialardi, Mantriota 2005: in creep mode di/dt ∝ ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq). It comes out of the
-/// sliding that the tilted sheaves force on the belt at every turn. A belt that stays on its circle (`ALE0`) has no such
-/// sliding to share: it shifts some fifty times slower, held by sticking.
+/// sliding that the tilted sheaves force on the belt at every turn. A belt that stays on its circle (`ALE0`) has no
+/// such sliding to share: it shifts some fifty times slower, held by sticking.
 #[test]
 fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrust() {
     let [slow, fast] = [0.5, 1.0].map(|share| shift_coefficients(RingModel::Ale, share * SPEED, [2.0, 4.0]));

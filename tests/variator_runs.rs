@@ -32,8 +32,8 @@ fn drive(parameters: Parameters, from: f64, to: f64, mut see: impl FnMut(f64, &O
 }
 
 /// Launch from standstill, shift to overdrive, torque steps, over-torque, recovery: at every output point energy is
-/// accounted for, |residual| ≤ 2e-3·∫|power| dt + 1e-3·(largest stored energy), and no element is lost. It takes its usual work: steps,
-/// residuals, factorizations.
+/// accounted for, |residual| ≤ 2e-3·∫|power| dt + 1e-3·(largest stored energy), and no element is lost. It takes its
+/// usual work: steps, residuals, factorizations.
 fn whole_manoeuvre(model: RingModel, work: [u64; 3]) {
     let (mut low, mut high, mut slipped) = (f64::INFINITY, 0.0_f64, false);
     let mut run = drive(Manoeuvre::variator(variator(model)), 0.0, 10.0, |clock, o| {
@@ -121,8 +121,8 @@ const NAMES: [&str; 7] = [
 ];
 
 /// A tolerance ten times tighter changes launch and shift by less than 0.2 % of each output's range: motions at every
-/// output point, forces in the root mean square. (The moments at which elements stick and slip move with the tolerance, and
-/// with them single values of forces: by up to 0.4 % of the range.)
+/// output point, forces in the root mean square. (The moments at which elements stick and slip move with the tolerance,
+/// and with them single values of forces: by up to 0.4 % of the range.)
 fn tighter_tolerance(model: RingModel, to: f64) {
     let [a, b] = [1.0, 0.1].map(|factor| {
         let mut parameters = Manoeuvre::variator(coarse(model));
@@ -217,7 +217,8 @@ fn a_second_start_is_like_a_first() {
     assert_eq!(fresh.outputs(), used.outputs());
 }
 
-/// What a short run takes, so that a solver that got slower shows without a clock: a step of F_P on the default variator.
+/// What a short run takes, so that a solver that got slower shows without a clock: a step of F_P on the default
+/// variator.
 #[test]
 fn a_run_takes_its_usual_work() {
     for (model, steps, residuals, factorizations) in [(RingModel::Ale0, 111, 461, 20), (RingModel::Ale, 116, 1117, 110)]

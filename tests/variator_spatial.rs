@@ -177,8 +177,8 @@ fn belt_follows_the_planes_of_its_pulleys() {
     assert!(largest < 2.0e-5);
 }
 
-/// The movable sheaves stand on opposite sides, so the planes part by (r_P + r_S − 2r₀) tan β: nothing at ratio 1 and to
-/// the same side in underdrive and overdrive.
+/// The movable sheaves stand on opposite sides, so the planes part by (r_P + r_S − 2r₀) tan β: nothing at ratio 1 and
+/// to the same side in underdrive and overdrive.
 #[test]
 fn misalignment_follows_the_ratio() {
     let parameters = variator(RingModel::Ale);
@@ -198,8 +198,8 @@ fn misalignment_follows_the_ratio() {
     }
 }
 
-/// Skewed strands cost little, with the square of the misalignment. On the movable sheave acts half the lateral force of the
-/// strands besides, which changes its sign with the misalignment.
+/// Skewed strands cost little, with the square of the misalignment. On the movable sheave acts half the lateral force
+/// of the strands besides, which changes its sign with the misalignment.
 #[test]
 fn misalignment_costs_its_square() {
     let state = |misalignment: f64| at_ratio(&spatial(misalignment), RATIO);

@@ -17,8 +17,8 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Push force builds up in the primary arc, is constant in the push strand, is taken down in the secondary arc and is
-/// gone in the pulling strand. Against this trend it goes no further than two frictions carry it: the ring's, μ_r T over
-/// the angle passed, and the sheaves' where the belt slides the other way.
+/// gone in the pulling strand. Against this trend it goes no further than two frictions carry it: the ring's, μ_r T
+/// over the angle passed, and the sheaves' where the belt slides the other way.
 fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
     let stations = state.stations();
     // Strand elements that press beside an arc belong to it.
@@ -125,8 +125,8 @@ fn nine_load_cases_balance_their_power_ale0() {
     nine_load_cases(RingModel::Ale0);
 }
 
-/// The paper's 5.4: belt speed has a minor influence, once the ratio has been taken out. (In underdrive the primary pulley of
-/// `ALE0` is near its own capacity at these forces; below 2000 rpm it slips.)
+/// The paper's 5.4: belt speed has a minor influence, once the ratio has been taken out. (In underdrive the primary
+/// pulley of `ALE0` is near its own capacity at these forces; below 2000 rpm it slips.)
 #[test]
 fn belt_speed_moves_the_thrust_ratio_by_less_than_five_percent() {
     for model in MODELS {

@@ -1,5 +1,5 @@
-//! Errors beside the times: of steady states against ten times the elements; of the manoeuvre against twice the elements and a tenth of the
-//! tolerance, because ten times the elements take a quarter of an hour there.
+//! Errors beside the times: of steady states against ten times the elements; of the manoeuvre against twice the
+//! elements and a tenth of the tolerance, because ten times the elements take a quarter of an hour there.
 
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::RingModel;

@@ -1,8 +1,8 @@
 //! What the variator costs, on one core: `cargo fmu bench`.
 //!
-//! Prints one table and writes `target/bench.json` and the pictures `target/bench.svg`. Times are processor time of the thread, the least
-//! of several runs, so what else the machine does matters least; the ratios come from the same run. Counts (steps, residuals,
-//! factorizations) don't depend on the machine. Arguments after `--`:
+//! Prints one table and writes `target/bench.json` and the pictures `target/bench.svg`. Times are processor time of the
+//! thread, the least of several runs, so what else the machine does matters least; the ratios come from the same run.
+//! Counts (steps, residuals, factorizations) don't depend on the machine. Arguments after `--`:
 //!
 //! - `--quick` runs everything once,
 //! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
@@ -293,8 +293,8 @@ fn manoeuvre(parameters: Parameters, trace: &[Inputs]) -> (f64, Counts, Vec<f64>
     (start.elapsed().as_secs_f64(), variator.counts(), each)
 }
 
-/// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P, primary speed given, belt torque
-/// 30, 50, 100 N·m. Time, work, and the thrust ratios that were found.
+/// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P, primary speed
+/// given, belt torque 30, 50, 100 N·m. Time, work, and the thrust ratios that were found.
 fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, Counts, Vec<Option<f64>>) {
     let mut parameters = common::variator(model);
     parameters.mesh = common::refined(&parameters.mesh, refinement);
@@ -333,9 +333,9 @@ struct Map {
     warm: usize,
 }
 
-/// Thrust-ratio map at 2000 rpm and F_S = 10 kN: i from 2.2 to 0.45, 5 to 65 % of the primary pulley's capacity. The first
-/// torque of a ratio starts from the kinematic state, each other one from its neighbour's state, or where that leads
-/// nowhere from the kinematic one.
+/// Thrust-ratio map at 2000 rpm and F_S = 10 kN: i from 2.2 to 0.45, 5 to 65 % of the primary pulley's capacity. The
+/// first torque of a ratio starts from the kinematic state, each other one from its neighbour's state, or where that
+/// leads nowhere from the kinematic one.
 fn steady_map(model: RingModel) -> Map {
     let parameters = common::variator(model);
     let (mut solved, mut warm, mut warm_time) = (0, 0, 0.0);

@@ -1,5 +1,5 @@
-//! Two of the paper's proposals (its section 7), measured before they are built: what separate integration of reference and overlay
-//! would take, and how many modes an overlay by proper orthogonal decomposition needs.
+//! Two of the paper's proposals (its section 7), measured before they are built: what separate integration of reference
+//! and overlay would take, and how many modes an overlay by proper orthogonal decomposition needs.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use pushbelt::solver::arrow::Arrow;
@@ -24,9 +24,9 @@ pub fn measure(table: &mut Table, trace: &[Inputs]) {
 /// Steps at which it is looked at, s.
 const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 
-/// Contraction per sweep of an iteration that solves a stage for one part of the unknowns after the other (block Gauss-Seidel), in the
-/// steady state medium, 50 N·m: the spectral radius of J₁₁⁻¹ J₁₂ J₂₂⁻¹ J₂₁. Above 1 the iteration diverges, and integration
-/// of one part with the other's last values is unstable.
+/// Contraction per sweep of an iteration that solves a stage for one part of the unknowns after the other (block
+/// Gauss-Seidel), in the steady state medium, 50 N·m: the spectral radius of J₁₁⁻¹ J₁₂ J₂₂⁻¹ J₂₁. Above 1 the iteration
+/// diverges, and integration of one part with the other's last values is unstable.
 fn separated(table: &mut Table) {
     let parameters = common::variator(RingModel::Ale);
     let [_, medium, _] = LoadCase::three(&parameters, 50.0);
@@ -87,8 +87,9 @@ const MODES: [usize; 6] = [8, 16, 32, 64, 96, 128];
 /// Communication steps between snapshots; tests lie in the middle between two.
 const EVERY: usize = 10;
 
-/// Modes of the overlay from every tenth communication point of the manoeuvre, and what is lost where states in between are put on them:
-/// the largest change of ring tension, as a share of the mean tension, in the median state and in the worst one of ten.
+/// Modes of the overlay from every tenth communication point of the manoeuvre, and what is lost where states in between
+/// are put on them: the largest change of ring tension, as a share of the mean tension, in the median state and in the
+/// worst one of ten.
 fn modes(table: &mut Table, trace: &[Inputs]) {
     let parameters = Manoeuvre::variator(common::variator(RingModel::Ale));
     let mut variator = Variator::new(parameters).expect("valid parameters");

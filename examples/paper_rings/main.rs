@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --example paper_rings -- --output target/paper/rings`
 //!
-//! It measures with the functions that the tests of the ring judge by (`tests/ring`). A line of the output says what has
-//! been done: its number, how many there are, and a name.
+//! It measures with the functions that the tests of the ring judge by (`tests/ring`). A line of the output says what
+//! has been done: its number, how many there are, and a name.
 
 #[path = "../../tests/ring/common.rs"]
 #[allow(dead_code, reason = "tests use the rest")]
@@ -300,8 +300,8 @@ fn swing<C: ReferenceCurve + Debug>(tables: &mut Tables, name: &str, curve: C, m
     tables.record("6", name, &system, &record);
 }
 
-/// Smallest eigenvalue of the mass matrix over the largest, with nothing held and with what the model holds, in units that
-/// give every overlay the mass of a node.
+/// Smallest eigenvalue of the mass matrix over the largest, with nothing held and with what the model holds, in units
+/// that give every overlay the mass of a node.
 fn mass_condition<C: ReferenceCurve + Debug>(system: &RingSystem<AleRing<C>>) -> [f64; 2] {
     let mass = system.mass_matrix(&system.rest(0.4).q);
     let scaled = |free: &[usize]| {

@@ -16,8 +16,8 @@ pub mod paper;
 pub mod sweep;
 pub mod test;
 
-/// A Python program that works with the FMU, after the FMU and its packages have been made ready. Its results go to a folder of
-/// this name below the target directory.
+/// A Python program that works with the FMU, after the FMU and its packages have been made ready. Its results go to a
+/// folder of this name below the target directory.
 ///
 /// # Errors
 /// The FMU doesn't build, or the packages can't be installed.

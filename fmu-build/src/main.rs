@@ -48,7 +48,8 @@ enum Command {
     Drive(commands::drive::Arguments),
     /// Build the FMU, run the paper's examples with every ring model and write target/paper/report.html
     Paper(commands::paper::Arguments),
-    /// Build the FMU, solve for its steady states over a grid, on a cluster if need be, and write target/sweep/report.html
+    /// Build the FMU, solve for its steady states over a grid, on a cluster if need be, and write
+    /// target/sweep/report.html
     Sweep(commands::sweep::Arguments),
     /// Measure the speed of the model
     Bench(commands::bench::Arguments),

@@ -86,8 +86,8 @@ fn provide(triple: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiler flags: those of the environment instead of the workspace's own (which ask for AVX2), and the paths of this machine taken out of messages. So the bytes don't
-/// depend on where the sources lie.
+/// Compiler flags: those of the environment instead of the workspace's own (which ask for AVX2), and the paths of this
+/// machine taken out of messages. So the bytes don't depend on where the sources lie.
 fn flags(workspace: &Workspace) -> OsString {
     let given = std::env::var("RUSTFLAGS").unwrap_or_default();
     let mut flags: Vec<String> = given.split_whitespace().map(str::to_owned).collect();

@@ -54,8 +54,8 @@ impl Workspace {
         self.root.join("modelDescription.xml")
     }
 
-    /// Waits until no other run of this tool makes `what` in the target directory, and keeps others waiting until the file is
-    /// dropped.
+    /// Waits until no other run of this tool makes `what` in the target directory, and keeps others waiting until the
+    /// file is dropped.
     ///
     /// # Errors
     /// The lock file can't be written.

@@ -229,7 +229,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
     unsafe { instantiate(instance_name, fmu_type, guid, resource_location, functions, logging_on) }
 }
 
-/// [`fmi2Instantiate`] on a processor that has what the code is compiled for. Never inlined: nothing of it may run before that is known.
+/// [`fmi2Instantiate`] on a processor that has what the code is compiled for. Never inlined: nothing of it may run
+/// before that is known.
 ///
 /// # Safety
 /// As there.

@@ -1,5 +1,5 @@
-//! Whether the processor has what the code is compiled for. Asked before anything else, in a function that does nothing else: an
-//! instruction that the processor lacks would end the host.
+//! Whether the processor has what the code is compiled for. Asked before anything else, in a function that does nothing
+//! else: an instruction that the processor lacks would end the host.
 
 use std::ffi::CStr;
 
@@ -11,8 +11,8 @@ pub const OBJECTION: &CStr = c"fmi2Instantiate: this processor lacks AVX2, which
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 #[must_use]
 pub fn suffices() -> bool {
-    // Of AVX2 itself the standard library takes the compiler's word. No processor has FMA and BMI2 but not AVX2, and of these
-    // it asks processor and operating system.
+    // Of AVX2 itself the standard library takes the compiler's word. No processor has FMA and BMI2 but not AVX2, and of
+    // these it asks processor and operating system.
     std::arch::is_x86_feature_detected!("fma") && std::arch::is_x86_feature_detected!("bmi2")
 }
 

@@ -251,8 +251,8 @@ impl<U: Unit> Slave<U> {
         })
     }
 
-    /// `fmi2SerializeFMUstate`, and `fmi2SerializedFMUstateSize` by the length of what comes: the bytes, or `None` with the
-    /// status if the call failed.
+    /// `fmi2SerializeFMUstate`, and `fmi2SerializedFMUstateSize` by the length of what comes: the bytes, or `None` with
+    /// the status if the call failed.
     pub fn serialize(&mut self, function: &'static str, snapshot: &Snapshot<U>) -> (Status, Option<Vec<u8>>) {
         let mut sealed = None;
         let status = self.call(function, |slave| {

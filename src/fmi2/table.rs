@@ -154,8 +154,8 @@ pub enum Refused {
     },
 }
 
-/// How far an input may be beyond a limit, in its unit, and is taken for the limit: where another model ends at zero, rounding may
-/// leave less.
+/// How far an input may be beyond a limit, in its unit, and is taken for the limit: where another model ends at zero,
+/// rounding may leave less.
 const ROUNDING: f64 = 1.0e-6;
 
 impl<S, R> Variable<S, R> {

@@ -1,18 +1,18 @@
 //! The reference curve of a belt drive with any number of pulleys, back-side idlers included (paper section 7).
 //!
-//! Pulleys stand in the order in which the belt meets them, clockwise. A pulley inside the loop has a positive radius ρ;
-//! one that presses on the back of the belt has a negative one. With t = (sin χ, cos χ), n = (cos χ, −sin χ) the belt on
-//! a pulley is at O − ρ n, so the strand from pulley j to the next has D = O' − O = b t + (ρ' − ρ) n:
+//! Pulleys stand in the order in which the belt meets them, clockwise. A pulley inside the loop has a positive radius
+//! ρ; one that presses on the back of the belt has a negative one. With t = (sin χ, cos χ), n = (cos χ, −sin χ) the
+//! belt on a pulley is at O − ρ n, so the strand from pulley j to the next has D = O' − O = b t + (ρ' − ρ) n:
 //!
 //! b = √(D² − (ρ'−ρ)²), χ = atan2(D_x, D_y) − asin((ρ'−ρ)/|D|),
 //!
-//! and the arc on a pulley measures ρ (χ_out − χ_in), with turning of the sign of ρ. All turnings add up to 2π. The curve
-//! starts at the leftmost point of pulley 0, χ = 0, which must lie on its arc: its segments are the rest of that arc,
-//! strand, arc, …, strand, and the beginning of that arc.
+//! and the arc on a pulley measures ρ (χ_out − χ_in), with turning of the sign of ρ. All turnings add up to 2π. The
+//! curve starts at the leftmost point of pulley 0, χ = 0, which must lie on its arc: its segments are the rest of that
+//! arc, strand, arc, …, strand, and the beginning of that arc.
 //!
-//! Without a [`Tensioner`] all axes are fixed; the belt then has the length that fits, and no Θ. A tensioner carries one
-//! pulley on an arm about a pivot; Θ is the arm's angle, and the arm's length a(Θ) keeps the belt's length, as r_P(Θ) does
-//! in a variator.
+//! Without a [`Tensioner`] all axes are fixed; the belt then has the length that fits, and no Θ. A tensioner carries
+//! one pulley on an arm about a pivot; Θ is the arm's angle, and the arm's length a(Θ) keeps the belt's length, as
+//! r_P(Θ) does in a variator.
 
 use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
 use crate::scalar::{Real, turn_right};

@@ -1,5 +1,5 @@
-//! A curve seen from a mesh that does not follow its arcs: mesh points stand at fixed ξ, as the paper's elements do, and
-//! arc borders move through them as Θ changes.
+//! A curve seen from a mesh that does not follow its arcs: mesh points stand at fixed ξ, as the paper's elements do,
+//! and arc borders move through them as Θ changes.
 //!
 //! With F(ξ, Θ) the curve and ξ(η, Θ) its own mesh: ∂F/∂Θ = ∂r/∂Θ|_η − ξ_Θ t, χ_Θ|_ξ = χ_Θ|_η − ξ_Θ κ, and so on; the
 //! curvature of an arc does not depend on ξ, so κ_Θ is the same. What is lost is what the paper's (18) loses: when a
@@ -134,8 +134,8 @@ impl<C: ReferenceCurve> Unaligned<C> {
     }
 }
 
-/// Scalars that carry derivatives carry first ones. Places in the lanes of a pack may lie on different segments; Θ is the
-/// same in all.
+/// Scalars that carry derivatives carry first ones. Places in the lanes of a pack may lie on different segments; Θ is
+/// the same in all.
 impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
     type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
 

@@ -5,13 +5,13 @@
 //!
 //! κ_n = n_refᵀ r'' − κ_ref (t_refᵀ r' − 1).
 //!
-//! In space ½∫EI_b κ_b² dξ comes in, κ_b = b_refᵀ r'' = w'' (24), with w the deflection along z, and γ contains w'. b_ref is
-//! constant, so w bends, and is carried along, as a straight beam's deflection is; plane and binormal meet in |r'| alone.
-//! What (24) leaves out is the twist φ of the sections: with it, on an arc, κ_b = w'' + κ_ref φ and the torsion is
-//! φ' − κ_ref w'. φ = 0 says that sections stay upright, as elements between two flanks hold them; on strands
-//! (κ_ref = 0) nothing is left out, and the torsional stiffness of a thin band is small (G t³/3 against E w³/12·t). So a shift
-//! along z costs nothing, but a tilt of a whole free circle by ψ costs ½ EI_b ∮w''² dξ = ½π EI_b ψ²/R: its sections are not
-//! allowed to tilt with it.
+//! In space ½∫EI_b κ_b² dξ comes in, κ_b = b_refᵀ r'' = w'' (24), with w the deflection along z, and γ contains w'.
+//! b_ref is constant, so w bends, and is carried along, as a straight beam's deflection is; plane and binormal meet in
+//! |r'| alone. What (24) leaves out is the twist φ of the sections: with it, on an arc, κ_b = w'' + κ_ref φ and the
+//! torsion is φ' − κ_ref w'. φ = 0 says that sections stay upright, as elements between two flanks hold them; on
+//! strands (κ_ref = 0) nothing is left out, and the torsional stiffness of a thin band is small (G t³/3 against E
+//! w³/12·t). So a shift along z costs nothing, but a tilt of a whole free circle by ψ costs ½ EI_b ∮w''² dξ = ½π EI_b
+//! ψ²/R: its sections are not allowed to tilt with it.
 //!
 //! V is differentiated at fixed η, dξ = ξ_η dη included. That contains the border terms ½EI\[κ²\] dξ_k/dΘ that the
 //! paper's (18), (23b) lose where κ_ref jumps at a moving arc border.

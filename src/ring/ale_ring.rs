@@ -1,9 +1,9 @@
 //! `ALE` and `ALE0` as a ring model: the kinematics and the law that the variator uses, element by element.
 //!
-//! r = R(ξ, Θ) + Σ A_i S_i q_fi (10). A_i is the identity, or [t, n]_ref, see [`Directions`]. s and Θ repeat motions that
-//! q_f can make, so node 0 is locked to the reference curve: along the curve because of s, across it because of Θ. A
-//! curve without a ratio needs the first lock only; a second would hold the free ring. `ALE0` locks every node: the ring
-//! then has s and Θ alone.
+//! r = R(ξ, Θ) + Σ A_i S_i q_fi (10). A_i is the identity, or [t, n]_ref, see [`Directions`]. s and Θ repeat motions
+//! that q_f can make, so node 0 is locked to the reference curve: along the curve because of s, across it because of Θ.
+//! A curve without a ratio needs the first lock only; a second would hold the free ring. `ALE0` locks every node: the
+//! ring then has s and Θ alone.
 //!
 //! In space (D = 3) nodes deflect along z too. Nothing is locked there: s and Θ don't move along z.
 
@@ -18,8 +18,8 @@ use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
 use crate::scalar::Real;
 use nalgebra::{SVector, Vector2};
 
-/// Says of a deflection with D components that N = 4D + 2 unknowns tell an element's motion: deflection and slope of two
-/// nodes, s and Θ.
+/// Says of a deflection with D components that N = 4D + 2 unknowns tell an element's motion: deflection and slope of
+/// two nodes, s and Θ.
 pub trait Unknowns<const N: usize> {}
 /// A deflection with D components.
 #[derive(Debug)]
@@ -42,9 +42,9 @@ pub enum Directions {
     /// A_i = identity: x and y. The paper's choice for the variator, and the default.
     #[default]
     Fixed,
-    /// A_i = [t, n]_ref: along the reference curve and inwards. The deflection turns with the curve as Θ changes. Slopes of
-    /// nodes are those of the deflection itself, resolved in t and n, so that the ring has one tangent where an arc meets a
-    /// strand and A_i' jumps.
+    /// A_i = [t, n]_ref: along the reference curve and inwards. The deflection turns with the curve as Θ changes.
+    /// Slopes of nodes are those of the deflection itself, resolved in t and n, so that the ring has one tangent where
+    /// an arc meets a strand and A_i' jumps.
     Reference,
 }
 

@@ -1,10 +1,10 @@
-//! `ANCF`: planar absolute nodal coordinates, the gradient-deficient cable element of two nodes (Shabana 1997, Multibody
-//! Syst. Dyn. 1, 339–348; elastic forces: Berzeri and Shabana 2000, J. Sound Vib. 235, 539–565).
+//! `ANCF`: planar absolute nodal coordinates, the gradient-deficient cable element of two nodes (Shabana 1997,
+//! Multibody Syst. Dyn. 1, 339–348; elastic forces: Berzeri and Shabana 2000, J. Sound Vib. 235, 539–565).
 //!
 //! The unknowns of a node are its position and its gradient r' = ∂r/∂x̄; cubic Hermite functions in between, as for the
-//! overlay of the ALE ring (paper 5.2). So r is linear in the unknowns and the mass matrix constant. Strain and curvature
-//! are those of [`super::beam`], the membrane strain of each quadrature point: cubic position and pointwise strain make
-//! the membrane of a thin curved element too stiff (locking), the stiffness that the paper's 5.4 observes.
+//! overlay of the ALE ring (paper 5.2). So r is linear in the unknowns and the mass matrix constant. Strain and
+//! curvature are those of [`super::beam`], the membrane strain of each quadrature point: cubic position and pointwise
+//! strain make the membrane of a thin curved element too stiff (locking), the stiffness that the paper's 5.4 observes.
 
 use super::kinematics::{Hermite, Motion, combine};
 use super::lagrangian::{LagrangianElement, LagrangianRing};

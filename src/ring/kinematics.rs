@@ -2,8 +2,8 @@
 //! to it.
 //!
 //! Position r = R(ξ, Θ) + B q_f (10) with A_i = identity and cubic Hermite functions (paper 5.2) on elements whose
-//! borders stay on the arc borders. The reference curve is planar, the deflection has D components: x and y, and in space
-//! w along z, the direction of the binormal. At fixed mesh point η:
+//! borders stay on the arc borders. The reference curve is planar, the deflection has D components: x and y, and in
+//! space w along z, the direction of the binormal. At fixed mesh point η:
 //!
 //! - ring velocity v = ṙ + w r', w = ṡ − ξ̇_η (12),
 //! - ring acceleration Dv/Dt = r̈ + ẇ r' + 2w (r')˙ + w² r'',
@@ -350,8 +350,8 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         }
     }
 
-    /// Where component `k` of the nodal unknown with shape function `m` varies; `alpha` and `beta` are the factors of acceleration
-    /// and position, `inverse` = 1/|r'|.
+    /// Where component `k` of the nodal unknown with shape function `m` varies; `alpha` and `beta` are the factors of
+    /// acceleration and position, `inverse` = 1/|r'|.
     #[inline(always)]
     pub fn of_node(
         point: &RingPoint<T, D>,
@@ -521,7 +521,8 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
         self.theta -= (load.slope.dot(&variation.slope) + load.bend.dot(&variation.bend) * 2.0) * growth * weight;
     }
 
-    /// What [`ElementLoad::nodes`] gains on Θ where the slope of a node varies by `by` in component `k` under fixed loads.
+    /// What [`ElementLoad::nodes`] gains on Θ where the slope of a node varies by `by` in component `k` under fixed
+    /// loads.
     #[inline(always)]
     pub fn slope_varied(&self, node: usize, k: usize, by: f64, element: &ElementMotion<T, D>) -> T {
         self.d[2 * node + 1][k] * element.length.d * by

@@ -101,8 +101,8 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
         E::motion(self.element_length(), &motion[..NODAL])
     }
 
-    /// The particle at the local coordinate x of an element with these unknowns. x may carry derivatives: a station that
-    /// stands in space meets x̄ = ξ(Θ) − s, so x moves with s and Θ.
+    /// The particle at the local coordinate x of an element with these unknowns. x may carry derivatives: a station
+    /// that stands in space meets x̄ = ξ(Θ) − s, so x moves with s and Θ.
     #[inline(always)]
     pub fn passing<T: Real + Mul<W, Output = T>, W: Real>(&self, unknowns: &[Motion<T>], x: W) -> Particle<T> {
         E::particle(&self.motion(unknowns), &E::shape(x))

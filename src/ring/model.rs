@@ -2,8 +2,8 @@
 //!
 //! Unknowns stand in blocks around the loop, one a ring element: its left node, then what belongs to the element alone.
 //! The border holds the drift s and Θ. An element depends on N of them: those of its own block and the next one's node,
-//! s, and Θ; N = 10 in the plane. A model tells the ring's [`Particle`]s from their motion, takes forces on particles, and
-//! knows its balance of inertia and elasticity. Particles have D = 2 components, or 3 in space.
+//! s, and Θ; N = 10 in the plane. A model tells the ring's [`Particle`]s from their motion, takes forces on particles,
+//! and knows its balance of inertia and elasticity. Particles have D = 2 components, or 3 in space.
 //!
 //! | model | mesh | block | s | Θ |
 //! |---|---|---|---|---|
@@ -64,8 +64,8 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
     /// Unknowns in a block.
     const BLOCK: usize;
 
-    /// Whether the mesh travels with the ring. Its unknowns are positions then, s follows from the mean drift and Θ is held;
-    /// otherwise s and Θ are coordinates of the motion.
+    /// Whether the mesh travels with the ring. Its unknowns are positions then, s follows from the mean drift and Θ is
+    /// held; otherwise s and Θ are coordinates of the motion.
     const LAGRANGIAN: bool;
 
     /// What depends on Θ alone, computed once for all elements.

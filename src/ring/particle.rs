@@ -1,9 +1,9 @@
-//! A ring particle: where the ring is at a place and how its material moves there. Every ring model tells this, and takes
-//! forces on it; how the place follows from unknowns is the model's own.
+//! A ring particle: where the ring is at a place and how its material moves there. Every ring model tells this, and
+//! takes forces on it; how the place follows from unknowns is the model's own.
 //!
-//! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and velocities are those of the
-//! material. The mesh of chain and contact stands in space: [`Particle::at_station`] sees the particle that passes a
-//! mesh point η as the [`RingPoint`] which the chain needs,
+//! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and velocities are those of
+//! the material. The mesh of chain and contact stands in space: [`Particle::at_station`] sees the particle that passes
+//! a mesh point η as the [`RingPoint`] which the chain needs,
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 

@@ -16,9 +16,9 @@
 //! - the deflection shortens its projection: u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²] keeps |r'| even to the order of w'⁴,
 //! - r = r₁ + g (x̄ + u) + g⊥ w.
 //!
-//! Angles enter by sine and cosine of φ only, so the ring may turn without end. Energy is that of [`super::beam`] with the
-//! mean strain of the element: the deflection of an inextensible arc then costs no membrane energy (no locking). Limits: an
-//! element may turn by less than about 1 rad; inside an element the stretch is even up to w'⁴/8.
+//! Angles enter by sine and cosine of φ only, so the ring may turn without end. Energy is that of [`super::beam`] with
+//! the mean strain of the element: the deflection of an inextensible arc then costs no membrane energy (no locking).
+//! Limits: an element may turn by less than about 1 rad; inside an element the stretch is even up to w'⁴/8.
 
 use super::kinematics::Motion;
 use super::lagrangian::{LagrangianElement, LagrangianRing};
@@ -36,8 +36,8 @@ pub type Rcm<C> = LagrangianRing<RcmElement, C>;
 #[derive(Clone, Debug)]
 pub enum RcmElement {}
 
-/// Coefficients of N_k in powers x¹ to x⁵: slope 1 at the left end, at the right end, value 1 at x = ¼, at x = ¾; each is zero
-/// in the other three conditions and at both ends.
+/// Coefficients of N_k in powers x¹ to x⁵: slope 1 at the left end, at the right end, value 1 at x = ¼, at x = ¾; each
+/// is zero in the other three conditions and at both ends.
 const BENDING: [[f64; 5]; 4] = [
     // x (1−x)² (x−¼)(x−¾)·16/3
     [1.0, -22.0 / 3.0, 17.0, -16.0, 16.0 / 3.0],

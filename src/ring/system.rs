@@ -1,7 +1,7 @@
 //! The ring alone, free in the plane or in space, as an implicit system: no chain, contact or pulleys (paper 5.3).
 //!
-//! ∫ m_r Pᵀ Dv/Dt dξ + ∂V/∂q + damping = 0 (25) for any [`RingModel`]. Unknowns are the rates: blocks of the model around
-//! the loop, then ṡ and Θ̇ in the border, so the Jacobian is an arrow matrix whatever the model.
+//! ∫ m_r Pᵀ Dv/Dt dξ + ∂V/∂q + damping = 0 (25) for any [`RingModel`]. Unknowns are the rates: blocks of the model
+//! around the loop, then ṡ and Θ̇ in the border, so the Jacobian is an arrow matrix whatever the model.
 
 use super::kinematics::Motion;
 use super::model::{Coordinates, DIRECTIONS, Energy, RingModel, Shape};
@@ -137,9 +137,9 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
         Ok(())
     }
 
-    /// Lets a ring at rest that is nearly in balance find it: `count` implicit steps of size `step`, s, whose velocities are
-    /// forgotten. What is stiff against `step` settles, what is soft hardly moves: so the stretch goes that cubic elements
-    /// have when they are laid on a shape.
+    /// Lets a ring at rest that is nearly in balance find it: `count` implicit steps of size `step`, s, whose
+    /// velocities are forgotten. What is stiff against `step` settles, what is soft hardly moves: so the stretch goes
+    /// that cubic elements have when they are laid on a shape.
     ///
     /// # Errors
     /// The step size fell below the integrator's smallest.

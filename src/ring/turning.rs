@@ -6,9 +6,9 @@
 //! - u = A d, u' = A e, e = d' − κ J d, u'' = A (d'' − 2κ J d' − κ² d), since t' = κ n and n' = −κ t,
 //! - u̇ = A (ḋ − χ̇ J d), ü = A (d̈ − 2χ̇ J ḋ − χ̈ J d − χ̇² d), (u')˙ = A (ė − χ̇ J e), dots at fixed η.
 //!
-//! d is interpolated on elements by the same Hermite functions as with fixed directions. κ is constant on an arc or strand
-//! and jumps in between, so with d' continuous the tangent of the ring would not be: nodes hold e, and an element's
-//! d' = e + κ J d with the curvature of its own side.
+//! d is interpolated on elements by the same Hermite functions as with fixed directions. κ is constant on an arc or
+//! strand and jumps in between, so with d' continuous the tangent of the ring would not be: nodes hold e, and an
+//! element's d' = e + κ J d with the curvature of its own side.
 
 use super::kinematics::{
     ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane, inward_normal,

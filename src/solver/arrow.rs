@@ -12,7 +12,8 @@
 //! Unknowns whose neighbours change may stand in an order of their own, see [`Arrow::reorder`].
 //!
 //! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
-//! in n: O(n (b+g)² b). Pivoting is inside a block; faer factors the border, and blocks whose size the compiler doesn't know.
+//! in n: O(n (b+g)² b). Pivoting is inside a block; faer factors the border, and blocks whose size the compiler doesn't
+//! know.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
@@ -120,8 +121,8 @@ impl Arrow {
         }
     }
 
-    /// Sets every entry to zero and gives unknown i of the vector the place `order[i]`, a permutation that leaves the border
-    /// where it is. Factors keep the order that they were made in.
+    /// Sets every entry to zero and gives unknown i of the vector the place `order[i]`, a permutation that leaves the
+    /// border where it is. Factors keep the order that they were made in.
     pub fn reorder(&mut self, order: &[usize]) {
         self.clear();
         self.order.clear();
@@ -401,8 +402,8 @@ pub struct ArrowLu {
     ordered: Vec<f64>,
 }
 
-/// Calls a method for the size of a block, B, and of the border together with block 0, W: those of the variator's Eulerian rings, with one
-/// cell an element and in space too, so that the compiler knows them. 0 stands for any other.
+/// Calls a method for the size of a block, B, and of the border together with block 0, W: those of the variator's
+/// Eulerian rings, with one cell an element and in space too, so that the compiler knows them. 0 stands for any other.
 macro_rules! for_size {
     ($lu:expr, $method:ident($argument:expr)) => {
         match ($lu.shape.block, $lu.shape.border) {

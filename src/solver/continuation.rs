@@ -34,9 +34,9 @@ pub struct Trial<'a> {
     pub step: f64,
 }
 
-/// Drives a state to the steady one. `judge` sees each solved step, may correct the system (a control of the
-/// steady state), and answers with the longest step to try next, or with none to refuse the step as too large. After the last step
-/// comes another, which answers what `judge` corrected last.
+/// Drives a state to the steady one. `judge` sees each solved step, may correct the system (a control of the steady
+/// state), and answers with the longest step to try next, or with none to refuse the step as too large. After the last
+/// step comes another, which answers what `judge` corrected last.
 ///
 /// # Errors
 /// [`Settled`] so far, if the step stalled or the solves ran out. The state is then the last one solved.

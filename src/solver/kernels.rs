@@ -1,5 +1,5 @@
-//! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they stand in registers, several times
-//! as fast as loops over slices; for products a size of 0 stands for any.
+//! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they stand in registers,
+//! several times as fast as loops over slices; for products a size of 0 stands for any.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -66,7 +66,8 @@ pub fn gemm<const R: usize, const C: usize>(
     }
 }
 
-/// Replaces A, of R rows, by its inverse: Gauss and Jordan's elimination with row pivoting. False if A is singular or not finite.
+/// Replaces A, of R rows, by its inverse: Gauss and Jordan's elimination with row pivoting. False if A is singular or
+/// not finite.
 #[inline(always)]
 pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
     let a = &mut a.as_chunks_mut::<R>().0[..R];

@@ -8,15 +8,16 @@ use crate::tape::Tape;
 const FRESH_ITERATIONS: usize = 15;
 /// Most iterations of Broyden's method with the same factors. An iteration costs a twentieth of a Jacobian.
 const QUASI_ITERATIONS: usize = 16;
-/// What iterations beyond the first of a stage cost, added up over stages, after which the next stage takes a new Jacobian. The
-/// second counts once, for a new Jacobian saves it in smooth motions only; each further one counts [`FURTHER`] times.
+/// What iterations beyond the first of a stage cost, added up over stages, after which the next stage takes a new
+/// Jacobian. The second counts once, for a new Jacobian saves it in smooth motions only; each further one counts
+/// [`FURTHER`] times.
 const STALE: u64 = 40;
 const FURTHER: usize = 3;
-/// Growth of the step in one iteration at which Broyden's method is given up. Where cells change their regime steps grow and
-/// fall again.
+/// Growth of the step in one iteration at which Broyden's method is given up. Where cells change their regime steps
+/// grow and fall again.
 const DIVERGED: f64 = 8.0;
-/// Contraction that the first iteration is trusted with at best, and its growth with each stage that ends without measuring it: so it
-/// is measured again before it is stale.
+/// Contraction that the first iteration is trusted with at best, and its growth with each stage that ends without
+/// measuring it: so it is measured again before it is stale.
 const BEST_RATE: f64 = 1.0e-3;
 const AGEING: f64 = 1.2;
 /// Part of the tolerance that may be left after the last iteration.
@@ -251,10 +252,10 @@ impl Newton {
         }
     }
 
-    /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a few
-    /// cells have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates make
-    /// good. Given up when it diverges; `stage.y` is then the best point it saw. `corrected` tells that the correction at `stage.y`
-    /// is at hand.
+    /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a
+    /// few cells have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates
+    /// make good. Given up when it diverges; `stage.y` is then the best point it saw. `corrected` tells that the
+    /// correction at `stage.y` is at hand.
     fn quasi<S: System>(
         &mut self,
         system: &mut S,
@@ -284,7 +285,8 @@ impl Newton {
                     break;
                 }
             }
-            // After the first iteration the last stage's rate counts; Broyden's method contracts a little faster from one to the next.
+            // After the first iteration the last stage's rate counts; Broyden's method contracts a little faster from
+            // one to the next.
             let ahead = if iteration == 0 {
                 self.rate = (self.rate.max(BEST_RATE) * AGEING).min(1.0);
                 self.rate

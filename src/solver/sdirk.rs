@@ -31,7 +31,8 @@ pub trait Evolution: System {
     /// Called with the time of each stage before it is solved, s: for loads that change within a step.
     fn set_time(&mut self, _time: f64) {}
 
-    /// Called for each accepted step of size `h`, s: to integrate what is not part of the state, by the trapezoidal rule.
+    /// Called for each accepted step of size `h`, s: to integrate what is not part of the state, by the trapezoidal
+    /// rule.
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64);
 }
 
@@ -60,8 +61,8 @@ pub struct Sdirk {
     /// Size of the step whose stages are kept; none after an attempt that failed, s.
     kept: Option<f64>,
     stages: [State; 2],
-    /// ẏ at the end of the last step, before loads jumped: what the first stage is guessed with. A sheave follows its force in less than a
-    /// step, so its jump would lead far off.
+    /// ẏ at the end of the last step, before loads jumped: what the first stage is guessed with. A sheave follows its
+    /// force in less than a step, so its jump would lead far off.
     slope: Vec<f64>,
     base: Vec<f64>,
     position: Vec<f64>,

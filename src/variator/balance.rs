@@ -260,7 +260,8 @@ impl VariatorSystem {
         })
     }
 
-    /// Power supplied at the shafts, W, without what accelerates a pulley in speed drive; `torques` are the belt's on the pulleys.
+    /// Power supplied at the shafts, W, without what accelerates a pulley in speed drive; `torques` are the belt's on
+    /// the pulleys.
     #[must_use]
     pub fn shaft_power(&self, view: View<'_>, torques: [f64; 2]) -> f64 {
         let external = self.external_torques(view, torques);

@@ -1,4 +1,9 @@
-//! Boundary conditions at the pulleys: loads and set points, how they change with time, and the pulleys' own rows.
+//! Boundary conditions at the pulleys: loads and set points, how they change with time, and the pulleys' own rows:
+//!
+//! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1,
+//! - tilt of one sheave: k (ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ). Its shape is Sattler's trigonometric law with the
+//!   amplitude from moment balance: |ψ| = aΔ tan β, a = (1 + cos²β)/sin 2β, gives the same spread of radius,
+//! - rotation: J ω̇ = T + belt torque, or τ_ω ω̇ = ω_set − ω in speed drive.
 
 use super::layout::Global;
 use super::mesh::{P, S};
@@ -103,9 +108,9 @@ impl Course {
 }
 
 impl VariatorSystem {
-    /// Puts boundary conditions in force that hold at time `from` and whose loads change at `rates`, as they are at `time`.
-    /// Loads act on the pulleys' own inertia alone, so the rates `y_dot` that jump with them are known; the integrator's error
-    /// estimate needs them.
+    /// Puts boundary conditions in force that hold at time `from` and whose loads change at `rates`, as they are at
+    /// `time`. Loads act on the pulleys' own inertia alone, so the rates `y_dot` that jump with them are known; the
+    /// integrator's error estimate needs them.
     pub fn change_loads(&mut self, from: f64, boundary: Boundary, rates: LoadRates, time: f64, y_dot: &mut [f64]) {
         let course = Course {
             from,
@@ -167,7 +172,8 @@ impl VariatorSystem {
         self.boundary = boundary;
     }
 
-    /// Clamping force under which a sheave stands still, N: the belt's `axial` force on it, less what an end stop gives.
+    /// Clamping force under which a sheave stands still, N: the belt's `axial` force on it, less what an end stop
+    /// gives.
     #[must_use]
     pub fn holding_force(&self, j: usize, view: View<'_>, axial: f64) -> f64 {
         let z = self.layout.global(Global::Sheave, j);

@@ -39,14 +39,15 @@ pub struct CellLaw {
     pub axes: [f64; 2],
     /// Where the sheaves stand along z.
     pub planes: [SheavePlane; 2],
-    /// Whether amounts leave with a lag. Not with one cell an element: what it depends on would leave the band of the matrix.
+    /// Whether amounts leave with a lag. Not with one cell an element: what it depends on would leave the band of the
+    /// matrix.
     pub has_lag: bool,
 }
 
 /// The middle of a pulley along z: it moves away from the movable sheave by half of what that closes.
 ///
-/// The movable sheaves stand on opposite sides of the belt, so both middles go the same way when the ratio changes. They
-/// part by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii don't change equally.
+/// The movable sheaves stand on opposite sides of the belt, so both middles go the same way when the ratio changes.
+/// They part by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii don't change equally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheavePlane {
     /// Where the movable sheave stands: +1 or −1 along z.
@@ -109,7 +110,8 @@ pub struct CellMotion<T: Real> {
 }
 
 impl<T: Real> CellMotion<T> {
-    /// From what tells the unknowns of a direction: V, V, N are those from `own` on, s, Θ, z, ψ_x, ψ_y, ω those from `globals` on.
+    /// From what tells the unknowns of a direction: V, V, N are those from `own` on, s, Θ, z, ψ_x, ψ_y, ω those from
+    /// `globals` on.
     #[inline(always)]
     pub(super) fn of_directions(
         [own, globals]: [usize; 2],
@@ -428,8 +430,8 @@ impl<T: Real> Approach<T> {
         }
     }
 
-    /// Loads of the two flanks of an element whose ring moves with v_e. In the plane they are alike; in space the element may be off the
-    /// middle. `plane` is that of [`Place::plane`].
+    /// Loads of the two flanks of an element whose ring moves with v_e. In the plane they are alike; in space the
+    /// element may be off the middle. `plane` is that of [`Place::plane`].
     #[inline(always)]
     fn both_flanks<const D: usize>(
         &self,
@@ -516,8 +518,8 @@ pub(super) fn share<T: Real>(face: usize, right: T::Constant) -> T {
     T::constant(if face == 0 { -right + 1.0 } else { right })
 }
 
-/// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference curve
-/// at the face (0) and at the stations (1 and on); `probe` sees every station.
+/// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference
+/// curve at the face (0) and at the stations (1 and on); `probe` sees every station.
 #[inline(always)]
 pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     law: &CellLaw,
@@ -532,7 +534,8 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     let e = p.belt.pitch_offset;
     let theta_dot = motion.reference.theta.rate;
 
-    // Cell: length of the pitch line, density, shortening. All slots in one loop, so that what they need is compiled in once.
+    // Cell: length of the pitch line, density, shortening. All slots in one loop, so that what they need is compiled in
+    // once.
     let mut face = None;
     let mut points = [None; STATIONS];
     let mut pitch_length = T::zero();

@@ -21,8 +21,8 @@ pub struct Ledger {
     pub last: Survey,
 }
 
-/// Part of its elements by which a ring that travels moves on in a step. Twice as much takes more work: Newton's method then
-/// needs twice the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
+/// Part of its elements by which a ring that travels moves on in a step. Twice as much takes more work: Newton's method
+/// then needs twice the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
 const PASSING: f64 = 1.0 / 180.0;
 
 impl Evolution for VariatorSystem {
@@ -97,8 +97,8 @@ impl Evolution for VariatorSystem {
         let mut lost = half * (first.lost + second.lost);
         let mut supplied = half * (first.supplied + second.supplied);
         let mut moved = half * (first.moved + second.moved);
-        // A sheave's step response is shorter than a step, so its force's work and its damper's loss take Simpson's rule, with ż in
-        // the middle from the way: under a constant force the work is exact.
+        // A sheave's step response is shorter than a step, so its force's work and its damper's loss take Simpson's
+        // rule, with ż in the middle from the way: under a constant force the work is exact.
         let simpson = |[first, middle, last]: [f64; 3]| h / 6.0 * (first + 4.0 * middle + last);
         for j in [S, P] {
             let z = self.layout.global(Global::Sheave, j);

@@ -20,7 +20,8 @@ const COLD_STEP: f64 = 1.0e-6;
 /// Shortest time to advance by, s: rates over less are rounding errors.
 const SHORTEST_STEP: f64 = 1.0e-9;
 
-/// Time without net compression in a strand after which it is told of again, s: a strand at the limit does not fill the log.
+/// Time without net compression in a strand after which it is told of again, s: a strand at the limit does not fill the
+/// log.
 const QUIET: f64 = 1.0;
 
 /// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and

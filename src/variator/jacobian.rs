@@ -1,4 +1,5 @@
-//! The exact Jacobian: packs of cells looked at, differentiated where their derivatives no longer hold, and added to the matrix.
+//! The exact Jacobian: packs of cells looked at, differentiated where their derivatives no longer hold, and added to
+//! the matrix.
 
 use super::cell::{NoProbe, balance};
 use super::kept::{Kept, Look, Regime};
@@ -156,8 +157,8 @@ impl VariatorSystem {
         }
     }
 
-    /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry of its
-    /// column, and of all figures that the amounts need.
+    /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry
+    /// of its column, and of all figures that the amounts need.
     #[cfg(test)]
     pub(super) fn worst_derivative<const KIND: u8, const D: usize, C: Standing>(
         &self,

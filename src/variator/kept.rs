@@ -1,8 +1,9 @@
 //! Derivatives of cells, kept from one Jacobian to the next.
 //!
-//! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their regime
-//! from one to the next: contact, friction, push, flow. The others' derivatives are still good for Newton's method, which
-//! needs a direction and not a derivative. So each pack of cells remembers where it was differentiated, and what it was in.
+//! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their
+//! regime from one to the next: contact, friction, push, flow. The others' derivatives are still good for Newton's
+//! method, which needs a direction and not a derivative. So each pack of cells remembers where it was differentiated,
+//! and what it was in.
 
 use super::cell::{CellLaw, STATIONS, Sample, pressing, ring_load};
 use super::pack::{MOST, Unknowns};
@@ -23,8 +24,8 @@ const RESCALED: f64 = 1.05;
 /// Angle by which the ring may have turned, rad: EA times this is a fifth of its tension.
 const TURNED: f64 = 1.0e-4;
 
-/// What the derivatives of a pack of cells depend on besides what changes little: for each kind of force its slope, in units
-/// of the inertia that resists it in the step.
+/// What the derivatives of a pack of cells depend on besides what changes little: for each kind of force its slope, in
+/// units of the inertia that resists it in the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Regime {
     figures: [Lanes; FIGURES],
@@ -177,8 +178,8 @@ impl Kept {
         most
     }
 
-    /// Passes by a tape where `directions` derivatives were taken; they can be taken there again. Lanes beyond `used` repeat
-    /// the last.
+    /// Passes by a tape where `directions` derivatives were taken; they can be taken there again. Lanes beyond `used`
+    /// repeat the last.
     pub(super) fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
         for slope in &mut self.slopes {
             tape.real(slope);

@@ -2,8 +2,8 @@
 //!
 //! Its nodes pass under the stations, so it has no steady state, only one that repeats with every element. The steady
 //! solver finds the state of `ALE`, and the ring is laid on it: nodes on r(ξ) with its slope, velocities those of the
-//! material, everything else the same. What the elements cannot follow, and what they stretch by lying there, settles within the
-//! first pass of an element.
+//! material, everything else the same. What the elements cannot follow, and what they stretch by lying there, settles
+//! within the first pass of an element.
 
 use super::layout::Global;
 use super::system::VariatorSystem;

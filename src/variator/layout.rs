@@ -1,11 +1,11 @@
 //! Where each unknown stands. The unknowns are velocities and first-order states; positions follow from q̇ = y.
 //!
-//! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z), then for each cell the speed V of its
-//! left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left face. The border holds
-//! the globals.
+//! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z), then for each cell
+//! the speed V of its left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left
+//! face. The border holds the globals.
 //!
-//! With a ring that travels with its mesh the cells stand first, each with V and N, then the nodes of the ring, then what
-//! is left free in the blocks; [`super::order`] puts them in the order of the matrix.
+//! With a ring that travels with its mesh the cells stand first, each with V and N, then the nodes of the ring, then
+//! what is left free in the blocks; [`super::order`] puts them in the order of the matrix.
 
 use super::mesh::BeltMesh;
 use super::order::Travelling;
@@ -123,7 +123,8 @@ impl Layout {
         self.elements * self.cells_per_element
     }
 
-    /// Component `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; of a ring that travels, what its model has there.
+    /// Component `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; of a ring that travels, what its model has
+    /// there.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
         if let Some(t) = &self.travelling {

@@ -27,7 +27,8 @@ use crate::solver::{State, System};
 const NEUTRAL: f64 = 1.0e-3;
 /// Part of the cut-off at which the static gain is taken: it must not meet a neutral mode.
 const NEARLY_STATIC: f64 = 1.0e-3;
-/// Part of the cut-off to which eigenvalues are shifted: near it rounding moves them least, and the slowest are the nearest to each other.
+/// Part of the cut-off to which eigenvalues are shifted: near it rounding moves them least, and the slowest are the
+/// nearest to each other.
 const SHIFT: f64 = 0.01;
 /// Largest Θ̇ of a working point, 1/s.
 const STEADY: f64 = 1.0e-4;
@@ -189,7 +190,8 @@ pub fn linearise(
         .solve(&b_slow);
     let d: Vec<Vec<f64>> = (0..loads.len())
         .map(|l| {
-            // What the slow modes leave, before outputs are differentiated: they are large here and sliding bends with them.
+            // What the slow modes leave, before outputs are differentiated: they are large here and sliding bends with
+            // them.
             let mut x = column(&whole, l);
             let mut rate: Vec<f64> = x.iter().map(|x| sigma * x).collect();
             for k in 0..right.ncols() {
@@ -330,8 +332,8 @@ fn descriptor(system: &mut VariatorSystem, state: &State) -> (Mat<f64>, Mat<f64>
         e[(n + k, n + k)] = 1.0;
         a[(n + k, j)] = 1.0;
     }
-    // Elements on the belt are neither gained nor lost: as a constraint in place of one of the balances that together say so. Left
-    // among the modes, it would be one with the eigenvalue 0, and rounding mixes it with slow ones.
+    // Elements on the belt are neither gained nor lost: as a constraint in place of one of the balances that together
+    // say so. Left among the modes, it would be one with the eigenvalue 0, and rounding mixes it with slow ones.
     let cells = system.layout.cells();
     let balance = system.layout.amount(cells - 1);
     for j in 0..size {
@@ -382,8 +384,8 @@ fn slow_modes(e: &Mat<f64>, a: &Mat<f64>, cut_off: f64) -> Result<(Mat<f64>, Mat
     let mut right = modes(&inverted)?;
     right.retain(|(lambda, _)| (NEUTRAL..cut_off).contains(&lambda.norm()));
     right.sort_by(|(a, _), (b, _)| a.norm().total_cmp(&b.norm()));
-    // Left eigenvectors w of (σE − A)⁻¹E; those of the pencil are w (σE − A)⁻¹. Rounding may move an eigenvalue across the
-    // cut-off, so each finds its nearest.
+    // Left eigenvectors w of (σE − A)⁻¹E; those of the pencil are w (σE − A)⁻¹. Rounding may move an eigenvalue across
+    // the cut-off, so each finds its nearest.
     let mut others = modes(&inverted.transpose().to_owned())?;
     let mut left = Vec::with_capacity(right.len());
     for (lambda, _) in &right {

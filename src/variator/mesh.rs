@@ -1,13 +1,13 @@
 //! The mesh: ring elements around the belt, each divided into chain cells.
 //!
-//! It has five segments by default, each divided into elements.
-//! Element borders lie on the arc borders for every Θ, so every quadrature point stays on its own arc or strand and all
-//! integrals are smooth in Θ. Elements are graded towards the arc borders, where the contact begins (pressure rises over
-//! about 5 mm) and the ring has its bending boundary layer (√(EI/T) ≈ 2 mm).
+//! It has five segments by default, each divided into elements. Element borders lie on the arc borders for every Θ, so
+//! every quadrature point stays on its own arc or strand and all integrals are smooth in Θ. Elements are graded towards
+//! the arc borders, where the contact begins (pressure rises over about 5 mm) and the ring has its bending boundary
+//! layer (√(EI/T) ≈ 2 mm).
 //!
-//! The other mesh is the paper's: elements evenly spaced along ξ, which stand still while arc borders move through them. Where
-//! a border passes a quadrature point, the reference curvature jumps there. A cell knows its pulley here too: no arc reaches
-//! the quarters of the belt, ξ = L/4 and 3L/4, at any ratio that the stops allow.
+//! The other mesh is the paper's: elements evenly spaced along ξ, which stand still while arc borders move through
+//! them. Where a border passes a quadrature point, the reference curvature jumps there. A cell knows its pulley here
+//! too: no arc reaches the quarters of the belt, ξ = L/4 and 3L/4, at any ratio that the stops allow.
 
 use super::parameters::{Mesh, RingModel};
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
@@ -132,8 +132,8 @@ impl BeltMesh {
             RingModel::Ale0 => 2,
             // Full integration of the membrane needs three points or more in an element.
             RingModel::Ale => 2 + usize::from(cells_per_element == 1),
-            // A ring with elements of its own sags between the points that carry it, q d⁴/(384 EI) or 2 µm at the widest of
-            // two points a cell.
+            // A ring with elements of its own sags between the points that carry it, q d⁴/(384 EI) or 2 µm at the
+            // widest of two points a cell.
             RingModel::Rcm | RingModel::Ancf => 3,
         };
         let elements: Vec<Element> = segments(mesh)

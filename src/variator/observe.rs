@@ -218,8 +218,8 @@ fn pulley(
     let speed = view.y[layout.global(Global::Speed, j)];
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
     let mut widen = |radius: f64| range = (range.0.min(radius), range.1.max(radius));
-    // Faces too: the radius changes fastest at the arc borders, where the last station is not. On the aligned mesh the face
-    // after an arc is its end.
+    // Faces too: the radius changes fastest at the arc borders, where the last station is not. On the aligned mesh the
+    // face after an arc is its end.
     let mut left_arc = false;
     for (_, sample) in survey.stations(&system.mesh).filter(|(cell, _)| cell.pulley == j) {
         if sample.on_arc() {
@@ -243,8 +243,8 @@ fn pulley(
     }
 }
 
-/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second. `right` is the
-/// place of the last answer: ask in ascending order.
+/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second.
+/// `right` is the place of the last answer: ask in ascending order.
 fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (usize, usize, f64) {
     let n = list.len();
     while *right < n && at(&list[*right]) < xi {

@@ -1,8 +1,8 @@
 //! Where the unknowns of a ring that travels with its mesh stand in the matrix.
 //!
-//! Its nodes pass under the cells, so who neighbours whom changes. The vector keeps its order; each Jacobian puts cells and
-//! nodes in the order in which they lie along the belt at that moment and cuts this into blocks of equal size. Blocks hold
-//! as many unknowns as any coupling reaches, so the matrix is an arrow again.
+//! Its nodes pass under the cells, so who neighbours whom changes. The vector keeps its order; each Jacobian puts cells
+//! and nodes in the order in which they lie along the belt at that moment and cuts this into blocks of equal size.
+//! Blocks hold as many unknowns as any coupling reaches, so the matrix is an arrow again.
 
 use super::cell::SLOTS;
 use super::layout::Layout;

@@ -1,4 +1,5 @@
-//! Cells in packs, one in each lane of a register: which unknowns a cell has, where they stand, and what motion they are.
+//! Cells in packs, one in each lane of a register: which unknowns a cell has, where they stand, and what motion they
+//! are.
 
 use super::cell::{CellBalance, CellMotion, Place};
 use super::kept::Kept;
@@ -61,7 +62,8 @@ pub(super) fn direction(kind: u8, components: usize, k: usize) -> Option<Directi
     }
 }
 
-/// Face and stations in elements of which each is divided alike: most packs share them, so they stay in the fastest cache.
+/// Face and stations in elements of which each is divided alike: most packs share them, so they stay in the fastest
+/// cache.
 #[derive(Debug)]
 pub(super) struct Slots {
     /// Which part of its element each cell is.

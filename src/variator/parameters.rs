@@ -57,11 +57,11 @@ pub struct Parameters {
     pub ring_model: RingModel,
     /// Whether the ring deflects along z too, out of the plane of the drive (`ALE`).
     pub spatial: bool,
-    /// Whether the deflection is counted along tangent, normal and binormal of the reference curve, A_i = [t, n, b]_ref in (10),
-    /// instead of along x, y, z, A_i = identity (`ALE` on the aligned mesh).
+    /// Whether the deflection is counted along tangent, normal and binormal of the reference curve, A_i = [t, n, b]_ref
+    /// in (10), instead of along x, y, z, A_i = identity (`ALE` on the aligned mesh).
     pub reference_directions: bool,
-    /// Elements of a ring that travels with its mesh (`RCM`, `ANCF`); 0 stands for the paper's 160 degrees of freedom, 32
-    /// and 40. The stations of the cells carry the ring, which sags in between where its elements can follow: more
+    /// Elements of a ring that travels with its mesh (`RCM`, `ANCF`); 0 stands for the paper's 160 degrees of freedom,
+    /// 32 and 40. The stations of the cells carry the ring, which sags in between where its elements can follow: more
     /// elements, or a coarser mesh than the default, let it swing as the stations pass.
     pub ring_elements: i32,
     /// Pulley distance, belt length, wedge angle.
@@ -95,8 +95,8 @@ pub struct Geometry {
     pub belt_length: f64,
     /// Half wedge angle β of the sheaves, rad.
     pub wedge_angle: f64,
-    /// Axial offset at ratio 1 of the primary pulley's belt plane from the secondary's, along z, where the movable primary
-    /// sheave stands, m. Felt by a ring in space.
+    /// Axial offset at ratio 1 of the primary pulley's belt plane from the secondary's, along z, where the movable
+    /// primary sheave stands, m. Felt by a ring in space.
     pub pulley_offset: f64,
 }
 
@@ -113,10 +113,10 @@ pub struct Belt {
     pub push_stiffness: f64,
     /// Damping time of the stack, acting in contact only, s.
     pub damping: f64,
-    /// Strain of the stack over which neighbouring elements come into contact: the push force is k_e⟨ν − 1⟩₊ smoothed with
-    /// this width. Rough faces touch at their summits first and close over a distance like the deviation of their heights
-    /// (Greenwood and Williamson 1966), 0.1 to 0.5 µm of ground steel: 1e-4 to 3e-4 of elements 1.5 mm thick. It decides how
-    /// elements leave a pulley; below 5e-5 slip and thrust ratio depend on it (`docs/sensitivity.md`).
+    /// Strain of the stack over which neighbouring elements come into contact: the push force is k_e⟨ν − 1⟩₊ smoothed
+    /// with this width. Rough faces touch at their summits first and close over a distance like the deviation of their
+    /// heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm of ground steel: 1e-4 to 3e-4 of elements 1.5 mm thick.
+    /// It decides how elements leave a pulley; below 5e-5 slip and thrust ratio depend on it (`docs/sensitivity.md`).
     pub contact_strain: f64,
 }
 
@@ -163,11 +163,12 @@ pub struct Pulley {
     pub max_radius: f64,
 }
 
-/// Elements along the belt: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary arc).
+/// Elements along the belt: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary
+/// arc).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Whether element borders lie on the arc borders and move with them. If not, as many elements stand evenly spaced at fixed
-    /// ξ, as the paper's do, and arc borders move through them (`ALE0`, `ALE`).
+    /// Whether element borders lie on the arc borders and move with them. If not, as many elements stand evenly spaced
+    /// at fixed ξ, as the paper's do, and arc borders move through them (`ALE0`, `ALE`).
     pub aligned: bool,
     /// Ring elements on the primary arc.
     pub primary_arc: i32,

@@ -1,7 +1,7 @@
 //! A steady state on a coarse mesh as the start on a fine one.
 //!
-//! What a cold solution does most is to find which elements stick, slide and part. A mesh with half the elements knows that nearly as
-//! well, and with one cell an element its Jacobian costs a quarter.
+//! What a cold solution does most is to find which elements stick, slide and part. A mesh with half the elements knows
+//! that nearly as well, and with one cell an element its Jacobian costs a quarter.
 
 use super::layout::Global;
 use super::mesh::{BeltMesh, Element};
@@ -111,7 +111,8 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// Amounts of densities that are linear between the middles of cells, `wanted` of them in all. The nodes are in place.
+    /// Amounts of densities that are linear between the middles of cells, `wanted` of them in all. The nodes are in
+    /// place.
     fn put_amounts(&self, fine: &VariatorSystem, state: &mut State, wanted: f64) {
         let count = self.system.mesh.cells.len();
         let known = per_cell(self.system, self.state, |_, density| density);
@@ -180,7 +181,8 @@ impl VariatorSystem {
     }
 }
 
-/// Puts the fields of `from`, a state of `coarse`, into `state`, a state of `fine` that holds as many elements as are to be on the belt.
+/// Puts the fields of `from`, a state of `coarse`, into `state`, a state of `fine` that holds as many elements as are
+/// to be on the belt.
 pub fn prolong(coarse: &VariatorSystem, from: &State, fine: &VariatorSystem, state: &mut State) {
     let amounts = 0..fine.mesh.cells.len();
     let wanted = amounts.map(|i| state.y[fine.layout.amount(i)]).sum();

@@ -60,7 +60,8 @@ pub trait CellRing<T: Real, const D: usize = 2> {
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T>;
 }
 
-/// A ring that tells how it varies in directions which leave the reference curve where it is: its own unknowns, and the drift.
+/// A ring that tells how it varies in directions which leave the reference curve where it is: its own unknowns, and the
+/// drift.
 pub trait VaryingRing<T: Real, const D: usize = 2>: CellRing<T, D> {
     /// Sums of varied loads.
     type Sum;
@@ -68,7 +69,8 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: CellRing<T, D> {
     /// Whether the ring moves in its own directions.
     const MOVES: bool;
 
-    /// How the ring varies at a slot in its own direction `own`; `inverse` = 1/|r'|, `slopes` the factors of acceleration and position.
+    /// How the ring varies at a slot in its own direction `own`; `inverse` = 1/|r'|, `slopes` the factors of
+    /// acceleration and position.
     fn vary(
         &self,
         slot: usize,
@@ -278,8 +280,8 @@ pub struct Turning<'a, T: Real, const D: usize = 2> {
 }
 
 impl<'a, T: Real, const D: usize> Turning<'a, T, D> {
-    /// The ring between two nodes; `curve` tells turning angle and curvature of the reference curve at a fraction of the segment,
-    /// `ends` where on it the element begins and ends.
+    /// The ring between two nodes; `curve` tells turning angle and curvature of the reference curve at a fraction of
+    /// the segment, `ends` where on it the element begins and ends.
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,

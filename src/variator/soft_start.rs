@@ -1,5 +1,6 @@
-//! Starts without load. Friction that takes hold of a slack belt at a standstill makes cells stick and slide by turns, one after the other:
-//! half of the Jacobians of a launch went there. So loads ramp in, and friction is soft at first: its velocity v₀ is large and falls.
+//! Starts without load. Friction that takes hold of a slack belt at a standstill makes cells stick and slide by turns,
+//! one after the other: half of the Jacobians of a launch went there. So loads ramp in, and friction is soft at first:
+//! its velocity v₀ is large and falls.
 
 /// Time over which the loads ramp in, s.
 pub const LOAD_RAMP: f64 = 2.0e-3;
@@ -10,7 +11,8 @@ const SHARPENING: f64 = 1.0e-2;
 /// v₀ that friction starts with, m/s, unless its own is larger.
 const SOFT_VELOCITY: f64 = 0.02;
 
-/// Time for which loads are held on their ramp, and friction after it, s. Larger steps of the loads shake the belt more.
+/// Time for which loads are held on their ramp, and friction after it, s. Larger steps of the loads shake the belt
+/// more.
 const LOAD_PIECE: f64 = 1.25e-4;
 const FRICTION_PIECE: f64 = 5.0e-4;
 

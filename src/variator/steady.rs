@@ -1,8 +1,8 @@
 //! Steady states, solved for directly: the Eulerian view has them as fixed points.
 //!
-//! Pseudo-transient continuation from the kinematic state. The ratio is held by a stiff spring on Θ whose force is moved
-//! to the reaction after each step, and its set point until the pressure-weighted radii have the wanted quotient. A cold solution
-//! goes by way of a coarse mesh ([`super::refine`]).
+//! Pseudo-transient continuation from the kinematic state. The ratio is held by a stiff spring on Θ whose force is
+//! moved to the reaction after each step, and its set point until the pressure-weighted radii have the wanted quotient.
+//! A cold solution goes by way of a coarse mesh ([`super::refine`]).
 
 use super::boundary::{Boundary, SheaveMode, SpeedMode};
 use super::layout::Global;
@@ -44,7 +44,8 @@ const LAST_STEP: f64 = 200.0;
 /// Friction velocity that the solution starts with, m/s: stick and slip are then one smooth law, and the start-up does
 /// not chatter between them. It is sharpened to the true one on the way.
 const SOFT_VELOCITY: f64 = 0.05;
-/// From a neighbouring state no further off in ln(ratio) than this, sharp friction is tried first, for so many Newton solves.
+/// From a neighbouring state no further off in ln(ratio) than this, sharp friction is tried first, for so many Newton
+/// solves.
 const SHARP_WAY: f64 = 0.01;
 const SHARP_SOLVES: usize = 30;
 /// Factor of each sharpening.
@@ -66,8 +67,8 @@ const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
 const EQUILIBRIUM_ITERATIONS: usize = 150;
 /// Most Newton solves for one state on the way.
 const EQUILIBRIUM_SOLVES: usize = 200;
-/// Largest change of ln(ratio) between two states on the way: solved for anew, which takes as long from near as from far; from the last
-/// one; in small changes, for which friction stays sharp. Each where the one before finds no state.
+/// Largest change of ln(ratio) between two states on the way: solved for anew, which takes as long from near as from
+/// far; from the last one; in small changes, for which friction stays sharp. Each where the one before finds no state.
 const COLD_RATIO_STEP: f64 = 0.5;
 const LARGEST_RATIO_STEP: f64 = 0.05;
 const SMALL_RATIO_STEP: f64 = 0.8 * SHARP_WAY;
@@ -166,7 +167,8 @@ fn solve_from(
     outcome
 }
 
-/// What is moved on the way to a steady state: the reaction, the set point of Θ, the grip of the shafts, the softness of friction.
+/// What is moved on the way to a steady state: the reaction, the set point of Θ, the grip of the shafts, the softness
+/// of friction.
 struct Control<'a> {
     task: &'a SteadyTask,
     /// Clamping forces; the reaction's follows the force that holds the sheave, N.
@@ -312,9 +314,9 @@ impl Equilibrium {
     }
 }
 
-/// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio: secant
-/// method on ln(force/reaction) over ln(ratio), each state warm-started from the last. At the ends of `range`, where the sheaves
-/// are near their stops, they are let go.
+/// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
+/// secant method on ln(force/reaction) over ln(ratio), each state warm-started from the last. At the ends of `range`,
+/// where the sheaves are near their stops, they are let go.
 ///
 /// # Errors
 /// What was reached, when a state on the way could not be found, or the forces don't balance in the end.

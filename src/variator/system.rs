@@ -38,8 +38,8 @@ pub struct VariatorSystem {
     pub(super) course: Option<Course>,
     /// Time of the boundary conditions while loads change, s.
     pub(super) clock: f64,
-    /// Factor on the pulleys' inertia, 1 in a run. A steady solution takes more, so that speeds follow the belt instead of
-    /// running ahead of it.
+    /// Factor on the pulleys' inertia, 1 in a run. A steady solution takes more, so that speeds follow the belt instead
+    /// of running ahead of it.
     pub inertia_factor: f64,
     /// Energies since the start.
     pub ledger: Ledger,
@@ -248,10 +248,10 @@ impl VariatorSystem {
     }
 
     /// The gauge: s and Θ repeat motions that q_f can make, so two conditions hold the overlay, with multipliers in the
-    /// border. They are even in the two pulleys, so swapping these is a symmetry of the discrete system: the deflections
-    /// of node 0 and of the node opposite are equal outwards (which fixes what Θ means) and opposite along the curve
-    /// (which fixes s). In directions of the curve these are the same two conditions in the other order: t of node 0 is along y,
-    /// n along x, and opposite both are reversed.
+    /// border. They are even in the two pulleys, so swapping these is a symmetry of the discrete system: the
+    /// deflections of node 0 and of the node opposite are equal outwards (which fixes what Θ means) and opposite along
+    /// the curve (which fixes s). In directions of the curve these are the same two conditions in the other order: t of
+    /// node 0 is along y, n along x, and opposite both are reversed.
     fn gauge(&self) -> impl Iterator<Item = Condition> + use<> {
         let layout = self.layout;
         let components = [(0, [1.0, 1.0]), (1, [1.0, -1.0])];
@@ -486,8 +486,8 @@ mod tests {
         of(RingModel::Ale0, false, false, 7e5);
     }
 
-    /// Where nothing has changed derivatives are kept; a cell that begins to slip is differentiated again, with those that
-    /// share its face; another step size asks for all of them.
+    /// Where nothing has changed derivatives are kept; a cell that begins to slip is differentiated again, with those
+    /// that share its face; another step size asks for all of them.
     #[test]
     fn derivatives_are_kept_until_they_change() {
         let (mut system, mut state) = disturbed(&small(RingModel::Ale), 200.0);
@@ -520,8 +520,8 @@ mod tests {
         assert_eq!(renewed(&mut system, &state, 2.0e4).0, packs);
     }
 
-    /// The nodes of a ring that travels are interchangeable: counted from another one, with s an element on, the residual is
-    /// the same.
+    /// The nodes of a ring that travels are interchangeable: counted from another one, with s an element on, the
+    /// residual is the same.
     #[test]
     fn a_travelling_ring_may_be_counted_from_any_node() {
         for model in [RingModel::Rcm, RingModel::Ancf] {

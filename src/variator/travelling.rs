@@ -4,8 +4,8 @@
 //! x̄ = ξ − s (1). The ring's own forces are balanced on its own elements
 //! ([`LagrangianRing`]); what chain and contact do at a station goes to the nodes of the element that is there.
 //!
-//! s and Θ only say where the mesh of the stations lies, so they repeat motions of the ring, as in `ALE`, and as there two
-//! conditions with multipliers hold them: the reference curve R follows the ring as least squares would have it,
+//! s and Θ only say where the mesh of the stations lies, so they repeat motions of the ring, as in `ALE`, and as there
+//! two conditions with multipliers hold them: the reference curve R follows the ring as least squares would have it,
 //!
 //! ∮ (ḋ + d/τ)·G dξ = 0, d = r − R, with G = R' for s and G = ∂R/∂Θ for Θ.
 //!
@@ -35,7 +35,8 @@ use std::ops::Mul;
 /// Time τ in which the reference curve is drawn to the ring where it is off, s: some passes of an element.
 const FOLLOWING_TIME: f64 = 0.02;
 
-/// Directions of a cell: unknowns of the elements under its slots, V, V, N, then s, Θ, z, ψ_x, ψ_y, ω and two multipliers.
+/// Directions of a cell: unknowns of the elements under its slots, V, V, N, then s, Θ, z, ψ_x, ψ_y, ω and two
+/// multipliers.
 const MOST: usize = NODAL * SLOTS + OTHERS;
 const OTHERS: usize = 11;
 /// Place of the amount among the others; its row is the flux.
@@ -182,7 +183,8 @@ struct PassingForces<T> {
     gauge: [T; 2],
 }
 
-/// The ring that passes under a cell. `W` is the scalar of places on the ring: a plain number where nothing moves the mesh.
+/// The ring that passes under a cell. `W` is the scalar of places on the ring: a plain number where nothing moves the
+/// mesh.
 struct Passing<'a, T: Real, W: Real, E: LagrangianElement> {
     slots: [Option<Seen<T, W, E>>; SLOTS],
     motion: &'a ReferenceMotion<T>,
@@ -274,7 +276,8 @@ impl<T: Real> CellRows<T> {
 }
 
 impl VariatorSystem {
-    /// Evaluates a cell; `seed` makes a scalar of a value, its direction and its slope, `place_of` one of a place on the ring.
+    /// Evaluates a cell; `seed` makes a scalar of a value, its direction and its slope, `place_of` one of a place on
+    /// the ring.
     #[inline(always)]
     #[expect(
         clippy::too_many_arguments,

@@ -1,9 +1,11 @@
-//! The derivatives of [`balance`](super::cell::balance) by hand, in every direction that leaves the reference curve where it is.
+//! The derivatives of [`balance`](super::cell::balance) by hand, in every direction that leaves the reference curve
+//! where it is.
 //!
-//! Forward differentiation repeats the whole law for each direction, though a node moves only the ring, a sheave only the
-//! flanks, and nearly everything is linear between them. Here each station keeps what its variation is linear in; laws that are not
-//! linear (flanks, stack) are differentiated forward, in their few arguments. Less than half the time, to the same digits (a test of
-//! [`super::system`] holds both against each other). Θ moves everything and stays with forward differentiation.
+//! Forward differentiation repeats the whole law for each direction, though a node moves only the ring, a sheave only
+//! the flanks, and nearly everything is linear between them. Here each station keeps what its variation is linear in;
+//! laws that are not linear (flanks, stack) are differentiated forward, in their few arguments. Less than half the
+//! time, to the same digits (a test of [`super::system`] holds both against each other). Θ moves everything and stays
+//! with forward differentiation.
 
 use super::cell::{Approach, CellBalance, CellLaw, CellMotion, FlankLoads, Place, STATIONS, share};
 use super::ring::{Action, RingForces, VaryingRing};
@@ -188,8 +190,8 @@ pub struct Linearised<'a, R, const D: usize> {
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Of cells whose `ring`, if it moves, has taken the loads of [`balance`](super::cell::balance) at the same motion; `slopes` are the
-    /// factors of acceleration and position.
+    /// Of cells whose `ring`, if it moves, has taken the loads of [`balance`](super::cell::balance) at the same motion;
+    /// `slopes` are the factors of acceleration and position.
     #[inline(always)]
     pub fn new(
         law: &'a CellLaw,

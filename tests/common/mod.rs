@@ -204,8 +204,8 @@ impl Steady {
         (o.primary.power + o.secondary.power - o.losses.total()) / driving
     }
 
-    /// Wrap angles α_S, α_P of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched ring is larger
-    /// than its reference curve.)
+    /// Wrap angles α_S, α_P of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched ring is
+    /// larger than its reference curve.)
     pub fn wrap(&self) -> [f64; 2] {
         let difference = self.outputs.primary.radius - self.outputs.secondary.radius;
         let half = (difference / self.system.law.parameters.geometry.center_distance).acos();

@@ -1,4 +1,5 @@
-//! What only the Eulerian ring has: forms of its inertia, the reference motion, the choice of directions and of the mesh.
+//! What only the Eulerian ring has: forms of its inertia, the reference motion, the choice of directions and of the
+//! mesh.
 
 use crate::common::*;
 use crate::measure::*;
@@ -252,9 +253,9 @@ fn swing<C: ReferenceCurve + std::fmt::Debug>(curve: C, mesh: RingMesh, toleranc
     record.energy_drift() / swing
 }
 
-/// The paper's even spacing: borders of arcs move through the elements. Where they pass a quadrature point the curvature
-/// jumps, and the energy with it: a drift that no tolerance removes and that falls with no mesh, because what is missing
-/// is the border term of dV/dΘ. The aligned mesh has none.
+/// The paper's even spacing: borders of arcs move through the elements. Where they pass a quadrature point the
+/// curvature jumps, and the energy with it: a drift that no tolerance removes and that falls with no mesh, because what
+/// is missing is the border term of dV/dΘ. The aligned mesh has none.
 #[test]
 fn evenly_spaced_mesh_does_not_conserve() {
     let even = |elements: usize, tolerance| {
@@ -267,10 +268,11 @@ fn evenly_spaced_mesh_does_not_conserve() {
     assert!(aligned < 1e-3 && evens.iter().all(|&drift| drift > 0.1));
 }
 
-/// Paper fig. 7: the ring leaves its place along x, by millimetres within 0.4 ms. No law of the beam or of inertia does that: moving all
-/// nodes at one Θ costs no energy, and with Θ held in place of node 0 the centre of mass rests. It is the lock of node 0 to the
-/// reference curve: along x the node can only move with Θ, and Θ at a fixed shape of the ring is not free, because the bending measure
-/// (23) counts from the curve. So the lock bears a force, of second order in the deflection.
+/// Paper fig. 7: the ring leaves its place along x, by millimetres within 0.4 ms. No law of the beam or of inertia does
+/// that: moving all nodes at one Θ costs no energy, and with Θ held in place of node 0 the centre of mass rests. It is
+/// the lock of node 0 to the reference curve: along x the node can only move with Θ, and Θ at a fixed shape of the ring
+/// is not free, because the bending measure (23) counts from the curve. So the lock bears a force, of second order in
+/// the deflection.
 #[test]
 fn a_lock_to_the_reference_curve_bears_a_force() {
     let centre = |system: &RingSystem<AleRing<_>>, state: &State, k: usize| {

@@ -198,8 +198,8 @@ pub fn inertia_by_differences<M: RingModel<D, N>, const D: usize, const N: usize
     force
 }
 
-/// Integrator with fixed steps. Errors that Newton's method leaves in the velocities add up over the steps of a ladder's
-/// last rung, so it is held tighter than its default.
+/// Integrator with fixed steps. Errors that Newton's method leaves in the velocities add up over the steps of a
+/// ladder's last rung, so it is held tighter than its default.
 pub fn fixed_steps<M: RingModel<D, N>, const D: usize, const N: usize>(
     system: &mut RingSystem<M, D, N>,
     step: f64,

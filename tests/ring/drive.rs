@@ -111,7 +111,8 @@ fn the_arm_swings() {
     assert!(drift < 1e-3 && (low + high).abs() < 0.02 * high && high < 0.3);
 }
 
-/// A string that runs is in balance on every closed curve if it carries EAγ = m ṡ²(1 + γ): on this one too, back bend included.
+/// A string that runs is in balance on every closed curve if it carries EAγ = m ṡ²(1 + γ): on this one too, back bend
+/// included.
 #[test]
 fn a_running_string_keeps_any_shape() {
     let ring = Ring {

@@ -1,4 +1,5 @@
-//! Measurements on the ring alone: what the tests judge, and what the report on the paper shows (`examples/paper_rings`).
+//! Measurements on the ring alone: what the tests judge, and what the report on the paper shows
+//! (`examples/paper_rings`).
 
 use crate::common::*;
 use nalgebra::Vector2;
@@ -61,7 +62,8 @@ fn forces<M: RingModel<D, N>, const D: usize, const N: usize>(system: &RingSyste
 
 pub const PLACES: [f64; 8] = [0.01, 0.093, 0.2, 0.31, 0.505, 0.62, 0.81, 0.97];
 
-/// P (12): the velocity at a unit rate is how fast the particle at ξ = x̄ + s moves. Largest difference of the columns, m.
+/// P (12): the velocity at a unit rate is how fast the particle at ξ = x̄ + s moves. Largest difference of the columns,
+/// m.
 pub fn velocity_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let system = S::system(solid(), solid_curve(), FEW);
     let mut state = waving(&system, 0.25, 1.0);
@@ -86,8 +88,8 @@ pub fn velocity_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     off
 }
 
-/// The residual at rest is ∂V/∂q, moving arc borders included: there the curvature jumps. Largest difference relative to
-/// the largest force.
+/// The residual at rest is ∂V/∂q, moving arc borders included: there the curvature jumps. Largest difference relative
+/// to the largest force.
 pub fn elastic_force_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let mut system = S::system(solid(), solid_curve(), FEW);
     system.held.clear();
@@ -245,8 +247,8 @@ pub fn reference_time_errors(steps: [f64; 3]) -> [f64; 3] {
     steps.map(|step| (theta(step) - exact).abs())
 }
 
-/// Heights of the middles of the upper and the lower strand above their chords, outwards, m. The strands are those of the
-/// solid ring's reference curve at Θ = 0.4.
+/// Heights of the middles of the upper and the lower strand above their chords, outwards, m. The strands are those of
+/// the solid ring's reference curve at Θ = 0.4.
 pub fn bulges<M: RingModel>(system: &RingSystem<M>, state: &State) -> [f64; 2] {
     let frame = solid_curve().frame::<f64>(0.4);
     [1, 3].map(|segment| {
@@ -283,8 +285,8 @@ pub struct Running {
     pub counts: Counts,
 }
 
-/// A ring that runs on a circle carries EAγ = m_r ṡ²(1 + γ) and keeps its shape where stations see it. One turn; steps 0:
-/// as many as a tolerance of 1e-5 asks for.
+/// A ring that runs on a circle carries EAγ = m_r ṡ²(1 + γ) and keeps its shape where stations see it. One turn; steps
+/// 0: as many as a tolerance of 1e-5 asks for.
 pub fn running_ring<S: Case>(elements: usize, steps: usize) -> Running {
     let ring = band(0.185e-3);
     let radius = BAND_LENGTH / TAU;

@@ -21,8 +21,8 @@ fn velocity_follows_the_particle<S: Case<D, N>, const D: usize, const N: usize>(
     assert!(off < 1e-8, "{off}");
 }
 
-/// Dv/Dt, v', strain rate and velocity on a path q(t): differences in time of the particle's place and slope. The Eulerian
-/// view sees the same at a station that stands in space.
+/// Dv/Dt, v', strain rate and velocity on a path q(t): differences in time of the particle's place and slope. The
+/// Eulerian view sees the same at a station that stands in space.
 fn acceleration_follows_the_particle<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let state = waving(&system, -0.3, 1.0);
@@ -287,7 +287,8 @@ fn two_arc_oscillation<S: Case>() {
     if lagrangian(&system) {
         assert!((frequency - 9.23).abs() < 0.05, "{frequency}");
     } else {
-        // The linear curvature measure makes a large deflection from a circle swing too slowly: that is what it does, not what a ring does.
+        // The linear curvature measure makes a large deflection from a circle swing too slowly: that is what it does,
+        // not what a ring does.
         assert!((8.4..8.7).contains(&frequency), "{frequency}");
     }
 }
@@ -316,8 +317,8 @@ fn order_in_space<S: Case>() {
     assert_order(&format!("{}, frequency", S::NAME), &errors, S::ORDER);
 }
 
-/// With one strain an element the membrane does not lock: a thin band's frequencies have the order of bending, 4, from the
-/// coarsest mesh on.
+/// With one strain an element the membrane does not lock: a thin band's frequencies have the order of bending, 4, from
+/// the coarsest mesh on.
 #[test]
 fn co_rotational_bending_has_order_four() {
     let ring = band(0.185e-3);

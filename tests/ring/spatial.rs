@@ -23,8 +23,9 @@ fn drive() -> TwoPulley {
 /// Places of w and w' of the two nodes among an element's unknowns.
 const LATERAL: [usize; 4] = [4, 5, 10, 11];
 
-/// Stiffness, gyroscopic and mass matrix of small deflections w, w' of the nodes of a straight strand of `count` elements
-/// and length 0.168 m, that is stretched by `strain` and runs at `speed`. Exact derivatives of the ring's balance.
+/// Stiffness, gyroscopic and mass matrix of small deflections w, w' of the nodes of a straight strand of `count`
+/// elements and length 0.168 m, that is stretched by `strain` and runs at `speed`. Exact derivatives of the ring's
+/// balance.
 fn strand(ring: &Ring, count: usize, strain: f64, speed: f64) -> [DMatrix<f64>; 3] {
     let model = AleRing::spatial(ring.clone(), drive(), RingMesh::even(&[1, count, 2, count, 1], 4));
     let frame = model.curve.frame(Dual64::from(0.0));
@@ -157,7 +158,8 @@ fn travelling_string() {
     }
 }
 
-/// A tensioned beam in two eyes at rest: m ω² = N k² + EI k⁴, k = nπ/L; of order 4 in the element length at fixed tension.
+/// A tensioned beam in two eyes at rest: m ω² = N k² + EI k⁴, k = nπ/L; of order 4 in the element length at fixed
+/// tension.
 #[test]
 fn tensioned_beam() {
     let ring = wire(0.3);
@@ -201,8 +203,8 @@ fn placed(system: &Spatial<pushbelt::reference_curve::Circle>, turn: &Rotation3<
     })
 }
 
-/// A shift along z costs no energy and no force. A tilt costs ½π EI_b ψ²/R, because (24) knows no twist: the sections stay
-/// upright. Stretch and the bending in the plane find nothing in it.
+/// A shift along z costs no energy and no force. A tilt costs ½π EI_b ψ²/R, because (24) knows no twist: the sections
+/// stay upright. Stretch and the bending in the plane find nothing in it.
 #[test]
 fn rigid_motions() {
     let ring = band(0.185e-3);
@@ -234,9 +236,9 @@ fn rigid_motions() {
     }
 }
 
-/// A free ring out of its plane. With upright sections w bends as a straight beam does, ω = n² √(EI_b/m)/R². A thin band that
-/// may twist has ω² = EI_b/(m R⁴) n²(n² − 1)²/(n² + EI_b/GJ) (Love 1927, § 293): for it (24) is no model. A stocky section
-/// held upright is what it describes.
+/// A free ring out of its plane. With upright sections w bends as a straight beam does, ω = n² √(EI_b/m)/R². A thin
+/// band that may twist has ω² = EI_b/(m R⁴) n²(n² − 1)²/(n² + EI_b/GJ) (Love 1927, § 293): for it (24) is no model. A
+/// stocky section held upright is what it describes.
 #[test]
 fn frequency_out_of_plane() {
     let ring = Ring {
@@ -291,8 +293,8 @@ fn planar_motion_is_the_planar_rings() {
     }
 }
 
-/// A belt that runs, shifts its ratio and swings out of its plane: largest drift of the energy, what damping took included,
-/// relative to the energy that moves.
+/// A belt that runs, shifts its ratio and swings out of its plane: largest drift of the energy, what damping took
+/// included, relative to the energy that moves.
 fn swinging(damping: f64, tolerance: f64) -> (f64, f64) {
     let ring = Ring { damping, ..solid() };
     let mut system = RingSystem::new(AleRing::spatial(

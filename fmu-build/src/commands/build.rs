@@ -20,7 +20,8 @@ const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 #[derive(Args, Clone, Copy, Default)]
 #[group(skip)]
 pub struct Arguments {
-    /// For linux64 with glibc 2.17 or newer and for win64, on processors without AVX2 too, instead of for machines like this one
+    /// For linux64 with glibc 2.17 or newer and for win64, on processors without AVX2 too, instead of for machines like
+    /// this one
     #[arg(long)]
     pub portable: bool,
 }

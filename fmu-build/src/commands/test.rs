@@ -37,7 +37,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         "say with --rust or --python where `{}` is to go",
         arguments.passed_on.join(" ")
     );
-    // The FMU and the packages are ready by the time the Rust tests are through: these compile one crate after the other for minutes.
+    // The FMU and the packages are ready by the time the Rust tests are through: these compile one crate after the
+    // other for minutes.
     let environment = thread::scope(|scope| {
         let ready = scope.spawn(|| -> anyhow::Result<Option<Environment>> {
             build::run(workspace, &arguments.build)?;

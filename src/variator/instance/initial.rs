@@ -257,8 +257,8 @@ impl Variator {
         Ok(found)
     }
 
-    /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque beyond
-    /// capacity has none. The share, or how far the last attempt came.
+    /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque
+    /// beyond capacity has none. The share, or how far the last attempt came.
     fn carry(&mut self, newton: &mut Newton, inputs: &Inputs) -> Result<f64, Settled> {
         let cold = self.state.clone();
         let (mut share, mut beyond) = (1.0, 1.0);
@@ -339,7 +339,8 @@ impl Variator {
         }
     }
 
-    /// Geometric ratios between the end stops, of the reference curve: a loaded belt comes to a stop some per cent beyond.
+    /// Geometric ratios between the end stops, of the reference curve: a loaded belt comes to a stop some per cent
+    /// beyond.
     fn ratio_range(&self) -> (f64, f64) {
         let p = &self.parameters;
         let e = p.belt.pitch_offset;
