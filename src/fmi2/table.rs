@@ -173,12 +173,12 @@ impl<S, R> Variable<S, R> {
                 value,
             });
         }
-        let near = match (range.min, range.max) {
+        let exceeded = match (range.min, range.max) {
             (Some(min), _) if value < min => Some(min),
             (_, Some(max)) if value > max => Some(max),
             _ => None,
         };
-        if let Some(limit) = near {
+        if let Some(limit) = exceeded {
             if self.causality == Causality::Input && (value - limit).abs() < ROUNDING {
                 return Ok(limit);
             }

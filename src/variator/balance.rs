@@ -238,16 +238,24 @@ impl VariatorSystem {
         energy
     }
 
+    /// External torque at a shaft, N·m, without what accelerates it towards a set point; `torque` is the belt's.
+    fn torque_supplied(&self, j: usize, torque: f64) -> f64 {
+        match self.boundary.speed[j] {
+            SpeedMode::Torque(external) | SpeedMode::Balanced(external, _) => external,
+            SpeedMode::Setpoint(_) | SpeedMode::Fixed | SpeedMode::Transmit(_) => -torque,
+        }
+    }
+
     /// External torques at the shafts, N·m; `torques` are the belt's on the pulleys.
     #[must_use]
     pub fn external_torques(&self, view: View<'_>, torques: [f64; 2]) -> [f64; 2] {
         [S, P].map(|j| {
-            let i = self.layout.global(Global::Speed, j);
-            match self.boundary.speed[j] {
-                SpeedMode::Torque(external) | SpeedMode::Balanced(external, _) => external,
-                SpeedMode::Setpoint(set) => self.pulley(j).inertia * (set - view.y[i]) / SPEED_LAG - torques[j],
-                SpeedMode::Fixed | SpeedMode::Transmit(_) => -torques[j],
-            }
+            let omega = view.y[self.layout.global(Global::Speed, j)];
+            let accelerating = match self.boundary.speed[j] {
+                SpeedMode::Setpoint(set) => self.pulley(j).inertia * (set - omega) / SPEED_LAG,
+                _ => 0.0,
+            };
+            self.torque_supplied(j, torques[j]) + accelerating
         })
     }
 
@@ -264,15 +272,8 @@ impl VariatorSystem {
     /// the pulleys.
     #[must_use]
     pub fn shaft_power(&self, view: View<'_>, torques: [f64; 2]) -> f64 {
-        let external = self.external_torques(view, torques);
         [S, P]
-            .map(|j| {
-                let torque = match self.boundary.speed[j] {
-                    SpeedMode::Setpoint(_) => -torques[j],
-                    _ => external[j],
-                };
-                torque * view.y[self.layout.global(Global::Speed, j)]
-            })
+            .map(|j| self.torque_supplied(j, torques[j]) * view.y[self.layout.global(Global::Speed, j)])
             .iter()
             .sum()
     }

@@ -307,12 +307,7 @@ impl Variator {
             }
             self.system.move_loads(self.time + after);
             let survey = self.system.surveyed(state.view());
-            let context = Context {
-                external_torque: self.system.external_torques(state.view(), survey.sums.torque),
-                macro_slip: self.macro_slip,
-                initial_energy: self.initial_energy,
-                start_state: self.start_state,
-            };
+            let context = self.context(self.system.external_torques(state.view(), survey.sums.torque));
             let mut outputs = Box::<Outputs>::default();
             self.observer
                 .observe(&self.system, state.view(), &survey, &context, &mut outputs);
@@ -427,15 +422,20 @@ impl Variator {
         (in_force.pulley, in_force.ring) = (pulley, ring);
     }
 
+    /// What outputs need beside the state.
+    fn context(&self, external_torque: [f64; 2]) -> Context {
+        Context {
+            external_torque,
+            macro_slip: self.macro_slip,
+            initial_energy: self.initial_energy,
+            start_state: self.start_state,
+        }
+    }
+
     /// Outputs at the present time.
     pub fn outputs(&mut self) -> &Outputs {
         if self.stale {
-            let context = Context {
-                external_torque: self.external_torque,
-                macro_slip: self.macro_slip,
-                initial_energy: self.initial_energy,
-                start_state: self.start_state,
-            };
+            let context = self.context(self.external_torque);
             let survey = &self.system.ledger.last;
             self.observer
                 .observe(&self.system, self.state.view(), survey, &context, &mut self.outputs);

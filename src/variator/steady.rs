@@ -11,7 +11,7 @@ use super::parameters::Parameters;
 use super::refine::{coarser, prolong};
 use super::start::{Start, kinematic_state};
 use super::system::VariatorSystem;
-use crate::reference_curve::ratio_of_theta;
+use crate::reference_curve::{GeometryError, ratio_of_theta};
 use crate::solver::continuation::{Settled, Settling, Trial, settle};
 use crate::solver::newton::Newton;
 use crate::solver::{State, View};
@@ -110,6 +110,20 @@ pub fn solve(
     solve_from(system, newton, state, task, max_solves, soft)
 }
 
+/// The kinematic state at a task's ratio with shafts at `speeds`, rad/s, over pulleys.
+fn cold(system: &VariatorSystem, task: &SteadyTask, speeds: [f64; 2]) -> Result<State, GeometryError> {
+    let start = Start {
+        ratio: task.ratio,
+        primary_speed: speeds[P],
+        clamping: task.clamping,
+    };
+    let mut state = kinematic_state(system, &start)?;
+    for j in [S, P] {
+        state.y[system.layout.global(Global::Speed, j)] = speeds[j];
+    }
+    Ok(state)
+}
+
 /// Moves a kinematic state near the steady one, as a mesh with fewer elements knows it; says whether there is one.
 fn start_on_coarse_mesh(
     system: &VariatorSystem,
@@ -120,18 +134,10 @@ fn start_on_coarse_mesh(
     max_solves: usize,
 ) -> bool {
     let mut coarse = VariatorSystem::new(parameters);
-    let start = Start {
-        ratio: task.ratio,
-        primary_speed: state.y[system.layout.global(Global::Speed, P)],
-        clamping: task.clamping,
-    };
-    let Ok(mut found) = kinematic_state(&coarse, &start) else {
+    let speeds = [S, P].map(|j| state.y[system.layout.global(Global::Speed, j)]);
+    let Ok(mut found) = cold(&coarse, task, speeds) else {
         return false;
     };
-    for j in [S, P] {
-        let [to, from] = [&coarse, system].map(|system| system.layout.global(Global::Speed, j));
-        found.y[to] = state.y[from];
-    }
     let mut coarse_newton = Newton::new(&coarse);
     let outcome = solve(&mut coarse, &mut coarse_newton, &mut found, task, max_solves);
     newton.counts += coarse_newton.counts;
@@ -280,21 +286,6 @@ fn rest_at_stop(
     })
 }
 
-/// The kinematic state at a task's ratio with the speeds of `state`; `state` itself where the belt doesn't close there.
-fn cold_at(system: &VariatorSystem, state: &State, task: &SteadyTask) -> State {
-    let speed = |j: usize| system.layout.global(Global::Speed, j);
-    let start = Start {
-        ratio: task.ratio,
-        primary_speed: state.y[speed(P)],
-        clamping: task.clamping,
-    };
-    let mut cold = kinematic_state(system, &start).unwrap_or_else(|_| state.clone());
-    if task.speed[S] == SpeedMode::Fixed {
-        cold.y[speed(S)] = state.y[speed(S)];
-    }
-    cold
-}
-
 /// Where the clamping forces balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equilibrium {
@@ -315,8 +306,8 @@ impl Equilibrium {
 }
 
 /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
-/// secant method on ln(force/reaction) over ln(ratio), each state warm-started from the last. At the ends of `range`,
-/// where the sheaves are near their stops, they are let go.
+/// secant method on ln(force/reaction) over ln(ratio), each state solved for anew or, where it is near, from the last. At
+/// the ends of `range`, where the sheaves are near their stops, they are let go.
 ///
 /// # Errors
 /// What was reached, when a state on the way could not be found, or the forces don't balance in the end.
@@ -338,7 +329,7 @@ pub fn solve_equilibrium(
     let mut f = defect(system, state);
     // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
     let mut slope = if reaction == P { 0.5 } else { -0.5 };
-    let mut longest = COLD_RATIO_STEP;
+    let (mut longest, mut shorter) = (COLD_RATIO_STEP, [LARGEST_RATIO_STEP, SMALL_RATIO_STEP].into_iter());
     let mut near = state.clone();
     for _ in 0..EQUILIBRIUM_ITERATIONS {
         if f.abs() < EQUILIBRIUM_TOLERANCE {
@@ -356,16 +347,14 @@ pub fn solve_equilibrium(
             ..*task
         };
         if !there.warm {
-            *state = cold_at(system, state, &there);
+            let [s, p] = [S, P].map(|j| state.y[system.layout.global(Global::Speed, j)]);
+            let fixed = task.speed[S] == SpeedMode::Fixed;
+            if let Ok(found) = cold(system, &there, [if fixed { s } else { p / there.ratio }, p]) {
+                *state = found;
+            }
         }
         if let Err(report) = solve(system, newton, state, &there, EQUILIBRIUM_SOLVES) {
-            longest = if longest > LARGEST_RATIO_STEP {
-                LARGEST_RATIO_STEP
-            } else if longest > SMALL_RATIO_STEP {
-                SMALL_RATIO_STEP
-            } else {
-                return Err(report);
-            };
+            longest = shorter.next().ok_or(report)?;
             state.clone_from(&near);
             continue;
         }

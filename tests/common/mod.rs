@@ -344,28 +344,26 @@ impl Run {
     pub fn ramp(&mut self, span: f64, step: f64, rates: &Inputs) {
         let from = self.variator.time();
         let steps = (span / step).round().max(1.0) as u32;
+        let start = self.inputs;
+        let after = |time: f64| {
+            let moved = |value: &PulleyInputs, rate: &PulleyInputs| PulleyInputs {
+                torque: value.torque + time * rate.torque,
+                clamping_force: value.clamping_force + time * rate.clamping_force,
+                speed_setpoint: value.speed_setpoint + time * rate.speed_setpoint,
+            };
+            Inputs {
+                primary: moved(&start.primary, &rates.primary),
+                secondary: moved(&start.secondary, &rates.secondary),
+            }
+        };
         for k in 0..steps {
             let at = |k: u32| span * f64::from(k) / f64::from(steps);
-            let mut inputs = self.inputs;
-            let values = [&mut inputs.primary, &mut inputs.secondary];
-            for (value, rate) in values.into_iter().zip([&rates.primary, &rates.secondary]) {
-                value.torque += at(k) * rate.torque;
-                value.clamping_force += at(k) * rate.clamping_force;
-                value.speed_setpoint += at(k) * rate.speed_setpoint;
-            }
             self.variator
-                .advance_along(from + at(k + 1), &inputs, rates)
+                .advance_along(from + at(k + 1), &after(at(k)), rates)
                 .expect("the run goes on");
             self.look();
         }
-        for (value, rate) in [
-            (&mut self.inputs.primary, &rates.primary),
-            (&mut self.inputs.secondary, &rates.secondary),
-        ] {
-            value.torque += span * rate.torque;
-            value.clamping_force += span * rate.clamping_force;
-            value.speed_setpoint += span * rate.speed_setpoint;
-        }
+        self.inputs = after(span);
     }
 
     /// Whether a warning contains `text`.

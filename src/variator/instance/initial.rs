@@ -2,7 +2,6 @@
 
 use super::{Held, InitialisationError, Variator, integrator};
 use crate::contact::full_slip_torque;
-use crate::solver::State;
 use crate::solver::continuation::Settled;
 use crate::solver::newton::Newton;
 use crate::variator::boundary::SpeedMode;
@@ -14,7 +13,6 @@ use crate::variator::signals::{Inputs, StartState};
 use crate::variator::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::start::{Start, kinematic_state};
 use crate::variator::steady::{self, Equilibrium, SteadyTask, geometric_ratio};
-use crate::variator::system::VariatorSystem;
 
 /// First step from a steady state, s.
 const WARM_STEP: f64 = 1.0e-4;
@@ -31,10 +29,6 @@ const NO_FORCE: f64 = 1.0;
 
 /// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
 const STANDSTILL: f64 = 1.0e-3;
-
-fn cold(system: &VariatorSystem, start: &Start) -> Result<State, InitialisationError> {
-    kinematic_state(system, start).map_err(|e| InitialisationError::NoState(e.to_string()))
-}
 
 impl Variator {
     /// Finds the state to start from at `time`.
@@ -83,14 +77,12 @@ impl Variator {
         self.start_state = if parameters.ring_model.travels() {
             self.lay_on_ale(inputs)?
         } else if steady {
-            self.state = cold(&self.system, &start)?;
-            self.put_secondary_speed(inputs);
+            self.start_cold(inputs, &start)?;
             self.solve_steady(inputs, &start)?
         } else {
-            self.start_unloaded(&start)?;
+            self.start_unloaded(inputs, &start)?;
             StartState::Unloaded
         };
-        self.put_secondary_speed(inputs);
         self.state.y_dot.fill(0.0);
         self.held = Held {
             from: time,
@@ -120,21 +112,23 @@ impl Variator {
         Ok(())
     }
 
-    /// Starts the secondary pulley at its set point, if it has one.
-    fn put_secondary_speed(&mut self, inputs: &Inputs) {
+    /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
+    fn start_cold(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
+        self.state = kinematic_state(&self.system, start).map_err(|e| InitialisationError::NoState(e.to_string()))?;
         if self.parameters.secondary.drive == Drive::Speed {
             let i = self.system.layout.global(Global::Speed, S);
             self.state.y[i] = inputs.secondary.speed_setpoint;
         }
+        Ok(())
     }
 
     /// Starts unloaded; loads and friction come in softly.
-    fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
+    fn start_unloaded(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
         let unloaded = Start {
             clamping: [0.0; 2],
             ..*start
         };
-        self.state = cold(&self.system, &unloaded)?;
+        self.start_cold(inputs, &unloaded)?;
         self.soft_start = SoftStart { from: self.time };
         Ok(())
     }
@@ -207,7 +201,7 @@ impl Variator {
                     task.clamping[clamped]
                 ),
             );
-            self.start_unloaded(start)?;
+            self.start_unloaded(inputs, start)?;
             return Ok(StartState::NotFound);
         }
         let found = match self.carry(&mut newton, inputs) {
@@ -232,7 +226,7 @@ impl Variator {
                         report.step, report.solves
                     ),
                 );
-                self.start_unloaded(start)?;
+                self.start_unloaded(inputs, start)?;
                 return Ok(StartState::NotFound);
             }
         };
