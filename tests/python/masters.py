@@ -8,8 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "python"))
+from pushbelt_demo.unit import Archive, Variator
 
 STEP = 1e-3
 """Communication step, s."""
@@ -23,8 +22,6 @@ def with_fmpy(
     fmu: Path, start: Values, inputs: Callable[[float], Values], steps: int, outputs: Sequence[str]
 ) -> np.ndarray:
     """fmpy, call by call."""
-    from pushbelt_demo.unit import Archive, Variator
-
     archive = Archive.unpack(fmu)
     try:
         with Variator(archive, {**start, **inputs(0.0)}) as unit:

@@ -15,21 +15,19 @@ import numpy as np
 import pytest
 from lxml import etree
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "python"))
-
-from pushbelt_demo.unit import UnitError  # noqa: E402
-from pushbelt_drive.thrust_map import ThrustMap  # noqa: E402
+from pushbelt_demo.unit import UnitError
+from pushbelt_drive.thrust_map import ThrustMap
 
 pythonfmu = pytest.importorskip("pythonfmu")
 if not pythonfmu.FmuBuilder.has_binary():
     pytest.skip("pythonfmu has no binary for this machine", allow_module_level=True)
 
-from pushbelt_drive.cosim import __main__ as program  # noqa: E402
-from pushbelt_drive.cosim import fmus, package, report, study  # noqa: E402
-from pushbelt_drive.cosim.masters import MASTERS  # noqa: E402
-from pushbelt_drive.cosim.unit import MAP_FILE  # noqa: E402
+from pushbelt_drive.cosim import __main__ as program
+from pushbelt_drive.cosim import fmus, package, report, study
+from pushbelt_drive.cosim.masters import MASTERS
+from pushbelt_drive.cosim.unit import MAP_FILE
 
+ROOT = Path(__file__).parents[2]
 NAMESPACES = {"ssd": package.SSD, "ssc": package.SSC, "ssv": package.SSV}
 MAP = ThrustMap(
     ratios=np.array([0.5, 2.0]),

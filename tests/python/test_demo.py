@@ -6,20 +6,16 @@ import csv
 import json
 import math
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "python"))
-
-from pushbelt_demo import __main__, data, events, page  # noqa: E402
-from pushbelt_demo.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of  # noqa: E402
-from pushbelt_demo.load_cases import NotFoundError, find_load  # noqa: E402
-from pushbelt_demo.results import StrandForces, Trace  # noqa: E402
-from pushbelt_demo.theory import ContinuousBelt  # noqa: E402
+from pushbelt_demo import __main__, data, events, page
+from pushbelt_demo.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of
+from pushbelt_demo.load_cases import NotFoundError, find_load
+from pushbelt_demo.results import StrandForces, Trace
+from pushbelt_demo.theory import ContinuousBelt
 
 BENCH = data.parameter_set("bench168")
 

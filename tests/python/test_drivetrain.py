@@ -15,13 +15,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "python"))
-
-from pushbelt_demo.unit import Archive, UnitError, Variator  # noqa: E402
-from pushbelt_drive import __main__, report, simulate, thrust_map, transmission  # noqa: E402
-from pushbelt_drive.car import Powertrain, demo_car  # noqa: E402
-from pushbelt_drive.control import (  # noqa: E402
+from pushbelt_demo.unit import Archive, UnitError, Variator
+from pushbelt_drive import __main__, report, simulate, thrust_map, transmission
+from pushbelt_drive.car import Powertrain, demo_car
+from pushbelt_drive.control import (
     Friction,
     Measured,
     PressureControl,
@@ -30,12 +27,13 @@ from pushbelt_drive.control import (  # noqa: E402
     SlipControl,
     clamping_force,
 )
-from pushbelt_drive.cycle import PARTS, Cycle, nedc, wltc_class_3b  # noqa: E402
-from pushbelt_drive.driver import Driver  # noqa: E402
-from pushbelt_drive.hydraulics import PressureCircuit  # noqa: E402
-from pushbelt_drive.piecewise import clip, interpolate, interval  # noqa: E402
-from pushbelt_drive.thrust_map import ThrustMap  # noqa: E402
+from pushbelt_drive.cycle import PARTS, Cycle, nedc, wltc_class_3b
+from pushbelt_drive.driver import Driver
+from pushbelt_drive.hydraulics import PressureCircuit
+from pushbelt_drive.piecewise import clip, interpolate, interval
+from pushbelt_drive.thrust_map import ThrustMap
 
+ROOT = Path(__file__).parents[2]
 CAR = demo_car()
 FRICTION = Friction(0.09, math.radians(11.0))
 MAP = ThrustMap(

@@ -6,22 +6,19 @@ import json
 import math
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from pushbelt_demo.data import load_cases, parameter_set
+from pushbelt_demo.geometry import TwoPulleyCurve
+from pushbelt_demo.results import Trace
+from pushbelt_demo.unit import Archive
+from pushbelt_paper import __main__, cases, report, tracer
+from pushbelt_paper.results import Times, Window
+
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "python"))
-
-from pushbelt_demo.data import load_cases, parameter_set  # noqa: E402
-from pushbelt_demo.geometry import TwoPulleyCurve  # noqa: E402
-from pushbelt_demo.results import Trace  # noqa: E402
-from pushbelt_demo.unit import Archive  # noqa: E402
-from pushbelt_paper import __main__, cases, report, tracer  # noqa: E402
-from pushbelt_paper.results import Times, Window  # noqa: E402
-
 CURVE = TwoPulleyCurve(0.168, 0.703, -0.4)
 OFFSET = 1e-3
 

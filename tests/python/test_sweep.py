@@ -20,18 +20,16 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+import dask
+from pushbelt_demo.unit import Archive, UnitError, Variator
+from pushbelt_sweep import Grid, Progress, Study, checks, cluster, maps, sweep
+from pushbelt_sweep.point import Point, Row, failure, start_values
+from pushbelt_sweep.run import chunks
+from pushbelt_sweep.store import METADATA, Store, table, with_metadata, write_parquet
+from pushbelt_sweep.study import AXES, DEFAULT, rpm, spread, variator
+from pushbelt_sweep.worker import Solver
+
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "python"))
-
-import dask  # noqa: E402
-from pushbelt_demo.unit import Archive, UnitError, Variator  # noqa: E402
-from pushbelt_sweep import Grid, Progress, Study, checks, cluster, maps, sweep  # noqa: E402
-from pushbelt_sweep.point import Point, Row, failure, start_values  # noqa: E402
-from pushbelt_sweep.run import chunks  # noqa: E402
-from pushbelt_sweep.store import METADATA, Store, table, with_metadata, write_parquet  # noqa: E402
-from pushbelt_sweep.study import AXES, DEFAULT, rpm, spread, variator  # noqa: E402
-from pushbelt_sweep.worker import Solver  # noqa: E402
-
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 PARAMETERS = variator("bench168", changes=COARSE)
 GRID = Grid(friction=(0.07, 0.09), speed=(200.0,), ratio=(0.8, 1.0, 1.25), utilisation=(0.3, 0.5, 0.7, 1.2))
