@@ -237,6 +237,27 @@ fn at_standstill_the_ratio_creeps_with_the_friction_velocity() {
     }
 }
 
+/// A sheave that is held from a standstill stands where the unloaded belt has `initial.ratio`; under load it is a little more.
+#[test]
+fn a_sheave_held_from_a_standstill_has_nearly_its_ratio() {
+    for model in MODELS {
+        for ratio in [0.5, 1.0, 2.2] {
+            let mut parameters = at_rest(model, ratio);
+            parameters.primary.drive = Drive::Speed;
+            parameters.primary.axial = Axial::Held;
+            let mut still = inputs((0.0, 0.0), (-10.0, 9e3));
+            still.primary.speed_setpoint = 0.0;
+            let mut run = Run::new(parameters, still);
+            let mut rates = Inputs::ZERO;
+            rates.primary.speed_setpoint = 400.0;
+            run.ramp(0.5, 1e-2, &rates);
+            let off = run.go(0.2, 1e-2).ratio_geometric / ratio - 1.0;
+            println!("{model:?}, held at {ratio}: {:+.2} % off at 200 rad/s", 100.0 * off);
+            assert!(off > 0.0 && off < 0.02, "{model:?}, held at {ratio}: {off}");
+        }
+    }
+}
+
 /// Clamped without torque, on the default mesh too: what rings then has hardly any energy to be wrong about.
 #[test]
 fn at_standstill_the_books_are_kept() {
