@@ -48,6 +48,8 @@ pub const FREE_FLOW: f64 = 3.0;
 pub struct ChainPoint<T: Real, const D: usize = 2> {
     /// λ, pitch-line length per dξ.
     pub lambda: T,
+    /// 1/λ.
+    pub inverse_lambda: T,
     /// V, m/s.
     pub speed: T,
     /// J, flow through the mesh, m/s.
@@ -72,14 +74,16 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
             normal_speed[k] = normals[k].dot(&point.r_dot);
-            curvature[k] = normals[k].dot(&point.bend) / point.stretch;
+            curvature[k] = normals[k].dot(&point.bend) * point.inverse_stretch;
         }
         let flow = speed - point.t.dot(&point.r_dot) + reference.chi_theta * theta_dot * pitch_offset;
+        let inverse_lambda = lambda.recip();
         Self {
             lambda,
+            inverse_lambda,
             speed,
             flow,
-            c: flow / lambda,
+            c: flow * inverse_lambda,
             normals,
             normal_speed,
             curvature,
@@ -111,7 +115,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
             let normal = &self.normals[k];
             let turning = normal.dot(&point.slope_dot);
-            let omega = turning / point.stretch + c * self.curvature[k];
+            let omega = turning * point.inverse_stretch + c * self.curvature[k];
             along -= omega * self.normal_speed[k];
             *across = normal.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
         }
@@ -154,11 +158,11 @@ impl<T: Real> ChainVariation<T> {
 
     /// Where V varies by `speed` and the ring doesn't.
     #[inline(always)]
-    pub fn of_speed(turn: &Turn<T>, speed: T) -> Self {
+    pub fn of_speed<const D: usize>(chain: &ChainPoint<T, D>, speed: T) -> Self {
         Self {
             speed,
             flow: speed,
-            c: speed * turn.inverse_lambda,
+            c: speed * chain.inverse_lambda,
             ..Self::none()
         }
     }
@@ -167,10 +171,6 @@ impl<T: Real> ChainVariation<T> {
 /// What [`ChainPoint::acceleration`] is made of, for its variation.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn<T: Real> {
-    /// 1/|r'|.
-    pub inverse_stretch: T,
-    /// 1/λ.
-    pub inverse_lambda: T,
     /// t̂·ṙ, m/s.
     pub along: T,
     /// n̂·(r')˙, 1/s.
@@ -183,15 +183,12 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
     /// What its variation needs besides.
     #[inline(always)]
     pub fn turn(&self, point: &RingPoint<T, D>) -> Turn<T> {
-        let inverse_stretch = point.stretch.recip();
         let (mut turning, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
             turning[k] = self.normals[k].dot(&point.slope_dot);
-            omega[k] = turning[k] * inverse_stretch + self.c * self.curvature[k];
+            omega[k] = turning[k] * point.inverse_stretch + self.c * self.curvature[k];
         }
         Turn {
-            inverse_stretch,
-            inverse_lambda: self.lambda.recip(),
             along: point.t.dot(&point.r_dot),
             turning,
             omega,
@@ -200,19 +197,13 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
 
     /// Its variation where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
     #[inline(always)]
-    pub fn vary(
-        &self,
-        point: &RingPoint<T, D>,
-        turn: &Turn<T>,
-        by: &RingVariation<T, D>,
-        speed: T,
-    ) -> ChainVariation<T> {
+    pub fn vary(&self, point: &RingPoint<T, D>, by: &RingVariation<T, D>, speed: T) -> ChainVariation<T> {
         let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
             let (normal, varied) = (&self.normals[k], &by.normals[k]);
             normal_speed[k] = varied.dot(&point.r_dot) + normal.dot(&by.r_dot);
             curvature[k] = (varied.dot(&point.bend) + normal.dot(&by.bend) - self.curvature[k] * by.stretch)
-                * turn.inverse_stretch;
+                * point.inverse_stretch;
         }
         let along = by.t.dot(&point.r_dot) + point.t.dot(&by.r_dot);
         let flow = speed - along;
@@ -220,7 +211,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
             speed,
             along,
             flow,
-            c: (flow - self.c * by.stretch) * turn.inverse_lambda,
+            c: (flow - self.c * by.stretch) * self.inverse_lambda,
             normal_speed,
             curvature,
         }
@@ -243,7 +234,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
             let (normal, varied) = (&self.normals[k], &by.normals[k]);
             let (turning, omega) = (turn.turning[k], turn.omega[k]);
             let turning_by = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
-            let omega_by = (turning_by - turning * turn.inverse_stretch * by.stretch) * turn.inverse_stretch
+            let omega_by = (turning_by - turning * point.inverse_stretch * by.stretch) * point.inverse_stretch
                 + chain.c * self.curvature[k]
                 + c * chain.curvature[k];
             along -= omega_by * self.normal_speed[k] + omega * chain.normal_speed[k];

@@ -80,8 +80,9 @@ pub fn flank_force<T: Real>(
     let elastic = depth * k;
     let viscous = touching * motion.closing * (k * contact.damping);
     let v0 = friction.velocity;
-    let speed = (motion.tangential * motion.tangential + motion.along_flank * motion.along_flank + v0 * v0).sqrt();
-    let drag = elastic * (-friction.pulley) / speed;
+    let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank + v0 * v0;
+    let (_, inverse_speed) = square.root_and_inverse();
+    let drag = elastic * (-friction.pulley) * inverse_speed;
     FlankForce {
         normal: elastic + viscous,
         viscous,

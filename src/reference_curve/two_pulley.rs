@@ -57,25 +57,32 @@ impl TwoPulley {
         (phi, b)
     }
 
-    /// Closure (27): length of the curve less L, m.
-    fn closure<D: DualNum<Primitive = f64>>(&self, r_p: &D, r_s: &D) -> D {
-        let (phi, b) = self.tangent(r_p, r_s);
-        b * 2.0 + r_p.clone() * (-phi.clone() + PI) * 2.0 + r_s.clone() * phi * 2.0 - self.length
+    /// Closure (27): length of the curve less L, m, and its slope along r_P at ratio `ratio`, α_P + i_g α_S.
+    fn closure<D: DualNum<Primitive = f64>>(&self, r_p: &D, ratio: &D) -> (D, D) {
+        let r_s = r_p.clone() * ratio;
+        let (phi, b) = self.tangent(r_p, &r_s);
+        let [wrap_p, wrap_s] = [-phi.clone() + PI, phi].map(|half| half * 2.0);
+        let length = b * 2.0 + r_p.clone() * &wrap_p + r_s * &wrap_s;
+        (length - self.length, wrap_p + wrap_s * ratio)
     }
 
     /// r_P at ratio `ratio`, NaN where there is none, m.
     fn primary_radius(&self, ratio: f64) -> f64 {
-        let mut r_p = (self.length - 2.0 * self.center_distance) / (PI * (1.0 + ratio));
-        // dL/dr_P along r_S = i r_P is α_P + i α_S: positive and bounded away from zero, so Newton converges from
-        // every start inside the range of φ.
-        let limit = self.center_distance / (1.0 - ratio).abs().max(1e-9);
+        // L = 2d_A + π(r_P + r_S) + (r_P − r_S)²/d_A but for a term of fourth order in (r_P − r_S)/d_A.
+        let d = self.center_distance;
+        let (square, linear) = ((1.0 - ratio) * (1.0 - ratio) / d, PI * (1.0 + ratio));
+        let rest = self.length - 2.0 * d;
+        let mut r_p = 2.0 * rest / (linear + (linear * linear + 4.0 * square * rest).max(0.0).sqrt());
+        // The closure's slope is positive and bounded away from zero, so Newton converges from every start inside the
+        // range of φ.
+        let limit = d / (1.0 - ratio).abs().max(1e-9);
         r_p = r_p.clamp(0.0, 0.999 * limit);
         for _ in 0..50 {
-            let (phi, _) = self.tangent(&r_p, &(ratio * r_p));
-            let slope = 2.0 * (PI - phi) + ratio * 2.0 * phi;
-            let step = self.closure(&r_p, &(ratio * r_p)) / slope;
+            let (excess, slope) = self.closure(&r_p, &ratio);
+            let step = excess / slope;
             r_p = (r_p - step).min(0.9999 * limit);
-            if step.abs() < 1e-16 * self.length {
+            // What is left is of the order of its square.
+            if step.abs() < 1e-10 * self.length {
                 break;
             }
         }
@@ -89,7 +96,7 @@ impl TwoPulley {
     pub fn radii(&self, ratio: f64) -> Result<(f64, f64), GeometryError> {
         let r_p = self.primary_radius(ratio);
         let r_s = ratio * r_p;
-        let closes = self.closure(&r_p, &r_s).abs() < 1e-12 * self.length;
+        let closes = self.closure(&r_p, &ratio).0.abs() < 1e-12 * self.length;
         if ratio > 0.0 && closes && r_p > 0.0 && r_s > 0.0 {
             Ok((r_p, r_s))
         } else {
@@ -119,14 +126,11 @@ impl TwoPulley {
     pub fn shape(&self, theta: f64) -> TwoPulleyShape {
         let ratio = ratio_of_theta(Dual3_64::from_re(theta).derivative());
         let radius = self.primary_radius(ratio.re);
-        let slope = {
-            let (phi, _) = self.tangent(&radius, &(ratio.re * radius));
-            2.0 * (PI - phi) + ratio.re * 2.0 * phi
-        };
+        let (_, slope) = self.closure(&radius, &ratio.re);
         // The value is converged; each further Newton step makes one more derivative exact.
         let mut r_p = Dual3_64::from_re(radius);
         for _ in 0..3 {
-            r_p -= self.closure(&r_p, &(ratio * r_p)) / slope;
+            r_p -= self.closure(&r_p, &ratio).0 / slope;
         }
         let r_s = ratio * r_p;
         let (phi, strand) = self.tangent(&r_p, &r_s);

@@ -188,6 +188,8 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
     pub bend: SVector<T, D>,
     /// |r'|.
     pub stretch: T,
+    /// 1/|r'|.
+    pub inverse_stretch: T,
     /// Tangent t̂ = r'/|r'|.
     pub t: SVector<T, D>,
     /// Inward normal n̂, in the plane of the drive.
@@ -212,6 +214,7 @@ impl<T: Real> RingPoint<T> {
             slope_dot: reference.n * (reference.chi_theta * rate),
             bend: reference.n * reference.kappa,
             stretch: T::one(),
+            inverse_stretch: T::one(),
             t: reference.t,
             n: reference.n,
             w: motion.s_dot - reference.xi.d * rate,
@@ -246,8 +249,8 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             slope_dot += combine(&shape.dn, &overlay.rate) * g - u_slope * (element.length.d * rate * g * 0.5);
             bend += combine(&shape.ddn, &overlay.d) * (g * g);
         }
-        let stretch = slope.dot(&slope).sqrt();
-        let t = slope * stretch.recip();
+        let (stretch, inverse_stretch) = slope.dot(&slope).root_and_inverse();
+        let t = slope * inverse_stretch;
         Self {
             reference,
             r,
@@ -257,6 +260,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             slope_dot,
             bend,
             stretch,
+            inverse_stretch,
             t,
             n: inward_normal(&t),
             w: motion.s_dot - reference.xi.d * rate,
@@ -351,11 +355,10 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
     }
 
     /// Where component `k` of the nodal unknown with shape function `m` varies; `alpha` and `beta` are the factors of
-    /// acceleration and position, `inverse` = 1/|r'|.
+    /// acceleration and position.
     #[inline(always)]
     pub fn of_node(
         point: &RingPoint<T, D>,
-        inverse: T,
         shape: &Hermite<T::Constant>,
         element: &ElementMotion<T, D>,
         motion: &ReferenceMotion<T>,
@@ -387,7 +390,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         v.slope_dot[k] = d_dot * dn * g - slope * (l.d * rate * g * 0.5);
         v.bend[k] = d * ddn * (g * g);
         v.stretch = point.t[k] * slope;
-        v.t = (v.slope - point.t * v.stretch) * inverse;
+        v.t = (v.slope - point.t * v.stretch) * point.inverse_stretch;
         v.turn_normals(point);
         v
     }

@@ -49,8 +49,8 @@ impl<T: Real, const D: usize> Particle<T, D> {
         let w = motion.s_dot - reference.xi.d * rate;
         let w_dot = motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate;
         let slope_dot = self.velocity_slope - self.bend * w;
-        let stretch = self.slope.dot(&self.slope).sqrt();
-        let t = self.slope * stretch.recip();
+        let (stretch, inverse_stretch) = self.slope.dot(&self.slope).root_and_inverse();
+        let t = self.slope * inverse_stretch;
         RingPoint {
             reference,
             r: self.r,
@@ -60,6 +60,7 @@ impl<T: Real, const D: usize> Particle<T, D> {
             slope_dot,
             bend: self.bend,
             stretch,
+            inverse_stretch,
             t,
             n: inward_normal(&t),
             w,

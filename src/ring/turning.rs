@@ -108,8 +108,8 @@ pub fn rotated_point<T: Real, const D: usize>(
     point.slope += a(e, &d.slope);
     point.slope_dot += a(e_dot - turn_right(e) * chi_dot, &d.slope_dot);
     point.bend += a(bend - turn_right(slope) * (kappa * 2.0) - r * (kappa * kappa), &d.bend);
-    point.stretch = point.slope.dot(&point.slope).sqrt();
-    point.t = point.slope * point.stretch.recip();
+    (point.stretch, point.inverse_stretch) = point.slope.dot(&point.slope).root_and_inverse();
+    point.t = point.slope * point.inverse_stretch;
     point.n = inward_normal(&point.t);
     point
 }

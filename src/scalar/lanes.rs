@@ -23,6 +23,19 @@ impl Lanes {
         Self(Pack::new(values))
     }
 
+    /// The first numbers of a slice.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn read(from: &[f64]) -> Self {
+        Self::new(*from.first_chunk().expect("as many numbers as lanes"))
+    }
+
+    /// Writes the numbers to the start of a slice.
+    #[inline(always)]
+    pub(crate) fn write(self, to: &mut [f64]) {
+        *to.first_chunk_mut().expect("as many places as lanes") = self.to_array();
+    }
+
     /// The numbers.
     #[inline(always)]
     #[must_use]
@@ -198,7 +211,9 @@ impl Real for Lanes {
         let root = (self * self + square).sqrt();
         let sum = root + Self(self.0.abs());
         let half = Self::from(0.5 * square);
-        let plus = self.if_positive(sum * 0.5, half / sum);
-        [plus, plus / root, half / (root * root * root)]
+        // One division for both quotients.
+        let inverse = (sum * root).recip();
+        let plus = self.if_positive(sum * 0.5, half * root * inverse);
+        [plus, plus * sum * inverse, half / (root * root * root)]
     }
 }

@@ -69,6 +69,14 @@ pub trait Real:
     #[must_use]
     fn recip(self) -> Self;
 
+    /// √x and 1/√x. The division doesn't wait for the root.
+    #[inline(always)]
+    #[must_use]
+    fn root_and_inverse(self) -> (Self, Self) {
+        let root = self.sqrt();
+        (root, root * self.recip())
+    }
+
     /// (sin x, cos x).
     #[must_use]
     fn sin_cos(self) -> (Self, Self);

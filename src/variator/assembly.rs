@@ -6,7 +6,7 @@ use super::pack::{InPlace, Pack, Standing, Tell, for_kind, motion, nodes, own_di
 use super::ring::{Deflecting, GUIDED, Guided, RingForces, TURNING, Turning};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
-use crate::chain::{self, Transport};
+use crate::chain;
 use crate::reference_curve::{ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
@@ -14,10 +14,33 @@ use num_traits::Zero;
 
 /// Sums over the cells of a pulley.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PulleySum {
-    pub axial: f64,
-    pub tilting: [f64; 2],
-    pub torque: f64,
+pub(super) struct PulleySum<T = f64> {
+    pub axial: T,
+    pub tilting: [T; 2],
+    pub torque: T,
+}
+
+impl<T: Real> PulleySum<T> {
+    /// Adds `on` times what a cell does.
+    #[inline(always)]
+    pub fn add(&mut self, cell: &CellBalance<T>, on: T) {
+        self.axial += cell.axial * on;
+        self.torque += cell.torque * on;
+        for (sum, moment) in self.tilting.iter_mut().zip(cell.tilting) {
+            *sum += moment * on;
+        }
+    }
+}
+
+impl PulleySum<Lanes> {
+    /// Over the lanes.
+    fn sum(&self) -> PulleySum {
+        PulleySum {
+            axial: self.axial.sum(),
+            tilting: self.tilting.map(Lanes::sum),
+            torque: self.torque.sum(),
+        }
+    }
 }
 
 impl VariatorSystem {
@@ -123,7 +146,8 @@ impl VariatorSystem {
     ) {
         let own = own_directions(KIND, D);
         let frame = C::stand(&self.curve, self.curve.shape(self.theta(view)).frame(Lanes::zero()));
-        let (mut drift, mut theta) = (0.0, 0.0);
+        let [mut drift, mut theta] = [Lanes::zero(); 2];
+        let mut sums = [PulleySum::<Lanes>::default(); 2];
         for pack in &self.packs {
             let (b, ring) = self.pack_balance::<_, _, KIND, D, C>(
                 pack,
@@ -135,48 +159,33 @@ impl VariatorSystem {
             );
             let rows = rows::<_, KIND, D>(&b, &ring);
             pack.scatter::<KIND, D>(&rows, out);
-            drift += pack.counted(rows[own]);
-            theta += pack.counted(rows[own + 1]);
+            let in_use = pack.group.in_use();
+            drift += rows[own] * in_use;
+            theta += rows[own + 1] * in_use;
             // The pulley's rows need its whole sum first.
-            let [axial, torque, x, y] = [b.axial, b.torque, b.tilting[0], b.tilting[1]].map(Lanes::to_array);
-            for lane in 0..pack.group.used {
-                let cell = pack.group.cells[lane];
-                let sum = &mut self.sums[self.mesh.cells[cell].pulley];
-                sum.axial += axial[lane];
-                sum.torque += torque[lane];
-                sum.tilting[0] += x[lane];
-                sum.tilting[1] += y[lane];
-                self.transports[cell] = b.transport.map(|of| of.to_array()[lane]);
+            for (sum, on) in sums.iter_mut().zip(pack.group.on) {
+                sum.add(&b, on);
             }
+            self.transports.set_pack(pack.group.cells[0], &b.transport);
         }
-        out[self.layout.global(Global::Drift, 0)] += drift;
-        out[self.layout.global(Global::Theta, 0)] += theta;
+        self.sums = sums.map(|of| of.sum());
+        out[self.layout.global(Global::Drift, 0)] += drift.sum();
+        out[self.layout.global(Global::Theta, 0)] += theta.sum();
         self.add_fluxes(view, out);
     }
 
     /// Adds the balance of the amounts: fluxes through the left faces.
-    pub(super) fn add_fluxes(&self, view: View<'_>, out: &mut [f64]) {
+    pub(super) fn add_fluxes(&mut self, view: View<'_>, out: &mut [f64]) {
+        self.transports.close();
         let cells = self.mesh.cells.len();
-        let before = |cell: usize| if cell == 0 { cells - 1 } else { cell - 1 };
-        for first in (0..cells).step_by(LANES) {
-            let last = cells.min(first + LANES);
-            let pack: [usize; LANES] = std::array::from_fn(|lane| (first + lane).min(last - 1));
-            let [left, right] = [pack.map(before), pack].map(|of| self.packed_transport(of));
-            for (cell, flux) in (first..last).zip(chain::flux(&left, &right).to_array()) {
-                let [into, from] = [cell, before(cell)].map(|cell| self.cells_at[cell][1]);
+        let mut from = self.cells_at[cells - 1][1];
+        for (pack, at) in self.cells_at.chunks(LANES).enumerate() {
+            let [before, after] = self.transports.beside(LANES * pack);
+            for (&[_, into], flux) in at.iter().zip(chain::flux(&before, &after).to_array()) {
                 out[into] += view.y_dot[into] - flux;
                 out[from] += flux;
+                from = into;
             }
-        }
-    }
-
-    /// What the balance of the amounts needs of these cells.
-    fn packed_transport(&self, of: [usize; LANES]) -> Transport<Lanes> {
-        let of = of.map(|cell| &self.transports[cell]);
-        Transport {
-            flow: Lanes::new(of.map(|t| t.flow)),
-            density: Lanes::new(of.map(|t| t.density)),
-            lag: Lanes::new(of.map(|t| t.lag)),
         }
     }
 }

@@ -401,8 +401,7 @@ impl<T: Real> Approach<T> {
     ) -> Self {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;
         let arm = in_plane(&point.r) - Vector2::new(T::constant(axis), T::zero());
-        let distance = arm.dot(&arm).sqrt();
-        let inverse_distance = distance.recip();
+        let (distance, inverse_distance) = arm.dot(&arm).root_and_inverse();
         let e_r = arm * inverse_distance;
         let e_t = Vector2::new(e_r.y, -e_r.x);
         let rho = distance - law.parameters.belt.pitch_offset;
@@ -509,7 +508,8 @@ pub(super) fn ring_load<T: Real>(pressing: T) -> T {
 pub(super) fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
     let load = ring_load(pressing);
     let v0 = friction.velocity;
-    load * kappa * friction.ring * sliding / (sliding * sliding + v0 * v0).sqrt()
+    let (_, inverse_speed) = (sliding * sliding + v0 * v0).root_and_inverse();
+    load * kappa * friction.ring * sliding * inverse_speed
 }
 
 /// Share of a face in [`between`]: 0 the left one, 1 the right one.
@@ -559,15 +559,17 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         points[i] = Some((point, chain, weight));
     }
     let face = face.expect("slot 0 is the face");
-    let density = motion.amount / pitch_length;
-    let lengthening = motion.speed[1] - motion.speed[0] - carried;
+    let inverse_pitch_length = pitch_length.recip();
+    let density = motion.amount * inverse_pitch_length;
+    let difference = motion.speed[1] - motion.speed[0];
+    let lengthening = difference - carried;
     let cell_length: T = place
         .stations
         .iter()
         .fold(T::zero(), |sum, s| sum + length.v * s.weight);
-    let difference = motion.speed[1] - motion.speed[0];
-    let thinning = -(density * lengthening) / pitch_length;
-    let Stack { push, collision, lag } = Stack::new(&p.belt, [density, thinning, through / cell_length, difference]);
+    let inverse_length = cell_length.recip();
+    let thinning = -(density * lengthening * inverse_pitch_length);
+    let Stack { push, collision, lag } = Stack::new(&p.belt, [density, thinning, through * inverse_length, difference]);
 
     let mut out = CellBalance {
         speed: [push.force - collision, collision - push.force],
@@ -580,7 +582,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
             lag: if law.has_lag { lag } else { T::zero() },
         },
     };
-    let speed_gradient = difference / cell_length;
+    let speed_gradient = difference * inverse_length;
     let pulley = &motion.pulley;
 
     for (i, (found, station)) in points.iter().zip(place.stations).enumerate() {
@@ -645,7 +647,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         flow -= ring_friction * point.stretch;
 
         // δc = (δV − t̂·δr + e χ_Θ δΘ)/λ.
-        let carried = flow / lambda;
+        let carried = flow * chain.inverse_lambda;
         along += carried;
         let across = point_load.position.dot(&point.n);
         point_load.position -= point.t * carried;
@@ -666,7 +668,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
 
         if S::ACTIVE {
             let of_ring = ring.density(point);
-            let stack = (collision * difference - push.viscous * lengthening) / cell_length;
+            let stack = (collision * difference - push.viscous * lengthening) * inverse_length;
             let from_axis = in_plane(&face.r) - Vector2::new(T::constant(place.axis), T::zero());
             probe.take(Sample {
                 xi: point.reference.xi.v,

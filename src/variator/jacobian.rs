@@ -248,9 +248,7 @@ impl VariatorSystem {
                     out.add_at(entry[lane], value[lane]);
                 }
             }
-            for lane in 0..pack.group.used {
-                self.transports[pack.group.cells[lane]] = transport.map(|of| of.to_array()[lane]);
-            }
+            self.transports.set_pack(pack.group.cells[0], &transport);
         }
         (self.kept, self.transport_slopes) = (all, transports);
         self.add_flux_slopes(count, alpha, out);
@@ -263,7 +261,7 @@ impl VariatorSystem {
             let [_, row] = self.cells_at[cell];
             out.add(row, row, alpha);
             let before = (cell + cells - 1) % cells;
-            let [by_before, by_own] = chain::flux_slopes(&self.transports[before], &self.transports[cell]);
+            let [by_before, by_own] = chain::flux_slopes(&self.transports.get(before), &self.transports.get(cell));
             let (of_before, of_own) = (&self.transport_slopes[before], &self.transport_slopes[cell]);
             let [own, other] = &self.flux_entries[cell];
             for k in 0..count {

@@ -25,6 +25,7 @@ pub mod soft_start;
 pub mod start;
 pub mod steady;
 pub mod system;
+mod transports;
 pub mod travelling;
 pub mod validation;
 mod variation;

@@ -102,12 +102,6 @@ impl Pack {
         }
     }
 
-    /// The sum over its cells.
-    #[inline(always)]
-    pub fn counted(&self, of: Lanes) -> f64 {
-        of.to_array()[..self.group.used].iter().sum()
-    }
-
     /// Adds `rows` of the balance of each cell, its own directions', to `out`; the amount has its own balance.
     #[inline(always)]
     pub fn scatter<const KIND: u8, const D: usize>(&self, rows: &[Lanes; MOST], out: &mut [f64]) {

@@ -69,16 +69,8 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: CellRing<T, D> {
     /// Whether the ring moves in its own directions.
     const MOVES: bool;
 
-    /// How the ring varies at a slot in its own direction `own`; `inverse` = 1/|r'|, `slopes` the factors of
-    /// acceleration and position.
-    fn vary(
-        &self,
-        slot: usize,
-        point: &RingPoint<T, D>,
-        inverse: T,
-        own: usize,
-        slopes: [f64; 2],
-    ) -> RingVariation<T, D>;
+    /// How the ring varies at a slot in its own direction `own`; `slopes` are the factors of acceleration and position.
+    fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D>;
 
     /// Adds how [`CellRing::own_load`] varies; returns how the tension does. `own` as above, if it is such a direction.
     fn vary_own_load(
@@ -205,18 +197,11 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     const MOVES: bool = true;
 
     #[inline(always)]
-    fn vary(
-        &self,
-        slot: usize,
-        point: &RingPoint<T, D>,
-        inverse: T,
-        own: usize,
-        slopes: [f64; 2],
-    ) -> RingVariation<T, D> {
+    fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D> {
         let shape = &self.place.slot(slot).shape;
         let (node, k, is_slope) = node_direction::<D>(own);
         let which = [2 * node + usize::from(is_slope), k];
-        RingVariation::of_node(point, inverse, shape, &self.element, self.motion, which, slopes)
+        RingVariation::of_node(point, shape, &self.element, self.motion, which, slopes)
     }
 
     #[inline(always)]
@@ -465,14 +450,7 @@ impl<T: Real> VaryingRing<T> for Guided<'_, T> {
     const MOVES: bool = false;
 
     #[inline(always)]
-    fn vary(
-        &self,
-        _slot: usize,
-        _point: &RingPoint<T>,
-        _inverse: T,
-        _own: usize,
-        _slopes: [f64; 2],
-    ) -> RingVariation<T> {
+    fn vary(&self, _slot: usize, _point: &RingPoint<T>, _own: usize, _slopes: [f64; 2]) -> RingVariation<T> {
         RingVariation::none()
     }
 

@@ -11,6 +11,7 @@ use super::order::{self, Order, Travelling};
 use super::pack::{MOST, Pack, for_kind};
 use super::parameters::{Parameters, Pulley, RIGID_TILT_STIFFNESS, RingModel};
 use super::ring::{FIXED, GUIDED, TURNING};
+use super::transports::Transports;
 use super::travelling::{CellSlopes, MeanTension, TravellingRing, with_ring};
 use crate::chain::Transport;
 use crate::pulley::Travel;
@@ -52,7 +53,7 @@ pub struct VariatorSystem {
     /// Where V at its left face and the element amount of each cell stand.
     pub(super) cells_at: Vec<[usize; 2]>,
     /// What the balance of the amounts needs of each cell.
-    pub(super) transports: Vec<Transport<f64>>,
+    pub(super) transports: Transports,
     /// Its slopes in the cell's directions: kept as those of the packs are.
     pub(super) transport_slopes: Vec<Transport<[f64; MOST]>>,
     pub(super) sums: [PulleySum; 2],
@@ -178,7 +179,7 @@ impl VariatorSystem {
             cells_at: (0..cells)
                 .map(|cell| [layout.speed(cell), layout.amount(cell)])
                 .collect(),
-            transports: vec![Transport::default(); cells],
+            transports: Transports::new(cells),
             sums: [PulleySum::default(); 2],
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             packs: Vec::new(),

@@ -467,12 +467,8 @@ impl VariatorSystem {
             out[own[4]] += rows.ring.theta;
             out[own[9]] += rows.ring.gauge[0];
             out[own[10]] += rows.ring.gauge[1];
-            let sum = &mut self.sums[pulley];
-            sum.axial += b.axial;
-            sum.torque += b.torque;
-            sum.tilting[0] += b.tilting[0];
-            sum.tilting[1] += b.tilting[1];
-            self.transports[cell] = b.transport;
+            self.sums[pulley].add(b, 1.0);
+            self.transports.set(cell, &b.transport);
         }
         self.add_fluxes(view, out);
         for i in self.layout.free() {
@@ -550,7 +546,7 @@ impl VariatorSystem {
                 for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
                     add(at[own + k], row);
                 }
-                self.transports[cell] = rows.balance.transport.map(|of| of.re);
+                self.transports.set(cell, &rows.balance.transport.map(|of| of.re));
                 for (slopes, of) in transport.each_mut().into_iter().zip(rows.balance.transport.each()) {
                     slopes[first..][..columns.len()].copy_from_slice(&of.eps[..columns.len()]);
                 }
@@ -562,7 +558,7 @@ impl VariatorSystem {
             let rows = [before, cell].map(|cell| self.cells_at[cell][1]);
             out.add(rows[1], rows[1], alpha);
             let (own, other) = (&memory[cell], &memory[before]);
-            let slopes = chain::flux_slopes(&self.transports[before], &self.transports[cell]);
+            let slopes = chain::flux_slopes(&self.transports.get(before), &self.transports.get(cell));
             for (of, by) in [other, own].into_iter().zip(slopes) {
                 for k in 0..of.count {
                     let slope = by.along(&of.transport, k);

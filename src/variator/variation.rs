@@ -178,7 +178,7 @@ pub struct Linearised<'a, R, const D: usize> {
     motion: &'a CellMotion<Lanes>,
     ring: &'a R,
     points: [Option<Point<D>>; STATIONS],
-    face: (RingPoint<Lanes, D>, ChainPoint<Lanes, D>, Turn<Lanes>),
+    face: (RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
     inverse_pitch_length: Lanes,
     inverse_length: Lanes,
     density: Lanes,
@@ -207,15 +207,14 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let length = place.length.v;
         let chain_at = |slot: usize, speed: Lanes| {
             let ring = ring.point(slot, reference(slot));
-            let chain = ChainPoint::new(e, &ring, theta_dot, speed);
-            (ring, chain, chain.turn(&ring))
+            (ring, ChainPoint::new(e, &ring, theta_dot, speed))
         };
         let zero = Lanes::zero();
         let (mut pitch_length, mut carried, mut through, mut cell_length) = (zero, zero, zero, zero);
         let mut seen = [None; STATIONS];
         for (i, (seen, station)) in seen.iter_mut().zip(place.stations).enumerate() {
             let speed = super::cell::between(&motion.speed, station.right);
-            let (point, chain, turn) = chain_at(i + 1, speed);
+            let (point, chain) = chain_at(i + 1, speed);
             let weight = length * station.weight;
             pitch_length += weight * chain.lambda;
             for k in 0..D - 1 {
@@ -223,7 +222,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             }
             through += weight * chain.flow;
             cell_length += weight;
-            *seen = Some((point, chain, turn, weight));
+            *seen = Some((point, chain, weight));
         }
         let difference = motion.speed[1] - motion.speed[0];
         let density = motion.amount / pitch_length;
@@ -265,11 +264,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     }
 
     #[inline(always)]
-    fn point(
-        &self,
-        i: usize,
-        (ring, chain, turn, weight): (RingPoint<Lanes, D>, ChainPoint<Lanes, D>, Turn<Lanes>, Lanes),
-    ) -> Point<D> {
+    fn point(&self, i: usize, (ring, chain, weight): (RingPoint<Lanes, D>, ChainPoint<Lanes, D>, Lanes)) -> Point<D> {
         let (law, p, pulley) = (self.law, &self.law.parameters, &self.motion.pulley);
         let right = self.place.stations[i].right;
         let mut own_load = Load::zero();
@@ -323,10 +318,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             sideways,
             inward,
             friction,
-            carried: flow * turn.inverse_lambda,
+            carried: flow * chain.inverse_lambda,
+            turn: chain.turn(&ring),
             ring,
             chain,
-            turn,
         }
     }
 
@@ -371,21 +366,20 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         if let Direction::Speed(face) = direction {
             speed[face] = Lanes::from(1.0);
         }
-        let at =
-            |slot: usize, (ring, chain, turn): (&RingPoint<Lanes, D>, &ChainPoint<Lanes, D>, &Turn<Lanes>), speed| {
-                if !MOVES {
-                    return (RingVariation::none(), ChainVariation::of_speed(turn, speed));
-                }
-                let by = match own {
-                    Some(own) => self.ring.vary(slot, ring, turn.inverse_stretch, own, self.slopes),
-                    None => RingVariation {
-                        w: Lanes::from(1.0),
-                        w_dot: Lanes::from(alpha),
-                        ..RingVariation::none()
-                    },
-                };
-                (by, chain.vary(ring, turn, &by, speed))
+        let at = |slot: usize, ring: &RingPoint<Lanes, D>, chain: &ChainPoint<Lanes, D>, speed| {
+            if !MOVES {
+                return (RingVariation::none(), ChainVariation::of_speed(chain, speed));
+            }
+            let by = match own {
+                Some(own) => self.ring.vary(slot, ring, own, self.slopes),
+                None => RingVariation {
+                    w: Lanes::from(1.0),
+                    w_dot: Lanes::from(alpha),
+                    ..RingVariation::none()
+                },
             };
+            (by, chain.vary(ring, &by, speed))
+        };
 
         // Cell.
         let (mut pitch_length, mut carried, mut through) = (zero, zero, zero);
@@ -394,7 +388,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let Some(point) = point else { continue };
             let chain = &point.chain;
             let speed = super::cell::between(&speed, point.right);
-            let (by, chain_by) = at(i + 1, (&point.ring, chain, &point.turn), speed);
+            let (by, chain_by) = at(i + 1, &point.ring, chain, speed);
             pitch_length += point.weight * by.stretch;
             if MOVES {
                 for k in 0..D - 1 {
@@ -406,8 +400,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             through += point.weight * chain_by.flow;
             *varied = Some((by, chain_by));
         }
-        let (ring, chain, turn) = &self.face;
-        let (_, face) = at(0, (ring, chain, turn), speed[0]);
+        let (ring, chain) = &self.face;
+        let (_, face) = at(0, ring, chain, speed[0]);
         let amount = if direction == Direction::Amount {
             Lanes::from(1.0)
         } else {
@@ -651,7 +645,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         if MOVES {
             carried -= point.carried * by.stretch;
         }
-        let carried = carried * point.turn.inverse_lambda;
+        let carried = carried * point.chain.inverse_lambda;
         along += carried;
         let across = load.position.dot(&ring.n);
         load.position -= ring.t * carried;
