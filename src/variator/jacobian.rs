@@ -158,7 +158,7 @@ impl VariatorSystem {
     }
 
     /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry
-    /// of its column, and of all figures that the amounts need.
+    /// of its column, and of all figures that the amounts need (at least 1e-6: they are of the order of 1).
     #[cfg(test)]
     pub(super) fn worst_derivative<const KIND: u8, const D: usize, C: Standing>(
         &self,
@@ -187,7 +187,7 @@ impl VariatorSystem {
                     .map(|t| t[pack.group.cells[lane]].each().map(|of| of[..count].to_vec()));
                 let pairs = hand.iter().zip(&forward).chain(of_hand.iter().zip(&of_forward));
                 for (hand, forward) in pairs {
-                    let scale = forward.iter().fold(1e-300_f64, |most, x| most.max(x.abs()));
+                    let scale = forward.iter().fold(1e-6_f64, |most, x| most.max(x.abs()));
                     for (a, b) in hand.iter().zip(forward) {
                         worst = worst.max((a - b).abs() / scale);
                     }
