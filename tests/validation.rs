@@ -1,9 +1,9 @@
 //! Bad parameters and inputs: each is refused by a message that names variable, value and allowed range.
 
 use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::Parameters;
+use pushbelt::variator::parameters::{Parameters, RingModel};
 use pushbelt::variator::signals::Inputs;
-use pushbelt::variator::validation::{ParameterError, range_of};
+use pushbelt::variator::validation::{ParameterError, Value, range_of};
 
 fn refused(change: impl FnOnce(&mut Parameters)) -> ParameterError {
     let mut parameters = Parameters::default();
@@ -67,7 +67,7 @@ fn every_real_parameter_refuses_what_is_not_finite() {
         let (min, _) = range_of(name).expect("has a range");
         let below = min - 0.1 * min.abs().max(1e-3);
         let error = refused(|p| *field(p) = below);
-        assert_eq!((error.variable, error.value), (name, below));
+        assert_eq!((error.variable, error.value), (name, Value::Number(below)));
     }
 }
 
@@ -127,13 +127,33 @@ fn the_wedge_must_open_wider_than_the_friction_angle() {
     );
     accepted(|p| p.geometry.wedge_angle = 0.12);
     accepted(|p| p.friction.pulley = 0.0);
+    // In a run it is the friction that changes.
+    let mut variator = Variator::new(Parameters::default()).unwrap();
+    let error = variator.set_friction(0.5, 0.01).expect_err("refused");
+    assert_eq!(error.variable, "friction.pulley");
+    assert!(error.range.starts_with("below 0.194"), "{error}");
+}
+
+#[test]
+fn flags_are_told_as_flags() {
+    let error = refused(|p| {
+        p.ring_model = RingModel::Ancf;
+        p.mesh.aligned = false;
+    });
+    assert_eq!(
+        error.to_string(),
+        "mesh.aligned = false is out of range: true, unless ring.model is ALE0 or ALE"
+    );
 }
 
 #[test]
 fn the_belt_must_reach_around_pulleys_that_do_not_touch() {
     for short in [0.1, 2.0 * 0.168, 2.0 * 0.168 + 2.0 * std::f64::consts::PI * 1e-3] {
         let error = refused(|p| p.geometry.belt_length = short);
-        assert_eq!((error.variable, error.value), ("geometry.beltLength", short));
+        assert_eq!(
+            (error.variable, error.value),
+            ("geometry.beltLength", Value::Number(short))
+        );
         assert!(error.range.starts_with("between 0.342"), "{error}");
     }
     assert_eq!(
@@ -164,7 +184,7 @@ fn stops_must_leave_a_range_and_the_initial_ratio_must_lie_in_it() {
     accepted(|p| p.initial.ratio = 1.0 / 2.25);
     for beyond in [3.0, 1.0 / 3.0, 90.0, 0.011] {
         let error = refused(|p| p.initial.ratio = beyond);
-        assert_eq!((error.variable, error.value), ("initial.ratio", beyond));
+        assert_eq!((error.variable, error.value), ("initial.ratio", Value::Number(beyond)));
     }
     // No pair of radii within these stops closes the belt.
     let error = refused(|p| {

@@ -143,6 +143,9 @@ fn over_torque_slips_at_capacity_and_recovers() {
             before.slip, after.slip
         );
         assert!(flagged && seen > 10, "{model:?} did not slip");
+        for told in ["begins to slip through", "grips again"] {
+            assert!(run.told(told), "{model:?}: {told}");
+        }
         assert!(worst < 5e-3, "{model:?}: torque off by {worst}");
         assert!(
             !after.macro_slip && after.slip > 0.0 && after.slip < 0.01,

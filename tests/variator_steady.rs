@@ -330,27 +330,35 @@ fn equal_pulleys_with_equal_torques_share_the_thrust() {
 fn reverse_running_mirrors_the_steady_state() {
     for model in MODELS {
         let parameters = variator(model);
-        let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
-        let forward = load_case(&parameters, &case).outputs;
-        let task = SteadyTask {
-            speed: [SpeedMode::Transmit(-case.torque), SpeedMode::Fixed],
-            ..case.task()
-        };
-        let reverse = steady(&parameters, &task, [-SPEED; 2]).outputs;
-        for (a, b, what) in [
-            (reverse.thrust_ratio, forward.thrust_ratio, "thrust ratio"),
-            (reverse.secondary.speed, -forward.secondary.speed, "secondary speed"),
-            (
-                reverse.secondary.shaft_torque,
-                -forward.secondary.shaft_torque,
-                "secondary torque",
-            ),
-            (reverse.belt_speed, -forward.belt_speed, "belt speed"),
-            (reverse.push_force_max, forward.push_force_max, "push force"),
-            (reverse.losses.total(), forward.losses.total(), "losses"),
-        ] {
-            println!("{model:?} {what}: {a:.6} and {b:.6}");
-            assert_close(a, b, 2e-3, what);
+        // Driving, and braking.
+        for torque in [50.0_f64, -30.0] {
+            for case in LoadCase::three(&parameters, torque.abs()) {
+                let at = |sign: f64| {
+                    let task = SteadyTask {
+                        speed: [SpeedMode::Transmit(sign * torque), SpeedMode::Fixed],
+                        slip: 0.01 * torque.signum(),
+                        ..case.task()
+                    };
+                    let speed = sign * SPEED;
+                    steady(&parameters, &task, [speed / ratio(case.theta), speed]).outputs
+                };
+                let (forward, reverse) = (at(1.0), at(-1.0));
+                for (a, b, what) in [
+                    (reverse.thrust_ratio, forward.thrust_ratio, "thrust ratio"),
+                    (reverse.secondary.speed, -forward.secondary.speed, "secondary speed"),
+                    (
+                        reverse.secondary.shaft_torque,
+                        -forward.secondary.shaft_torque,
+                        "secondary torque",
+                    ),
+                    (reverse.belt_speed, -forward.belt_speed, "belt speed"),
+                    (reverse.push_force_max, forward.push_force_max, "push force"),
+                    (reverse.losses.total(), forward.losses.total(), "losses"),
+                ] {
+                    println!("{model:?} {}, {torque} N·m, {what}: {:.1e}", case.name, a / b - 1.0);
+                    assert_close(a, b, 1e-6, what);
+                }
+            }
         }
     }
 }

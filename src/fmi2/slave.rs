@@ -607,16 +607,15 @@ fn same_time(a: f64, b: f64, step: f64) -> bool {
 /// sums, off by some 1e-12; where a belt slips through that grows to differences that a user sees, unless all masters
 /// get the same bits.
 fn communication_point(time: f64, step: f64) -> f64 {
-    #[expect(clippy::cast_possible_truncation, reason = "the exponent of a finite number")]
-    let digits = -((1e-6 * step).log10().floor()) as i32;
-    let grid = 10_f64.powi(digits.clamp(0, 22));
+    let digits = -(1e-6 * step).log10().floor();
+    if digits > 22.0 {
+        return time;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "at most 22")]
+    let grid = 10_f64.powi(digits.max(0.0) as i32);
     let count = (time * grid).round();
     let exact = 1.0 / f64::EPSILON;
-    if digits <= 22 && count.abs() < exact {
-        count / grid
-    } else {
-        time
-    }
+    if count.abs() < exact { count / grid } else { time }
 }
 
 fn unknown_status(kind: StatusKind) -> Outcome {

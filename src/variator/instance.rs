@@ -24,6 +24,9 @@ const SHORTEST_STEP: f64 = 1.0e-9;
 /// log.
 const QUIET: f64 = 1.0;
 
+/// Time after which a change between gripping and slipping through is told again, s.
+const CHATTER: f64 = 0.1;
+
 /// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and
 /// it leaves nine digits of a difference.
 const MOMENT: f64 = 1.0e-6;
@@ -90,6 +93,8 @@ pub struct Variator {
     macro_slip: bool,
     /// Time at which a strand was last seen in net compression, s.
     buckled: f64,
+    /// When the belt last began or ceased to slip through, s.
+    slipped: f64,
     initial_energy: f64,
     external_torque: [f64; 2],
     /// Inputs in force, the time at which they were given, and how they change from then on.
@@ -150,6 +155,7 @@ impl Variator {
             start_state: StartState::Unloaded,
             macro_slip: false,
             buckled: f64::NEG_INFINITY,
+            slipped: f64::NEG_INFINITY,
             initial_energy: 0.0,
             external_torque: [0.0; 2],
             held: Held {
@@ -276,7 +282,19 @@ impl Variator {
         }
         self.time = to;
         let sums = self.system.ledger.last.sums;
-        self.macro_slip = macro_slip(&self.system, self.state.view(), &sums, self.macro_slip);
+        let slips = macro_slip(&self.system, self.state.view(), &sums, self.macro_slip);
+        if slips != self.macro_slip {
+            self.macro_slip = slips;
+            if to - self.slipped > CHATTER {
+                let what = if slips {
+                    "begins to slip through (macro-slip)"
+                } else {
+                    "grips again"
+                };
+                self.say(false, format!("at {to} s the belt {what}"));
+            }
+            self.slipped = to;
+        }
         if sums.strand_force < 0.0 {
             if to - self.buckled > QUIET {
                 let force = sums.strand_force;
@@ -341,6 +359,7 @@ impl Variator {
             &mut self.soft_start.from,
             &mut self.system.law.parameters.friction.velocity,
             &mut self.buckled,
+            &mut self.slipped,
             &mut self.initial_energy,
             &mut ledger.supplied,
             &mut ledger.lost,
@@ -405,7 +424,7 @@ impl Variator {
         let mut changed = self.parameters.clone();
         changed.friction.pulley = pulley;
         changed.friction.ring = ring;
-        changed.validate()?;
+        changed.validate_friction()?;
         self.parameters = changed;
         self.put_friction();
         self.system.take_stock(self.state.view());

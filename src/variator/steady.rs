@@ -321,8 +321,7 @@ pub fn solve_equilibrium(
     let reaction = task.reaction;
     let wanted = task.clamping[reaction].max(1.0);
     let defect = |system: &VariatorSystem, state: &State| {
-        let holding = system.holding_force(reaction, state.view(), system.belt_load(reaction).0);
-        (wanted / holding.max(1.0)).ln()
+        (wanted / self::reaction(system, state.view(), reaction).max(1.0)).ln()
     };
     let (lowest, highest) = (range.0.ln(), range.1.ln());
     let mut x = task.ratio.ln();
@@ -331,6 +330,7 @@ pub fn solve_equilibrium(
     let mut slope = if reaction == P { 0.5 } else { -0.5 };
     let (mut longest, mut shorter) = (COLD_RATIO_STEP, [LARGEST_RATIO_STEP, SMALL_RATIO_STEP].into_iter());
     let mut near = state.clone();
+    let mut last = Settled::default();
     for _ in 0..EQUILIBRIUM_ITERATIONS {
         if f.abs() < EQUILIBRIUM_TOLERANCE {
             return Ok(Equilibrium::at(system, state.view()));
@@ -353,10 +353,13 @@ pub fn solve_equilibrium(
                 *state = found;
             }
         }
-        if let Err(report) = solve(system, newton, state, &there, EQUILIBRIUM_SOLVES) {
-            longest = shorter.next().ok_or(report)?;
-            state.clone_from(&near);
-            continue;
+        match solve(system, newton, state, &there, EQUILIBRIUM_SOLVES) {
+            Ok(report) => last = report,
+            Err(report) => {
+                longest = shorter.next().ok_or(report)?;
+                state.clone_from(&near);
+                continue;
+            }
         }
         near.clone_from(state);
         let reached = defect(system, state);
@@ -366,7 +369,13 @@ pub fn solve_equilibrium(
         }
         (x, f) = (next, reached);
     }
-    Err(Settled::default())
+    Err(last)
+}
+
+/// Clamping force on pulley `j` that would hold its sheave where it is, N.
+#[must_use]
+pub fn reaction(system: &VariatorSystem, view: View<'_>, j: usize) -> f64 {
+    system.holding_force(j, view, system.surveyed(view).sums.axial[j])
 }
 
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.

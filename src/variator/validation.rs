@@ -16,14 +16,41 @@ pub struct ParameterError {
     /// Name of the variable in the interface, e.g. `geometry.wedgeAngle`.
     pub variable: &'static str,
     /// The value found.
-    pub value: f64,
+    pub value: Value,
     /// The allowed range in words.
     pub range: String,
 }
 
 impl ParameterError {
     fn new(variable: &'static str, value: f64, range: String) -> Self {
+        let value = Value::Number(value);
         Self { variable, value, range }
+    }
+
+    fn of_flag(variable: &'static str, value: bool, range: &str) -> Self {
+        Self {
+            variable,
+            value: Value::Flag(value),
+            range: range.to_string(),
+        }
+    }
+}
+
+/// A value that is out of range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// Of a real, integer or enumeration.
+    Number(f64),
+    /// Of a Boolean.
+    Flag(bool),
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(value) => value.fmt(f),
+            Self::Flag(value) => value.fmt(f),
+        }
     }
 }
 
@@ -155,6 +182,22 @@ impl Parameters {
         self.validate_stops()
     }
 
+    /// Checks the two coefficients that may change in a run.
+    ///
+    /// # Errors
+    /// The one that is out of its range.
+    pub fn validate_friction(&self) -> Result<(), ParameterError> {
+        let tunable = |limit: &&Limit<_, 1>| matches!(limit.names[0], "friction.pulley" | "friction.ring");
+        for limit in PARAMETERS.iter().filter(tunable) {
+            limit.check(0, self)?;
+        }
+        self.validate_wedge().map_err(|_| {
+            let highest = self.geometry.wedge_angle.tan();
+            let range = format!("below {highest}, the tangent of geometry.wedgeAngle; from there on the sheaves jam");
+            ParameterError::new("friction.pulley", self.friction.pulley, range)
+        })
+    }
+
     /// Below the friction angle a sheave clamps the elements and never lets go.
     fn validate_wedge(&self) -> Result<(), ParameterError> {
         let wedge_angle = self.geometry.wedge_angle;
@@ -182,10 +225,10 @@ impl Parameters {
             ));
         }
         if !self.mesh.aligned && self.ring_model.travels() {
-            return Err(ParameterError::new(
+            return Err(ParameterError::of_flag(
                 "mesh.aligned",
-                0.0,
-                "true, unless ring.model is ALE0 or ALE".to_string(),
+                false,
+                "true, unless ring.model is ALE0 or ALE",
             ));
         }
         Ok(())
@@ -195,17 +238,17 @@ impl Parameters {
     fn validate_ring(&self) -> Result<(), ParameterError> {
         const FEWEST: i32 = 16;
         if self.spatial && self.ring_model != RingModel::Ale {
-            return Err(ParameterError::new(
+            return Err(ParameterError::of_flag(
                 "ring.spatial",
-                1.0,
-                "false, unless ring.model is ALE".to_string(),
+                true,
+                "false, unless ring.model is ALE",
             ));
         }
         if self.reference_directions && (self.ring_model != RingModel::Ale || !self.mesh.aligned) {
-            return Err(ParameterError::new(
+            return Err(ParameterError::of_flag(
                 "ring.referenceDirections",
-                1.0,
-                "false, unless ring.model is ALE and mesh.aligned is true".to_string(),
+                true,
+                "false, unless ring.model is ALE and mesh.aligned is true",
             ));
         }
         if self.ring_elements == 0 || self.ring_elements >= FEWEST {
@@ -277,6 +320,9 @@ impl Parameters {
 
     /// Cells of a mesh that stands still know their pulley if no arc reaches a quarter of the belt.
     fn validate_quarters(&self) -> Result<(), ParameterError> {
+        if self.mesh.aligned {
+            return Ok(());
+        }
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
         let extremes = [
             boundary(|ratio| !self.not_too_low(ratio)),
@@ -288,13 +334,13 @@ impl Parameters {
             (2.0 * length(0)).max(length(2))
         };
         let longest = extremes.into_iter().map(arc).fold(0.0, f64::max);
-        if self.mesh.aligned || longest < 0.5 * self.geometry.belt_length {
+        if longest < 0.5 * self.geometry.belt_length {
             return Ok(());
         }
-        Err(ParameterError::new(
+        Err(ParameterError::of_flag(
             "mesh.aligned",
-            0.0,
-            "true, since at an end stop an arc is longer than half the belt".to_string(),
+            false,
+            "true, since at an end stop an arc is longer than half the belt",
         ))
     }
 

@@ -371,6 +371,11 @@ impl Run {
         self.messages.iter().any(|m| m.warning && m.text.contains(text))
     }
 
+    /// Whether a message contains `text`, be it a warning or a remark.
+    pub fn told(&self, text: &str) -> bool {
+        self.messages.iter().any(|m| m.text.contains(text))
+    }
+
     /// The books of energy and of the element amount, at every output point so far.
     #[track_caller]
     pub fn assert_books(&self) {

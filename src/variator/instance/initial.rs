@@ -24,6 +24,9 @@ const STEADY_SOLVES: usize = 400;
 const LEAST_SHARE: f64 = 0.05;
 const CLOSE_SHARE: f64 = 1.05;
 
+/// Share of full slip up to which a torque isn't beyond capacity: braking in underdrive it is, from 0.57 on.
+const CARRIED_AT_LEAST: f64 = 0.5;
+
 /// Clamping force below which a belt that turns has no steady state, N.
 const NO_FORCE: f64 = 1.0;
 
@@ -40,13 +43,6 @@ impl Variator {
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
         let parameters = self.parameters.clone();
-        if parameters.primary.axial == Axial::Held && parameters.secondary.axial == Axial::Held {
-            self.say(
-                true,
-                "both sheaves are held: the belt's tension follows from the start alone, clamping forces are ignored"
-                    .into(),
-            );
-        }
         let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
             (Drive::Speed, _) => inputs.primary.speed_setpoint,
             (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * parameters.initial.ratio,
@@ -67,22 +63,17 @@ impl Variator {
             primary_speed,
             clamping: [inputs.secondary.clamping_force, inputs.primary.clamping_force],
         };
-        self.time = time;
-        self.buckled = f64::NEG_INFINITY;
-        self.soft_start = SoftStart::NONE;
-        self.soften();
-        self.integrator = integrator(&self.system, &parameters);
-        self.system.forget_derivatives();
-        let steady = parameters.initial.steady && primary_speed.abs() > STANDSTILL;
-        self.start_state = if parameters.ring_model.travels() {
-            self.lay_on_ale(inputs)?
-        } else if steady {
-            self.start_cold(inputs, &start)?;
-            self.solve_steady(inputs, &start)?
-        } else {
-            self.start_unloaded(inputs, &start)?;
-            StartState::Unloaded
-        };
+        self.start_state = self.find_state(time, inputs, &start)?;
+        if parameters.primary.axial == Axial::Held && parameters.secondary.axial == Axial::Held {
+            let text = if self.start_state == StartState::Steady || self.start_state == StartState::ReducedTorque {
+                "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
+                 forces are ignored"
+            } else {
+                "both sheaves are held in a start without load: the belt has no tension and carries next to nothing, clamping \
+                 forces are ignored"
+            };
+            self.say(true, text.into());
+        }
         self.state.y_dot.fill(0.0);
         self.held = Held {
             from: time,
@@ -112,6 +103,25 @@ impl Variator {
         Ok(())
     }
 
+    /// Puts the state in force that a run starts from.
+    fn find_state(&mut self, time: f64, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
+        self.time = time;
+        (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.soft_start = SoftStart::NONE;
+        self.soften();
+        self.integrator = integrator(&self.system, &self.parameters);
+        self.system.forget_derivatives();
+        if self.parameters.ring_model.travels() {
+            self.lay_on_ale(inputs, start)
+        } else if self.parameters.initial.steady && start.primary_speed.abs() > STANDSTILL {
+            self.start_cold(inputs, start)?;
+            self.solve_steady(inputs, start)
+        } else {
+            self.start_unloaded(inputs, start)?;
+            Ok(StartState::Unloaded)
+        }
+    }
+
     /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
     fn start_cold(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
         self.state = kinematic_state(&self.system, start).map_err(|e| InitialisationError::NoState(e.to_string()))?;
@@ -134,16 +144,16 @@ impl Variator {
     }
 
     /// Starts as `ALE` would: a ring that travels is laid on it.
-    fn lay_on_ale(&mut self, inputs: &Inputs) -> Result<StartState, InitialisationError> {
+    fn lay_on_ale(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         let mut ale = Self::new(Parameters {
             ring_model: RingModel::Ale,
             ..self.parameters.clone()
         })?;
-        ale.initialise(self.time, inputs)?;
+        let found = ale.find_state(self.time, inputs, start)?;
         self.messages.append(&mut ale.messages);
         self.soft_start = ale.soft_start;
         self.state = self.system.lay_on(&ale.system, &ale.state);
-        Ok(ale.start_state)
+        Ok(found)
     }
 
     fn steady_task(&self, inputs: &Inputs, torque_share: f64) -> SteadyTask {
@@ -175,15 +185,19 @@ impl Variator {
 
     /// One and a half percent at capacity, in the direction of the power.
     fn slip_guess(&self, inputs: &Inputs, torque_share: f64) -> f64 {
+        let direction = self.state.y[self.system.layout.global(Global::Speed, P)].signum();
+        0.015 * direction * (torque_share * self.of_full_slip(inputs)).clamp(-1.0, 1.0)
+    }
+
+    /// The torque at the primary pulley as a share of about what the secondary clamping force carries in full slip.
+    fn of_full_slip(&self, inputs: &Inputs) -> f64 {
         let p = &self.parameters;
         let torque = match p.primary.drive {
             Drive::Torque => inputs.primary.torque,
             Drive::Speed => -inputs.secondary.torque / p.initial.ratio,
         };
         let (force, radius) = (inputs.secondary.clamping_force, 0.3 * p.geometry.center_distance);
-        let capacity = full_slip_torque(&p.friction, self.system.law.wedge[1], force, radius).max(1.0e-6);
-        let direction = self.state.y[self.system.layout.global(Global::Speed, P)].signum();
-        0.015 * direction * (torque_share * torque / capacity).clamp(-1.0, 1.0)
+        torque / full_slip_torque(&p.friction, self.system.law.wedge[1], force, radius).max(1.0e-6)
     }
 
     /// Solves for the steady state that was asked for, or for the nearest one; says which.
@@ -210,8 +224,12 @@ impl Variator {
                 self.say(
                     true,
                     format!(
-                        "no steady state at the given torques (beyond the capacity of the clamping forces): the run starts \
-                         from the steady state at {:.0} % of them",
+                        "no steady state at the given torques{}: the run starts from the steady state at {:.0} % of them",
+                        if self.of_full_slip(inputs) > CARRIED_AT_LEAST {
+                            " (beyond the capacity of the clamping forces)"
+                        } else {
+                            " was found"
+                        },
                         100.0 * share
                     ),
                 );
@@ -259,9 +277,10 @@ impl Variator {
         loop {
             let task = self.steady_task(inputs, share);
             match steady::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES) {
-                Ok(_) => break,
+                // Beyond capacity a pulley that slips for ever may be steady too.
+                Ok(_) if share == 1.0 || share <= LEAST_SHARE || !self.slips() => break,
                 Err(report) if share <= LEAST_SHARE || task.speed == [SpeedMode::Fixed; 2] => return Err(report),
-                Err(_) => (beyond, share) = (share, 0.7 * share),
+                _ => (beyond, share) = (share, 0.7 * share),
             }
             self.state.clone_from(&cold);
         }
@@ -273,7 +292,6 @@ impl Variator {
             };
             let carried = self.state.clone();
             let solved = steady::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES / 4);
-            // Beyond capacity a pulley that slips for ever may be steady too.
             if solved.is_ok() && !self.slips() {
                 share = middle;
             } else {
@@ -293,9 +311,7 @@ impl Variator {
     /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
     fn balance_forces(&mut self, newton: &mut Newton, inputs: &Inputs, found: StartState) -> StartState {
         let task = self.steady_task(inputs, 1.0);
-        let holding = self
-            .system
-            .holding_force(P, self.state.view(), self.system.belt_load(P).0);
+        let holding = steady::reaction(&self.system, self.state.view(), P);
         let at_ratio = self.state.clone();
         let range = self.ratio_range();
         match steady::solve_equilibrium(&mut self.system, newton, &mut self.state, &task, range) {
