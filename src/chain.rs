@@ -7,7 +7,9 @@
 //! faces. With dots at fixed mesh point η:
 //!
 //! - flow through the mesh, pitch-line length per time: J = V − t̂·ṙ + e χ̇; in ξ: c = J/λ,
-//! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = ṙ + c r'.
+//! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = V |r'|/λ t̂ + (n̂·ṙ) n̂: an element on
+//!   an arc turns about its centre. So friction between ring and elements acts on the ring in full, on V with the
+//!   factor |r'|/λ, and does not turn the arc.
 //!
 //! J is the same on both sides of a moving arc border although κ_ref jumps there, because χ̇ (the turning of the
 //! elements with the mesh point) is continuous.
@@ -50,6 +52,8 @@ pub struct ChainPoint<T: Real, const D: usize = 2> {
     pub lambda: T,
     /// 1/λ.
     pub inverse_lambda: T,
+    /// |r'|/λ: way along the ring centre line per way along the pitch line.
+    pub lead: T,
     /// V, m/s.
     pub speed: T,
     /// J, flow through the mesh, m/s.
@@ -81,6 +85,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         Self {
             lambda,
             inverse_lambda,
+            lead: point.stretch * inverse_lambda,
             speed,
             flow,
             c: flow * inverse_lambda,
@@ -93,17 +98,29 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
     /// v_p, velocity at the pitch line, m/s.
     #[inline(always)]
     pub fn pitch_velocity(&self, point: &RingPoint<T, D>) -> SVector<T, D> {
-        let mut velocity = point.t * self.speed;
-        for k in 0..D - 1 {
-            velocity += self.normals[k] * self.normal_speed[k];
-        }
-        velocity
+        self.velocity(point, self.speed)
     }
 
     /// v_e, velocity at the ring centre line, m/s.
     #[inline(always)]
     pub fn ring_line_velocity(&self, point: &RingPoint<T, D>) -> SVector<T, D> {
-        point.r_dot + point.slope * self.c
+        self.velocity(point, self.ring_line_speed())
+    }
+
+    /// v_e·t̂, m/s.
+    #[inline(always)]
+    pub fn ring_line_speed(&self) -> T {
+        self.speed * self.lead
+    }
+
+    /// As fast as `along` along t̂ and as the ring across it, m/s.
+    #[inline(always)]
+    fn velocity(&self, point: &RingPoint<T, D>, along: T) -> SVector<T, D> {
+        let mut velocity = point.t * along;
+        for k in 0..D - 1 {
+            velocity += self.normals[k] * self.normal_speed[k];
+        }
+        velocity
     }
 
     /// a·t̂ of an element and a along the normals; `speed_dot` = V̇, `speed_gradient` = ∂V/∂ξ. m/s².
@@ -133,6 +150,8 @@ pub struct ChainVariation<T: Real> {
     pub along: T,
     /// δJ.
     pub flow: T,
+    /// δ(|r'|/λ).
+    pub lead: T,
     /// δc.
     pub c: T,
     /// δ(n̂·ṙ).
@@ -150,6 +169,7 @@ impl<T: Real> ChainVariation<T> {
             speed: zero,
             along: zero,
             flow: zero,
+            lead: zero,
             c: zero,
             normal_speed: [zero; 2],
             curvature: [zero; 2],
@@ -211,6 +231,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
             speed,
             along,
             flow,
+            lead: by.stretch * (-self.lead + 1.0) * self.inverse_lambda,
             c: (flow - self.c * by.stretch) * self.inverse_lambda,
             normal_speed,
             curvature,

@@ -590,9 +590,8 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         let slot = i + 1;
         let (weight, right) = (*weight, station.right);
         let mut point_load = Load::zero();
-        // Conjugates of δV at the pitch line and of δc, per dξ.
+        // Conjugate of δV, per dξ.
         let mut along = T::zero();
-        let mut flow = T::zero();
 
         // Ring.
         let tension = ring.own_load(slot, point, &mut point_load);
@@ -618,18 +617,18 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
             offset,
             lateral,
         } = approach.both_flanks(law, place.plane, pulley, point, &v_e, lambda);
+        let mut at_ring_line: SVector<T, D> = embed(e_r * -flanks.radial);
         if D > 2 {
-            point_load.position[D - 1] += lateral;
-            flow += lateral * point.slope[D - 1];
+            at_ring_line[D - 1] += lateral;
         }
-        let push_out = e_r * flanks.radial;
-        let drag = e_t * flanks.around;
-        point_load.position -= embed(push_out);
-        flow -= push_out.dot(&in_plane(&point.slope));
-        along -= drag.dot(&in_plane(&point.t));
+        let at_pitch_line = e_t * -flanks.around;
+        along += at_pitch_line.dot(&in_plane(&point.t));
         let normals = chain.normals.iter().zip(&chain.curvature).zip(&a_n);
         for ((normal, curvature), acceleration) in normals.take(D - 1) {
-            let inward = mass * *acceleration + push.force * *curvature - drag.dot(&in_plane(normal));
+            let inward = mass * *acceleration
+                + push.force * *curvature
+                + at_pitch_line.dot(&in_plane(normal))
+                + at_ring_line.dot(normal);
             point_load.position += normal * inward;
         }
         // Both sheaves tilt alike, under the mean of their moments.
@@ -641,17 +640,12 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
 
         // Ring on elements.
         let pressing = pressing(&p.ring, tension, motion.reference.s_dot);
-        let sliding = (point.w - chain.c) * point.stretch;
+        let sliding = point.t.dot(&point.r_dot) + point.w * point.stretch - chain.ring_line_speed();
         let ring_friction = ring_friction(&p.friction, pressing, point.reference.kappa, sliding);
-        point_load.drift += ring_friction * point.stretch;
-        flow -= ring_friction * point.stretch;
-
-        // δc = (δV − t̂·δr + e χ_Θ δΘ)/λ.
-        let carried = flow * chain.inverse_lambda;
-        along += carried;
         let across = point_load.position.dot(&point.n);
-        point_load.position -= point.t * carried;
-        point_load.theta += carried * point.reference.chi_theta * e;
+        point_load.drift += ring_friction * point.stretch;
+        point_load.position += point.t * ring_friction;
+        along += (at_ring_line.dot(&point.t) - ring_friction) * chain.lead;
         ring.take(
             slot,
             point,

@@ -13,7 +13,8 @@ use crate::chain::{ChainPoint, ChainVariation, Stack, Transport, Turn};
 use crate::contact::{FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
-use crate::scalar::{Lanes, Real, Tangent};
+use crate::scalar::{Lanes, Real, Tangent, zero_vector};
+use nalgebra::SVector;
 use num_traits::Zero;
 
 /// What varies.
@@ -159,15 +160,16 @@ struct Point<const D: usize> {
     approach: Approach<Lanes>,
     /// On the movable sheave; in space also on the other.
     flanks: [Flank; 2],
-    /// Of both; in space also their difference along z.
+    /// Of both.
     loads: FlankLoads<Lanes>,
-    sideways: Lanes,
+    /// What they do at the ring centre line, N/m.
+    at_ring_line: SVector<Lanes, D>,
     /// Forces along the normals, inwards.
     inward: [Lanes; 2],
     /// Ring friction, its derivatives by the load's argument T − m_r ṡ² and by the sliding speed.
     friction: [Lanes; 3],
-    /// Carried to the ring line: force on the flow per λ.
-    carried: Lanes,
+    /// Conjugate of v_e·t̂: flanks and ring friction, N/m.
+    tangential: Lanes,
 }
 
 /// A pack of cells, and what its balance is linear in.
@@ -277,7 +279,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let v_p = chain.pitch_velocity(&ring);
         let approach = Approach::new(law, self.place.axis, pulley, &ring, [&v_e, &v_p]);
         let [side, middle] = self.place.plane;
-        let (mut flow, mut sideways) = (Lanes::zero(), Lanes::zero());
+        let mut sideways = Lanes::zero();
         let (flanks, loads);
         if D == 2 {
             let flank = Flank::new(law, &approach.flank);
@@ -294,17 +296,21 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let each = [0, 1].map(|k| approach.loads(law, chain.lambda, &motions[k], &flanks[k].force));
             loads = each[0].plus(&each[1]);
             sideways = (each[0].axial - each[1].axial) * side;
-            flow += sideways * ring.slope[D - 1];
         }
-        let drag = approach.e_t * loads.around;
-        flow -= loads.radial * approach.e_r.dot(&in_plane(&ring.slope));
+        let at_pitch_line = approach.e_t * -loads.around;
+        let mut at_ring_line: SVector<Lanes, D> = embed(approach.e_r * -loads.radial);
+        if D > 2 {
+            at_ring_line[D - 1] += sideways;
+        }
         let mut inward = [Lanes::zero(); 2];
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
-            *inward =
-                mass * acceleration.1[k] + self.push * chain.curvature[k] - drag.dot(&in_plane(&chain.normals[k]));
+            let normal = &chain.normals[k];
+            *inward = mass * acceleration.1[k]
+                + self.push * chain.curvature[k]
+                + at_pitch_line.dot(&in_plane(normal))
+                + at_ring_line.dot(normal);
         }
         let friction = self.ring_friction(tension, &ring, &chain);
-        flow -= friction[0] * ring.stretch;
         Point {
             weight,
             right,
@@ -315,10 +321,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             approach,
             flanks,
             loads,
-            sideways,
+            at_ring_line,
             inward,
+            tangential: at_ring_line.dot(&ring.t) - friction[0],
             friction,
-            carried: flow * chain.inverse_lambda,
             turn: chain.turn(&ring),
             ring,
             chain,
@@ -331,7 +337,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let p = &self.law.parameters;
         let pressing = super::cell::pressing(&p.ring, tension, self.motion.reference.s_dot);
         let pressing = Tangent::<2>::seed(pressing, 0, 1.0);
-        let sliding = Tangent::seed((ring.w - chain.c) * ring.stretch, 1, 1.0);
+        let sliding = ring.t.dot(&ring.r_dot) + ring.w * ring.stretch - chain.ring_line_speed();
+        let sliding = Tangent::seed(sliding, 1, 1.0);
         let kappa = Tangent::constant(ring.reference.kappa);
         let friction = super::cell::ring_friction(&p.friction, pressing, kappa, sliding);
         [friction.re, friction.eps[0], friction.eps[1]]
@@ -531,7 +538,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let (at, pulley) = (&point.approach, &self.motion.pulley);
         let (ring, base) = (&point.ring, &point.chain);
         let mut flank = FlankVariation::of_lambda(by.stretch);
-        let mut v_e = ring.slope * chain.c;
+        let mut v_e = ring.t * (chain.speed * base.lead);
         let mut v_p = ring.t * chain.speed;
         if MOVES {
             let r = in_plane(&by.r);
@@ -539,10 +546,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             flank.turn = at.e_t.dot(&r) * at.inverse_distance;
             flank.opening = at.opening_slope * flank.turn;
             flank.opening_slope = -(at.opening * flank.turn);
-            v_e += by.r_dot + by.slope * base.c;
+            v_e += ring.t * (base.speed * chain.lead) + by.t * base.ring_line_speed();
             v_p += by.t * base.speed;
             for k in 0..D - 1 {
-                v_p += by.normals[k] * base.normal_speed[k] + base.normals[k] * chain.normal_speed[k];
+                let across = by.normals[k] * base.normal_speed[k] + base.normals[k] * chain.normal_speed[k];
+                v_e += across;
+                v_p += across;
             }
         }
         let v_r = at.e_r.dot(&in_plane(&v_e)) + flank.turn * point.crosswise[0];
@@ -582,7 +591,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let (ring, chain, at) = (&point.ring, &point.chain, &point.approach);
         let Change { by, flank, .. } = *change;
         let ring_along = load.position.dot(&ring.t);
-        let mut flow = Lanes::zero();
+        let mut at_ring_line: SVector<Lanes, D> = zero_vector();
         let (loads, on_movable) = if D == 2 {
             let one = point.flanks[0].vary(self.law, at, chain.lambda, flank, &flank.motion);
             (one.plus(&one), one.axial)
@@ -593,9 +602,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 [1.0, -1.0].map(|sign| flank.motion.shifted(offset * sign, speed * sign, self.law.wedge[0]));
             let movable = point.flanks[0].vary(self.law, at, chain.lambda, flank, &movable);
             let fixed = point.flanks[1].vary(self.law, at, chain.lambda, flank, &fixed);
-            let sideways = (movable.axial - fixed.axial) * side;
-            load.position[D - 1] += sideways;
-            flow += sideways * ring.slope[D - 1] + point.sideways * by.slope[D - 1];
+            at_ring_line[D - 1] += (movable.axial - fixed.axial) * side;
             (movable.plus(&fixed), movable.axial)
         };
         let mut push_out = at.e_r * loads.radial;
@@ -604,19 +611,19 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             push_out += at.e_t * (flank.turn * point.loads.radial);
             drag -= at.e_r * (flank.turn * point.loads.around);
         }
+        at_ring_line -= embed(push_out);
         let mut along = change.along - drag.dot(&in_plane(&ring.t));
-        load.position -= embed(push_out);
-        flow -= push_out.dot(&in_plane(&ring.slope));
+        let mut tangential = at_ring_line.dot(&ring.t);
         let base_drag = at.e_t * point.loads.around;
         if MOVES {
-            flow -= point.loads.radial * at.e_r.dot(&in_plane(&by.slope));
-            along -= base_drag.dot(&in_plane(&by.t));
+            tangential += point.at_ring_line.dot(&by.t);
+            along += point.tangential * change.chain.lead - base_drag.dot(&in_plane(&by.t));
         }
         for k in 0..D - 1 {
             let normal = &chain.normals[k];
-            let mut inward = change.inward[k] - drag.dot(&in_plane(normal));
+            let mut inward = change.inward[k] - drag.dot(&in_plane(normal)) + at_ring_line.dot(normal);
             if MOVES {
-                inward -= base_drag.dot(&in_plane(&by.normals[k]));
+                inward += point.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));
                 load.position += by.normals[k] * point.inward[k];
             }
             load.position += normal * inward;
@@ -633,26 +640,20 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         out.torque += loads.torque * weight;
 
         let [friction, by_load, by_sliding] = point.friction;
-        let mut sliding = (by.w - change.chain.c) * ring.stretch;
+        let mut sliding = by.w * ring.stretch - change.chain.speed * chain.lead;
         if MOVES {
-            sliding += (ring.w - chain.c) * by.stretch;
+            sliding += change.chain.along + ring.w * by.stretch - chain.speed * change.chain.lead;
         }
-        let dragged = (by_load * change.pressing + by_sliding * sliding) * ring.stretch + friction * by.stretch;
-        load.drift += dragged;
-        flow -= dragged;
-
-        let mut carried = flow;
-        if MOVES {
-            carried -= point.carried * by.stretch;
-        }
-        let carried = carried * point.chain.inverse_lambda;
-        along += carried;
+        let friction_by = by_load * change.pressing + by_sliding * sliding;
         let across = load.position.dot(&ring.n);
-        load.position -= ring.t * carried;
+        load.position += ring.t * friction_by;
+        let mut dragged = friction_by * ring.stretch;
         if MOVES {
-            load.position -= by.t * point.carried;
+            load.position += by.t * friction;
+            dragged += friction * by.stretch;
         }
-        load.theta += carried * ring.reference.chi_theta * self.law.parameters.belt.pitch_offset;
+        load.drift += dragged;
+        along += (tangential - friction_by) * chain.lead;
         let action = Action {
             load,
             tension: change.tension,
