@@ -1,7 +1,8 @@
 //! Where the belt's play goes at a fifth of capacity near ratio 1: with a hard first touch from one strand to the
 //! other. Prints slip and work over half a second as it is, with a harder first touch, and with that on several meshes,
-//! without play, without ring friction; draws the gaps along the belt over time (`target/play.svg`). Then counts the
-//! working points at which slip swings:
+//! without play, without ring friction; draws the gaps along the belt over time (`target/play.svg`). Then the same where
+//! an engine that coasts drags in overdrive, as it is and with what calms the belt there. Then counts the working points
+//! at which slip swings:
 //!
 //! `cargo run --release --example play`
 
@@ -12,13 +13,33 @@ use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::{Axial, Drive, Parameters};
 use pushbelt::variator::signals::Inputs;
 
-const RATIO: f64 = 1.06;
-/// ω_P, rad/s.
-const SPEED: f64 = 159.0;
-const CLAMPING: f64 = 4e3;
-/// Torque in N·m, and what is added to it from 0.1 to 0.3 s.
-const TORQUE: f64 = 8.0;
-const JOLT: f64 = 10.0;
+/// Where a belt runs: the primary sheave is held, the secondary shaft at its speed.
+#[derive(Clone, Copy)]
+struct Point {
+    ratio: f64,
+    /// ω_P, rad/s.
+    speed: f64,
+    /// On both pulleys, N.
+    clamping: f64,
+    /// At the primary pulley, and what is added to it from 0.1 to 0.3 s, N·m.
+    torque: f64,
+    jolt: f64,
+}
+
+const LITTLE_LOAD: Point = Point {
+    ratio: 1.06,
+    speed: 159.0,
+    clamping: 4e3,
+    torque: 8.0,
+    jolt: 10.0,
+};
+const COASTING: Point = Point {
+    ratio: 0.45,
+    speed: 200.0,
+    clamping: 12e3,
+    torque: -67.0,
+    jolt: -1.3,
+};
 const STEP: f64 = 1e-3;
 /// The last part of the run is looked at.
 const END: f64 = 1.2;
@@ -55,16 +76,30 @@ const CHANGES: [Change; 7] = [
 /// The one whose gaps are drawn.
 const DRAWN: usize = 1;
 
+const CALMED: [Change; 7] = [
+    ("as it is", |_| ()),
+    ("`primary.inertia` 0.05", |p| p.primary.inertia = 0.05),
+    ("`primary.inertia` 0.1", |p| p.primary.inertia = 0.1),
+    ("`belt.contactStrain` 2e-4", |p| p.belt.contact_strain = 2e-4),
+    ("`belt.play` 1e-4", |p| p.belt.play = 1e-4),
+    ("no ring friction", |p| p.friction.ring = 0.0),
+    ("twice the elements", |p| {
+        p.mesh.primary_arc *= 2;
+        p.mesh.secondary_arc *= 2;
+        p.mesh.strand *= 2;
+    }),
+];
+
 fn harden(parameters: &mut Parameters) {
     parameters.belt.contact_strain = 3e-5;
 }
 
 /// Ratios, clamping forces of both pulleys, N, and torques as shares of full slip's, over which swings are counted.
-const RATIOS: [f64; 7] = [0.5, 0.8, 0.95, 1.0, 1.06, 1.3, 2.0];
+const RATIOS: [f64; 8] = [0.43, 0.5, 0.8, 0.95, 1.0, 1.06, 1.3, 2.0];
 const FORCES: [f64; 2] = [4e3, 10e3];
 /// Torque of full slip at ratio 1, N·m; it goes with the radius.
 const FULL_SLIP: f64 = 43.0;
-const SHARES: [f64; 9] = [-0.3, -0.1, 0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5];
+const SHARES: [f64; 11] = [-0.6, -0.45, -0.3, -0.1, 0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5];
 /// Range of slip over half a second that counts as a swing.
 const SWING: f64 = 5e-4;
 
@@ -74,14 +109,18 @@ type Gaps = Vec<[f64; 4]>;
 const LOOK: u32 = 2;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("| changed | slip, least | most | steps | Jacobians |\n|---|---|---|---|---|");
+    println!("{HEADER}");
     for (k, (name, change)) in CHANGES.iter().enumerate() {
-        let gaps = run(name, *change)?;
+        let gaps = run(&LITTLE_LOAD, name, *change)?;
         if k == DRAWN {
             draw(&gaps)?;
         }
     }
-    println!("\ndrawn in target/play.svg");
+    println!("\ndrawn in target/play.svg\n\n{HEADER}");
+    for (name, change) in CALMED {
+        run(&COASTING, name, change)?;
+    }
+    println!();
     survey("as it is", |_| ())?;
     survey("contact strain 3e-5", harden)?;
     Ok(())
@@ -97,24 +136,30 @@ struct Swing {
 }
 
 /// A run at a held ratio, jolted once.
-fn swing(change: fn(&mut Parameters), ratio: f64, clamping: f64, torque: f64) -> Result<Swing, Box<dyn Error>> {
+fn swing(change: fn(&mut Parameters), point: &Point) -> Result<Swing, Box<dyn Error>> {
+    let Point {
+        ratio,
+        speed,
+        clamping,
+        torque,
+        jolt,
+    } = *point;
     let mut parameters = Parameters::default();
     parameters.primary.axial = Axial::Held;
     parameters.secondary.drive = Drive::Speed;
     parameters.initial.ratio = ratio;
-    parameters.initial.primary_speed = SPEED;
+    parameters.initial.primary_speed = speed;
     change(&mut parameters);
     let mut inputs = Inputs::default();
     inputs.primary.torque = torque;
     inputs.primary.clamping_force = clamping;
     inputs.secondary.clamping_force = clamping;
-    inputs.secondary.speed_setpoint = SPEED / ratio;
+    inputs.secondary.speed_setpoint = speed / ratio;
     let mut variator = Variator::new(parameters)?;
     variator.initialise(0.0, &inputs)?;
     let (mut least, mut most, mut gaps) = (f64::INFINITY, f64::NEG_INFINITY, Gaps::new());
     let mut before = variator.counts();
     let steps = (END / STEP).round() as u32;
-    let jolt = JOLT * 2.0 / (1.0 + ratio) * clamping / CLAMPING;
     for k in 0..steps {
         let time = f64::from(k) * STEP;
         let jolted = (0.1..0.3).contains(&time);
@@ -141,8 +186,10 @@ fn swing(change: fn(&mut Parameters), ratio: f64, clamping: f64, torque: f64) ->
     })
 }
 
-fn run(name: &str, change: fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>> {
-    let found = swing(change, RATIO, CLAMPING, TORQUE)?;
+const HEADER: &str = "| changed | slip, least | most | steps | Jacobians |\n|---|---|---|---|---|";
+
+fn run(point: &Point, name: &str, change: fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>> {
+    let found = swing(change, point)?;
     let [least, most] = found.slip.map(|slip| 1e2 * slip);
     println!(
         "| {name} | {least:.2} % | {most:.2} % | {} | {} |",
@@ -157,8 +204,17 @@ fn survey(name: &str, change: fn(&mut Parameters)) -> Result<(), Box<dyn Error>>
     for ratio in RATIOS {
         for force in FORCES {
             for share in SHARES {
-                let torque = share * FULL_SLIP * 2.0 / (1.0 + ratio) * force / CLAMPING;
-                let found = swing(change, ratio, force, torque)?;
+                // A jolt in proportion to what the belt carries.
+                let more = 2.0 / (1.0 + ratio) * force / LITTLE_LOAD.clamping;
+                let torque = share * FULL_SLIP * more;
+                let point = Point {
+                    ratio,
+                    clamping: force,
+                    torque,
+                    jolt: LITTLE_LOAD.jolt * more,
+                    ..LITTLE_LOAD
+                };
+                let found = swing(change, &point)?;
                 points += 1;
                 formed += found.jacobians;
                 let range = found.slip[1] - found.slip[0];

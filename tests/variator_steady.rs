@@ -3,10 +3,11 @@
 mod common;
 
 use common::{
-    LoadCase, MODELS, SPEED, Steady, assert_close, assert_pinned, coarse, given, load_case, mesh, ratio, refined,
+    At, LoadCase, MODELS, SPEED, Steady, assert_close, assert_pinned, coarse, given, load_case, mesh, ratio, refined,
     steady, variator,
 };
 use pushbelt::variator::boundary::SpeedMode;
+use pushbelt::variator::cell::Sample;
 use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::steady::SteadyTask;
@@ -332,7 +333,7 @@ fn reverse_running_mirrors_the_steady_state() {
         let parameters = variator(model);
         // Driving, and braking.
         for torque in [50.0_f64, -30.0] {
-            for case in LoadCase::three(&parameters, torque.abs()) {
+            for case in LoadCase::three(&parameters, 50.0) {
                 let at = |sign: f64| {
                     let task = SteadyTask {
                         speed: [SpeedMode::Transmit(sign * torque), SpeedMode::Fixed],
@@ -371,4 +372,80 @@ fn a_steady_state_takes_its_usual_work() {
     println!("{counts:?}");
     assert_pinned(counts.residuals, 365, "residuals");
     assert_pinned(counts.factorizations, 79, "factorizations");
+}
+
+/// Forces in the middle of a strand.
+struct Strand {
+    at: [f64; 2],
+    direction: [f64; 2],
+    tension: f64,
+    push: f64,
+    /// Momentum per time of ring and elements, N.
+    ring_momentum: f64,
+    element_momentum: f64,
+}
+
+impl Strand {
+    /// Of segment 1 (upper, from S to P) or 3.
+    fn of(state: &Steady, segment: usize) -> Self {
+        let p = &state.system.law.parameters;
+        let free = |at: &&At| at.segment == segment && at.sample.normal < 1.0;
+        let stations: Vec<Sample> = state.stations().iter().filter(free).map(|at| at.sample).collect();
+        let inner = &stations[2..stations.len() - 2];
+        let length: f64 = inner.iter().map(|s| s.weight).sum();
+        let mean = |figure: fn(&Sample) -> f64| inner.iter().map(|s| figure(s) * s.weight).sum::<f64>() / length;
+        let middle = stations.len() / 2;
+        let (a, b) = (stations[middle - 3].r, stations[middle + 2].r);
+        let way = [b[0] - a[0], b[1] - a[1]];
+        let tension = mean(|s| s.tension);
+        let stretch = 1.0 + tension / p.ring.axial_stiffness;
+        Self {
+            at: stations[middle].r,
+            direction: way.map(|x| x / way[0].hypot(way[1])),
+            tension,
+            push: mean(|s| s.push),
+            ring_momentum: p.ring.mass_per_length * state.outputs.ring_speed.powi(2) * stretch,
+            element_momentum: p.belt.mass_per_length * mean(|s| s.density * s.flow) * mean(|s| s.speed),
+        }
+    }
+
+    /// Moment about a pulley's axis of what it pulls less the momentum it carries, N·m; the elements' at the pitch line.
+    fn moment(&self, axis: f64, pitch_offset: f64) -> f64 {
+        let [x, y] = [self.at[0] - axis, self.at[1]];
+        let lever = y * self.direction[0] - x * self.direction[1];
+        (self.tension - self.ring_momentum) * lever - (self.push + self.element_momentum) * (lever - pitch_offset)
+    }
+}
+
+/// Angular momentum: what the strands carry to a pulley and away from it is the torque on its shaft. The power balance
+/// doesn't see where friction between ring and elements acts; this does.
+#[test]
+fn strands_and_shafts_have_the_same_moments() {
+    for (factor, allowed) in [(1, 1e-3), (2, 2e-4)] {
+        let mut parameters = variator(RingModel::Ale);
+        parameters.mesh = refined(&parameters.mesh, factor);
+        for torque in [50.0_f64, -30.0] {
+            for case in LoadCase::three(&parameters, 50.0) {
+                let task = SteadyTask {
+                    speed: [SpeedMode::Transmit(torque), SpeedMode::Fixed],
+                    slip: 0.01 * torque.signum(),
+                    ..case.task()
+                };
+                let state = steady(&parameters, &task, [SPEED / ratio(case.theta), SPEED]);
+                let [upper, lower] = [1, 3].map(|segment| Strand::of(&state, segment));
+                let o = &state.outputs;
+                for (j, sign, pulley) in [(S, 1.0, &o.secondary), (P, -1.0, &o.primary)] {
+                    let axis = state.system.law.axes[j];
+                    let [up, low] = [&upper, &lower].map(|strand| strand.moment(axis, parameters.belt.pitch_offset));
+                    let off = sign * (low - up) + pulley.shaft_torque;
+                    let share = off / o.primary.shaft_torque.abs().max(o.secondary.shaft_torque.abs());
+                    println!(
+                        "{} x {factor}, {torque} N·m, pulley {j}: {off:.1e} N·m, {share:.1e}",
+                        case.name
+                    );
+                    assert!(share.abs() < allowed, "{}, {torque} N·m: {off} N·m", case.name);
+                }
+            }
+        }
+    }
 }

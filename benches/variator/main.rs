@@ -8,6 +8,7 @@
 //! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
 //! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
+//! - `--ripple` adds what a ripple of the clamping force costs,
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
 
 #[path = "../../tests/common/mod.rs"]
@@ -16,6 +17,7 @@ mod cycle;
 mod errors;
 mod picture;
 mod proposals;
+mod ripple;
 
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -60,6 +62,9 @@ struct Options {
     /// 1800 s of driving
     #[arg(long)]
     cycle: bool,
+    /// A ripple of the clamping force
+    #[arg(long)]
+    ripple: bool,
     /// What separate integration of reference and overlay, and an overlay of few modes, would take
     #[arg(long)]
     proposals: bool,
@@ -93,6 +98,9 @@ fn main() {
     }
     if options.cycle {
         cycle::rides(&mut table);
+    }
+    if options.ripple {
+        ripple::measure(&mut table);
     }
     if options.proposals {
         proposals::measure(&mut table, &trace);
