@@ -8,22 +8,16 @@ use pushbelt::fmi2::table::{Access, Causality, Kind};
 use pushbelt::unit::{Settings, VariatorUnit, model_description};
 use pushbelt::variator::validation::range_of;
 
-/// Set this variable to write the file instead of comparing it.
-const REWRITE: &str = "PUSHBELT_REWRITE_MODEL_DESCRIPTION";
-
 #[test]
 fn the_checked_in_file_is_what_the_table_says() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription.xml");
     let generated = model_description();
-    if std::env::var_os(REWRITE).is_some() {
-        std::fs::write(&path, &generated).expect("the file can be written");
-    }
     let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
     let differing = generated.lines().zip(checked_in.lines()).position(|(a, b)| a != b);
     assert!(
         generated == checked_in,
         "modelDescription.xml is not what the variable table says, first in line {}; \
-         rewrite it by `{REWRITE}=1 cargo test --test model_description`",
+         write it by `cargo fmu describe`",
         differing.map_or(generated.lines().count().min(checked_in.lines().count()), |line| line
             + 1)
     );

@@ -421,8 +421,13 @@ impl Strand {
 /// doesn't see where friction between ring and elements acts; this does.
 #[test]
 fn strands_and_shafts_have_the_same_moments() {
-    for (factor, allowed) in [(1, 1e-3), (2, 2e-4)] {
-        let mut parameters = variator(RingModel::Ale);
+    // The strands of ALE0 can't bend where contact begins.
+    for (model, factor, allowed) in [
+        (RingModel::Ale0, 1, 4e-3),
+        (RingModel::Ale, 1, 1e-3),
+        (RingModel::Ale, 2, 2e-4),
+    ] {
+        let mut parameters = variator(model);
         parameters.mesh = refined(&parameters.mesh, factor);
         for torque in [50.0_f64, -30.0] {
             for case in LoadCase::three(&parameters, 50.0) {
@@ -440,10 +445,14 @@ fn strands_and_shafts_have_the_same_moments() {
                     let off = sign * (low - up) + pulley.shaft_torque;
                     let share = off / o.primary.shaft_torque.abs().max(o.secondary.shaft_torque.abs());
                     println!(
-                        "{} x {factor}, {torque} N·m, pulley {j}: {off:.1e} N·m, {share:.1e}",
+                        "{model:?} {} x {factor}, {torque} N·m, pulley {j}: {off:.1e} N·m, {share:.1e}",
                         case.name
                     );
-                    assert!(share.abs() < allowed, "{}, {torque} N·m: {off} N·m", case.name);
+                    assert!(
+                        share.abs() < allowed,
+                        "{model:?} {}, {torque} N·m: {off} N·m",
+                        case.name
+                    );
                 }
             }
         }

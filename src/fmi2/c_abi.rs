@@ -7,7 +7,8 @@
 //! - a component comes from [`fmi2Instantiate`], has not been freed, and is used by one call at a time
 //!   (not from within its own logger callback either);
 //! - an array argument is null or points to as many elements as its count says; a string is null or ends with a zero;
-//! - a pointer for a result is null or points to writable memory.
+//! - a pointer for a result is null or points to writable memory;
+//! - a pointer is aligned for its type, and memory that comes from beyond the boundary holds some value or other.
 //!
 //! Null pointers where the standard wants a value are answered with an error.
 
@@ -123,8 +124,8 @@ unsafe fn array<'a, T>(pointer: *const T, count: size_t) -> Option<&'a [T]> {
 /// An array for results; `None` if it is null though it should have elements.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are plain numbers,
-/// for which any bytes are a value.
+/// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are plain numbers
+/// that hold some value or other.
 unsafe fn array_mut<'a, T>(pointer: *mut T, count: size_t) -> Option<&'a mut [T]> {
     if count == 0 {
         return Some(&mut []);
@@ -142,7 +143,7 @@ unsafe fn text(pointer: *const c_char) -> Option<String> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned())
 }
 
-const NULL_ARRAY: &str = "an array argument is null";
+const NULL_ARRAY: &str = "an array argument is null, misaligned or too long";
 const NULL_RESULT: &str = "the pointer for the result is null";
 
 // ---- Platform and version -----------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use super::log::{Category, Log, Sink, Status};
 use super::snapshot::{Snapshot, still};
 use super::state::{Call, State};
-use super::table::{Access, Causality, Kind, Refused, Table, Variable};
+use super::table::{Access, Causality, Inadmissible, Kind, Table, Variable};
 use super::unit::{Experiment, StepFailure, Unit};
 
 /// Why a call did not do what it was asked to.
@@ -22,9 +22,9 @@ enum Trouble {
     Discarded(String),
 }
 
-impl From<Refused> for Trouble {
-    fn from(refused: Refused) -> Self {
-        Self::Failed(refused.to_string())
+impl From<Inadmissible> for Trouble {
+    fn from(reason: Inadmissible) -> Self {
+        Self::Failed(reason.to_string())
     }
 }
 
@@ -292,7 +292,7 @@ impl<U: Unit> Slave<U> {
                 }
                 if !value.is_finite() {
                     let name = format!("the derivative of {name}");
-                    return Err(Refused::NotFinite { name, value }.into());
+                    return Err(Inadmissible::NotFinite { name, value }.into());
                 }
             }
             let rates = slave.now.rates.get_or_insert_with(|| still(&slave.table));
@@ -628,7 +628,7 @@ type AccessOf<U, T> = fn(
     &Kind<<U as Unit>::Settings, <U as Unit>::Readings>,
 ) -> Option<&Access<<U as Unit>::Settings, <U as Unit>::Readings, T>>;
 
-type AdmissionOf<U, V> = fn(&Variable<<U as Unit>::Settings, <U as Unit>::Readings>, V) -> Result<V, Refused>;
+type AdmissionOf<U, V> = fn(&Variable<<U as Unit>::Settings, <U as Unit>::Readings>, V) -> Result<V, Inadmissible>;
 
 fn real_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, f64>> {
     match kind {

@@ -133,7 +133,7 @@ pub struct Variable<S, R> {
 
 /// Why a value was not accepted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Refused {
+pub enum Inadmissible {
     /// NaN or infinite.
     #[error("{name} = {value} is not a finite number")]
     NotFinite {
@@ -163,12 +163,12 @@ impl<S, R> Variable<S, R> {
     ///
     /// # Errors
     /// The value is not finite or outside `min` and `max`, by more than rounding where it is an input.
-    pub fn admit_real(&self, value: f64) -> Result<f64, Refused> {
+    pub fn admit_real(&self, value: f64) -> Result<f64, Inadmissible> {
         let Kind::Real { unit, range, .. } = &self.kind else {
             return Ok(value);
         };
         if !value.is_finite() {
-            return Err(Refused::NotFinite {
+            return Err(Inadmissible::NotFinite {
                 name: self.name.clone(),
                 value,
             });
@@ -193,7 +193,7 @@ impl<S, R> Variable<S, R> {
                 (None, Some(max)) => format!("at most {max}{unit}"),
                 (None, None) => String::new(),
             };
-            return Err(Refused::OutOfRange {
+            return Err(Inadmissible::OutOfRange {
                 name: self.name.clone(),
                 value,
                 range,
@@ -206,7 +206,7 @@ impl<S, R> Variable<S, R> {
     ///
     /// # Errors
     /// The value is outside the range or not an item of the enumeration.
-    pub fn admit_integer(&self, value: i32) -> Result<i32, Refused> {
+    pub fn admit_integer(&self, value: i32) -> Result<i32, Inadmissible> {
         let range = match &self.kind {
             Kind::Integer {
                 range: Some((min, max)),
@@ -222,7 +222,7 @@ impl<S, R> Variable<S, R> {
             }
             _ => return Ok(value),
         };
-        Err(Refused::OutOfRange {
+        Err(Inadmissible::OutOfRange {
             name: self.name.clone(),
             value: f64::from(value),
             range,

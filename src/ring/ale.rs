@@ -77,6 +77,20 @@ pub fn bending_energy_density<T: Real, const D: usize>(ring: &Ring, point: &Ring
     sum * 0.5
 }
 
+/// Kinetic energy per length, J/m.
+#[inline(always)]
+pub fn kinetic_energy_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
+    let velocity = point.velocity();
+    velocity.dot(&velocity) * (0.5 * ring.mass_per_length)
+}
+
+/// Power that damping takes per length, W/m.
+#[inline(always)]
+pub fn dissipation_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
+    let rate = point.strain_rate();
+    rate * rate * ring.viscosity()
+}
+
 /// Elastic energy per length, J/m.
 #[inline(always)]
 pub fn energy_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
@@ -95,7 +109,7 @@ pub fn add_elasticity<T: Real, const D: usize>(
     let reference = &point.reference;
     let kappa = curvature(point);
     let moment = kappa * ring.bending_stiffness;
-    let viscous = point.strain_rate() * (ring.axial_stiffness * ring.damping);
+    let viscous = point.strain_rate() * ring.viscosity();
     let tension = point.strain() * ring.axial_stiffness + viscous;
     load.slope += point.t * tension - embed(reference.t * (moment * reference.kappa));
     load.bend += embed(reference.n * moment);
@@ -146,7 +160,7 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     let reference = &point.reference;
     let (t_ref, n_ref) = (&reference.t, &reference.n);
     let (slope, bend) = (in_plane(&by.slope), in_plane(&by.bend));
-    let viscosity = ring.axial_stiffness * ring.damping;
+    let viscosity = ring.viscosity();
     let kappa = curvature(point);
     let kappa_by = n_ref.dot(&bend) - reference.kappa * t_ref.dot(&slope);
     let (moment, moment_by) = (kappa * ring.bending_stiffness, kappa_by * ring.bending_stiffness);

@@ -394,13 +394,12 @@ where
     }
 
     fn energy(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy {
-        let half = |stiffness: f64, measure: f64| 0.5 * stiffness * measure * measure;
         let ring = &self.ring;
         let mut sum = Energy::default();
         self.integrate(frame, element, motion, |p, weight| {
             sum += Energy {
-                kinetic: weight * half(ring.mass_per_length, p.velocity().norm()),
-                membrane: weight * half(ring.axial_stiffness, p.strain()),
+                kinetic: weight * ale::kinetic_energy_density(ring, p),
+                membrane: weight * 0.5 * ring.axial_stiffness * p.strain().powi(2),
                 bending: weight * ale::bending_energy_density(ring, p),
             };
         });
@@ -408,10 +407,9 @@ where
     }
 
     fn dissipation(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> f64 {
-        let viscosity = self.ring.axial_stiffness * self.ring.damping;
         let mut sum = 0.0;
         self.integrate(frame, element, motion, |p, weight| {
-            sum += weight * viscosity * p.strain_rate().powi(2);
+            sum += weight * ale::dissipation_density(&self.ring, p);
         });
         sum
     }

@@ -109,6 +109,18 @@ pub struct ReferenceMotion<T> {
     pub s_ddot: T,
 }
 
+impl<T: Real> ReferenceMotion<T> {
+    /// Speed w = ṡ − ξ_Θ Θ̇ at which the material passes a mesh point, m/s, and its rate, m/s².
+    #[inline(always)]
+    pub fn passing(&self, xi: &Jet<T>) -> (T, T) {
+        let (rate, acceleration) = (self.theta.rate, self.theta.acceleration);
+        (
+            self.s_dot - xi.d * rate,
+            self.s_ddot - xi.d * acceleration - xi.dd * rate * rate,
+        )
+    }
+}
+
 /// An element's overlay in the length-free coordinates d, or none of it (`ALE0`).
 #[derive(Clone, Copy, Debug)]
 pub struct ElementMotion<T: Real, const D: usize = 2> {
@@ -205,6 +217,7 @@ impl<T: Real> RingPoint<T> {
     #[inline(always)]
     pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> Self {
         let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
+        let (w, w_dot) = motion.passing(&reference.xi);
         Self {
             reference,
             r: reference.r,
@@ -217,8 +230,8 @@ impl<T: Real> RingPoint<T> {
             inverse_stretch: T::one(),
             t: reference.t,
             n: reference.n,
-            w: motion.s_dot - reference.xi.d * rate,
-            w_dot: motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate,
+            w,
+            w_dot,
         }
     }
 }
@@ -251,6 +264,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
         }
         let (stretch, inverse_stretch) = slope.dot(&slope).root_and_inverse();
         let t = slope * inverse_stretch;
+        let (w, w_dot) = motion.passing(&reference.xi);
         Self {
             reference,
             r,
@@ -263,8 +277,8 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             inverse_stretch,
             t,
             n: inward_normal(&t),
-            w: motion.s_dot - reference.xi.d * rate,
-            w_dot: motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate,
+            w,
+            w_dot,
         }
     }
 

@@ -293,6 +293,6 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for La
         } else {
             self.mean(&element, |p| p.strain_rate().powi(2))
         };
-        self.ring.axial_stiffness * self.ring.damping * self.element_length() * rate
+        self.ring.viscosity() * self.element_length() * rate
     }
 }

@@ -30,3 +30,11 @@ pub struct Ring {
     /// Kelvin–Voigt damping time η of the axial strain, s.
     pub damping: f64,
 }
+
+impl Ring {
+    /// EA η, N·s.
+    #[must_use]
+    pub fn viscosity(&self) -> f64 {
+        self.axial_stiffness * self.damping
+    }
+}

@@ -45,9 +45,7 @@ impl<T: Real, const D: usize> Particle<T, D> {
     /// As seen at a mesh point that is at `reference` now and follows its curve.
     #[inline(always)]
     pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T, D> {
-        let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
-        let w = motion.s_dot - reference.xi.d * rate;
-        let w_dot = motion.s_ddot - reference.xi.d * acceleration - reference.xi.dd * rate * rate;
+        let (w, w_dot) = motion.passing(&reference.xi);
         let slope_dot = self.velocity_slope - self.bend * w;
         let (stretch, inverse_stretch) = self.slope.dot(&self.slope).root_and_inverse();
         let t = self.slope * inverse_stretch;

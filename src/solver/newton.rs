@@ -51,7 +51,8 @@ impl std::ops::AddAssign for Counts {
 }
 
 /// Newton did not converge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("Newton's method found no solution")]
 pub struct NotConverged;
 
 /// A scaled step of Broyden's method.

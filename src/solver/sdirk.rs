@@ -37,7 +37,8 @@ pub trait Evolution: System {
 }
 
 /// The step size fell below the smallest.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{} at a step of {step:.1e} s, {time} s", if *newton { "Newton's method found no solution" } else { "the error stayed too large" })]
 pub struct Stalled {
     /// Time reached, s.
     pub time: f64,

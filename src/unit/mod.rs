@@ -35,12 +35,6 @@ pub fn model_description() -> String {
     crate::fmi2::model_description::<VariatorUnit>()
 }
 
-/// The model identifier: name of the FMU and of the binary in it.
-#[must_use]
-pub fn model_identifier() -> &'static str {
-    VariatorUnit::IDENTITY.name
-}
-
 impl VariatorUnit {
     fn build(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut parameters = settings.parameters.clone();

@@ -279,7 +279,7 @@ fn outputs(t: &mut Rows) {
     t.read("reference.theta", 6, (Output, "1", between(-1.0, 1.0)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i) of its radii, positive in overdrive", read!(reference_theta));
     t.read("slip", 7, (Output, "1", between(-2.0, 2.0)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 where the primary pulley hardly turns, even if the belt slips through (see macroSlip)", read!(slip));
     t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven power / driving power, 0 to 1; 0 where no power flows. Means little while speeds change: the belt's kinetic energy is in it", read!(efficiency));
-    t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). The belt slips through below 1: from about 0.8 in underdrive", read!(torque_utilisation));
+    t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). The belt slips through below 1 where the primary pulley slips first: in underdrive from about 0.8 driving and 0.6 in overrun", read!(torque_utilisation));
     t.add("macroSlip", 10, Output, "Whether all loaded elements of a pulley slide tangentially one way", Kind::Boolean { access: read!(macro_slip) });
     t.read("loss.total", 11, (Output, "W", typical(100.0)), "All losses", Access::Reading(|outputs| outputs.losses.total()));
     t.read("loss.sheaves", 12, (Output, "W", typical(100.0)), "Loss by friction between elements and sheaves", read!(losses.sheaves));
@@ -296,7 +296,7 @@ fn outputs(t: &mut Rows) {
 #[rustfmt::skip]
 fn parameters(t: &mut Rows) {
     t.choice("ring.model", 1001, &RING_MODEL, "Level of detail of the ring", choose!(parameters.ring_model, 1 => RingModel::Ale0, 3 => RingModel::Rcm, 4 => RingModel::Ancf; RingModel::Ale));
-    t.set("initial.ratio", 1011, Parameter, "1", "Geometric ratio secondary radius / primary radius at the start", set!(parameters.initial.ratio));
+    t.set("initial.ratio", 1011, Parameter, "1", "Geometric ratio secondary radius / primary radius at the start, between the end stops. A loaded belt rests up to some 5 % beyond them", set!(parameters.initial.ratio));
     t.set("initial.primarySpeed", 1012, Parameter, "rad/s", "Speed of the primary pulley at the start; 0 is a standstill. A shaft with drive = Speed starts at its set point instead", set!(parameters.initial.primary_speed));
     t.switch("initial.steady", 1013, "Start from the steady state at this ratio and speed (RCM, ANCF: laid on that of ALE), with the primary sheave held there and unbalanced torque taken up by the inertias; if false, from the unloaded kinematic state", set!(parameters.initial.steady));
     t.switch("initial.equilibrium", 1014, "With initial.steady: the ratio too is solved for, from the two clamping forces", set!(parameters.initial.equilibrium));
@@ -318,7 +318,7 @@ fn parameters(t: &mut Rows) {
     t.switch("ring.referenceDirections", 1048, "Whether the deflection is counted along tangent, normal and binormal of the reference curve instead of along x, y, z; ring.model ALE with mesh.aligned only", set!(parameters.reference_directions));
     t.count("ring.elements", 1045, "Elements of a ring that travels with its mesh (RCM, ANCF), at least 16; 0: 32 for RCM, 40 for ANCF. More of them need a finer mesh of the cells, which carry the ring in between", set!(parameters.ring_elements));
     t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
-    t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave", set!(parameters.friction.pulley));
+    t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave, below tan(geometry.wedgeAngle)", set!(parameters.friction.pulley));
     t.set("friction.ring", 1052, Tunable, "1", "Friction coefficient between ring and element", set!(parameters.friction.ring));
     t.set("friction.velocity", 1053, Parameter, "m/s", "Regularisation speed of the friction between element and sheave, at most 1e-3 for accurate micro-slip", set!(parameters.friction.velocity));
     t.set("contact.stiffness", 1061, Parameter, "N/m2", "Contact stiffness per flank and pitch-line length", set!(parameters.contact.stiffness));
@@ -328,7 +328,7 @@ fn parameters(t: &mut Rows) {
     t.count("mesh.strand", 1073, "Ring elements on each strand", set!(parameters.mesh.strand));
     t.count("mesh.cellsPerElement", 1074, "Cells of the element chain in each ring element (ALE; in ALE0 it is one)", set!(parameters.mesh.cells_per_element));
     t.switch("mesh.aligned", 1075, "Whether element borders follow the arc borders; if not, as many elements stand evenly spaced along the belt and arc borders move through them. ring.model ALE0 and ALE", set!(parameters.mesh.aligned));
-    t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; left at its default, a tolerance of the experiment takes its place", set!(parameters.solver.tolerance));
+    t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; left at its default, a tolerance of the experiment takes its place. Above 1e-4 hardly anything gets faster; output derivatives of forces and losses want 1e-6", set!(parameters.solver.tolerance));
     t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step", set!(parameters.solver.max_step));
 }
 
@@ -341,7 +341,7 @@ fn locals(t: &mut Rows) {
     t.profile("pushForce", 10_101, "N", 1000.0, "Push force", |outputs, at| outputs.profile.push_force[at]);
     t.profile("ringTension", 10_201, "N", 1000.0, "Ring tension", |outputs, at| outputs.profile.ring_tension[at]);
     t.profile("normalForce", 10_301, "N/m", 1e5, "Normal force per flank and length", |outputs, at| outputs.profile.normal_force[at]);
-    t.profile("radialDeviation", 10_401, "m", 1e-4, "Radius less the mean radius of the arc (on strands: outward distance from the tangent line)", |outputs, at| outputs.profile.radial_deviation[at]);
+    t.profile("radialDeviation", 10_401, "m", 1e-4, "Radius less the mean radius of the arc (on strands: outward distance from the tangent line of the reference curve)", |outputs, at| outputs.profile.radial_deviation[at]);
     t.profile("slidingSpeed", 10_501, "m/s", 0.01, "Tangential sliding speed of the flanks", |outputs, at| outputs.profile.sliding_speed[at]);
     t.profile("lateralDeflection", 10_601, "m", 1e-3, "Deflection of the ring from the middle between the two belt planes, along the pulley axes", |outputs, at| outputs.profile.lateral_deflection[at]);
 }

@@ -13,6 +13,9 @@ use crate::solver::View;
 use crate::{chain, contact};
 use num_traits::Zero;
 
+/// Axial force below which nothing presses: no thrust ratio, utilisation or steady state means anything, N.
+pub(super) const NO_FORCE: f64 = 1.0;
+
 /// The belt at one state.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
@@ -190,7 +193,7 @@ impl VariatorSystem {
     #[must_use]
     pub fn mean_radii(&self, view: View<'_>, sums: &BeltSums) -> [f64; 2] {
         [S, P].map(|j| {
-            if sums.axial[j] > 1.0 {
+            if sums.axial[j] > NO_FORCE {
                 sums.axial_radius[j] / sums.axial[j]
             } else {
                 self.curve.frame::<f64>(self.theta(view)).radius[j].v - self.law.parameters.belt.pitch_offset

@@ -267,15 +267,10 @@ impl Variator {
             if let Err(stalled) = outcome {
                 self.time = stalled.time;
                 self.system.move_loads(self.time);
-                let cause = if stalled.newton {
-                    "Newton's method found no solution"
-                } else {
-                    "the error stayed too large"
-                };
                 return Err(StepError::Stalled {
                     from,
                     reached: stalled.time,
-                    reason: format!("{cause} at a step of {:.1e} s", stalled.step),
+                    reason: stalled.to_string(),
                 });
             }
             self.time = end;

@@ -71,7 +71,7 @@ impl Load {
     }
 }
 
-/// ẋ = A x + B u, y = C x + D u about the working point. Matrices are rows of columns; deviations in SI units.
+/// ẋ = A x + B u, y = C x + D u about the working point. Each matrix is a list of its rows; deviations in SI units.
 #[derive(Clone, Debug)]
 pub struct LinearModel {
     /// Inputs that hold the working point.
@@ -125,9 +125,6 @@ struct Direction {
 ///
 /// # Errors
 /// See [`LinearError`].
-///
-/// # Panics
-/// Never with validated parameters.
 pub fn linearise(
     parameters: &Parameters,
     inputs: &Inputs,

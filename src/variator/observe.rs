@@ -1,6 +1,6 @@
 //! From state to outputs.
 
-use super::balance::{BeltSums, Sliding, Survey};
+use super::balance::{BeltSums, NO_FORCE, Sliding, Survey};
 use super::cell::Sample;
 use super::layout::Global;
 use super::mesh::{Cell, P, S};
@@ -9,8 +9,6 @@ use super::system::VariatorSystem;
 use crate::contact::full_slip_torque;
 use crate::solver::View;
 
-/// Belt force below which a thrust ratio or torque utilisation means nothing, N.
-const NO_FORCE: f64 = 1.0;
 /// Rim speed below which slip means nothing, m/s.
 const NO_SPEED: f64 = 1.0e-3;
 /// Shaft power below which an efficiency means nothing, W.

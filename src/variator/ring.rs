@@ -112,12 +112,6 @@ pub struct RingForces<T: Real, const D: usize = 2> {
     pub theta: T,
 }
 
-#[inline(always)]
-fn kinetic<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
-    let velocity = point.velocity();
-    velocity.dot(&velocity) * (0.5 * ring.mass_per_length)
-}
-
 /// `ALE`: the ring deflects from the reference curve, in D components.
 #[derive(Debug)]
 pub struct Deflecting<'a, T: Real, const D: usize = 2> {
@@ -181,12 +175,10 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
 
     #[inline(always)]
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T> {
-        let viscosity = self.ring.axial_stiffness * self.ring.damping;
-        let rate = point.strain_rate();
         RingDensity {
-            kinetic: kinetic(self.ring, point),
+            kinetic: ale::kinetic_energy_density(self.ring, point),
             elastic: ale::energy_density(self.ring, point),
-            viscous: rate * rate * viscosity,
+            viscous: ale::dissipation_density(self.ring, point),
         }
     }
 }
@@ -436,7 +428,7 @@ impl<T: Real> CellRing<T> for Guided<'_, T> {
     #[inline(always)]
     fn density(&self, point: &RingPoint<T>) -> RingDensity<T> {
         RingDensity {
-            kinetic: kinetic(self.ring, point),
+            kinetic: ale::kinetic_energy_density(self.ring, point),
             elastic: ale::energy_density(self.ring, point),
             viscous: T::zero(),
         }

@@ -41,9 +41,10 @@ const MOST: usize = NODAL * SLOTS + OTHERS;
 const OTHERS: usize = 11;
 /// Place of the amount among the others; its row is the flux.
 const AMOUNT: usize = 2;
-/// Places of s and Θ among the others.
+/// Places of s, Θ and the first multiplier among the others.
 const DRIFT: usize = 3;
 const THETA: usize = 4;
+const GAUGE: usize = 9;
 
 /// Directions differentiated in one pass over a cell.
 const PASS: usize = 4;
@@ -356,7 +357,7 @@ impl VariatorSystem {
         let mut passing = Passing::<T, W, E> {
             slots,
             motion: &motion.reference,
-            multipliers: [value(own + 9), value(own + 10)],
+            multipliers: [value(own + GAUGE), value(own + GAUGE + 1)],
             forces: PassingForces {
                 nodal: [[T::zero(); NODAL]; SLOTS],
                 drift: T::zero(),
@@ -463,10 +464,10 @@ impl VariatorSystem {
             let b = &rows.balance;
             out[own[0]] += b.speed[0];
             out[own[1]] += b.speed[1];
-            out[own[3]] += rows.ring.drift;
-            out[own[4]] += rows.ring.theta;
-            out[own[9]] += rows.ring.gauge[0];
-            out[own[10]] += rows.ring.gauge[1];
+            out[own[DRIFT]] += rows.ring.drift;
+            out[own[THETA]] += rows.ring.theta;
+            out[own[GAUGE]] += rows.ring.gauge[0];
+            out[own[GAUGE + 1]] += rows.ring.gauge[1];
             self.sums[pulley].add(b, 1.0);
             self.transports.set(cell, &b.transport);
         }

@@ -4,6 +4,7 @@ use super::{Held, InitialisationError, Variator, integrator};
 use crate::contact::full_slip_torque;
 use crate::solver::continuation::Settled;
 use crate::solver::newton::Newton;
+use crate::variator::balance::NO_FORCE;
 use crate::variator::boundary::SpeedMode;
 use crate::variator::layout::Global;
 use crate::variator::mesh::{P, S};
@@ -26,9 +27,6 @@ const CLOSE_SHARE: f64 = 1.05;
 
 /// Share of full slip up to which a torque isn't beyond capacity: braking in underdrive it is, from 0.57 on.
 const CARRIED_AT_LEAST: f64 = 0.5;
-
-/// Clamping force below which a belt that turns has no steady state, N.
-const NO_FORCE: f64 = 1.0;
 
 /// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
 const STANDSTILL: f64 = 1.0e-3;
