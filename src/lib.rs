@@ -11,6 +11,7 @@
 //! | [`chain`], [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::instance::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix: knows no belt |
+//! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
 //! | [`tape`] | values to bytes and back: stored states |
 //! | [`mod@unit`] | the variable table that binds the variator to its FMU |
 //! | [`fmi2`] | FMI 2.0 state machine and C functions: knows no physics |

@@ -7,9 +7,9 @@ use common::{
     steady, variator,
 };
 use pushbelt::variator::boundary::SpeedMode;
-use pushbelt::variator::cell::Sample;
 use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::parameters::RingModel;
+use pushbelt::variator::sample::Sample;
 use pushbelt::variator::steady::SteadyTask;
 
 /// Smallest and largest.

@@ -1,9 +1,10 @@
 //! Packs of cells gathered into the residual, and sampled.
 
-use super::cell::{CellBalance, NoProbe, Probe, Sample, Sampler, balance};
+use super::cell::{CellBalance, balance};
 use super::layout::Global;
 use super::pack::{InPlace, Pack, Standing, Tell, for_kind, motion, nodes, own_directions, rows, tensions};
 use super::ring::{Deflecting, GUIDED, Guided, RingForces, TURNING, Turning};
+use super::sample::{NoProbe, Probe, Sample, Sampler};
 use super::system::VariatorSystem;
 use super::travelling::with_ring;
 use crate::chain;

@@ -1,10 +1,10 @@
 //! Power, losses and stored energy of a state: each loss from its own law, never as a remainder.
 
 use super::boundary::{SheaveMode, SpeedMode};
-use super::cell::Sample;
 use super::layout::Global;
 use super::mesh::{BeltMesh, Cell, Group, P, S};
 use super::parameters::SPEED_LAG;
+use super::sample::Sample;
 use super::signals::Losses;
 use super::system::VariatorSystem;
 use crate::reference_curve::ReferenceCurve;

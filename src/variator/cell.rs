@@ -4,18 +4,19 @@
 //!    − ∫ f_r δ(sliding of ring on elements) = 0.
 //!
 //! Each force enters with the velocity Jacobian of its own point: tangential flank forces at the pitch line (v_p),
-//! radial ones at the ring centre line (v_e, with its flow c), ring friction on the difference of the two flows, the
-//! push force on the shortening of the stack. So no power is lost between ring, chain and pulleys.
+//! radial ones at the ring centre line (v_e), ring friction on the difference of ring and element there, the push force
+//! on the shortening of the stack. So no power is lost between ring, chain and pulleys, and no moment on the arcs.
 
+use super::flanks::{Approach, BothFlanks};
 use super::mesh::Station;
 use super::parameters::{Friction, Parameters};
 use super::ring::{Action, CellRing};
+use super::sample::{Probe, Sample};
 use crate::chain::{ChainPoint, Stack, Transport};
-use crate::contact::{FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::ring::Ring;
-use crate::ring::kinematics::{Load, Motion, ReferenceMotion, RingPoint, embed, in_plane};
-use crate::scalar::{Lanes, Real, smooth_plus};
+use crate::ring::kinematics::{Load, Motion, ReferenceMotion, embed, in_plane};
+use crate::scalar::{Real, smooth_plus};
 use nalgebra::{SVector, Vector2};
 
 /// Most stations of a cell.
@@ -159,106 +160,6 @@ pub struct CellBalance<T: Real> {
     pub transport: Transport<T>,
 }
 
-/// What a station tells: values for outputs, losses and energies; of one cell, or of one in each lane of `L`.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sample<L = f64> {
-    /// ξ, m.
-    pub xi: L,
-    /// Reference curvature κ there and at the left face of the cell, 1/m: 0 on a strand.
-    pub curvature: [L; 2],
-    /// Ring length dξ that the station stands for, m.
-    pub weight: L,
-    /// Position of the ring centre line, m.
-    pub r: [L; 2],
-    /// Pitch radius ϱ about the pulley axis, m.
-    pub pitch_radius: L,
-    /// Pitch radius at the left face of the cell, m.
-    pub face_radius: L,
-    /// λ.
-    pub lambda: L,
-    /// ν of the cell.
-    pub density: L,
-    /// Push force Q, N.
-    pub push: L,
-    /// Ring tension T, N.
-    pub tension: L,
-    /// Normal force per flank and ring length, N/m.
-    pub normal: L,
-    /// Axial force on one sheave per ring length, N/m.
-    pub axial: L,
-    /// Torque of the belt on the pulley per ring length, N.
-    pub torque: L,
-    /// Tangential sliding speed, m/s.
-    pub sliding: L,
-    /// Sliding speed along the flank, m/s.
-    pub flank_sliding: L,
-    /// Sliding speed of the ring on the elements, m/s.
-    pub ring_sliding: L,
-    /// Penetration, m.
-    pub penetration: L,
-    /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the plane.
-    pub offset: L,
-    /// Deflection w along z, m, and its slope w'.
-    pub lateral: [L; 2],
-    /// J, m/s.
-    pub flow: L,
-    /// V, m/s.
-    pub speed: L,
-    /// Loss to sheave friction, W/m.
-    pub sheave_loss: L,
-    /// Loss to ring friction, W/m.
-    pub ring_loss: L,
-    /// Loss to structural, chain and contact damping, W/m.
-    pub damping_loss: L,
-    /// Kinetic energy, J/m.
-    pub kinetic: L,
-    /// Elastic energy of the ring, J/m.
-    pub ring_elastic: L,
-    /// Outward deflection from the reference curve, m.
-    pub outward: L,
-}
-
-/// Calls a macro with all figures of a [`Sample`].
-macro_rules! for_each_figure {
-    ($with:ident) => {
-        $with! {
-            xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque,
-            sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, damping_loss,
-            kinetic, ring_elastic, outward
-        }
-    };
-}
-
-impl Sample<Lanes> {
-    /// The sample of the cell in a lane. Inlined, it reads only what is asked of it.
-    #[inline(always)]
-    #[must_use]
-    pub fn get(&self, lane: usize) -> Sample {
-        let mut cell = Sample::default();
-        macro_rules! get {
-            ($($field:ident $([$k:literal])?),*) => {$( cell.$field $([$k])? = self.$field $([$k])?.lane(lane); )*};
-        }
-        for_each_figure!(get);
-        cell
-    }
-
-    /// Writes the sample of the cell in a lane.
-    pub fn set(&mut self, lane: usize, cell: &Sample) {
-        macro_rules! set {
-            ($($field:ident $([$k:literal])?),*) => {$( self.$field $([$k])?.set(lane, cell.$field $([$k])?); )*};
-        }
-        for_each_figure!(set);
-    }
-}
-
-impl Sample {
-    /// Whether the station lies on an arc.
-    #[must_use]
-    pub fn on_arc(&self) -> bool {
-        self.curvature[0] > 0.0
-    }
-}
-
 /// Where cells lie: constants of the mesh, and the element at the present Θ.
 #[derive(Debug)]
 pub struct Place<'a, T: Real> {
@@ -290,198 +191,6 @@ impl<T: Real> Place<'_, T> {
     pub fn fraction(&self, slot: usize) -> T::Constant {
         let [start, share] = self.of_segment;
         start + share * self.slot(slot).fraction
-    }
-}
-
-/// Sees every station of a cell as it is evaluated.
-pub trait Probe<T> {
-    /// Whether samples are wanted.
-    const ACTIVE: bool;
-    /// Takes a sample.
-    fn take(&mut self, sample: Sample<T>);
-}
-
-/// Wants no samples.
-#[derive(Debug)]
-pub struct NoProbe;
-
-impl<T> Probe<T> for NoProbe {
-    const ACTIVE: bool = false;
-    fn take(&mut self, _sample: Sample<T>) {}
-}
-
-/// Hands samples to a closure.
-pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
-
-impl<T> Probe<T> for Sampler<'_, T> {
-    const ACTIVE: bool = true;
-    fn take(&mut self, sample: Sample<T>) {
-        (self.0)(sample);
-    }
-}
-
-/// What flanks do to an element, per ring length.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FlankLoads<T> {
-    /// Outward, at the ring centre line, N/m.
-    pub radial: T,
-    /// Along e_t, at the pitch line, N/m.
-    pub around: T,
-    /// On the pulley, N.
-    pub torque: T,
-    /// Axial force on the sheave, N/m.
-    pub axial: T,
-    /// Normal force, N/m.
-    pub normal: T,
-    /// Power of friction, W/m.
-    pub loss: T,
-    /// Power of damping, W/m.
-    pub viscous: T,
-}
-
-impl<T: Real> FlankLoads<T> {
-    #[inline(always)]
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        Self {
-            radial: self.radial + other.radial,
-            around: self.around + other.around,
-            torque: self.torque + other.torque,
-            axial: self.axial + other.axial,
-            normal: self.normal + other.normal,
-            loss: self.loss + other.loss,
-            viscous: self.viscous + other.viscous,
-        }
-    }
-}
-
-/// Loads of both flanks of an element, per dξ.
-struct BothFlanks<T> {
-    /// Their sum.
-    loads: FlankLoads<T>,
-    /// Axial load on the movable sheave, N/m.
-    on_movable: T,
-    /// How far the element is off the middle, towards the movable sheave, m.
-    offset: T,
-    /// Lateral load on the ring along z, N/m.
-    lateral: T,
-}
-
-/// How a point of the belt stands to its pulley, and how its flanks move on the sheaves.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Approach<T: Real> {
-    /// Unit vector from the axis.
-    pub e_r: Vector2<T>,
-    /// Unit vector around it, clockwise.
-    pub e_t: Vector2<T>,
-    /// One by the distance of the ring from the axis, 1/m.
-    pub inverse_distance: T,
-    /// ϱ, m.
-    pub rho: T,
-    /// ∂w/∂ϱ, elastic opening of the sheave per radius.
-    pub opening: T,
-    /// (∂w/∂θ)/ϱ.
-    pub opening_slope: T,
-    /// v_e·e_r, m/s.
-    pub v_r: T,
-    /// v_p·e_t, m/s.
-    pub v_around: T,
-    /// Motion of a flank in the middle of the pulley.
-    pub flank: FlankMotion<T>,
-}
-
-impl<T: Real> Approach<T> {
-    /// At a point of the ring, whose elements move with v_e at the ring centre line and with v_p at the pitch line.
-    #[inline(always)]
-    pub fn new<const D: usize>(
-        law: &CellLaw,
-        axis: T::Constant,
-        pulley: &PulleyMotion<T>,
-        point: &RingPoint<T, D>,
-        [v_e, v_p]: [&SVector<T, D>; 2],
-    ) -> Self {
-        let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let arm = in_plane(&point.r) - Vector2::new(T::constant(axis), T::zero());
-        let (distance, inverse_distance) = arm.dot(&arm).root_and_inverse();
-        let e_r = arm * inverse_distance;
-        let e_t = Vector2::new(e_r.y, -e_r.x);
-        let rho = distance - law.parameters.belt.pitch_offset;
-        let opening = pulley.psi[0] * e_r.x - pulley.psi[1] * e_r.y;
-        let opening_rate = (pulley.psi_dot[0] * e_r.x - pulley.psi_dot[1] * e_r.y) * rho;
-        let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
-        let (v_r, v_around) = (in_plane(v_e).dot(&e_r), in_plane(v_p).dot(&e_t));
-        let surface = pulley.z_dot * 0.5 - opening_rate;
-        let closing_surface = surface - pulley.omega * rho * opening_slope;
-        Self {
-            e_r,
-            e_t,
-            inverse_distance,
-            rho,
-            opening,
-            opening_slope,
-            v_r,
-            v_around,
-            flank: FlankMotion {
-                penetration: pulley.z * 0.5 - (rho - law.r0) * tan_beta - opening * rho,
-                closing: surface - (opening + tan_beta) * v_r - opening_slope * v_around,
-                tangential: v_around - pulley.omega * rho,
-                along_flank: v_r * cos_beta + closing_surface * sin_beta,
-            },
-        }
-    }
-
-    /// Loads of the two flanks of an element whose ring moves with v_e. In the plane they are alike; in space the
-    /// element may be off the middle. `plane` is that of [`Place::plane`].
-    #[inline(always)]
-    fn both_flanks<const D: usize>(
-        &self,
-        law: &CellLaw,
-        [side, middle]: [T::Constant; 2],
-        pulley: &PulleyMotion<T>,
-        point: &RingPoint<T, D>,
-        v_e: &SVector<T, D>,
-        lambda: T,
-    ) -> BothFlanks<T> {
-        let p = &law.parameters;
-        let one = |flank: &FlankMotion<T>| {
-            let force = flank_force(&p.contact, &p.friction, law.wedge[1], flank);
-            self.loads(law, lambda, flank, &force)
-        };
-        if D == 2 {
-            let flank = one(&self.flank);
-            return BothFlanks {
-                loads: flank.plus(&flank),
-                on_movable: flank.axial,
-                offset: T::zero(),
-                lateral: T::zero(),
-            };
-        }
-        let offset = (point.r[D - 1] - T::constant(middle)) * side + pulley.z * 0.5;
-        let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
-        let movable = one(&self.flank.shifted(offset, speed, law.wedge[0]));
-        let fixed = one(&self.flank.shifted(-offset, -speed, law.wedge[0]));
-        BothFlanks {
-            loads: movable.plus(&fixed),
-            on_movable: movable.axial,
-            offset,
-            lateral: (movable.axial - fixed.axial) * side,
-        }
-    }
-
-    /// Loads of a flank that moves like this under `force`.
-    #[inline(always)]
-    pub fn loads(&self, law: &CellLaw, lambda: T, flank: &FlankMotion<T>, force: &FlankForce<T>) -> FlankLoads<T> {
-        let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let axial_normal = force.normal * cos_beta * lambda;
-        let axial_friction = force.along_flank * lambda * sin_beta;
-        FlankLoads {
-            radial: axial_normal * (self.opening + tan_beta) + force.along_flank * lambda * cos_beta,
-            around: axial_normal * self.opening_slope + force.tangential * lambda,
-            torque: -(force.tangential * lambda + axial_friction * self.opening_slope) * self.rho,
-            axial: axial_normal - axial_friction,
-            normal: force.normal * lambda,
-            loss: lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank) * -1.0,
-            viscous: force.viscous * cos_beta * lambda * flank.closing,
-        }
     }
 }
 

@@ -1,13 +1,14 @@
 //! The exact Jacobian: packs of cells looked at, differentiated where their derivatives no longer hold, and added to
 //! the matrix.
 
-use super::cell::{NoProbe, balance};
+use super::cell::balance;
 use super::kept::{Kept, Look, Regime};
 use super::pack::{
     InPlace, MOST, NOWHERE, Pack, Standing, Unknowns, amount_direction, direction, directions, motion, node_directions,
     nodes, own_directions, rows, tensions,
 };
 use super::ring::{Deflecting, GUIDED, Guided, TURNING, VaryingRing};
+use super::sample::NoProbe;
 use super::system::VariatorSystem;
 use super::variation::Linearised;
 use crate::chain::{self, Transport};

@@ -5,8 +5,9 @@
 //! method, which needs a direction and not a derivative. So each pack of cells remembers where it was differentiated,
 //! and what it was in.
 
-use super::cell::{CellLaw, STATIONS, Sample, pressing, ring_load};
+use super::cell::{CellLaw, STATIONS, pressing, ring_load};
 use super::pack::{MOST, Unknowns};
+use super::sample::Sample;
 use crate::chain::CLOSING_SMOOTHING;
 use crate::contact::PENETRATION_SMOOTHING;
 use crate::scalar::{Lanes, Real};

@@ -1,9 +1,9 @@
 //! From state to outputs.
 
 use super::balance::{BeltSums, NO_FORCE, Sliding, Survey};
-use super::cell::Sample;
 use super::layout::Global;
 use super::mesh::{Cell, P, S};
+use super::sample::Sample;
 use super::signals::{Losses, Outputs, PROFILE_POINTS, PulleyOutputs, StartState};
 use super::system::VariatorSystem;
 use crate::contact::full_slip_torque;

@@ -13,10 +13,11 @@
 //! and contact arrives at the ring without remainder. The multipliers are small: they carry what the pitch line's
 //! reference curvature (λ = |r'| − e κ_ref) leaves of a change of s alone.
 
-use super::cell::{CellBalance, CellMotion, NoProbe, Place, SLOTS, Sample, Sampler, balance};
+use super::cell::{CellBalance, CellMotion, Place, SLOTS, balance};
 use super::layout::{Global, Layout};
 use super::parameters::{Parameters, RingModel};
 use super::ring::{Action, CellRing, RingDensity};
+use super::sample::{NoProbe, Probe, Sample, Sampler};
 use super::system::{HOLD, VariatorSystem};
 use crate::chain::{self, Transport};
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
@@ -300,7 +301,7 @@ impl VariatorSystem {
         T: Real<Constant = f64> + Mul<W, Output = T>,
         W: Real,
         E: LagrangianElement,
-        S: super::cell::Probe<T>,
+        S: Probe<T>,
     {
         let value = |k: usize| seed(view.y[at[k]], k, 1.0);
         let rate = |k: usize| seed(view.y_dot[at[k]], k, alpha);

@@ -7,7 +7,8 @@
 //! time, to the same digits (a test of [`super::system`] holds both against each other). Θ moves everything and stays
 //! with forward differentiation.
 
-use super::cell::{Approach, CellBalance, CellLaw, CellMotion, FlankLoads, Place, STATIONS, share};
+use super::cell::{CellBalance, CellLaw, CellMotion, Place, STATIONS, share};
+use super::flanks::{Approach, FlankLoads};
 use super::ring::{Action, RingForces, VaryingRing};
 use crate::chain::{ChainPoint, ChainVariation, Stack, Transport, Turn};
 use crate::contact::{FlankForce, FlankMotion, flank_force};
@@ -278,29 +279,15 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let v_e = chain.ring_line_velocity(&ring);
         let v_p = chain.pitch_velocity(&ring);
         let approach = Approach::new(law, self.place.axis, pulley, &ring, [&v_e, &v_p]);
-        let [side, middle] = self.place.plane;
-        let mut sideways = Lanes::zero();
-        let (flanks, loads);
-        if D == 2 {
-            let flank = Flank::new(law, &approach.flank);
-            let load = approach.loads(law, chain.lambda, &approach.flank, &flank.force);
-            (flanks, loads) = ([flank; 2], load.plus(&load));
-        } else {
-            let offset = (ring.r[D - 1] - middle) * side + pulley.z * 0.5;
-            let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
-            let motions = [
-                approach.flank.shifted(offset, speed, law.wedge[0]),
-                approach.flank.shifted(-offset, -speed, law.wedge[0]),
-            ];
-            flanks = motions.map(|motion| Flank::new(law, &motion));
-            let each = [0, 1].map(|k| approach.loads(law, chain.lambda, &motions[k], &flanks[k].force));
-            loads = each[0].plus(&each[1]);
-            sideways = (each[0].axial - each[1].axial) * side;
-        }
+        let plane = self.place.plane;
+        let (_, motions) = approach.flanks(law, plane, pulley, &ring, &v_e);
+        let flanks = motions.map(|motion| Flank::new(law, &motion));
+        let each = [0, 1].map(|k| approach.loads(law, chain.lambda, &motions[k], &flanks[k].force));
+        let loads = each[0].plus(&each[1]);
         let at_pitch_line = approach.e_t * -loads.around;
         let mut at_ring_line: SVector<Lanes, D> = embed(approach.e_r * -loads.radial);
         if D > 2 {
-            at_ring_line[D - 1] += sideways;
+            at_ring_line[D - 1] += (each[0].axial - each[1].axial) * plane[0];
         }
         let mut inward = [Lanes::zero(); 2];
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
