@@ -62,6 +62,8 @@ const WARM_STEP: f64 = 1.0e-2;
 const STOP_FORCE: f64 = 10.0;
 /// First pseudo-time step of sheaves that are let go, s.
 const STOP_STEP: f64 = 1.0e-4;
+/// Stages in which the force comes in there, one attempt after the other.
+const STOP_STAGES: [u32; 2] = [1, 8];
 /// Relative force error of an equilibrium.
 const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
 const EQUILIBRIUM_ITERATIONS: usize = 150;
@@ -265,25 +267,41 @@ fn leaps(system: &VariatorSystem, trial: &Trial<'_>) -> bool {
     fast(S) || fast(P) || (trial.after.q[theta] - trial.before.q[theta]).abs() > LARGEST_THETA_CHANGE
 }
 
-/// Lets go of the sheaves near an end stop: under the task's clamping forces they come to rest against it.
+/// Lets go of the sheaves near an end stop: under the task's clamping forces they come to rest against it. A force far
+/// from what holds the sheave comes in by stages.
 fn rest_at_stop(
     system: &mut VariatorSystem,
     newton: &mut Newton,
     state: &mut State,
     task: &SteadyTask,
 ) -> Result<Settled, Settled> {
-    system.boundary = Boundary {
-        sheave: task.clamping.map(SheaveMode::Force),
-        speed: task.speed,
-    };
     let settings = Settling {
         first_step: STOP_STEP,
         last_step: LAST_STEP,
         max_solves: EQUILIBRIUM_SOLVES,
     };
-    settle(system, newton, state, &settings, |system, trial| {
-        (!leaps(system, trial)).then_some(LAST_STEP)
-    })
+    let holding = reaction(system, state.view(), task.reaction).max(1.0);
+    let before = state.clone();
+    let mut outcome = Err(Settled::default());
+    for stages in STOP_STAGES {
+        state.clone_from(&before);
+        outcome = (1..=stages).try_fold(Settled::default(), |_, stage| {
+            let mut clamping = task.clamping;
+            let force = &mut clamping[task.reaction];
+            *force = holding * (*force / holding).powf(f64::from(stage) / f64::from(stages));
+            system.boundary = Boundary {
+                sheave: clamping.map(SheaveMode::Force),
+                speed: task.speed,
+            };
+            settle(system, newton, state, &settings, |system, trial| {
+                (!leaps(system, trial)).then_some(LAST_STEP)
+            })
+        });
+        if outcome.is_ok() {
+            break;
+        }
+    }
+    outcome
 }
 
 /// Where the clamping forces balance.
