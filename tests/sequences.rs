@@ -1,8 +1,8 @@
 //! Call sequences in random order with random and bad arguments, through the C functions of the built library, beside
 //! a model of the standard's state machine (its table 4.2.4, for a slave whose steps end before they return).
 //!
-//! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test sequences`. Under
-//! valgrind, where it is installed, a short run is part of the test.
+//! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test sequences`. Under valgrind:
+//! `cargo test --test sequences -- --ignored`.
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 

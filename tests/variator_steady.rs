@@ -374,6 +374,27 @@ fn a_steady_state_takes_its_usual_work() {
     assert_pinned(counts.factorizations, 79, "factorizations");
 }
 
+/// The default mesh is made for some thousand revolutions a minute; at 600 rad/s in overdrive gaps are wider.
+#[test]
+fn the_default_mesh_at_high_speed() {
+    let at = |factor: i32| {
+        let mut parameters = variator(RingModel::Ale);
+        parameters.mesh = refined(&parameters.mesh, factor);
+        let case = LoadCase::new(&parameters, "overdrive", 0.4, 50.0);
+        let task = SteadyTask {
+            clamping: [1.3 * case.clamping; 2],
+            ..case.task()
+        };
+        let speed = 600.0;
+        steady(&parameters, &task, [speed / ratio(case.theta), speed])
+            .outputs
+            .thrust_ratio
+    };
+    let (default, fine) = (at(1), at(4));
+    println!("thrust ratio {default:.4}, on four times the elements {fine:.4}");
+    assert_close(default, fine, 0.025, "thrust ratio");
+}
+
 /// Forces in the middle of a strand.
 struct Strand {
     at: [f64; 2],

@@ -26,8 +26,9 @@ pub struct Ledger {
 const PASSING: f64 = 1.0 / 180.0;
 
 impl Evolution for VariatorSystem {
-    /// Errors that users see: ratio, sheave positions and speeds; belt speed and sliding; element amounts (push force);
-    /// ring positions (tension, radial deviation). Each relative to its own working range.
+    /// Errors that users see: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm), speeds (10 rad/s and a tenth of
+    /// the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring positions (10 mm: tension, radial
+    /// deviation). Each relative to its own working range, the last three as a mean over the belt.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
         let layout = &self.layout;
         let tolerance = self.law.parameters.solver.tolerance;
@@ -44,7 +45,7 @@ impl Evolution for VariatorSystem {
         let running = speed / (1.0 + speed);
         let speed_scale = tolerance * (2.0 + speed + 8.0 * running);
         let place_scale = 1.0e-2 * tolerance * (0.2 + 0.8 * running);
-        let mean = layout.len() as f64;
+        let count = layout.len() as f64;
         let mut local = 0.0;
         for &[speed, amount] in &self.cells_at {
             let speed = y_error[speed] / speed_scale;
@@ -67,7 +68,7 @@ impl Evolution for VariatorSystem {
                 }
             }
         }
-        let norm = norm.max((local / mean).sqrt());
+        let norm = norm.max((local / count).sqrt());
         if norm.is_finite() { norm } else { f64::MAX }
     }
 

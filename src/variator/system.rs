@@ -274,6 +274,9 @@ struct Condition {
     signs: [f64; 2],
 }
 
+/// A pulley's radius, roughly, m.
+const RADIUS: f64 = 0.06;
+
 /// Scale of rows that hold a quantity: of the order of the other entries of its row.
 pub(super) const HOLD: f64 = 1.0e6;
 
@@ -327,7 +330,7 @@ impl System for VariatorSystem {
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
         let layout = &self.layout;
         // What does not matter: 1 nm of ring position (1 N of tension, 5 N/m of contact), 1e-7 of chain strain (1 N),
-        // 1e-3 of the friction velocity.
+        // 2e-3 of the friction velocity; 0.1 N of tension where it is an unknown.
         let velocity = (1.0e-9 / beta).min(1.0e-3);
         let slip = 2.0e-3 * self.law.parameters.friction.velocity;
         if layout.flexible {
@@ -366,7 +369,7 @@ impl System for VariatorSystem {
             out[layout.global(Global::Sheave, j)] = velocity;
             out[layout.global(Global::Tilt, 2 * j)] = 1.0e-8;
             out[layout.global(Global::Tilt, 2 * j + 1)] = 1.0e-8;
-            out[layout.global(Global::Speed, j)] = slip / 0.06;
+            out[layout.global(Global::Speed, j)] = slip / RADIUS;
         }
     }
 }
