@@ -182,6 +182,8 @@ fn stops_must_leave_a_range_and_the_initial_ratio_must_lie_in_it() {
     assert!(error.range.contains("below primary.maxRadius = 0.082"), "{error}");
     accepted(|p| p.initial.ratio = 2.2);
     accepted(|p| p.initial.ratio = 1.0 / 2.25);
+    // Where a loaded belt rests, some per cent beyond.
+    accepted(|p| p.initial.ratio = 2.7);
     for beyond in [3.0, 1.0 / 3.0, 90.0, 0.011] {
         let error = refused(|p| p.initial.ratio = beyond);
         assert_eq!((error.variable, error.value), ("initial.ratio", Value::Number(beyond)));
@@ -206,10 +208,14 @@ fn the_offered_ratios_are_accepted() {
     let [low, high] = ends[..] else { panic!("{error}") };
     // Mirrored stops: mirrored ends.
     assert!((low * high - 1.0).abs() < 1e-5, "{error}");
-    for (inside, outside) in [(low * 1.00001, low * 0.99999), (high * 0.99999, high * 1.00001)] {
+    // A loaded belt rests some per cent beyond.
+    for (inside, outside) in [(low * 0.95, low * 0.94), (high * 1.05, high * 1.07)] {
         accepted(|p| p.initial.ratio = inside);
         refused(|p| p.initial.ratio = outside);
     }
+    let parameters = Parameters::default();
+    let (lowest, highest) = parameters.ratio_range();
+    assert!((lowest - low).abs() < 1e-6 && (highest - high).abs() < 1e-6);
 }
 
 #[test]

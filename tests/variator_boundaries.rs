@@ -420,6 +420,26 @@ fn a_start_in_equilibrium_at_an_end_stop_stays_there() {
     }
 }
 
+/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may go on from the ratio that it had there.
+#[test]
+fn a_run_goes_on_from_beyond_an_end_stop() {
+    for model in MODELS {
+        let mut parameters = coarse(model);
+        parameters.primary.drive = Drive::Speed;
+        let loads = inputs((0.0, 3e3), (-20.0, 22e3));
+        let mut run = Run::new(parameters.clone(), loads);
+        let rests = run.go(1.0, 5e-3).ratio_geometric;
+        parameters.initial.ratio = rests;
+        let mut next = Run::new(parameters, loads);
+        assert!(next.told("beyond an end stop"), "{model:?}: {rests}");
+        let o = next.go(0.3, 5e-3);
+        println!("{model:?}: rests at {rests:.4}, then at {:.4}", o.ratio_geometric);
+        // ALE0 creeps towards the stop for seconds.
+        let allowed = if model == RingModel::Ale0 { 1e-2 } else { 2e-3 };
+        assert_close(o.ratio_geometric, rests, allowed, "ratio");
+    }
+}
+
 /// Far from the ratio that the search starts from.
 #[test]
 fn a_start_in_equilibrium_far_in_overdrive_stays_there() {

@@ -26,7 +26,7 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
     bytes.extend_from_slice(&Fnv::of(guid.as_bytes()).to_le_bytes());
     bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
     bytes.extend_from_slice(content);
-    let checksum = Fnv::of(&bytes);
+    let checksum = Fnv::of_words(&bytes);
     bytes.extend_from_slice(&checksum.to_le_bytes());
     bytes
 }
@@ -63,7 +63,7 @@ pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> 
         ));
     }
     let (content, checksum) = rest.split_last_chunk().ok_or_else(too_short)?;
-    if u128::from_le_bytes(*checksum) != Fnv::of(&bytes[..HEAD + content.len()]) {
+    if u128::from_le_bytes(*checksum) != Fnv::of_words(&bytes[..HEAD + content.len()]) {
         return Err("the stored state is damaged: its checksum is wrong".into());
     }
     Ok(content)

@@ -19,6 +19,18 @@ impl Fnv {
         hash.value()
     }
 
+    /// Hash of bytes taken eight at a time, the last ones filled up with zeros: for what is long.
+    pub(super) fn of_words(bytes: &[u8]) -> u128 {
+        let mut hash = Self::default();
+        let (words, rest) = bytes.as_chunks::<8>();
+        let mut last = [0; 8];
+        last[..rest.len()].copy_from_slice(rest);
+        for word in words.iter().chain([&last]) {
+            hash.mix(u64::from_le_bytes(*word).into());
+        }
+        hash.value()
+    }
+
     /// Hash of what has been written.
     pub(super) fn value(&self) -> u128 {
         self.0
@@ -26,8 +38,12 @@ impl Fnv {
 
     fn add(&mut self, bytes: &[u8]) {
         for byte in bytes {
-            self.0 = (self.0 ^ u128::from(*byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
+            self.mix((*byte).into());
         }
+    }
+
+    fn mix(&mut self, value: u128) {
+        self.0 = (self.0 ^ value).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
     }
 }
 

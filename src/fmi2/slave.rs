@@ -6,8 +6,10 @@
 //! that came only so far.
 
 use std::any::Any;
+use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use super::description::guid;
 use super::log::{Category, Log, Sink, Status};
 use super::snapshot::{Snapshot, still};
 use super::state::{Call, State};
@@ -52,6 +54,8 @@ pub struct Slave<U: Unit> {
     table: Table<U::Settings, U::Readings>,
     log: Log,
     debug: bool,
+    /// Written once: it is a hash of the whole description.
+    guid: OnceCell<String>,
     now: Snapshot<U>,
 }
 
@@ -63,8 +67,13 @@ impl<U: Unit> Slave<U> {
             table: U::table(),
             log: Log::new(sink, debug),
             debug,
+            guid: OnceCell::new(),
             now: Snapshot::new(),
         }
+    }
+
+    fn guid(&self) -> &str {
+        self.guid.get_or_init(guid::<U>)
     }
 
     /// State of the state machine.
@@ -257,7 +266,11 @@ impl<U: Unit> Slave<U> {
         let mut sealed = None;
         let status = self.call(function, |slave| {
             slave.allow(Call::Always)?;
-            sealed = Some(snapshot.to_bytes(&slave.table).map_err(Trouble::Refused)?);
+            sealed = Some(
+                snapshot
+                    .to_bytes(&slave.table, slave.guid())
+                    .map_err(Trouble::Refused)?,
+            );
             Ok(())
         });
         (status, sealed)
@@ -268,7 +281,7 @@ impl<U: Unit> Slave<U> {
         let mut found = None;
         let status = self.call("fmi2DeSerializeFMUstate", |slave| {
             slave.allow(Call::Always)?;
-            found = Some(Snapshot::from_bytes(&slave.table, sealed).map_err(Trouble::Refused)?);
+            found = Some(Snapshot::from_bytes(&slave.table, slave.guid(), sealed).map_err(Trouble::Refused)?);
             Ok(())
         });
         (status, found)

@@ -1,7 +1,6 @@
 //! The whole dynamic state of an instance: kept, brought back, and turned into bytes.
 
 use super::bytes;
-use super::description::guid;
 use super::state::State;
 use super::table::{Access, Causality, Kind, Table, Variable};
 use super::unit::{Experiment, Unit};
@@ -33,22 +32,26 @@ impl<U: Unit> Snapshot<U> {
         }
     }
 
-    /// The state as bytes.
+    /// The state as bytes, for an FMU with this GUID.
     ///
     /// # Errors
     /// A sentence that says why there are none.
-    pub(super) fn to_bytes(&self, table: &Table<U::Settings, U::Readings>) -> Result<Vec<u8>, String> {
+    pub(super) fn to_bytes(&self, table: &Table<U::Settings, U::Readings>, guid: &str) -> Result<Vec<u8>, String> {
         let mut tape = Tape::writer();
         self.clone().pass(table, &mut tape)?;
-        Ok(bytes::seal(&guid::<U>(), &tape.into_bytes()))
+        Ok(bytes::seal(guid, &tape.into_bytes()))
     }
 
-    /// The state that bytes hold.
+    /// The state that bytes of an FMU with this GUID hold.
     ///
     /// # Errors
     /// A sentence that says what is wrong with them.
-    pub(super) fn from_bytes(table: &Table<U::Settings, U::Readings>, sealed: &[u8]) -> Result<Self, String> {
-        let mut tape = Tape::reader(bytes::open(&guid::<U>(), sealed)?);
+    pub(super) fn from_bytes(
+        table: &Table<U::Settings, U::Readings>,
+        guid: &str,
+        sealed: &[u8],
+    ) -> Result<Self, String> {
+        let mut tape = Tape::reader(bytes::open(guid, sealed)?);
         let mut snapshot = Self::new();
         snapshot.pass(table, &mut tape)?;
         let fits = tape.finish();

@@ -9,6 +9,9 @@ use super::signals::{Inputs, PulleyInputs};
 use crate::reference_curve::{ReferenceCurve, TwoPulley, ratio_of_theta};
 use std::f64::consts::PI;
 
+/// Factor by which an initial ratio may lie beyond an end stop: a loaded belt rests there, and a run may go on from it.
+const BEYOND_STOP: f64 = 1.06;
+
 /// A value out of its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{variable} = {value} is out of range: {range}")]
@@ -305,11 +308,10 @@ impl Parameters {
         }
         self.validate_quarters()?;
         let ratio = self.initial.ratio;
-        if self.not_too_high(ratio) && self.not_too_low(ratio) {
+        let (lowest, highest) = self.ratio_range();
+        if lowest < highest && (lowest / BEYOND_STOP..=highest * BEYOND_STOP).contains(&ratio) {
             return Ok(());
         }
-        let lowest = boundary(|ratio| !self.not_too_low(ratio));
-        let highest = boundary(|ratio| self.not_too_high(ratio));
         let range = if lowest < highest {
             format!("{lowest:.6} to {highest:.6}, where the sheaves reach their stops")
         } else {
@@ -318,16 +320,22 @@ impl Parameters {
         Err(ParameterError::new("initial.ratio", ratio, range))
     }
 
+    /// Ratios at which the unloaded belt meets the end stops, the lowest and the highest.
+    #[must_use]
+    pub fn ratio_range(&self) -> (f64, f64) {
+        (
+            boundary(|ratio| !self.not_too_low(ratio)),
+            boundary(|ratio| self.not_too_high(ratio)),
+        )
+    }
+
     /// Cells of a mesh that stands still know their pulley if no arc reaches a quarter of the belt.
     fn validate_quarters(&self) -> Result<(), ParameterError> {
         if self.mesh.aligned {
             return Ok(());
         }
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
-        let extremes = [
-            boundary(|ratio| !self.not_too_low(ratio)),
-            boundary(|ratio| self.not_too_high(ratio)),
-        ];
+        let extremes: [f64; 2] = self.ratio_range().into();
         let arc = |ratio: f64| {
             let frame = curve.frame(ratio_of_theta(ratio));
             let length = |segment| TwoPulley::segment_length::<f64>(&frame, segment).v;

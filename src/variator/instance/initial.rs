@@ -9,7 +9,7 @@ use crate::variator::boundary::SpeedMode;
 use crate::variator::layout::Global;
 use crate::variator::mesh::{P, S};
 use crate::variator::observe::macro_slip;
-use crate::variator::parameters::{Axial, Drive, Parameters, Pulley, RingModel};
+use crate::variator::parameters::{Axial, Drive, Parameters, RingModel};
 use crate::variator::signals::{Inputs, StartState};
 use crate::variator::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::start::{Start, kinematic_state};
@@ -40,6 +40,18 @@ impl Variator {
     /// Inputs out of range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
+        let (lowest, highest) = self.parameters.ratio_range();
+        let asked = self.parameters.initial.ratio;
+        let ratio = asked.clamp(lowest, highest);
+        if ratio != asked {
+            self.parameters.initial.ratio = ratio;
+            self.say(
+                false,
+                format!(
+                    "initial.ratio = {asked} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
+                ),
+            );
+        }
         let parameters = self.parameters.clone();
         let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
             (Drive::Speed, _) => inputs.primary.speed_setpoint,
@@ -311,7 +323,7 @@ impl Variator {
         let task = self.steady_task(inputs, 1.0);
         let holding = steady::reaction(&self.system, self.state.view(), P);
         let at_ratio = self.state.clone();
-        let range = self.ratio_range();
+        let range = self.parameters.ratio_range();
         match steady::solve_equilibrium(&mut self.system, newton, &mut self.state, &task, range) {
             Ok(Equilibrium { ratio, at_stop: true }) => {
                 self.say(
@@ -345,31 +357,5 @@ impl Variator {
                 }
             }
         }
-    }
-
-    /// Geometric ratios between the end stops, of the reference curve: a loaded belt comes to a stop some per cent
-    /// beyond.
-    fn ratio_range(&self) -> (f64, f64) {
-        let p = &self.parameters;
-        let e = p.belt.pitch_offset;
-        let fits = |ratio: f64| {
-            self.system.curve.radii(ratio).is_ok_and(|(r_p, r_s)| {
-                let inside =
-                    |radius: f64, pulley: &Pulley| (pulley.min_radius..=pulley.max_radius).contains(&(radius - e));
-                inside(r_p, &p.primary) && inside(r_s, &p.secondary)
-            })
-        };
-        let edge = |mut inside: f64, mut outside: f64| {
-            for _ in 0..50 {
-                let middle = (inside * outside).sqrt();
-                if fits(middle) {
-                    inside = middle;
-                } else {
-                    outside = middle;
-                }
-            }
-            inside
-        };
-        (edge(p.initial.ratio, 0.05), edge(p.initial.ratio, 20.0))
     }
 }
