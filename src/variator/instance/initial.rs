@@ -235,7 +235,7 @@ impl Variator {
                     true,
                     format!(
                         "no steady state at the given torques{}: the run starts from the steady state at {:.0} % of them",
-                        if self.of_full_slip(inputs) > CARRIED_AT_LEAST {
+                        if self.of_full_slip(inputs).abs() > CARRIED_AT_LEAST {
                             " (beyond the capacity of the clamping forces)"
                         } else {
                             " was found"
