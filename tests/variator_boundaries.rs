@@ -237,20 +237,25 @@ fn at_standstill_the_ratio_creeps_with_the_friction_velocity() {
     }
 }
 
+/// A run with the primary sheave held, whose set point brings the primary shaft from rest to speed, 400 rad/s in a second.
+fn brought_to_speed(mut parameters: Parameters, span: f64, step: f64) -> Run {
+    parameters.primary.drive = Drive::Speed;
+    parameters.primary.axial = Axial::Held;
+    let mut still = inputs((0.0, 0.0), (-10.0, 9e3));
+    still.primary.speed_setpoint = 0.0;
+    let mut run = Run::new(parameters, still);
+    let mut rates = Inputs::ZERO;
+    rates.primary.speed_setpoint = 400.0;
+    run.ramp(span, step, &rates);
+    run
+}
+
 /// A sheave that is held from a standstill stands where the unloaded belt has `initial.ratio`; under load it is a little more.
 #[test]
 fn a_sheave_held_from_a_standstill_has_nearly_its_ratio() {
     for model in MODELS {
         for ratio in [0.5, 1.0, 2.2] {
-            let mut parameters = at_rest(model, ratio);
-            parameters.primary.drive = Drive::Speed;
-            parameters.primary.axial = Axial::Held;
-            let mut still = inputs((0.0, 0.0), (-10.0, 9e3));
-            still.primary.speed_setpoint = 0.0;
-            let mut run = Run::new(parameters, still);
-            let mut rates = Inputs::ZERO;
-            rates.primary.speed_setpoint = 400.0;
-            run.ramp(0.5, 1e-2, &rates);
+            let mut run = brought_to_speed(at_rest(model, ratio), 0.5, 1e-2);
             let off = run.go(0.2, 1e-2).ratio_geometric / ratio - 1.0;
             println!("{model:?}, held at {ratio}: {:+.2} % off at 200 rad/s", 100.0 * off);
             assert!(off > 0.0 && off < 0.02, "{model:?}, held at {ratio}: {off}");
@@ -291,14 +296,7 @@ fn ramped_inputs_keep_the_books() {
         }
         let mut parameters = variator(model);
         parameters.secondary.inertia = 0.3;
-        parameters.primary.drive = Drive::Speed;
-        parameters.primary.axial = Axial::Held;
-        let mut still = inputs((0.0, 0.0), (-10.0, 9e3));
-        still.primary.speed_setpoint = 0.0;
-        let mut run = Run::new(parameters, still);
-        let mut rates = Inputs::ZERO;
-        rates.primary.speed_setpoint = 400.0;
-        run.ramp(0.3, 1e-3, &rates);
+        let mut run = brought_to_speed(parameters, 0.3, 1e-3);
         println!("{model:?}, to speed: {:.2} of what is allowed", run.residual);
         assert_close(run.variator.outputs().primary.speed, 120.0, 0.01, "primary speed");
         run.assert_books();
@@ -526,7 +524,10 @@ fn a_start_in_macro_slip_is_told() {
 /// Torque beyond capacity has no steady state: the run starts from the nearest one, and says which and why.
 #[test]
 fn torque_beyond_capacity_starts_from_the_nearest_state() {
-    for (model, torque) in MODELS.into_iter().flat_map(|model| [(model, 400.0), (model, 150.0)]) {
+    for (model, torque) in MODELS
+        .into_iter()
+        .flat_map(|model| [400.0, 150.0, -400.0].map(|torque| (model, torque)))
+    {
         let mut run = Run::new(coarse(model), inputs((torque, 13e3), (-torque, 10e3)));
         for message in &run.messages {
             println!("{model:?}: {}", message.text);

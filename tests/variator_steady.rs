@@ -8,7 +8,7 @@ use common::{
 };
 use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::RingModel;
+use pushbelt::variator::parameters::{Parameters, RingModel};
 use pushbelt::variator::sample::Sample;
 use pushbelt::variator::steady::SteadyTask;
 
@@ -326,23 +326,25 @@ fn equal_pulleys_with_equal_torques_share_the_thrust() {
     }
 }
 
+/// A load case at another torque, N·m, and primary speed, rad/s.
+fn carrying(parameters: &Parameters, case: &LoadCase, torque: f64, speed: f64) -> Steady {
+    let task = SteadyTask {
+        speed: [SpeedMode::Transmit(torque), SpeedMode::Fixed],
+        slip: 0.01 * (torque * speed).signum(),
+        ..case.task()
+    };
+    steady(parameters, &task, [speed / ratio(case.theta), speed])
+}
+
 /// Reverse running is the picture in the mirror of the line of the axes: speeds and torques change sign, forces do not.
 #[test]
 fn reverse_running_mirrors_the_steady_state() {
     for model in MODELS {
         let parameters = variator(model);
         // Driving, and braking.
-        for torque in [50.0_f64, -30.0] {
+        for torque in [50.0, -30.0] {
             for case in LoadCase::three(&parameters, 50.0) {
-                let at = |sign: f64| {
-                    let task = SteadyTask {
-                        speed: [SpeedMode::Transmit(sign * torque), SpeedMode::Fixed],
-                        slip: 0.01 * torque.signum(),
-                        ..case.task()
-                    };
-                    let speed = sign * SPEED;
-                    steady(&parameters, &task, [speed / ratio(case.theta), speed]).outputs
-                };
+                let at = |sign: f64| carrying(&parameters, &case, sign * torque, sign * SPEED).outputs;
                 let (forward, reverse) = (at(1.0), at(-1.0));
                 for (a, b, what) in [
                     (reverse.thrust_ratio, forward.thrust_ratio, "thrust ratio"),
@@ -450,14 +452,9 @@ fn strands_and_shafts_have_the_same_moments() {
     ] {
         let mut parameters = variator(model);
         parameters.mesh = refined(&parameters.mesh, factor);
-        for torque in [50.0_f64, -30.0] {
+        for torque in [50.0, -30.0] {
             for case in LoadCase::three(&parameters, 50.0) {
-                let task = SteadyTask {
-                    speed: [SpeedMode::Transmit(torque), SpeedMode::Fixed],
-                    slip: 0.01 * torque.signum(),
-                    ..case.task()
-                };
-                let state = steady(&parameters, &task, [SPEED / ratio(case.theta), SPEED]);
+                let state = carrying(&parameters, &case, torque, SPEED);
                 let [upper, lower] = [1, 3].map(|segment| Strand::of(&state, segment));
                 let o = &state.outputs;
                 for (j, sign, pulley) in [(S, 1.0, &o.secondary), (P, -1.0, &o.primary)] {

@@ -323,7 +323,7 @@ fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, Counts, Vec<Op
         let mut state = kinematic_state(&system, &start).expect("a start");
         let mut newton = Newton::new(&system);
         let found = solve(&mut system, &mut newton, &mut state, &task, 400);
-        ratios.push(found.ok().map(|_| system.belt_load(P).0 / system.belt_load(S).0));
+        ratios.push(found.ok().map(|_| system.belt_load(P) / system.belt_load(S)));
         total += newton.counts;
     }
     (start.elapsed().as_secs_f64(), total, ratios)

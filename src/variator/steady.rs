@@ -237,7 +237,7 @@ impl<'a> Control<'a> {
         // Slower than the belt settles, or the two integrators would swing up against it.
         let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
-        let holding = system.holding_force(reaction, trial.after, system.belt_load(reaction).0);
+        let holding = system.holding_force(reaction, trial.after, system.belt_load(reaction));
         self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
         let present = geometric_ratio(system, trial.after);
         self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);

@@ -233,10 +233,10 @@ impl VariatorSystem {
         view.q[self.layout.global(Global::Theta, 0)]
     }
 
-    /// Axial force on one sheave, N, and torque of the belt on the pulley, N·m, as of the last residual.
+    /// Axial force of the belt on one sheave as of the last residual, N.
     #[must_use]
-    pub fn belt_load(&self, j: usize) -> (f64, f64) {
-        (self.sums[j].axial, self.sums[j].torque)
+    pub fn belt_load(&self, j: usize) -> f64 {
+        self.sums[j].axial
     }
 
     /// What the ring does in the cells: [`GUIDED`], [`FIXED`] or [`TURNING`].
