@@ -116,7 +116,7 @@ impl<T: Real> Approach<T> {
     }
 
     /// Loads of the two flanks of an element whose ring moves with v_e. In the plane they are alike; in space the
-    /// element may be off the middle. `plane` is that of [`Place::plane`].
+    /// element may be off the middle. `plane` is that of [`Place::plane`](super::cell::Place::plane).
     #[inline(always)]
     pub fn both_flanks<const D: usize>(
         &self,
