@@ -10,6 +10,7 @@ use std::error::Error;
 
 use plotters::prelude::*;
 use pushbelt::variator::instance::Variator;
+use pushbelt::variator::linear::modes;
 use pushbelt::variator::parameters::{Axial, Drive, Parameters};
 use pushbelt::variator::signals::Inputs;
 
@@ -102,6 +103,8 @@ const FULL_SLIP: f64 = 43.0;
 const SHARES: [f64; 11] = [-0.6, -0.45, -0.3, -0.1, 0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5];
 /// Range of slip over half a second that counts as a swing.
 const SWING: f64 = 5e-4;
+/// Modes are looked at up to this frequency, Hz.
+const FASTEST: f64 = 1e4;
 
 /// At stations: time, s, ξ, m, ring length that it stands for, m, 1 − ν.
 type Gaps = Vec<[f64; 4]>;
@@ -133,6 +136,9 @@ struct Swing {
     steps: u64,
     jacobians: u64,
     gaps: Gaps,
+    /// Growth of what grows fastest of the modes of the steady state that it starts from, 1/s and Hz; none if it is no
+    /// steady one.
+    mode: Option<[f64; 2]>,
 }
 
 /// A run at a held ratio, jolted once.
@@ -155,6 +161,7 @@ fn swing(change: fn(&mut Parameters), point: &Point) -> Result<Swing, Box<dyn Er
     inputs.primary.clamping_force = clamping;
     inputs.secondary.clamping_force = clamping;
     inputs.secondary.speed_setpoint = speed / ratio;
+    let mode = modes(&parameters, &inputs, FASTEST).ok().map(|modes| modes[0]);
     let mut variator = Variator::new(parameters)?;
     variator.initialise(0.0, &inputs)?;
     let (mut least, mut most, mut gaps) = (f64::INFINITY, f64::NEG_INFINITY, Gaps::new());
@@ -183,16 +190,20 @@ fn swing(change: fn(&mut Parameters), point: &Point) -> Result<Swing, Box<dyn Er
         steps: counts.steps - before.steps,
         jacobians: counts.factorizations - before.factorizations,
         gaps,
+        mode: mode.map(|[growth, turn]| [growth, turn / std::f64::consts::TAU]),
     })
 }
 
-const HEADER: &str = "| changed | slip, least | most | steps | Jacobians |\n|---|---|---|---|---|";
+const HEADER: &str = "| changed | slip, least | most | steps | Jacobians | fastest growth |\n|---|---|---|---|---|---|";
 
 fn run(point: &Point, name: &str, change: fn(&mut Parameters)) -> Result<Gaps, Box<dyn Error>> {
     let found = swing(change, point)?;
     let [least, most] = found.slip.map(|slip| 1e2 * slip);
+    let mode = found.mode.map_or("–".to_string(), |[growth, frequency]| {
+        format!("{growth:.2} 1/s at {frequency:.0} Hz")
+    });
     println!(
-        "| {name} | {least:.2} % | {most:.2} % | {} | {} |",
+        "| {name} | {least:.2} % | {most:.2} % | {} | {} | {mode} |",
         found.steps, found.jacobians
     );
     Ok(found.gaps)
@@ -200,7 +211,7 @@ fn run(point: &Point, name: &str, change: fn(&mut Parameters)) -> Result<Gaps, B
 
 /// Over ratios, clamping forces and torques: where slip swings, and the Jacobians that all of them take.
 fn survey(name: &str, change: fn(&mut Parameters)) -> Result<(), Box<dyn Error>> {
-    let (mut points, mut formed, mut swinging) = (0, 0, Vec::new());
+    let (mut points, mut formed, mut growing, mut swinging) = (0, 0, 0, Vec::new());
     for ratio in RATIOS {
         for force in FORCES {
             for share in SHARES {
@@ -217,15 +228,20 @@ fn survey(name: &str, change: fn(&mut Parameters)) -> Result<(), Box<dyn Error>>
                 let found = swing(change, &point)?;
                 points += 1;
                 formed += found.jacobians;
+                growing += u32::from(found.mode.is_some_and(|[growth, _]| growth > 0.0));
                 let range = found.slip[1] - found.slip[0];
                 if range > SWING {
-                    swinging.push(format!("{ratio} at {torque:.0} N·m, {:.2} %", 1e2 * range));
+                    let mode = found.mode.map_or(f64::NAN, |[growth, _]| growth);
+                    swinging.push(format!(
+                        "{ratio} at {torque:.0} N·m, {:.2} % ({mode:.2} 1/s)",
+                        1e2 * range
+                    ));
                 }
             }
         }
     }
     println!(
-        "{name}: slip swings by more than {} % at {} of {points} points, {formed} Jacobians in all",
+        "{name}: slip swings by more than {} % at {} of {points} points, a mode grows at {growing}, {formed} Jacobians in all",
         1e2 * SWING,
         swinging.len()
     );

@@ -1,8 +1,10 @@
 //! The linear model against the variator itself: small steps of each load.
 
+mod common;
+
 use nalgebra::DMatrix;
 use pushbelt::variator::instance::Variator;
-use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise};
+use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise, modes};
 use pushbelt::variator::mesh::P;
 use pushbelt::variator::parameters::{Mesh, Parameters, RingModel};
 use pushbelt::variator::signals::{Inputs, Outputs};
@@ -186,4 +188,28 @@ fn what_has_no_linear_model_says_why() {
     wrong.friction.pulley = -1.0;
     let wrong = linearise(&wrong, &Inputs::default(), 50.0, &nothing).expect_err("no such friction");
     assert!(wrong.to_string().contains("friction.pulley"), "{wrong}");
+}
+
+/// Communication steps of 1 ms damp what is faster than some 100 Hz. A steady state must stay without that: of all its
+/// modes up to 20 kHz none grows, with ten times the ring's damping neither.
+#[test]
+fn no_mode_of_a_steady_state_grows() {
+    for (ratio, torque) in [(2.0, 50.0), (1.0, 50.0), (1.0, -50.0), (0.5, 50.0), (0.5, 0.0)] {
+        for damping in [1.0, 10.0] {
+            let mut parameters = Parameters::default();
+            parameters.initial.ratio = ratio;
+            parameters.ring.damping *= damping;
+            let inputs = common::inputs((torque, 12.0e3), (-torque * ratio, 12.0e3));
+            let modes = modes(&parameters, &inputs, 2.0e4).expect("a steady state");
+            let most = modes[0];
+            println!(
+                "{ratio}, {torque} N·m, {damping} times: {} modes, at most {most:?} 1/s",
+                modes.len()
+            );
+            assert!(
+                modes.len() > 100 && most[0] < 0.0,
+                "{ratio}, {torque} N·m: {most:?} 1/s"
+            );
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! Errors beside the times: of steady states against ten times the elements; of the manoeuvre against twice the
-//! elements and a tenth of the tolerance, because ten times the elements take a quarter of an hour there.
+//! elements and a tenth of the tolerance, because ten times the elements take a quarter of an hour there, and against
+//! ever tighter tolerances on its own mesh.
 
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::RingModel;
@@ -38,16 +39,14 @@ const OUTPUTS: [(&str, Read); 5] = [
 
 /// Mean errors of outputs as shares of their ranges.
 pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
-    let coarse = outputs(model, trace, 1, 1.0);
-    let fine = outputs(model, trace, FINER_IN_THE_MANOEUVRE, TIGHTER);
+    let coarse = traced(model, trace, 1, 1.0, &OUTPUTS);
+    let fine = traced(model, trace, FINER_IN_THE_MANOEUVRE, TIGHTER, &OUTPUTS);
     let errors: Vec<(&str, f64)> = OUTPUTS
         .iter()
         .enumerate()
         .map(|(k, (name, _))| {
-            let of_fine = fine.iter().map(|row| row[k]);
-            let range = of_fine.clone().fold(f64::NEG_INFINITY, f64::max) - of_fine.fold(f64::INFINITY, f64::min);
             let sum: f64 = coarse.iter().zip(&fine).map(|(a, b)| (a[k] - b[k]).abs()).sum();
-            (*name, sum / (coarse.len() as f64 * range))
+            (*name, sum / (coarse.len() as f64 * range(&fine, k)))
         })
         .collect();
     let text: Vec<String> = errors
@@ -61,7 +60,51 @@ pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
     );
 }
 
-fn outputs(model: RingModel, trace: &[Inputs], factor: i32, tolerance: f64) -> Vec<[f64; OUTPUTS.len()]> {
+/// Tolerances of the ladder as parts of the default; the last is what the others are compared with.
+const LADDER: [f64; 4] = [1.0, 1e-1, 1e-2, 1e-3];
+/// What is compared there too, as shares of the range; forces ring after the belt has gripped.
+const FORCES: [(&str, Read); 3] = [
+    ("primary axial force", |o| o.primary.axial_force),
+    ("push force", |o| o.push_force_max),
+    ("primary shaft torque", |o| o.primary.shaft_torque),
+];
+
+/// Errors of ever tighter tolerances, in the root mean square over the run and at the worst communication point.
+pub fn of_tolerances(table: &mut Table, model: RingModel, trace: &[Inputs]) {
+    let reads: Vec<(&str, Read)> = OUTPUTS.into_iter().chain(FORCES).collect();
+    let [found @ .., exact] = LADDER.map(|tolerance| traced(model, trace, 1, tolerance, &reads));
+    for (tolerance, found) in LADDER.iter().zip(&found) {
+        let errors: Vec<(&str, [f64; 2])> = reads
+            .iter()
+            .enumerate()
+            .map(|(k, (name, _))| {
+                let off = found.iter().zip(&exact).map(|(a, b)| (a[k] - b[k]).abs());
+                let square: f64 = off.clone().map(|e| e * e).sum();
+                let mean = (square / found.len() as f64).sqrt();
+                (*name, [mean, off.fold(0.0, f64::max)].map(|e| e / range(&exact, k)))
+            })
+            .collect();
+        let text: Vec<String> = errors
+            .iter()
+            .map(|(name, [mean, most])| format!("{name} {:.3} % ({:.2} %)", 100.0 * mean, 100.0 * most))
+            .collect();
+        table.row(
+            &format!(
+                "  {tolerance} of the tolerance against {}, {model:?}",
+                LADDER[LADDER.len() - 1]
+            ),
+            text.join(", "),
+            json!(errors),
+        );
+    }
+}
+
+fn range(rows: &[Vec<f64>], k: usize) -> f64 {
+    let column = rows.iter().map(|row| row[k]);
+    column.clone().fold(f64::NEG_INFINITY, f64::max) - column.fold(f64::INFINITY, f64::min)
+}
+
+fn traced(model: RingModel, trace: &[Inputs], factor: i32, tolerance: f64, reads: &[(&str, Read)]) -> Vec<Vec<f64>> {
     let mut parameters = Manoeuvre::variator(common::variator(model));
     parameters.mesh = common::refined(&parameters.mesh, factor);
     parameters.solver.tolerance *= tolerance;
@@ -70,7 +113,7 @@ fn outputs(model: RingModel, trace: &[Inputs], factor: i32, tolerance: f64) -> V
     let row = |(k, inputs): (usize, &Inputs)| {
         variator.advance((k + 1) as f64 * STEP, inputs).expect("a step");
         let outputs = variator.outputs();
-        OUTPUTS.map(|(_, read)| read(outputs))
+        reads.iter().map(|(_, read)| read(outputs)).collect()
     };
     trace.iter().enumerate().map(row).collect()
 }

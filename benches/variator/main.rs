@@ -5,7 +5,7 @@
 //! Counts (steps, residuals, factorizations) don't depend on the machine. Arguments after `--`:
 //!
 //! - `--quick` runs everything once,
-//! - `--errors` adds the errors against finer meshes and a tighter tolerance (some minutes),
+//! - `--errors` adds the errors against finer meshes and tighter tolerances (some minutes),
 //! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
 //! - `--ripple` adds what a ripple of the clamping force costs,
@@ -137,6 +137,7 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
         );
         if options.errors {
             errors::of_manoeuvre(table, model, trace);
+            errors::of_tolerances(table, model, trace);
         }
         each
     });

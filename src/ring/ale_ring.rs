@@ -175,6 +175,18 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         rotated_point(reference, &turning, &station.shape, &parts.element, &parts.reference)
     }
 
+    /// γ' as damping takes it: its mean over an element, 1/m. Not looked for where nothing damps.
+    fn strain_gradient<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, parts: &Parts<T, D>) -> T {
+        if self.ring.damping == 0.0 {
+            return T::zero();
+        }
+        let stations = &self.mesh.stations[element];
+        let whole: f64 = stations.iter().map(|station| station.weight).sum();
+        stations.iter().fold(T::zero(), |sum, station| {
+            sum + self.point(frame, element, station, parts).strain_gradient * (station.weight / whole)
+        })
+    }
+
     /// Adds a load over the length `weight`, m, on the ring at a station.
     fn add<T: Real<Constant = f64>>(
         station: &Station,
@@ -240,8 +252,10 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         mut f: impl FnMut(&RingPoint<f64, D>, f64),
     ) {
         let parts = self.parts(frame, element, motion);
+        let strain_gradient = self.strain_gradient(frame, element, &parts);
         for station in &self.mesh.stations[element] {
-            let point = self.point(frame, element, station, &parts);
+            let mut point = self.point(frame, element, station, &parts);
+            point.strain_gradient = strain_gradient;
             f(&point, parts.element.length.v * station.weight);
         }
     }
@@ -376,9 +390,11 @@ where
         let parts = self.parts(frame, element, motion);
         let length = parts.element.length;
         let growth = length.d / length.v;
+        let strain_gradient = self.strain_gradient(frame, element, &parts);
         let mut sum = ElementLoad::zero();
         for station in &self.mesh.stations[element] {
-            let point = self.point(frame, element, station, &parts);
+            let mut point = self.point(frame, element, station, &parts);
+            point.strain_gradient = strain_gradient;
             let mut load = Load::zero();
             match self.inertia {
                 Inertia::Pointwise => ale::add_inertia(&self.ring, &point, &mut load),

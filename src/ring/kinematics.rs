@@ -210,6 +210,8 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
     pub w: T,
     /// ẇ at fixed η, m/s².
     pub w_dot: T,
+    /// γ' as damping takes it, 1/m: at first that of the point; [`super::ale`] says why a mean takes its place.
+    pub strain_gradient: T,
 }
 
 impl<T: Real> RingPoint<T> {
@@ -232,6 +234,7 @@ impl<T: Real> RingPoint<T> {
             n: reference.n,
             w,
             w_dot,
+            strain_gradient: T::zero(),
         }
     }
 }
@@ -279,6 +282,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
             n: inward_normal(&t),
             w,
             w_dot,
+            strain_gradient: t.dot(&bend),
         }
     }
 
@@ -307,16 +311,10 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
         self.stretch - 1.0
     }
 
-    /// γ' along ξ, 1/m.
-    #[inline(always)]
-    pub fn strain_gradient(&self) -> T {
-        self.t.dot(&self.bend)
-    }
-
     /// Material strain rate Dγ/Dt = γ̇|_η + w γ', 1/s.
     #[inline(always)]
     pub fn strain_rate(&self) -> T {
-        self.t.dot(&self.slope_dot) + self.w * self.strain_gradient()
+        self.t.dot(&self.slope_dot) + self.w * self.strain_gradient
     }
 }
 
@@ -346,6 +344,8 @@ pub struct RingVariation<T: Real, const D: usize = 2> {
     pub w: T,
     /// δẇ.
     pub w_dot: T,
+    /// δγ'.
+    pub strain_gradient: T,
 }
 
 impl<T: Real, const D: usize> RingVariation<T, D> {
@@ -365,6 +365,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
             normals: [zero; 2],
             w: T::zero(),
             w_dot: T::zero(),
+            strain_gradient: T::zero(),
         }
     }
 
@@ -405,6 +406,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         v.bend[k] = d * ddn * (g * g);
         v.stretch = point.t[k] * slope;
         v.t = (v.slope - point.t * v.stretch) * point.inverse_stretch;
+        v.strain_gradient = v.t.dot(&point.bend) + point.t.dot(&v.bend);
         v.turn_normals(point);
         v
     }

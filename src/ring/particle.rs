@@ -63,6 +63,7 @@ impl<T: Real, const D: usize> Particle<T, D> {
             n: inward_normal(&t),
             w,
             w_dot,
+            strain_gradient: t.dot(&self.bend),
         }
     }
 }

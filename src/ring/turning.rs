@@ -111,6 +111,7 @@ pub fn rotated_point<T: Real, const D: usize>(
     (point.stretch, point.inverse_stretch) = point.slope.dot(&point.slope).root_and_inverse();
     point.t = point.slope * point.inverse_stretch;
     point.n = inward_normal(&point.t);
+    point.strain_gradient = point.t.dot(&point.bend);
     point
 }
 

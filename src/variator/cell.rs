@@ -250,6 +250,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     let mut pitch_length = T::zero();
     let mut carried = T::zero();
     let mut through = T::zero();
+    let mut steepness = T::zero();
     for slot in 0..=place.stations.len() {
         let point = ring.point(slot, reference(slot));
         let Some(i) = slot.checked_sub(1) else {
@@ -265,6 +266,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
             carried += weight * chain.curvature[k] * chain.normal_speed[k];
         }
         through += weight * chain.flow;
+        steepness += weight * point.strain_gradient;
         points[i] = Some((point, chain, weight));
     }
     let face = face.expect("slot 0 is the face");
@@ -277,6 +279,10 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         .iter()
         .fold(T::zero(), |sum, s| sum + length.v * s.weight);
     let inverse_length = cell_length.recip();
+    let strain_gradient = steepness * inverse_length;
+    for (point, ..) in points.iter_mut().flatten() {
+        point.strain_gradient = strain_gradient;
+    }
     let thinning = -(density * lengthening * inverse_pitch_length);
     let Stack { push, collision, lag } = Stack::new(&p.belt, [density, thinning, through * inverse_length, difference]);
 

@@ -112,6 +112,66 @@ pub enum LinearError {
     NoMode(f64),
 }
 
+/// A steady state, with the loads that hold it in force.
+struct WorkingPoint {
+    system: VariatorSystem,
+    state: State,
+    inputs: Inputs,
+    outputs: Box<Outputs>,
+}
+
+impl WorkingPoint {
+    /// At the initial ratio and speed.
+    fn new(parameters: &Parameters, inputs: &Inputs) -> Result<Self, LinearError> {
+        if parameters.ring_model.travels() {
+            return Err(LinearError::Unsteady(
+                "the nodes of this ring model pass under the stations; ALE has a steady state".to_string(),
+            ));
+        }
+        let mut parameters = parameters.clone();
+        parameters.initial.steady = true;
+        let mut variator = Variator::new(parameters.clone())?;
+        variator.initialise(0.0, inputs)?;
+        if variator.outputs().start_state != StartState::Steady {
+            let warning = variator.take_messages().into_iter().find(|message| message.warning);
+            let why = warning.map_or_else(|| "the primary pulley stands still".to_string(), |warning| warning.text);
+            return Err(LinearError::Unsteady(why));
+        }
+        let (mut system, state) = (variator.system().clone(), variator.state().clone());
+        let inputs = hold(&mut system, &state, &parameters, inputs)?;
+        Ok(Self {
+            system,
+            state,
+            inputs,
+            outputs: Box::new(variator.outputs().clone()),
+        })
+    }
+}
+
+/// Eigenvalues of the steady state at the initial ratio and speed below `frequency`, Hz, the one that grows most first:
+/// real and imaginary part, 1/s, of each pair the one that turns forward. Runs with long steps damp fast modes, so a
+/// run doesn't tell.
+///
+/// # Errors
+/// See [`LinearError`].
+pub fn modes(parameters: &Parameters, inputs: &Inputs, frequency: f64) -> Result<Vec<[f64; 2]>, LinearError> {
+    let mut point = WorkingPoint::new(parameters, inputs)?;
+    let (e, a, _) = descriptor(&mut point.system, &point.state);
+    let cut_off = std::f64::consts::TAU * frequency;
+    let shift = SHIFT * cut_off;
+    let values = inverted(&e, &a, shift)
+        .eigenvalues()
+        .map_err(|_| LinearError::Eigenvalues)?;
+    let mut modes: Vec<[f64; 2]> = values
+        .iter()
+        .map(|&value| unshifted(shift, value))
+        .filter(|lambda| lambda.im >= 0.0 && (NEUTRAL..cut_off).contains(&lambda.norm()))
+        .map(|lambda| [lambda.re, lambda.im])
+        .collect();
+    modes.sort_by(|a, b| b[0].total_cmp(&a[0]));
+    Ok(modes)
+}
+
 /// A direction of x = (y, q), with ẏ beside it.
 struct Direction {
     y: Vec<f64>,
@@ -131,26 +191,12 @@ pub fn linearise(
     frequency: f64,
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Result<LinearModel, LinearError> {
-    if parameters.ring_model.travels() {
-        return Err(LinearError::Unsteady(
-            "the nodes of this ring model pass under the stations; ALE has a steady state".to_string(),
-        ));
-    }
-    let mut parameters = parameters.clone();
-    parameters.initial.steady = true;
-    let mut variator = Variator::new(parameters.clone())?;
-    variator.initialise(0.0, inputs)?;
-    if variator.outputs().start_state != StartState::Steady {
-        let warning = variator.take_messages().into_iter().find(|message| message.warning);
-        let why = warning.map_or_else(|| "the primary pulley stands still".to_string(), |warning| warning.text);
-        return Err(LinearError::Unsteady(why));
-    }
-    let (mut system, state) = (variator.system().clone(), variator.state().clone());
-    let inputs = hold(&mut system, &state, &parameters, inputs)?;
-    let loads = loads(&parameters);
+    let mut point = WorkingPoint::new(parameters, inputs)?;
+    let (system, state) = (&mut point.system, &point.state);
+    let loads = loads(parameters);
 
-    let (e, a, columns) = descriptor(&mut system, &state);
-    let b = load_columns(&system, &loads, a.nrows());
+    let (e, a, columns) = descriptor(system, state);
+    let b = load_columns(system, &loads, a.nrows());
     let cut_off = std::f64::consts::TAU * frequency;
     let (right, left) = slow_modes(&e, &a, cut_off)?;
     if right.ncols() == 0 {
@@ -174,7 +220,7 @@ pub fn linearise(
         },
     };
     let column = |matrix: &Mat<f64>, k: usize| -> Vec<f64> { (0..matrix.nrows()).map(|i| matrix[(i, k)]).collect() };
-    let mut differentiate = |direction: &Direction| slopes(&mut system, &state, direction, read);
+    let mut differentiate = |direction: &Direction| slopes(system, state, direction, read);
     let rates = &right * &a_slow;
     let c: Vec<Vec<f64>> = (0..right.ncols())
         .map(|k| differentiate(&split(&column(&right, k), &column(&rates, k))))
@@ -211,8 +257,8 @@ pub fn linearise(
             .collect()
     };
     Ok(LinearModel {
-        inputs,
-        outputs: Box::new(variator.outputs().clone()),
+        inputs: point.inputs,
+        outputs: point.outputs,
         loads,
         a: rows(&a_slow),
         b: rows(&b_slow),
@@ -364,16 +410,26 @@ fn shifted(e: &Mat<f64>, a: &Mat<f64>, sigma: f64) -> Mat<f64> {
     e * faer::Scale(sigma) - a
 }
 
+/// (σE − A)⁻¹E.
+fn inverted(e: &Mat<f64>, a: &Mat<f64>, sigma: f64) -> Mat<f64> {
+    shifted(e, a, sigma).partial_piv_lu().solve(e)
+}
+
+/// The eigenvalue of the pencil that belongs to `value` of [`inverted`].
+fn unshifted(sigma: f64, value: c64) -> c64 {
+    c64::new(sigma, 0.0) - c64::new(1.0, 0.0) / value
+}
+
 /// Real bases of the right and of the left (as rows) invariant subspaces with |λ| below `cut_off`, neutral modes left
 /// out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E.
 fn slow_modes(e: &Mat<f64>, a: &Mat<f64>, cut_off: f64) -> Result<(Mat<f64>, Mat<f64>), LinearError> {
     let shift = SHIFT * cut_off;
-    let inverted = shifted(e, a, shift).partial_piv_lu().solve(e);
+    let inverted = inverted(e, a, shift);
     // One of each pair of conjugates.
     let modes = |matrix: &Mat<f64>| -> Result<Vec<(c64, Vec<c64>)>, LinearError> {
         let eigen = matrix.eigen().map_err(|_| LinearError::Eigenvalues)?;
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
-        let lambda = |k: usize| c64::new(shift, 0.0) - c64::new(1.0, 0.0) / values[k];
+        let lambda = |k: usize| unshifted(shift, values[k]);
         let column = |k: usize| (0..matrix.nrows()).map(|i| vectors[(i, k)]).collect();
         let upper = (0..values.nrows()).filter(|&k| lambda(k).im >= 0.0);
         Ok(upper.map(|k| (lambda(k), column(k))).collect())

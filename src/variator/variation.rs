@@ -214,6 +214,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         };
         let zero = Lanes::zero();
         let (mut pitch_length, mut carried, mut through, mut cell_length) = (zero, zero, zero, zero);
+        let mut steepness = zero;
         let mut seen = [None; STATIONS];
         for (i, (seen, station)) in seen.iter_mut().zip(place.stations).enumerate() {
             let speed = super::cell::between(&motion.speed, station.right);
@@ -225,6 +226,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             }
             through += weight * chain.flow;
             cell_length += weight;
+            steepness += weight * point.strain_gradient;
             *seen = Some((point, chain, weight));
         }
         let difference = motion.speed[1] - motion.speed[0];
@@ -260,8 +262,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             ],
             slopes,
         };
-        for i in 0..STATIONS {
-            this.points[i] = seen[i].map(|seen| this.point(i, seen));
+        for (i, mut seen) in seen.into_iter().enumerate() {
+            if let Some((point, ..)) = &mut seen {
+                point.strain_gradient = steepness * inverse_length;
+            }
+            this.points[i] = seen.map(|seen| this.point(i, seen));
         }
         this
     }
@@ -376,7 +381,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         };
 
         // Cell.
-        let (mut pitch_length, mut carried, mut through) = (zero, zero, zero);
+        let (mut pitch_length, mut carried, mut through, mut steepness) = (zero, zero, zero, zero);
         let mut varied = [None; STATIONS];
         for (i, (varied, point)) in varied.iter_mut().zip(&self.points).enumerate() {
             let Some(point) = point else { continue };
@@ -392,7 +397,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 }
             }
             through += point.weight * chain_by.flow;
+            steepness += point.weight * by.strain_gradient;
             *varied = Some((by, chain_by));
+        }
+        if MOVES {
+            for (by, _) in varied.iter_mut().flatten() {
+                by.strain_gradient = steepness * self.inverse_length;
+            }
         }
         let (ring, chain) = &self.face;
         let (_, face) = at(0, ring, chain, speed[0]);
