@@ -77,13 +77,15 @@ const CHANGES: [Change; 7] = [
 /// The one whose gaps are drawn.
 const DRAWN: usize = 1;
 
-const CALMED: [Change; 7] = [
+const CALMED: [Change; 9] = [
     ("as it is", |_| ()),
     ("`primary.inertia` 0.05", |p| p.primary.inertia = 0.05),
     ("`primary.inertia` 0.1", |p| p.primary.inertia = 0.1),
     ("`belt.contactStrain` 2e-4", |p| p.belt.contact_strain = 2e-4),
     ("`belt.play` 1e-4", |p| p.belt.play = 1e-4),
     ("no ring friction", |p| p.friction.ring = 0.0),
+    ("elements of a fifth of the mass", |p| p.belt.mass_per_length *= 0.2),
+    ("a stack five times as stiff", |p| p.belt.push_stiffness *= 5.0),
     ("twice the elements", |p| {
         p.mesh.primary_arc *= 2;
         p.mesh.secondary_arc *= 2;
