@@ -180,10 +180,9 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         if self.ring.damping == 0.0 {
             return T::zero();
         }
-        let stations = &self.mesh.stations[element];
-        let whole: f64 = stations.iter().map(|station| station.weight).sum();
-        stations.iter().fold(T::zero(), |sum, station| {
-            sum + self.point(frame, element, station, parts).strain_gradient * (station.weight / whole)
+        // Weights of an element sum to one.
+        self.mesh.stations[element].iter().fold(T::zero(), |sum, station| {
+            sum + self.point(frame, element, station, parts).strain_gradient * station.weight
         })
     }
 
