@@ -44,10 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         parameters.secondary.tilt_stiffness = RIGID_TILT_STIFFNESS;
     }
     if options.finer {
-        let mesh = &mut parameters.mesh;
-        for count in [&mut mesh.primary_arc, &mut mesh.secondary_arc, &mut mesh.strand] {
-            *count *= 2;
-        }
+        parameters.mesh = parameters.mesh.refined(2);
     }
     if options.ale0 {
         parameters.ring_model = RingModel::Ale0;

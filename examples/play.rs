@@ -1,7 +1,8 @@
 //! Where the belt's play goes at a fifth of capacity near ratio 1: with a hard first touch from one strand to the
 //! other. Prints slip and work over half a second as it is, with a harder first touch, and with that on several meshes,
 //! without play, without ring friction; draws the gaps along the belt over time (`target/play.svg`). Then the same where
-//! an engine that coasts drags in overdrive, as it is and with what calms the belt there. Then counts the working points
+//! an engine that coasts drags in overdrive, as it is and with what calms the belt there. Beside each: the mode of the steady
+//! state that grows fastest. Then counts the working points
 //! at which slip swings:
 //!
 //! `cargo run --release --example play`
@@ -57,9 +58,7 @@ const CHANGES: [Change; 7] = [
     }),
     ("3e-5, twice the elements", |p| {
         harden(p);
-        p.mesh.primary_arc *= 2;
-        p.mesh.secondary_arc *= 2;
-        p.mesh.strand *= 2;
+        p.mesh = p.mesh.refined(2);
     }),
     ("3e-5, a tenth of the tolerance", |p| {
         harden(p);
@@ -86,11 +85,7 @@ const CALMED: [Change; 9] = [
     ("no ring friction", |p| p.friction.ring = 0.0),
     ("elements of a fifth of the mass", |p| p.belt.mass_per_length *= 0.2),
     ("a stack five times as stiff", |p| p.belt.push_stiffness *= 5.0),
-    ("twice the elements", |p| {
-        p.mesh.primary_arc *= 2;
-        p.mesh.secondary_arc *= 2;
-        p.mesh.strand *= 2;
-    }),
+    ("twice the elements", |p| p.mesh = p.mesh.refined(2)),
 ];
 
 fn harden(parameters: &mut Parameters) {

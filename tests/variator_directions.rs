@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{LoadCase, Run, inputs, load_case, refined, variator};
+use common::{LoadCase, Run, inputs, load_case, variator};
 use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
 
 fn turning(parameters: &Parameters) -> Parameters {
@@ -20,7 +20,7 @@ fn both_choices_find_the_same_steady_states() {
     for case in LoadCase::three(&parameters, 50.0) {
         let off = [1, 2].map(|refinement| {
             let mut fixed = parameters.clone();
-            fixed.mesh = refined(&fixed.mesh, refinement);
+            fixed.mesh = fixed.mesh.refined(refinement);
             let [fixed, turning] = [fixed.clone(), turning(&fixed)].map(|parameters| load_case(&parameters, &case));
             let (f, t) = (&fixed.outputs, &turning.outputs);
             let off = |of: fn(&pushbelt::variator::signals::Outputs) -> f64| of(t) / of(f) - 1.0;

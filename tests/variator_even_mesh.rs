@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{LoadCase, Run, SPEED, inputs, load_case, ratio, refined, variator};
+use common::{LoadCase, Run, SPEED, inputs, load_case, ratio, variator};
 use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
 use pushbelt::variator::signals::Outputs;
 
@@ -39,7 +39,7 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
             aligned.counts.factorizations
         );
         let mut fine = on(parameters.clone(), false);
-        fine.mesh = refined(&fine.mesh, 3);
+        fine.mesh = fine.mesh.refined(3);
         let fine = load_case(&fine, &case).outputs.thrust_ratio;
         let off = |ratio: f64| (ratio / a.thrust_ratio - 1.0).abs();
         println!("{}: {fine:.4} with three times the elements", case.name);
@@ -55,7 +55,7 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
 fn a_shift_shows_what_borders_inside_elements_cost() {
     let [aligned, even, fine] = [(true, 1), (false, 1), (false, 3)].map(|(aligned, refinement)| {
         let mut parameters = on(variator(RingModel::Ale), aligned);
-        parameters.mesh = refined(&parameters.mesh, refinement);
+        parameters.mesh = parameters.mesh.refined(refinement);
         parameters.primary.drive = Drive::Speed;
         let start = inputs((0.0, 13e3), (-49.0, 10e3));
         let mut run = Run::new(parameters, start);

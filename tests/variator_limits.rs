@@ -2,9 +2,7 @@
 
 mod common;
 
-use common::{
-    MODELS, Run, SPEED, assert_close, coarse, full_slip_torque, given, inputs, refined, rigid, steady, variator,
-};
+use common::{MODELS, Run, SPEED, assert_close, coarse, full_slip_torque, given, inputs, rigid, steady, variator};
 use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::parameters::{Axial, Drive, RingModel};
 use pushbelt::variator::signals::Outputs;
@@ -16,7 +14,7 @@ fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refine
     parameters.friction.pulley = 1e-9;
     parameters.friction.ring = 0.0;
     parameters.contact.stiffness = contact_stiffness;
-    parameters.mesh = refined(&parameters.mesh, refinement);
+    parameters.mesh = parameters.mesh.refined(refinement);
     // Bending's share of the strand force, EI/(F r²), is 0.5 % for this ring on the small pulley. The law has none.
     parameters.ring.bending_stiffness = 1e-3;
     let state = steady(&parameters, &given(ratio, P, 10.0e3, 0.0), [SPEED / ratio, SPEED]);

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{At, Run, SPEED, Steady, assert_close, given, inputs, mesh, refined, steady, variator};
+use common::{At, Run, SPEED, Steady, assert_close, given, inputs, mesh, steady, variator};
 use pushbelt::solver::System;
 use pushbelt::variator::layout::{Global, Layout};
 use pushbelt::variator::mesh::P;
@@ -238,7 +238,7 @@ fn misalignment_costs_its_square() {
 fn power_balance_out_of_plane() {
     let mut parameters = spatial(1.0e-3);
     let coarse = at_ratio(&parameters, RATIO).power_defect();
-    parameters.mesh = refined(&parameters.mesh, 2);
+    parameters.mesh = parameters.mesh.refined(2);
     let fine = at_ratio(&parameters, RATIO).power_defect();
     println!("power defect {coarse:.2e}, {fine:.2e} on twice the elements");
     assert!(coarse.abs() < 1e-3 && fine.abs() < 0.7 * coarse.abs());

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{
-    At, LoadCase, MODELS, SPEED, Steady, assert_close, assert_pinned, coarse, given, load_case, mesh, ratio, refined,
-    steady, variator,
+    At, LoadCase, MODELS, SPEED, Steady, assert_close, assert_pinned, coarse, given, load_case, mesh, ratio, steady,
+    variator,
 };
 use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::mesh::{P, S};
@@ -155,7 +155,7 @@ fn belt_speed_moves_the_thrust_ratio_by_less_than_five_percent() {
 /// Four times the cells close the power balance to 5e-4.
 fn four_times_the_cells(model: RingModel) {
     let mut parameters = variator(model);
-    parameters.mesh = refined(&parameters.mesh, 4);
+    parameters.mesh = parameters.mesh.refined(4);
     for torque in [30.0, 50.0, 100.0] {
         for case in LoadCase::three(&parameters, torque) {
             let defect = load_case(&parameters, &case).power_defect();
@@ -179,7 +179,7 @@ fn four_times_the_cells_close_the_power_balance_to_5e_4_ale0() {
 fn doubling_the_mesh(case: usize) {
     let parameters = variator(RingModel::Ale);
     let mut fine = parameters.clone();
-    fine.mesh = refined(&parameters.mesh, 2);
+    fine.mesh = parameters.mesh.refined(2);
     for torque in [30.0, 50.0, 100.0] {
         let case = LoadCase::three(&parameters, torque)[case];
         let [a, b] = [&parameters, &fine].map(|p| load_case(p, &case).outputs);
@@ -257,7 +257,7 @@ fn ring_tension_is_constant_without_ring_friction() {
     let mut parameters = variator(RingModel::Ale);
     parameters.friction.ring = 0.0;
     let mut fine = parameters.clone();
-    fine.mesh = refined(&parameters.mesh, 2);
+    fine.mesh = parameters.mesh.refined(2);
     for case in LoadCase::three(&parameters, 50.0) {
         let [points, means] = tension_ripple(&load_case(&parameters, &case));
         let [fine_points, _] = tension_ripple(&load_case(&fine, &case));
@@ -381,7 +381,7 @@ fn a_steady_state_takes_its_usual_work() {
 fn the_default_mesh_at_high_speed() {
     let at = |factor: i32| {
         let mut parameters = variator(RingModel::Ale);
-        parameters.mesh = refined(&parameters.mesh, factor);
+        parameters.mesh = parameters.mesh.refined(factor);
         let case = LoadCase::new(&parameters, "overdrive", 0.4, 50.0);
         let task = SteadyTask {
             clamping: [1.3 * case.clamping; 2],
@@ -451,7 +451,7 @@ fn strands_and_shafts_have_the_same_moments() {
         (RingModel::Ale, 2, 2e-4),
     ] {
         let mut parameters = variator(model);
-        parameters.mesh = refined(&parameters.mesh, factor);
+        parameters.mesh = parameters.mesh.refined(factor);
         for torque in [50.0, -30.0] {
             for case in LoadCase::three(&parameters, 50.0) {
                 let state = carrying(&parameters, &case, torque, SPEED);

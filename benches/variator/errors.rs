@@ -37,17 +37,25 @@ const OUTPUTS: [(&str, Read); 5] = [
     ("losses", |o| o.losses.total()),
 ];
 
-/// Mean errors of outputs as shares of their ranges.
+/// Tolerances of the ladder as parts of the default; the last is what the others are compared with.
+const LADDER: [f64; 4] = [1.0, 1e-1, 1e-2, 1e-3];
+/// What is compared there too; forces ring after the belt has gripped.
+const FORCES: [(&str, Read); 3] = [
+    ("primary axial force", |o| o.primary.axial_force),
+    ("push force", |o| o.push_force_max),
+    ("primary shaft torque", |o| o.primary.shaft_torque),
+];
+
+/// Errors of outputs over the manoeuvre as shares of their ranges: means against a finer mesh, and of ever tighter
+/// tolerances in the root mean square and at the worst communication point.
 pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
-    let coarse = traced(model, trace, 1, 1.0, &OUTPUTS);
+    let reads: Vec<(&str, Read)> = OUTPUTS.into_iter().chain(FORCES).collect();
+    let [found @ .., exact] = LADDER.map(|tolerance| traced(model, trace, 1, tolerance, &reads));
     let fine = traced(model, trace, FINER_IN_THE_MANOEUVRE, TIGHTER, &OUTPUTS);
     let errors: Vec<(&str, f64)> = OUTPUTS
         .iter()
         .enumerate()
-        .map(|(k, (name, _))| {
-            let sum: f64 = coarse.iter().zip(&fine).map(|(a, b)| (a[k] - b[k]).abs()).sum();
-            (*name, sum / (coarse.len() as f64 * range(&fine, k)))
-        })
+        .map(|(k, (name, _))| (*name, off(&found[0], &fine, k).sum::<f64>() / fine.len() as f64))
         .collect();
     let text: Vec<String> = errors
         .iter()
@@ -58,30 +66,14 @@ pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
         text.join(", "),
         json!(errors),
     );
-}
-
-/// Tolerances of the ladder as parts of the default; the last is what the others are compared with.
-const LADDER: [f64; 4] = [1.0, 1e-1, 1e-2, 1e-3];
-/// What is compared there too, as shares of the range; forces ring after the belt has gripped.
-const FORCES: [(&str, Read); 3] = [
-    ("primary axial force", |o| o.primary.axial_force),
-    ("push force", |o| o.push_force_max),
-    ("primary shaft torque", |o| o.primary.shaft_torque),
-];
-
-/// Errors of ever tighter tolerances, in the root mean square over the run and at the worst communication point.
-pub fn of_tolerances(table: &mut Table, model: RingModel, trace: &[Inputs]) {
-    let reads: Vec<(&str, Read)> = OUTPUTS.into_iter().chain(FORCES).collect();
-    let [found @ .., exact] = LADDER.map(|tolerance| traced(model, trace, 1, tolerance, &reads));
     for (tolerance, found) in LADDER.iter().zip(&found) {
         let errors: Vec<(&str, [f64; 2])> = reads
             .iter()
             .enumerate()
             .map(|(k, (name, _))| {
-                let off = found.iter().zip(&exact).map(|(a, b)| (a[k] - b[k]).abs());
-                let square: f64 = off.clone().map(|e| e * e).sum();
-                let mean = (square / found.len() as f64).sqrt();
-                (*name, [mean, off.fold(0.0, f64::max)].map(|e| e / range(&exact, k)))
+                let square: f64 = off(found, &exact, k).map(|e| e * e).sum();
+                let mean = (square / exact.len() as f64).sqrt();
+                (*name, [mean, off(found, &exact, k).fold(0.0, f64::max)])
             })
             .collect();
         let text: Vec<String> = errors
@@ -99,6 +91,12 @@ pub fn of_tolerances(table: &mut Table, model: RingModel, trace: &[Inputs]) {
     }
 }
 
+/// Differences of a column as shares of the range that it should have.
+fn off(found: &[Vec<f64>], exact: &[Vec<f64>], k: usize) -> impl Iterator<Item = f64> {
+    let range = range(exact, k);
+    found.iter().zip(exact).map(move |(a, b)| (a[k] - b[k]).abs() / range)
+}
+
 fn range(rows: &[Vec<f64>], k: usize) -> f64 {
     let column = rows.iter().map(|row| row[k]);
     column.clone().fold(f64::NEG_INFINITY, f64::max) - column.fold(f64::INFINITY, f64::min)
@@ -106,7 +104,7 @@ fn range(rows: &[Vec<f64>], k: usize) -> f64 {
 
 fn traced(model: RingModel, trace: &[Inputs], factor: i32, tolerance: f64, reads: &[(&str, Read)]) -> Vec<Vec<f64>> {
     let mut parameters = Manoeuvre::variator(common::variator(model));
-    parameters.mesh = common::refined(&parameters.mesh, factor);
+    parameters.mesh = parameters.mesh.refined(factor);
     parameters.solver.tolerance *= tolerance;
     let mut variator = Variator::new(parameters).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");

@@ -137,7 +137,6 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
         );
         if options.errors {
             errors::of_manoeuvre(table, model, trace);
-            errors::of_tolerances(table, model, trace);
         }
         each
     });
@@ -306,7 +305,7 @@ fn manoeuvre(parameters: Parameters, trace: &[Inputs]) -> (f64, Counts, Vec<f64>
 /// given, belt torque 30, 50, 100 N·m. Time, work, and the thrust ratios that were found.
 fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, Counts, Vec<Option<f64>>) {
     let mut parameters = common::variator(model);
-    parameters.mesh = common::refined(&parameters.mesh, refinement);
+    parameters.mesh = parameters.mesh.refined(refinement);
     let start = ThreadTime::now();
     let mut total = Counts::default();
     let mut ratios = Vec::new();
@@ -420,7 +419,7 @@ impl Pieces {
 
 /// Cost of what a step is made of, with `factor` times the default elements.
 fn pieces(mut parameters: Parameters, factor: i32) -> Pieces {
-    parameters.mesh = common::refined(&parameters.mesh, factor);
+    parameters.mesh = parameters.mesh.refined(factor);
     let mut system = VariatorSystem::new(&parameters);
     let state = kinematic_state(
         &system,

@@ -165,7 +165,7 @@ pub fn modes(parameters: &Parameters, inputs: &Inputs, frequency: f64) -> Result
     let mut modes: Vec<[f64; 2]> = values
         .iter()
         .map(|&value| unshifted(shift, value))
-        .filter(|lambda| lambda.im >= 0.0 && (NEUTRAL..cut_off).contains(&lambda.norm()))
+        .filter(|lambda| lambda.im >= 0.0 && is_slow(*lambda, cut_off))
         .map(|lambda| [lambda.re, lambda.im])
         .collect();
     modes.sort_by(|a, b| b[0].total_cmp(&a[0]));
@@ -426,7 +426,7 @@ fn slow_modes(e: &Mat<f64>, a: &Mat<f64>, cut_off: f64) -> Result<(Mat<f64>, Mat
     let shift = SHIFT * cut_off;
     let inverted = inverted(e, a, shift);
     // One of each pair of conjugates.
-    let modes = |matrix: &Mat<f64>| -> Result<Vec<(c64, Vec<c64>)>, LinearError> {
+    let pairs = |matrix: &Mat<f64>| -> Result<Vec<(c64, Vec<c64>)>, LinearError> {
         let eigen = matrix.eigen().map_err(|_| LinearError::Eigenvalues)?;
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
         let lambda = |k: usize| unshifted(shift, values[k]);
@@ -434,12 +434,12 @@ fn slow_modes(e: &Mat<f64>, a: &Mat<f64>, cut_off: f64) -> Result<(Mat<f64>, Mat
         let upper = (0..values.nrows()).filter(|&k| lambda(k).im >= 0.0);
         Ok(upper.map(|k| (lambda(k), column(k))).collect())
     };
-    let mut right = modes(&inverted)?;
-    right.retain(|(lambda, _)| (NEUTRAL..cut_off).contains(&lambda.norm()));
+    let mut right = pairs(&inverted)?;
+    right.retain(|(lambda, _)| is_slow(*lambda, cut_off));
     right.sort_by(|(a, _), (b, _)| a.norm().total_cmp(&b.norm()));
     // Left eigenvectors w of (σE − A)⁻¹E; those of the pencil are w (σE − A)⁻¹. Rounding may move an eigenvalue across
     // the cut-off, so each finds its nearest.
-    let mut others = modes(&inverted.transpose().to_owned())?;
+    let mut others = pairs(&inverted.transpose().to_owned())?;
     let mut left = Vec::with_capacity(right.len());
     for (lambda, _) in &right {
         let far = |k: usize| (others[k].0 - *lambda).norm();
@@ -455,6 +455,11 @@ fn slow_modes(e: &Mat<f64>, a: &Mat<f64>, cut_off: f64) -> Result<(Mat<f64>, Mat
     let transposed = shifted(e, a, shift).transpose().to_owned().partial_piv_lu();
     let left = transposed.solve(&real_basis(&left, a.nrows())).transpose().to_owned();
     Ok((real_basis(&right, a.nrows()), left))
+}
+
+/// Slower than `cut_off`, and not neutral.
+fn is_slow(lambda: c64, cut_off: f64) -> bool {
+    (NEUTRAL..cut_off).contains(&lambda.norm())
 }
 
 fn is_oscillation(lambda: c64) -> bool {

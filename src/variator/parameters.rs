@@ -180,6 +180,20 @@ pub struct Mesh {
     pub cells_per_element: i32,
 }
 
+impl Mesh {
+    /// Every element divided by `factor`.
+    #[must_use]
+    pub fn refined(&self, factor: i32) -> Self {
+        Self {
+            aligned: self.aligned,
+            primary_arc: factor * self.primary_arc,
+            secondary_arc: factor * self.secondary_arc,
+            strand: factor * self.strand,
+            cells_per_element: self.cells_per_element,
+        }
+    }
+}
+
 /// Time integration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solver {

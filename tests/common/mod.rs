@@ -36,17 +36,6 @@ pub fn mesh(arc: i32, strand: i32) -> Mesh {
     }
 }
 
-/// Every element divided by `factor`.
-pub fn refined(mesh: &Mesh, factor: i32) -> Mesh {
-    Mesh {
-        aligned: mesh.aligned,
-        primary_arc: factor * mesh.primary_arc,
-        secondary_arc: factor * mesh.secondary_arc,
-        strand: factor * mesh.strand,
-        cells_per_element: mesh.cells_per_element,
-    }
-}
-
 /// The laboratory variator with one of the ring models.
 pub fn variator(model: RingModel) -> Parameters {
     Parameters {
@@ -59,7 +48,7 @@ pub fn variator(model: RingModel) -> Parameters {
 pub fn coarse(model: RingModel) -> Parameters {
     let factor = if model == RingModel::Ale0 { 2 } else { 1 };
     Parameters {
-        mesh: refined(&mesh(8, 6), factor),
+        mesh: mesh(8, 6).refined(factor),
         ..variator(model)
     }
 }
