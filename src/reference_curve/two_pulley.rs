@@ -48,22 +48,36 @@ impl TwoPulley {
         }
     }
 
-    /// (φ, b) for radii r_P, r_S.
-    fn tangent<D: DualNum<Primitive = f64>>(&self, r_p: &D, r_s: &D) -> (D, D) {
+    /// φ and b at the difference of radii r_P − r_S, m, each with its first three derivatives along it.
+    fn tangent(&self, difference: f64) -> [[f64; 4]; 2] {
         let d = self.center_distance;
-        let difference = r_p.clone() - r_s;
-        let phi = (difference.clone() / d).acos();
-        let b = (-(difference.clone() * difference) + d * d).sqrt();
-        (phi, b)
+        let phi = (difference / d).acos();
+        let b = (d * d - difference * difference).sqrt();
+        let inverse = b.recip();
+        let (cube, square) = (inverse.powi(3), difference * difference);
+        let fifth = cube * inverse * inverse;
+        [
+            [phi, -inverse, -difference * cube, -(b * b + 3.0 * square) * fifth],
+            [
+                b,
+                -difference * inverse,
+                -d * d * cube,
+                -3.0 * d * d * difference * fifth,
+            ],
+        ]
     }
 
     /// Closure (27): length of the curve less L, m, and its slope along r_P at ratio `ratio`, α_P + i_g α_S.
-    fn closure<D: DualNum<Primitive = f64>>(&self, r_p: &D, ratio: &D) -> (D, D) {
-        let r_s = r_p.clone() * ratio;
-        let (phi, b) = self.tangent(r_p, &r_s);
-        let [wrap_p, wrap_s] = [-phi.clone() + PI, phi].map(|half| half * 2.0);
-        let length = b * 2.0 + r_p.clone() * &wrap_p + r_s * &wrap_s;
-        (length - self.length, wrap_p + wrap_s * ratio)
+    fn closure<D: DualNum<Primitive = f64>>(&self, r_p: &D, ratio: &D, phi: &D, b: &D) -> (D, D) {
+        let [wrap_p, wrap_s] = [-phi.clone() + PI, phi.clone()].map(|half| half * 2.0);
+        let slope = wrap_p + wrap_s * ratio;
+        (b.clone() * 2.0 + slope.clone() * r_p - self.length, slope)
+    }
+
+    /// [`TwoPulley::closure`] at a radius.
+    fn closure_at(&self, r_p: f64, ratio: f64) -> (f64, f64) {
+        let [[phi, ..], [b, ..]] = self.tangent(r_p - ratio * r_p);
+        self.closure(&r_p, &ratio, &phi, &b)
     }
 
     /// r_P at ratio `ratio`, NaN where there is none, m.
@@ -78,11 +92,11 @@ impl TwoPulley {
         let limit = d / (1.0 - ratio).abs().max(1e-9);
         r_p = r_p.clamp(0.0, 0.999 * limit);
         for _ in 0..50 {
-            let (excess, slope) = self.closure(&r_p, &ratio);
+            let (excess, slope) = self.closure_at(r_p, ratio);
             let step = excess / slope;
             r_p = (r_p - step).min(0.9999 * limit);
-            // What is left is of the order of its square.
-            if step.abs() < 1e-10 * self.length {
+            // What is left is of the order of its square: nothing.
+            if step.abs() < 1e-8 * self.length {
                 break;
             }
         }
@@ -96,7 +110,7 @@ impl TwoPulley {
     pub fn radii(&self, ratio: f64) -> Result<(f64, f64), GeometryError> {
         let r_p = self.primary_radius(ratio);
         let r_s = ratio * r_p;
-        let closes = self.closure(&r_p, &ratio).0.abs() < 1e-12 * self.length;
+        let closes = self.closure_at(r_p, ratio).0.abs() < 1e-12 * self.length;
         if ratio > 0.0 && closes && r_p > 0.0 && r_s > 0.0 {
             Ok((r_p, r_s))
         } else {
@@ -120,20 +134,34 @@ pub struct TwoPulleyShape {
     strand: Dual3_64,
 }
 
+/// f(x) with the derivatives of x, from f and its first three derivatives at the value of x.
+fn compose([f, d, dd, ddd]: [f64; 4], x: Dual3_64) -> Dual3_64 {
+    let (v1, v2, v3) = (x.v1, x.v2, x.v3);
+    Dual3_64::new(
+        f,
+        d * v1,
+        dd * v1 * v1 + d * v2,
+        ddd * v1 * v1 * v1 + 3.0 * dd * v1 * v2 + d * v3,
+    )
+}
+
 impl TwoPulley {
     /// The shape at Θ.
     #[must_use]
     pub fn shape(&self, theta: f64) -> TwoPulleyShape {
         let ratio = ratio_of_theta(Dual3_64::from_re(theta).derivative());
         let radius = self.primary_radius(ratio.re);
-        let (_, slope) = self.closure(&radius, &ratio.re);
+        let derivatives = self.tangent(radius - ratio.re * radius);
+        let strand = |r_p: Dual3_64| derivatives.map(|f| compose(f, r_p - ratio * r_p));
         // The value is converged; each further Newton step makes one more derivative exact.
         let mut r_p = Dual3_64::from_re(radius);
         for _ in 0..3 {
-            r_p -= self.closure(&r_p, &ratio).0 / slope;
+            let [phi, b] = strand(r_p);
+            let (excess, slope) = self.closure(&r_p, &ratio, &phi, &b);
+            r_p -= excess / slope.re;
         }
+        let [phi, strand] = strand(r_p);
         let r_s = ratio * r_p;
-        let (phi, strand) = self.tangent(&r_p, &r_s);
         TwoPulleyShape {
             center_distance: self.center_distance,
             radius: [r_s, r_p],

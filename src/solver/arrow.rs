@@ -258,7 +258,7 @@ pub struct Singular {
     pub block: usize,
 }
 
-/// LU of a dense block: factors in place, row order beside them.
+/// Inverts dense blocks of a size that the compiler doesn't know, by LU: factors, row order beside them.
 #[derive(Clone, Debug)]
 struct DenseLu {
     size: usize,
@@ -292,11 +292,6 @@ impl DenseLu {
         })
     }
 
-    fn pass(&mut self, tape: &mut Tape<'_>) {
-        tape.reals(&mut self.factors);
-        tape.indices(&mut self.rows, self.size);
-    }
-
     fn view(&self) -> MatRef<'_, f64> {
         MatRef::from_column_major_slice(&self.factors, self.size, self.size)
     }
@@ -316,30 +311,6 @@ impl DenseLu {
         solve_unit_lower_triangular_in_place(self.view(), a.as_mut(), Par::Seq);
         solve_upper_triangular_in_place(self.view(), a, Par::Seq);
         true
-    }
-
-    /// Solves for one right-hand side in place; `work` holds as many numbers.
-    fn solve_vector(&self, x: &mut [f64], work: &mut [f64]) {
-        let n = self.size;
-        for (value, &row) in work.iter_mut().zip(&self.rows) {
-            *value = x[row];
-        }
-        for j in 0..n {
-            let pivot = work[j];
-            let column = &self.factors[j * n..(j + 1) * n];
-            for i in j + 1..n {
-                work[i] -= column[i] * pivot;
-            }
-        }
-        for j in (0..n).rev() {
-            let column = &self.factors[j * n..(j + 1) * n];
-            let pivot = work[j] / column[j];
-            work[j] = pivot;
-            for i in 0..j {
-                work[i] -= column[i] * pivot;
-            }
-        }
-        x.copy_from_slice(work);
     }
 }
 
@@ -381,13 +352,16 @@ pub struct ArrowLu {
     pivot: DenseLu,
     /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each unknown in turn.
     inverses: Vec<f64>,
-    /// Copies of the sub-diagonal blocks.
+    /// L_{k+1} D_k⁻¹ at k + 1: what elimination takes from a block to the next, so that it needn't wait for D_k⁻¹.
     lower: Vec<f64>,
     /// D_k⁻¹ [U_k | border columns], b×(b+w) each.
     solved: Vec<f64>,
     /// Border rows w×b of each block after elimination.
     rows: Vec<f64>,
-    border: DenseLu,
+    /// For the border.
+    corner: DenseLu,
+    /// Inverse of block 0 and the border, w×w.
+    border: Vec<f64>,
     /// Right-hand side [U_k | border columns] of the block in work.
     columns: Vec<f64>,
     next_border: Vec<f64>,
@@ -429,7 +403,8 @@ impl ArrowLu {
             lower: vec![0.0; n * b * b],
             solved: vec![0.0; n * b * (b + w)],
             rows: vec![0.0; n * b * w],
-            border: DenseLu::new(w),
+            corner: DenseLu::new(w),
+            border: vec![0.0; w * w],
             columns: vec![0.0; b * (b + w)],
             next_border: vec![0.0; b * w],
             places: vec![0; w],
@@ -443,10 +418,15 @@ impl ArrowLu {
 
     /// Passes the factors by a tape.
     pub fn pass(&mut self, tape: &mut Tape<'_>) {
-        for part in [&mut self.inverses, &mut self.lower, &mut self.solved, &mut self.rows] {
+        for part in [
+            &mut self.inverses,
+            &mut self.lower,
+            &mut self.solved,
+            &mut self.rows,
+            &mut self.border,
+        ] {
             tape.reals(part);
         }
-        self.border.pass(tape);
         let mut reordered = !self.order.is_empty();
         tape.flag(&mut reordered);
         let length = if reordered { self.shape.len() } else { 0 };
@@ -479,12 +459,12 @@ impl ArrowLu {
         let stack = MemStack::new(&mut self.scratch.buffer);
         // Border: block 0, then the globals.
         for j in 0..b {
-            let column = &mut self.border.factors[j * w..(j + 1) * w];
+            let column = &mut self.border[j * w..(j + 1) * w];
             column[..b].copy_from_slice(&a.diagonal[j * b..(j + 1) * b]);
             column[b..].copy_from_slice(&a.bottom[j * g..(j + 1) * g]);
         }
         for j in 0..g {
-            let column = &mut self.border.factors[(b + j) * w..(b + j + 1) * w];
+            let column = &mut self.border[(b + j) * w..(b + j + 1) * w];
             column[..b].copy_from_slice(&a.right[j * b..(j + 1) * b]);
             column[b..].copy_from_slice(&a.corner[j * g..(j + 1) * g]);
         }
@@ -506,7 +486,6 @@ impl ArrowLu {
                 column[b..].copy_from_slice(&a.bottom[k * b * g + j * g..k * b * g + (j + 1) * g]);
             }
         }
-        self.lower.copy_from_slice(a.lower);
         let border_columns = |k: usize, out: &mut [f64]| {
             out[..b * b].fill(0.0);
             let block = k * b * b..(k + 1) * b * b;
@@ -547,19 +526,22 @@ impl ArrowLu {
             let (x_upper, x_border) = solved.split_at(b * b);
             let (done, rest) = self.rows.split_at_mut((k + 1) * b * w);
             let row = &done[k * b * w..];
-            gemm::<W, B>([w, b], -1.0, row, x_border, &mut self.border.factors);
+            gemm::<W, B>([w, b], -1.0, row, x_border, &mut self.border);
             if k + 1 < n {
                 gemm::<W, B>([w, b], -1.0, row, x_upper, &mut rest[..b * w]);
                 let block = (k + 1) * b * b..(k + 2) * b * b;
-                let lower = &self.lower[block.clone()];
+                let lower = &mut self.lower[block.clone()];
+                lower.fill(0.0);
+                gemm::<B, B>([b, b], 1.0, &a.lower[block.clone()], inverse, lower);
                 let pivot = &mut pivots[..b * b];
                 pivot.copy_from_slice(&a.diagonal[block]);
-                gemm::<B, B>([b, b], -1.0, lower, x_upper, pivot);
+                let (upper, border) = self.columns.split_at(b * b);
+                gemm::<B, B>([b, b], -1.0, lower, upper, pivot);
                 border_columns(k + 1, &mut self.next_border);
-                gemm::<B, B>([b, b], -1.0, lower, x_border, &mut self.next_border);
+                gemm::<B, B>([b, b], -1.0, lower, border, &mut self.next_border);
             }
         }
-        if self.border.factor(&mut self.places, stack) {
+        if self.corner.invert(&mut self.border, &mut self.places, stack) {
             Ok(())
         } else {
             Err(Singular { block: n })
@@ -596,15 +578,17 @@ impl ArrowLu {
         for k in 1..n {
             let (head, rest) = x.split_at_mut((k + 1) * b);
             let y = &mut head[k * b..];
+            if k + 1 < n {
+                gemv::<B, B>(-1.0, &self.lower[(k + 1) * b * b..(k + 2) * b * b], y, &mut rest[..b]);
+            }
             self.work[..b].copy_from_slice(y);
             y.fill(0.0);
             gemv::<B, B>(1.0, &self.inverses[k * b * b..(k + 1) * b * b], &self.work[..b], y);
             gemv::<W, B>(-1.0, &self.rows[k * b * w..(k + 1) * b * w], y, &mut self.tail);
-            if k + 1 < n {
-                gemv::<B, B>(-1.0, &self.lower[(k + 1) * b * b..(k + 2) * b * b], y, &mut rest[..b]);
-            }
         }
-        self.border.solve_vector(&mut self.tail, &mut self.work);
+        self.work.copy_from_slice(&self.tail);
+        self.tail.fill(0.0);
+        gemv::<W, W>(1.0, &self.border, &self.work, &mut self.tail);
         for k in (1..n).rev() {
             let (head, rest) = x.split_at_mut((k + 1) * b);
             let y = &mut head[k * b..];
