@@ -10,11 +10,8 @@ use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingModel, Sha
 use super::particle::{Particle, ParticleLoad};
 use super::{Ring, beam};
 use crate::reference_curve::ReferenceCurve;
-use crate::scalar::Real;
+use crate::scalar::{Lanes, Real};
 use std::ops::Mul;
-
-/// Most quadrature points of an element.
-const MOST_POINTS: usize = 5;
 
 /// A Lagrangian beam element of unstretched length l.
 pub trait LagrangianElement: Clone + std::fmt::Debug + 'static {
@@ -123,7 +120,8 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     }
 
     /// Particles at the quadrature points, and the length that each stands for.
-    fn particles<'a, T: Real<Constant = f64>>(
+    #[inline(always)]
+    fn particles<'a, T: Real>(
         &'a self,
         motion: &'a E::Motion<T>,
     ) -> impl Iterator<Item = (&'a E::Shape<f64>, Particle<T>, f64)> {
@@ -135,15 +133,45 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     }
 
     /// Tension at the mean strain of an element with these unknowns, N.
-    pub fn mean_tension<T: Real<Constant = f64>>(&self, unknowns: &[Motion<T>]) -> T {
-        let element = self.motion(unknowns);
-        let strain = self.mean(&element, Particle::strain);
-        let rate = self.mean(&element, Particle::strain_rate);
+    pub fn mean_tension<T: Real>(&self, unknowns: &[Motion<T>]) -> T {
+        self.mean_tension_of(&self.motion(unknowns))
+    }
+
+    #[inline(always)]
+    fn mean_tension_of<T: Real>(&self, element: &E::Motion<T>) -> T {
+        let strain = self.mean(element, Particle::strain);
+        let rate = self.mean(element, Particle::strain_rate);
         beam::tension(&self.ring, strain, rate)
     }
 
+    /// Balance of an element with these unknowns: elements are alike.
+    #[inline(always)]
+    fn law<T: Real>(&self, motion: &Coordinates<T>) -> [T; DIRECTIONS] {
+        let element = self.motion(motion);
+        let mean = E::MEAN_STRAIN.then(|| self.mean_tension_of(&element));
+        let mut force = E::no_force();
+        let mut drift = T::zero();
+        for (shape, particle, weight) in self.particles(&element) {
+            let mut load = ParticleLoad::zero();
+            beam::add_inertia(&self.ring, &particle, &mut load);
+            beam::add_bending(&self.ring, &particle, &mut load);
+            let tension = mean.unwrap_or_else(|| beam::tension(&self.ring, particle.strain(), particle.strain_rate()));
+            beam::add_tension(tension, &particle, &mut load);
+            E::add(&element, shape, &load, weight, &mut force);
+            let rest = particle.slope * motion[DRIFT].rate - particle.velocity;
+            drift += rest.dot(&particle.slope) * weight;
+        }
+        let rows = E::conjugates(&element, &force);
+        std::array::from_fn(|k| match k {
+            0..NODAL => rows[k],
+            DRIFT => drift,
+            _ => T::zero(),
+        })
+    }
+
     /// Mean over an element.
-    fn mean<T: Real<Constant = f64>>(&self, motion: &E::Motion<T>, of: impl Fn(&Particle<T>) -> T) -> T {
+    #[inline(always)]
+    fn mean<T: Real>(&self, motion: &E::Motion<T>, of: impl Fn(&Particle<T>) -> T) -> T {
         let share = self.element_length().recip();
         self.particles(motion).fold(T::zero(), |sum, (_, particle, weight)| {
             sum + of(&particle) * (weight * share)
@@ -235,38 +263,12 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for La
 
     #[inline(always)]
     fn balance<T: Real<Constant = f64>>(&self, (): &(), _element: usize, motion: &Coordinates<T>) -> [T; DIRECTIONS] {
-        let element = self.motion(motion);
-        let mut particles = [None; MOST_POINTS];
-        let (mut strain, mut rate) = (T::zero(), T::zero());
-        let share = self.element_length().recip();
-        for (slot, (shape, particle, weight)) in particles.iter_mut().zip(self.particles(&element)) {
-            strain += particle.strain() * (weight * share);
-            rate += particle.strain_rate() * (weight * share);
-            *slot = Some((shape, particle, weight));
-        }
-        let mean = beam::tension(&self.ring, strain, rate);
-        let mut force = E::no_force();
-        let mut drift = T::zero();
-        for (shape, particle, weight) in particles.iter().flatten() {
-            let mut load = ParticleLoad::zero();
-            beam::add_inertia(&self.ring, particle, &mut load);
-            beam::add_bending(&self.ring, particle, &mut load);
-            let tension = if E::MEAN_STRAIN {
-                mean
-            } else {
-                beam::tension(&self.ring, particle.strain(), particle.strain_rate())
-            };
-            beam::add_tension(tension, particle, &mut load);
-            E::add(&element, shape, &load, *weight, &mut force);
-            let rest = particle.slope * motion[DRIFT].rate - particle.velocity;
-            drift += rest.dot(&particle.slope) * *weight;
-        }
-        let rows = E::conjugates(&element, &force);
-        std::array::from_fn(|k| match k {
-            0..NODAL => rows[k],
-            DRIFT => drift,
-            _ => T::zero(),
-        })
+        self.law(motion)
+    }
+
+    #[inline(always)]
+    fn balance_of_many<T: Real<Constant = Lanes>>(&self, motion: &Coordinates<T>) -> Option<[T; DIRECTIONS]> {
+        Some(self.law(motion))
     }
 
     fn energy(&self, (): &(), _element: usize, motion: &Coordinates<f64>) -> Energy {

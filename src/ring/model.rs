@@ -16,7 +16,7 @@
 use super::Ring;
 use super::kinematics::Motion;
 use super::particle::{Particle, ParticleLoad};
-use crate::scalar::Real;
+use crate::scalar::{Lanes, Real};
 use nalgebra::SVector;
 
 /// Unknowns that an element of a planar ring depends on: eight of its block and the next node, then s and Θ.
@@ -130,6 +130,13 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
         element: usize,
         motion: &Coordinates<T, N>,
     ) -> [T; N];
+
+    /// [`RingModel::balance`] of an element in each lane, where elements differ in their unknowns only; none where they
+    /// differ in more.
+    #[inline(always)]
+    fn balance_of_many<T: Real<Constant = Lanes>>(&self, _motion: &Coordinates<T, N>) -> Option<[T; N]> {
+        None
+    }
 
     /// Energies of an element.
     fn energy(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy;

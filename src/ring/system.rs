@@ -6,17 +6,21 @@
 use super::kinematics::Motion;
 use super::model::{Coordinates, DIRECTIONS, Energy, RingModel, Shape};
 use super::particle::{Particle, ParticleLoad};
-use crate::scalar::Real;
+use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::arrow::{Arrow, ArrowLu, Shape as MatrixShape, Singular};
 use crate::solver::sdirk::{Evolution, Sdirk, Stalled};
 use crate::solver::{State, System, View};
 use nalgebra::{DMatrix, SVector};
 use num_dual::{Derivative, DualSVec64};
+use std::array;
 use std::f64::consts::TAU;
 
 /// Change of the shape that does not matter to Newton's method, in units of the length L. Thin rings leave no smaller
 /// one: rounding in the tension bends them by 1e-16·EA L²/EI.
 const NEWTON_ACCURACY: f64 = 1.0e-9;
+
+/// Directions differentiated in one pass over a pack of elements.
+const PASS: usize = 5;
 
 /// A free ring.
 #[derive(Clone, Debug)]
@@ -31,6 +35,61 @@ pub struct RingSystem<M, const D: usize = 2, const N: usize = DIRECTIONS> {
     /// Energy that damping took since the start, J.
     pub dissipated: f64,
     has_position: Vec<bool>,
+    packs: Vec<Pack<N>>,
+}
+
+fn shape<M: RingModel<D, N>, const D: usize, const N: usize>(model: &M) -> MatrixShape {
+    MatrixShape {
+        blocks: model.elements(),
+        block: M::BLOCK,
+        border: 2,
+    }
+}
+
+/// Neighbouring elements, one in each lane of a register.
+#[derive(Clone, Debug)]
+struct Pack<const N: usize> {
+    /// The first element.
+    first: usize,
+    /// Unknowns of each element.
+    elements: Vec<[usize; N]>,
+    /// Places in the matrix of each element's derivatives.
+    entries: Vec<[[usize; N]; N]>,
+    /// Those that fill the lanes: where elements are missing, the first stands again.
+    lanes: [[usize; LANES]; N],
+}
+
+impl<const N: usize> Pack<N> {
+    fn all<M: RingModel<D, N>, const D: usize>(model: &M) -> Vec<Self> {
+        let shape = shape::<M, D, N>(model);
+        let elements: Vec<_> = (0..model.elements()).map(|element| model.directions(element)).collect();
+        let entry = |i, j| shape.index(i, j).expect("an entry in the band");
+        let chunks = elements.chunks(LANES).enumerate();
+        chunks
+            .map(|(k, elements)| Self {
+                first: k * LANES,
+                elements: elements.to_vec(),
+                entries: elements.iter().map(|at| at.map(|i| at.map(|j| entry(i, j)))).collect(),
+                lanes: array::from_fn(|i| array::from_fn(|lane| elements.get(lane).unwrap_or(&elements[0])[i])),
+            })
+            .collect()
+    }
+
+    /// Motion of the unknowns, see [`RingSystem::motion`].
+    #[inline(always)]
+    fn motion<T: Real>(
+        &self,
+        view: View<'_>,
+        [alpha, beta]: [f64; 2],
+        seed: impl Fn(Lanes, usize, f64) -> T,
+    ) -> Coordinates<T, N> {
+        let gather = |from: &[f64], k: usize| Lanes::new(self.lanes[k].map(|i| from[i]));
+        array::from_fn(|k| Motion {
+            value: seed(gather(view.q, k), k, beta),
+            rate: seed(gather(view.y, k), k, 1.0),
+            acceleration: seed(gather(view.y_dot, k), k, alpha),
+        })
+    }
 }
 
 impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
@@ -43,6 +102,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
         assert!(model.elements() >= 3, "a ring needs three elements");
         let held = model.held();
         let mut system = Self {
+            packs: Pack::all(&model),
             model,
             tolerance: 1.0e-5,
             held,
@@ -169,7 +229,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
         seed: impl Fn(f64, usize, f64) -> T,
     ) -> Coordinates<T, N> {
         let at = self.model.directions(element);
-        std::array::from_fn(|k| Motion {
+        array::from_fn(|k| Motion {
             value: seed(view.q[at[k]], k, beta),
             rate: seed(view.y[at[k]], k, 1.0),
             acceleration: seed(view.y_dot[at[k]], k, alpha),
@@ -272,11 +332,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
 
 impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M, D, N> {
     fn shape(&self) -> MatrixShape {
-        MatrixShape {
-            blocks: self.model.elements(),
-            block: M::BLOCK,
-            border: 2,
-        }
+        shape(&self.model)
     }
 
     fn has_position(&self) -> &[bool] {
@@ -286,10 +342,20 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M
     fn residual(&mut self, view: View<'_>, out: &mut [f64]) {
         out.fill(0.0);
         let frame = self.frame(view);
-        for element in 0..self.model.elements() {
-            let rows = self.model.balance(&frame, element, &self.values(view, element));
-            for (i, row) in self.model.directions(element).into_iter().zip(rows) {
-                out[i] += row;
+        for pack in &self.packs {
+            if let Some(rows) = self
+                .model
+                .balance_of_many(&pack.motion(view, [0.0; 2], |value, _, _| value))
+            {
+                let rows = rows.map(Lanes::to_array);
+                for (lane, at) in pack.elements.iter().enumerate() {
+                    at.iter().zip(&rows).for_each(|(&i, row)| out[i] += row[lane]);
+                }
+                continue;
+            }
+            for (element, at) in (pack.first..).zip(&pack.elements) {
+                let rows = self.model.balance(&frame, element, &self.values(view, element));
+                at.iter().zip(rows).for_each(|(&i, row)| out[i] += row);
             }
         }
         for &i in &self.held {
@@ -299,19 +365,39 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M
 
     fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         out.clear();
+        let slopes = [alpha, beta];
         let seed = |value: f64, direction: usize, slope: f64| {
             let mut eps = SVector::<f64, N>::zeros();
             eps[direction] = slope;
             DualSVec64::new(value, Derivative::some(eps))
         };
         let frame = self.model.frame(seed(view.q[self.theta()], N - 1, beta));
-        for element in 0..self.model.elements() {
-            let motion = self.motion(view, element, [alpha, beta], seed);
-            let rows = self.model.balance(&frame, element, &motion);
-            let at = self.model.directions(element);
-            for (&i, row) in at.iter().zip(&rows) {
-                for (&j, &slope) in at.iter().zip(row.eps.0.iter().flatten()) {
-                    out.add(i, j, slope);
+        for pack in &self.packs {
+            let packed = (0..N).step_by(PASS).all(|first| {
+                let seed =
+                    |value, direction: usize, slope| Tangent::<PASS>::seed(value, direction.wrapping_sub(first), slope);
+                let Some(rows) = self.model.balance_of_many(&pack.motion(view, slopes, seed)) else {
+                    return false;
+                };
+                for (i, row) in rows.iter().enumerate() {
+                    for (j, slopes) in (first..N).zip(row.eps) {
+                        for (entries, slope) in pack.entries.iter().zip(slopes.to_array()) {
+                            out.add_at(entries[i][j], slope);
+                        }
+                    }
+                }
+                true
+            });
+            if packed {
+                continue;
+            }
+            for (element, entries) in (pack.first..).zip(&pack.entries) {
+                let motion = self.motion(view, element, slopes, seed);
+                let rows = self.model.balance(&frame, element, &motion);
+                for (entries, row) in entries.iter().zip(&rows) {
+                    for (&entry, &slope) in entries.iter().zip(row.eps.0.iter().flatten()) {
+                        out.add_at(entry, slope);
+                    }
                 }
             }
         }
