@@ -124,7 +124,7 @@ fn swing<M: RingModel>(model: M, arguments: &Arguments) -> Result<(), Box<dyn Er
     system.tolerance = arguments.tolerance;
     let mut state = start(&mut system, arguments.shape)?;
     let energy = system.energy(state.view()).total();
-    let mut integrator = Sdirk::new(&system, 1.0e-6, 1.0e-2);
+    let mut integrator = Sdirk::new(&system, arguments.interval, 1.0e-2);
     integrator.newton_tolerance = arguments.newton;
     let mut spent = Duration::ZERO;
     let samples = (arguments.time / arguments.interval).ceil();

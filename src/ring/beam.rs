@@ -27,15 +27,14 @@ pub fn tension<T: Real>(ring: &Ring, strain: T, rate: T) -> T {
 /// Adds the force of the ring tension `tension`: T δγ.
 #[inline(always)]
 pub fn add_tension<T: Real>(tension: T, particle: &Particle<T>, load: &mut ParticleLoad<T>) {
-    let slope = particle.slope;
-    load.slope += slope * (tension * slope.dot(&slope).sqrt().recip());
+    load.slope += particle.slope * (tension * particle.stretch().1);
 }
 
 /// Adds the bending force EI κ δκ.
 #[inline(always)]
 pub fn add_bending<T: Real>(ring: &Ring, particle: &Particle<T>, load: &mut ParticleLoad<T>) {
-    let (slope, bend) = (particle.slope, particle.bend);
-    let scale = slope.dot(&slope).recip();
+    let (slope, bend, (_, inverse)) = (particle.slope, particle.bend, particle.stretch());
+    let scale = inverse * inverse;
     let normal = turn_right(slope) * scale;
     let kappa = normal.dot(&bend);
     let moment = kappa * ring.bending_stiffness;

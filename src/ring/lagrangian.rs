@@ -140,8 +140,17 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     #[inline(always)]
     fn mean_tension_of<T: Real>(&self, element: &E::Motion<T>) -> T {
         let strain = self.mean(element, Particle::strain);
-        let rate = self.mean(element, Particle::strain_rate);
-        beam::tension(&self.ring, strain, rate)
+        beam::tension(
+            &self.ring,
+            strain,
+            self.damped(|| self.mean(element, Particle::strain_rate)),
+        )
+    }
+
+    /// A strain rate, where it damps.
+    #[inline(always)]
+    fn damped<T: Real>(&self, rate: impl FnOnce() -> T) -> T {
+        if self.ring.damping == 0.0 { T::zero() } else { rate() }
     }
 
     /// Balance of an element with these unknowns: elements are alike.
@@ -155,7 +164,10 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
             let mut load = ParticleLoad::zero();
             beam::add_inertia(&self.ring, &particle, &mut load);
             beam::add_bending(&self.ring, &particle, &mut load);
-            let tension = mean.unwrap_or_else(|| beam::tension(&self.ring, particle.strain(), particle.strain_rate()));
+            let tension = mean.unwrap_or_else(|| {
+                let rate = self.damped(|| particle.strain_rate());
+                beam::tension(&self.ring, particle.strain(), rate)
+            });
             beam::add_tension(tension, &particle, &mut load);
             E::add(&element, shape, &load, weight, &mut force);
             let rest = particle.slope * motion[DRIFT].rate - particle.velocity;

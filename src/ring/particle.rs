@@ -30,16 +30,22 @@ pub struct Particle<T: Real, const D: usize = 2> {
 }
 
 impl<T: Real, const D: usize> Particle<T, D> {
+    /// |r'| and 1/|r'|.
+    #[inline(always)]
+    pub fn stretch(&self) -> (T, T) {
+        self.slope.dot(&self.slope).root_and_inverse()
+    }
+
     /// Axial strain γ = |r'| − 1 (20).
     #[inline(always)]
     pub fn strain(&self) -> T {
-        self.slope.dot(&self.slope).sqrt() - 1.0
+        self.stretch().0 - 1.0
     }
 
     /// Dγ/Dt, 1/s.
     #[inline(always)]
     pub fn strain_rate(&self) -> T {
-        self.slope.dot(&self.velocity_slope) * self.slope.dot(&self.slope).sqrt().recip()
+        self.slope.dot(&self.velocity_slope) * self.stretch().1
     }
 
     /// As seen at a mesh point that is at `reference` now and follows its curve.
@@ -47,7 +53,7 @@ impl<T: Real, const D: usize> Particle<T, D> {
     pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T, D> {
         let (w, w_dot) = motion.passing(&reference.xi);
         let slope_dot = self.velocity_slope - self.bend * w;
-        let (stretch, inverse_stretch) = self.slope.dot(&self.slope).root_and_inverse();
+        let (stretch, inverse_stretch) = self.stretch();
         let t = self.slope * inverse_stretch;
         RingPoint {
             reference,
@@ -72,7 +78,8 @@ impl<T: Real> Particle<T> {
     /// Turning of the tangent per unstretched length, (r' × r'')/|r'|², 1/m; positive inwards.
     #[inline(always)]
     pub fn curvature(&self) -> T {
-        turn_right(self.slope).dot(&self.bend) * self.slope.dot(&self.slope).recip()
+        let (_, inverse) = self.stretch();
+        turn_right(self.slope).dot(&self.bend) * (inverse * inverse)
     }
 }
 
