@@ -192,7 +192,7 @@ impl Unit for Tank {
         tape.reals(&mut self.flow);
     }
 
-    fn readings(&mut self) -> &f64 {
+    fn readings(&mut self, _elements: bool) -> &f64 {
         &self.level
     }
 

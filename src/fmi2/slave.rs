@@ -345,7 +345,7 @@ impl<U: Unit> Slave<U> {
                 let (_, access) = find(&slave.table, reference, real_access)?;
                 let change = match access {
                     Access::Reading(get) => get(&moment.after) - get(&moment.before),
-                    Access::Element(get, at) => get(&moment.after, *at) - get(&moment.before, *at),
+                    Access::Element(..) => return refused("elements of arrays have no derivatives"),
                     Access::Setting { .. } => 0.0,
                 };
                 *value = change / moment.span;
@@ -502,7 +502,11 @@ impl<U: Unit> Slave<U> {
             }
         }
         let Snapshot { settings, unit, .. } = &mut self.now;
-        let readings = unit.as_mut().map(U::readings);
+        let element = |reference: &u32| {
+            find(&self.table, *reference, access).is_ok_and(|(_, a)| matches!(a, Access::Element(..)))
+        };
+        let elements = references.iter().any(element);
+        let readings = unit.as_mut().map(|unit| unit.readings(elements));
         for (&reference, value) in references.iter().zip(values) {
             let (_, access) = find(&self.table, reference, access)?;
             *value = convert(match (access, readings) {

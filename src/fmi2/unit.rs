@@ -129,9 +129,9 @@ pub trait Unit: Clone + Sized {
     /// Present time, s.
     fn time(&self) -> f64;
 
-    /// Readings at the present time.
-    fn readings(&mut self) -> &Self::Readings;
+    /// Readings at the present time; elements of arrays only if they are asked for.
+    fn readings(&mut self, elements: bool) -> &Self::Readings;
 
-    /// Readings around the present time.
+    /// Readings around the present time, without elements of arrays.
     fn moment(&mut self) -> Moment<Self::Readings>;
 }

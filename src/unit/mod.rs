@@ -11,7 +11,7 @@ use crate::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit}
 use crate::tape::Tape;
 use crate::variator::instance::{StepError, Variator};
 use crate::variator::parameters::Parameters;
-use crate::variator::signals::{Inputs, Outputs};
+use crate::variator::signals::{Inputs, Outputs, Profile, Readings};
 use crate::variator::validation;
 
 /// What a master sets: parameters and inputs. The default is the variator of the default experiment.
@@ -56,7 +56,7 @@ impl VariatorUnit {
 
 impl Unit for VariatorUnit {
     type Settings = Settings;
-    type Readings = Outputs;
+    type Readings = Readings;
 
     const IDENTITY: Identity = Identity {
         name: "PushbeltVariator",
@@ -70,7 +70,7 @@ impl Unit for VariatorUnit {
         longest_step: 1000.0,
     };
 
-    fn table() -> Table<Settings, Outputs> {
+    fn table() -> Table<Settings, Readings> {
         table::table()
     }
 
@@ -122,15 +122,19 @@ impl Unit for VariatorUnit {
         self.variator.pass(tape);
     }
 
-    fn readings(&mut self) -> &Outputs {
-        self.variator.outputs()
+    fn readings(&mut self, elements: bool) -> &Readings {
+        self.variator.readings(elements)
     }
 
-    fn moment(&mut self) -> Moment<Outputs> {
+    fn moment(&mut self) -> Moment<Readings> {
         let moment = self.variator.moment();
+        let readings = |outputs: Box<Outputs>| Readings {
+            outputs: *outputs,
+            profile: Profile::default(),
+        };
         Moment {
-            before: *moment.before,
-            after: *moment.after,
+            before: readings(moment.before),
+            after: readings(moment.after),
             span: moment.span,
         }
     }

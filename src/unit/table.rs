@@ -18,7 +18,7 @@ use super::Settings;
 use super::types::{AXIAL, DRIVE, ENUMERATIONS, RING_MODEL, START_STATE, UNITS};
 use crate::fmi2::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
 use crate::variator::parameters::{Axial, Drive, RingModel};
-use crate::variator::signals::{Outputs, PROFILE_POINTS};
+use crate::variator::signals::{PROFILE_POINTS, Readings};
 use crate::variator::validation::range_of;
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
@@ -43,10 +43,10 @@ macro_rules! choose {
     };
 }
 
-/// Binds to a field of [`Outputs`].
+/// Binds to a field of [`Outputs`](crate::variator::signals::Outputs).
 macro_rules! read {
     ($($field:ident).+) => {
-        Access::Reading(|outputs| outputs.$($field).+)
+        Access::Reading(|readings| readings.outputs.$($field).+)
     };
 }
 
@@ -58,7 +58,7 @@ const SECONDARY: Owner = ("secondary", 200);
 
 /// Table under construction.
 struct Rows {
-    variables: Vec<Variable<Settings, Outputs>>,
+    variables: Vec<Variable<Settings, Readings>>,
     owner: Owner,
 }
 
@@ -71,7 +71,7 @@ impl Rows {
         range_of(&name.replace("{}", self.owner.0))
     }
 
-    fn add(&mut self, name: &str, reference: u32, causality: Causality, text: &str, kind: Kind<Settings, Outputs>) {
+    fn add(&mut self, name: &str, reference: u32, causality: Causality, text: &str, kind: Kind<Settings, Readings>) {
         let (owner, base) = self.owner;
         self.variables.push(Variable {
             name: name.replace("{}", owner),
@@ -90,7 +90,7 @@ impl Rows {
         causality: Causality,
         unit: &'static str,
         text: &str,
-        access: Access<Settings, Outputs, f64>,
+        access: Access<Settings, Readings, f64>,
     ) {
         let (min, max) = self.range(name).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
         let range = Range {
@@ -114,7 +114,7 @@ impl Rows {
         reference: u32,
         (causality, unit, range): (Causality, &'static str, Range),
         text: &str,
-        access: Access<Settings, Outputs, f64>,
+        access: Access<Settings, Readings, f64>,
     ) {
         let kind = Kind::Real {
             unit,
@@ -125,7 +125,7 @@ impl Rows {
         self.add(name, reference, causality, text, kind);
     }
 
-    fn count(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Outputs, i32>) {
+    fn count(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Readings, i32>) {
         #[expect(
             clippy::cast_possible_truncation,
             reason = "the limits of integers are small whole numbers"
@@ -134,7 +134,7 @@ impl Rows {
         self.add(name, reference, Parameter, text, Kind::Integer { range, access });
     }
 
-    fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Outputs, bool>) {
+    fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Readings, bool>) {
         self.add(name, reference, Parameter, text, Kind::Boolean { access });
     }
 
@@ -144,7 +144,7 @@ impl Rows {
         reference: u32,
         of: &'static Enumeration,
         text: &str,
-        access: Access<Settings, Outputs, i32>,
+        access: Access<Settings, Readings, i32>,
     ) {
         self.add(name, reference, Parameter, text, Kind::Enumeration { of, access });
     }
@@ -156,7 +156,7 @@ impl Rows {
         unit: &'static str,
         nominal: f64,
         text: &str,
-        get: fn(&Outputs, usize) -> f64,
+        get: fn(&Readings, usize) -> f64,
     ) {
         for (at, reference) in (0..PROFILE_POINTS).zip(first..) {
             let number = at + 1;
@@ -242,7 +242,7 @@ macro_rules! pulley_parameters {
 
 /// The variable table of the variator.
 #[rustfmt::skip]
-pub(super) fn table() -> Table<Settings, Outputs> {
+pub(super) fn table() -> Table<Settings, Readings> {
     let mut rows = Rows {
         variables: Vec::new(),
         owner: WHOLE,
@@ -281,7 +281,7 @@ fn outputs(t: &mut Rows) {
     t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven power / driving power, 0 to 1; 0 where no power flows. Means little while speeds change: the belt's kinetic energy is in it", read!(efficiency));
     t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). The belt slips through below 1 where the primary pulley slips first: in underdrive from about 0.8 driving and 0.6 in overrun", read!(torque_utilisation));
     t.add("macroSlip", 10, Output, "Whether all loaded elements of a pulley slide tangentially one way", Kind::Boolean { access: read!(macro_slip) });
-    t.read("loss.total", 11, (Output, "W", typical(100.0)), "All losses", Access::Reading(|outputs| outputs.losses.total()));
+    t.read("loss.total", 11, (Output, "W", typical(100.0)), "All losses", Access::Reading(|readings| readings.outputs.losses.total()));
     t.read("loss.sheaves", 12, (Output, "W", typical(100.0)), "Loss by friction between elements and sheaves", read!(losses.sheaves));
     t.read("loss.ring", 13, (Output, "W", typical(100.0)), "Loss by friction between ring and elements", read!(losses.ring));
     t.read("loss.other", 14, (Output, "W", typical(10.0)), "Loss in sheave dampers, tilt relaxation, chain, structural and contact damping and end stops", read!(losses.other));
@@ -336,12 +336,12 @@ fn parameters(t: &mut Rows) {
 fn locals(t: &mut Rows) {
     t.read("stored.energy", 18, (Local, "J", typical(1000.0)), "Stored energy", read!(stored_energy));
     t.read("energy.residual", 19, (Local, "J", typical(1.0)), "Energy balance since the start: supplied - lost - stored", read!(energy_residual));
-    t.add("initial.found", 23, Local, "What the run started from: the steady state that was asked for, or why another one", Kind::Enumeration { of: &START_STATE, access: Access::Reading(|outputs| outputs.start_state as i32) });
-    t.profile("position", 10_001, "m", 1.0, "Place xi along the belt", |outputs, at| outputs.profile.position[at]);
-    t.profile("pushForce", 10_101, "N", 1000.0, "Push force", |outputs, at| outputs.profile.push_force[at]);
-    t.profile("ringTension", 10_201, "N", 1000.0, "Ring tension", |outputs, at| outputs.profile.ring_tension[at]);
-    t.profile("normalForce", 10_301, "N/m", 1e5, "Normal force per flank and length", |outputs, at| outputs.profile.normal_force[at]);
-    t.profile("radialDeviation", 10_401, "m", 1e-4, "Radius less the mean radius of the arc (on strands: outward distance from the tangent line of the reference curve)", |outputs, at| outputs.profile.radial_deviation[at]);
-    t.profile("slidingSpeed", 10_501, "m/s", 0.01, "Tangential sliding speed of the flanks", |outputs, at| outputs.profile.sliding_speed[at]);
-    t.profile("lateralDeflection", 10_601, "m", 1e-3, "Deflection of the ring from the middle between the two belt planes, along the pulley axes", |outputs, at| outputs.profile.lateral_deflection[at]);
+    t.add("initial.found", 23, Local, "What the run started from: the steady state that was asked for, or why another one", Kind::Enumeration { of: &START_STATE, access: Access::Reading(|readings| readings.outputs.start_state as i32) });
+    t.profile("position", 10_001, "m", 1.0, "Place xi along the belt", |readings, at| readings.profile.position[at]);
+    t.profile("pushForce", 10_101, "N", 1000.0, "Push force", |readings, at| readings.profile.push_force[at]);
+    t.profile("ringTension", 10_201, "N", 1000.0, "Ring tension", |readings, at| readings.profile.ring_tension[at]);
+    t.profile("normalForce", 10_301, "N/m", 1e5, "Normal force per flank and length", |readings, at| readings.profile.normal_force[at]);
+    t.profile("radialDeviation", 10_401, "m", 1e-4, "Radius less the mean radius of the arc (on strands: outward distance from the tangent line of the reference curve)", |readings, at| readings.profile.radial_deviation[at]);
+    t.profile("slidingSpeed", 10_501, "m/s", 0.01, "Tangential sliding speed of the flanks", |readings, at| readings.profile.sliding_speed[at]);
+    t.profile("lateralDeflection", 10_601, "m", 1e-3, "Deflection of the ring from the middle between the two belt planes, along the pulley axes", |readings, at| readings.profile.lateral_deflection[at]);
 }

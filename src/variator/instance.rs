@@ -5,7 +5,7 @@ mod initial;
 use super::boundary::{Boundary, LoadRates, SheaveMode, SpeedMode};
 use super::observe::{Context, Observer, macro_slip};
 use super::parameters::{Axial, Drive, Friction, Parameters};
-use super::signals::{Inputs, Outputs, PulleyInputs, StartState};
+use super::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState};
 use super::soft_start::SoftStart;
 use super::system::VariatorSystem;
 use super::validation::ParameterError;
@@ -100,8 +100,9 @@ pub struct Variator {
     /// Inputs in force, the time at which they were given, and how they change from then on.
     held: Held,
     observer: Observer,
-    outputs: Box<Outputs>,
+    readings: Box<Readings>,
     stale: bool,
+    profile_stale: bool,
     messages: Vec<Message>,
 }
 
@@ -164,8 +165,9 @@ impl Variator {
                 rates: Inputs::ZERO,
             },
             observer: Observer::default(),
-            outputs: Box::default(),
+            readings: Box::default(),
             stale: true,
+            profile_stale: true,
             messages: Vec::new(),
         })
     }
@@ -448,14 +450,30 @@ impl Variator {
 
     /// Outputs at the present time.
     pub fn outputs(&mut self) -> &Outputs {
+        &self.readings(false).outputs
+    }
+
+    /// Fields along the belt at the present time.
+    pub fn profile(&mut self) -> &Profile {
+        &self.readings(true).profile
+    }
+
+    /// Outputs at the present time, and if it is asked for the profile, which takes as long as all of them.
+    pub(crate) fn readings(&mut self, profile: bool) -> &Readings {
+        let survey = &self.system.ledger.last;
         if self.stale {
             let context = self.context(self.external_torque);
-            let survey = &self.system.ledger.last;
+            let outputs = &mut self.readings.outputs;
             self.observer
-                .observe(&self.system, self.state.view(), survey, &context, &mut self.outputs);
-            self.stale = false;
+                .observe(&self.system, self.state.view(), survey, &context, outputs);
+            (self.stale, self.profile_stale) = (false, true);
         }
-        &self.outputs
+        if profile && self.profile_stale {
+            let profile = &mut self.readings.profile;
+            self.observer.profile(&self.system, self.state.view(), survey, profile);
+            self.profile_stale = false;
+        }
+        &self.readings
     }
 
     /// Takes the messages that have come up since the last call.

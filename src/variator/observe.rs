@@ -4,7 +4,7 @@ use super::balance::{BeltSums, NO_FORCE, Sliding, Survey};
 use super::layout::Global;
 use super::mesh::{Cell, P, S};
 use super::sample::Sample;
-use super::signals::{Losses, Outputs, PROFILE_POINTS, PulleyOutputs, StartState};
+use super::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, StartState};
 use super::system::VariatorSystem;
 use crate::contact::full_slip_torque;
 use crate::solver::View;
@@ -117,7 +117,6 @@ impl Observer {
         let ledger = &system.ledger;
         out.start_state = context.start_state;
         out.energy_residual = ledger.supplied - ledger.lost - (out.stored_energy - context.initial_energy);
-        self.profile(system, view, survey, radii, out);
     }
 
     /// The tension of a cubic element swings about its mean wherever the curvature changes fast; the mean is what the
@@ -126,9 +125,7 @@ impl Observer {
         self.tensions.clear();
         self.tensions
             .resize(system.mesh.elements.len(), ElementTension::default());
-        self.stations.clear();
         survey.stations(&system.mesh).for_each(|(cell, sample)| {
-            self.stations.push(sample.xi);
             let mean = &mut self.tensions[cell.element];
             mean.xi += sample.xi * sample.weight;
             mean.tension += sample.tension * sample.weight;
@@ -140,10 +137,14 @@ impl Observer {
         }
     }
 
-    /// Linear between stations, around the loop.
-    fn profile(&self, system: &VariatorSystem, view: View<'_>, survey: &Survey, radii: [f64; 2], out: &mut Outputs) {
+    /// Fills fields along the belt: linear between stations, around the loop.
+    pub fn profile(&mut self, system: &VariatorSystem, view: View<'_>, survey: &Survey, profile: &mut Profile) {
+        let radii = system.mean_radii(view, &survey.sums);
+        self.mean_tensions(system, survey);
+        self.stations.clear();
+        let stations = survey.stations(&system.mesh).map(|(_, sample)| sample.xi);
+        self.stations.extend(stations);
         let length = system.law.parameters.geometry.belt_length;
-        let profile = &mut out.profile;
         let [secondary, primary] = system.middles(view);
         let plane = 0.5 * (secondary + primary);
         let mesh = &system.mesh;

@@ -206,6 +206,13 @@ pub struct Outputs {
     pub energy_residual: f64,
     /// What the run started from.
     pub start_state: StartState,
+}
+
+/// All that a variator tells.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Readings {
+    /// Outputs.
+    pub outputs: Outputs,
     /// Fields along the belt.
     pub profile: Profile,
 }
