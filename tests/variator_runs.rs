@@ -290,3 +290,28 @@ fn a_run_takes_its_usual_work() {
         assert_pinned(counts.factorizations, factorizations, "factorizations");
     }
 }
+
+/// Friction that drifts, as it does with temperature, is no reason for new Jacobians.
+#[test]
+fn drifting_friction_takes_few_jacobians() {
+    for model in MODELS {
+        let mut variator = Variator::new(variator(model)).expect("valid parameters");
+        let inputs = inputs((50.0, 13e3), (-49.0, 10e3));
+        variator.initialise(0.0, &inputs).expect("a start");
+        let friction = variator.parameters().friction.clone();
+        let before = variator.counts();
+        for k in 1..=200 {
+            let share = 1.0 + 1e-4 * f64::from(k);
+            variator
+                .set_friction(share * friction.pulley, share * friction.ring)
+                .expect("in range");
+            variator.advance(1e-3 * f64::from(k), &inputs).expect("a step");
+        }
+        let taken = variator.counts().factorizations - before.factorizations;
+        println!("{model:?}: {taken} Jacobians in 200 steps");
+        assert!(
+            taken < 50,
+            "{model:?}: {taken} Jacobians in 200 steps of a drifting friction"
+        );
+    }
+}

@@ -184,6 +184,11 @@ impl Newton {
         }
     }
 
+    /// Forgets how well the factored Jacobian contracted: the law has changed since.
+    pub fn distrust(&mut self) {
+        self.rate = 1.0;
+    }
+
     /// Forgets the factored Jacobian.
     pub fn forget(&mut self) {
         self.alpha = f64::NAN;
