@@ -748,7 +748,6 @@ fn random_sequences_with_the_default_model() {
 /// The same under valgrind, where it is installed: no invalid access, no leak.
 #[cfg(target_os = "linux")]
 #[test]
-#[cfg_attr(target_feature = "avx512f", ignore = "valgrind knows no AVX-512")]
 fn valgrind_finds_nothing() {
     let test = std::env::current_exe().expect("a test has a path");
     let run = std::process::Command::new("valgrind")

@@ -4,29 +4,15 @@
 use std::ffi::CStr;
 
 /// What to say if not.
-#[cfg(not(target_feature = "avx512f"))]
 pub const OBJECTION: &CStr = c"fmi2Instantiate: this processor lacks AVX2, which the FMU's binary was compiled for; \
     one built by `cargo fmu build --portable` does without";
-/// What to say if not.
-#[cfg(target_feature = "avx512f")]
-pub const OBJECTION: &CStr =
-    c"fmi2Instantiate: this processor lacks AVX-512, which the FMU's binary was compiled for; \
-    one built by `cargo fmu build` without RUSTFLAGS does without";
 
 /// Whether it does.
-#[cfg(all(target_arch = "x86_64", target_feature = "avx512f"))]
+#[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 #[must_use]
 pub fn suffices() -> bool {
-    // Of what is compiled for the standard library takes the compiler's word. No processor has AVX-512 without this part
-    // of it, and of this it asks processor and operating system.
-    std::arch::is_x86_feature_detected!("avx512cd")
-}
-
-/// Whether it does.
-#[cfg(all(target_arch = "x86_64", target_feature = "avx2", not(target_feature = "avx512f")))]
-#[must_use]
-pub fn suffices() -> bool {
-    // Likewise. No processor has FMA and BMI2 but not AVX2.
+    // Of AVX2 itself the standard library takes the compiler's word. No processor has FMA and BMI2 but not AVX2, and of
+    // these it asks processor and operating system.
     std::arch::is_x86_feature_detected!("fma") && std::arch::is_x86_feature_detected!("bmi2")
 }
 

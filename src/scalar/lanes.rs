@@ -5,19 +5,11 @@ use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 #[cfg(not(target_feature = "avx"))]
 use wide::f64x2 as Pack;
-#[cfg(all(target_feature = "avx", not(target_feature = "avx512f")))]
+#[cfg(target_feature = "avx")]
 use wide::f64x4 as Pack;
-#[cfg(target_feature = "avx512f")]
-use wide::f64x8 as Pack;
 
 /// Numbers in a [`Lanes`]: as many as a register of the processor holds that is compiled for.
-pub const LANES: usize = if cfg!(target_feature = "avx512f") {
-    8
-} else if cfg!(target_feature = "avx") {
-    4
-} else {
-    2
-};
+pub const LANES: usize = if cfg!(target_feature = "avx") { 4 } else { 2 };
 
 /// [`LANES`] numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
