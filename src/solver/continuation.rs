@@ -69,6 +69,7 @@ pub fn settle<S: System>(
             q: &mut trial.q,
         };
         let tolerance = if last { 1.0 } else { 100.0 };
+        newton.weigh(system, stage.alpha);
         let outcome = newton.solve(system, &mut stage, tolerance, false);
         match outcome {
             Ok(iterations) => {

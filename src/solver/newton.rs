@@ -205,7 +205,12 @@ impl Newton {
         Ok(())
     }
 
-    /// Solves a stage to `tolerance` times the system's Newton scale. `reuse` allows a Jacobian from before.
+    /// Asks the system for the scale that stages with this α are solved to.
+    pub fn weigh(&mut self, system: &impl System, alpha: f64) {
+        system.newton_scale(1.0 / alpha, &mut self.scale);
+    }
+
+    /// Solves a stage to `tolerance` times the scale that was asked for last. `reuse` allows a Jacobian from before.
     /// Returns the number of Jacobians formed.
     ///
     /// # Errors
@@ -217,7 +222,6 @@ impl Newton {
         tolerance: f64,
         reuse: bool,
     ) -> Result<usize, NotConverged> {
-        system.newton_scale(1.0 / stage.alpha, &mut self.scale);
         let ratio = stage.alpha / self.alpha;
         if reuse && (0.7..1.4).contains(&ratio) && self.quasi(system, stage, tolerance, false).is_ok() {
             return Ok(0);

@@ -128,6 +128,7 @@ impl Sdirk {
         self.kept = None;
         system.set_time(time + GAMMA * h);
         let alpha = 1.0 / (h * GAMMA);
+        self.newton.weigh(system, alpha);
         let [first, second] = &mut self.stages;
         move_by(GAMMA * h, &mut first.y, y, &self.slope);
         first.q.copy_from_slice(q);
