@@ -131,7 +131,7 @@ fn target() -> PathBuf {
 /// Times of the communication steps, s, of both ring models.
 fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f64>; 2] {
     let costs = MODELS.map(|model| {
-        let runs = if options.quick { 1 } else { 2 };
+        let runs = if options.quick { 1 } else { 5 };
         // A look at the clock takes 4 % of a step of ALE0.
         let (time, counts, ()) = best(runs, || manoeuvre(common::variator(model), trace, |advance| advance()));
         let (_, _, each) = best(runs, || {
