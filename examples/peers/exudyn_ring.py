@@ -82,5 +82,5 @@ def swing(step: float) -> tuple[float, float]:
 
 if __name__ == "__main__":
     for step in (4e-3, 2e-3, 1e-3, 5e-4):
-        frequency, spent = min((swing(step) for _ in range(3)), key=lambda found: found[1])
+        frequency, spent = min((swing(step) for _ in range(7)), key=lambda found: found[1])
         print(f"step {1e3 * step:g} ms: {frequency:.4f} Hz, {100 * (frequency / ANALYTIC - 1):+.2f} %, {spent:.3f} s")
