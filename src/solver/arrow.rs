@@ -12,7 +12,7 @@
 //! Unknowns whose neighbours change may stand in an order of their own, see [`Arrow::reorder`].
 //!
 //! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
-//! in n: O(n (b+g)² b). Pivoting is inside a block; faer factors the border, and blocks whose size the compiler doesn't
+//! in n: O(n (b+g)² b). Pivoting is inside a block; faer inverts the border, and blocks whose size the compiler doesn't
 //! know.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
