@@ -86,9 +86,8 @@ impl TwoPulley {
         // the next two terms as it tells them.
         let d = self.center_distance;
         let (square, linear) = ((1.0 - ratio) * (1.0 - ratio) / d, PI * (1.0 + ratio));
-        let quadratic = |rest: f64| 2.0 * rest / (linear + (linear * linear + 4.0 * square * rest).max(0.0).sqrt());
         let rest = self.length - 2.0 * d;
-        let mut r_p = quadratic(rest);
+        let mut r_p = 2.0 * rest / (linear + (linear * linear + 4.0 * square * rest).max(0.0).sqrt());
         let x2 = square * r_p * r_p / d;
         r_p -= d * x2 * x2 * (1.0 / 12.0 + x2 / 40.0) / (linear + 2.0 * square * r_p);
         // The closure's slope is positive and bounded away from zero, so Newton converges from every start inside the
