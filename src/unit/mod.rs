@@ -11,7 +11,7 @@ use crate::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit}
 use crate::tape::Tape;
 use crate::variator::instance::{StepError, Variator};
 use crate::variator::parameters::Parameters;
-use crate::variator::signals::{Inputs, Outputs, Profile, Readings};
+use crate::variator::signals::{Inputs, Readings};
 use crate::variator::validation;
 
 /// What a master sets: parameters and inputs. The default is the variator of the default experiment.
@@ -128,13 +128,9 @@ impl Unit for VariatorUnit {
 
     fn moment(&mut self) -> Moment<Readings> {
         let moment = self.variator.moment();
-        let readings = |outputs: Box<Outputs>| Readings {
-            outputs: *outputs,
-            profile: Profile::default(),
-        };
         Moment {
-            before: readings(moment.before),
-            after: readings(moment.after),
+            before: (*moment.before).into(),
+            after: (*moment.after).into(),
             span: moment.span,
         }
     }

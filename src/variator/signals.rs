@@ -216,3 +216,13 @@ pub struct Readings {
     /// Fields along the belt.
     pub profile: Profile,
 }
+
+/// Readings without a profile.
+impl From<Outputs> for Readings {
+    fn from(outputs: Outputs) -> Self {
+        Self {
+            outputs,
+            profile: Profile::default(),
+        }
+    }
+}

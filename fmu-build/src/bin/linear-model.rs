@@ -7,7 +7,7 @@ use pushbelt::fmi2::Unit as _;
 use pushbelt::fmi2::table::{Access, Causality, Kind, Variable};
 use pushbelt::unit::{Settings, VariatorUnit};
 use pushbelt::variator::linear::linearise;
-use pushbelt::variator::signals::Outputs;
+use pushbelt::variator::signals::{Outputs, Readings};
 use serde_json::{Map, Value, json};
 
 fn main() -> ExitCode {
@@ -52,10 +52,11 @@ fn run(arguments: &[String]) -> Result<Value, String> {
             _ => None,
         })
         .collect();
-    let read: Vec<&dyn Fn(&Outputs) -> f64> = outputs
+    let read: Vec<_> = outputs
         .iter()
-        .map(|(_, _, get)| get as &dyn Fn(&Outputs) -> f64)
+        .map(|&(_, _, get)| move |outputs: &Outputs| get(&outputs.clone().into()))
         .collect();
+    let read: Vec<&dyn Fn(&Outputs) -> f64> = read.iter().map(|get| get as _).collect();
     let model = linearise(&chosen.parameters, &chosen.inputs, frequency, &read).map_err(|error| error.to_string())?;
 
     let unit_of = |name: &str| match table.by_name(name).map(|variable| &variable.kind) {
@@ -76,7 +77,7 @@ fn run(arguments: &[String]) -> Result<Value, String> {
         .collect();
     let outputs: Vec<Value> = outputs
         .iter()
-        .map(|(name, unit, get)| json!({"name": name, "unit": unit, "value": get(&model.outputs)}))
+        .map(|(name, unit, get)| json!({"name": name, "unit": unit, "value": get(&(*model.outputs).clone().into())}))
         .collect();
     let mut found = Map::new();
     for (key, value) in [
@@ -98,7 +99,7 @@ fn run(arguments: &[String]) -> Result<Value, String> {
     Ok(Value::Object(found))
 }
 
-fn set(settings: &mut Settings, variable: &Variable<Settings, Outputs>, text: &str) -> Result<(), String> {
+fn set(settings: &mut Settings, variable: &Variable<Settings, Readings>, text: &str) -> Result<(), String> {
     let name = &variable.name;
     let no_value = || format!("`{text}` is no value of {name}");
     match &variable.kind {
