@@ -9,6 +9,7 @@
 //! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
 //! - `--ripple` adds what a ripple of the clamping force costs,
+//! - `--rings` adds the ring models beside each other (a minute),
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
 
 #[path = "../../tests/common/mod.rs"]
@@ -17,6 +18,7 @@ mod cycle;
 mod errors;
 mod picture;
 mod proposals;
+mod rings;
 mod ripple;
 
 use std::hint::black_box;
@@ -66,6 +68,9 @@ struct Options {
     /// A ripple of the clamping force
     #[arg(long)]
     ripple: bool,
+    /// The ring models beside each other
+    #[arg(long)]
+    rings: bool,
     /// What separate integration of reference and overlay, and an overlay of few modes, would take
     #[arg(long)]
     proposals: bool,
@@ -107,6 +112,9 @@ fn main() {
     }
     if options.ripple {
         ripple::measure(&mut table);
+    }
+    if options.rings {
+        rings::measure(&mut table);
     }
     if options.proposals {
         proposals::measure(&mut table, &trace);
