@@ -377,13 +377,12 @@ pub struct ArrowLu {
 }
 
 /// Calls a method for the size of a block, B, and of the border together with block 0, W: those of the variator's
-/// Eulerian rings, with one cell an element and in space too, and of planar rings alone, so that the compiler knows
-/// them. 0 stands for any other.
+/// Eulerian rings, with one cell an element and in space too, and of `ALE` and `ANCF` rings alone, so that the compiler
+/// knows them. 0 stands for any other; each size takes 20 kB of an FMU for two machines.
 macro_rules! for_size {
     ($lu:expr, $method:ident($argument:expr)) => {
         match ($lu.shape.block, $lu.shape.border) {
             (4, 2) => $lu.$method::<4, 6>($argument),
-            (5, 2) => $lu.$method::<5, 7>($argument),
             (3, 10) => $lu.$method::<3, 13>($argument),
             (6, 12) => $lu.$method::<6, 18>($argument),
             (8, 12) => $lu.$method::<8, 20>($argument),
