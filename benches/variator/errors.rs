@@ -16,7 +16,7 @@ const TIGHTER: f64 = 0.1;
 
 /// Largest error of the thrust ratios that were `found`.
 pub fn of_steady_states(table: &mut Table, model: RingModel, found: &[Option<f64>]) {
-    let (_, _, fine) = nine_steady_states(model, FINER);
+    let (_, (_, fine)) = nine_steady_states(model, FINER);
     let both = found.iter().zip(&fine).filter_map(|(a, b)| Some((*a)? / (*b)? - 1.0));
     let (count, largest) = both.fold((0, 0.0_f64), |(n, most), error| (n + 1, most.max(error.abs())));
     table.row(

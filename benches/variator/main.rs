@@ -141,18 +141,18 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
     let costs = MODELS.map(|model| {
         let runs = if options.quick { 1 } else { 5 };
         // A look at the clock takes 4 % of a step of ALE0.
-        let (time, counts, ()) = best(runs, || manoeuvre(common::variator(model), trace, |advance| advance()));
-        let (_, _, each) = best(runs, || {
+        let (time, counts) = best(runs, || manoeuvre(common::variator(model), trace, |advance| advance()));
+        let (_, each) = best(runs, || {
             let mut each = Vec::with_capacity(trace.len());
-            let (time, counts, ()) = manoeuvre(common::variator(model), trace, |advance| {
+            let (time, _) = manoeuvre(common::variator(model), trace, |advance| {
                 let start = ThreadTime::now();
                 advance();
                 each.push(start.elapsed().as_secs_f64());
             });
-            (time, counts, each)
+            (time, each)
         });
         manoeuvre_row(table, &format!("{model:?}"), trace, time, &counts);
-        let slowest = percentiles(&each);
+        let slowest = quantiles(&each, [0.5, 0.999, 1.0]);
         table.row(
             &format!("  its communication steps, {model:?}: median, 99.9 %, longest"),
             slowest.map(|t| format!("{:.2} ms", 1e3 * t)).join(", "),
@@ -168,16 +168,17 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
     costs
 }
 
-fn percentiles(each: &[f64]) -> [f64; 3] {
-    let mut sorted = each.to_vec();
+/// The values below which such shares of all lie.
+fn quantiles<const N: usize>(values: &[f64], shares: [f64; N]) -> [f64; N] {
+    let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    [0.5, 0.999, 1.0].map(|share: f64| sorted[((sorted.len() - 1) as f64 * share).round() as usize])
+    shares.map(|share| sorted[(share * (sorted.len() - 1) as f64) as usize])
 }
 
 fn steady_states(table: &mut Table, options: &Options) {
     let quick = options.quick;
     for model in MODELS {
-        let (time, counts, ratios) = best(if quick { 1 } else { 5 }, || nine_steady_states(model, 1));
+        let (time, (counts, ratios)) = best(if quick { 1 } else { 5 }, || nine_steady_states(model, 1));
         let solved = ratios.iter().flatten().count();
         table.row(
             &format!("nine steady states, cold, {model:?}"),
@@ -187,7 +188,7 @@ fn steady_states(table: &mut Table, options: &Options) {
         if options.errors {
             errors::of_steady_states(table, model, &ratios);
         }
-        let (time, ..) = best(if quick { 1 } else { 10 }, || steady_start(model));
+        let (time, ()) = best(if quick { 1 } else { 10 }, || steady_start(model));
         table.row(
             &format!("from parameters to the first step, steady start, {model:?}"),
             format!("{:.0} ms", 1e3 * time),
@@ -246,7 +247,7 @@ fn pieces_and_memory(table: &mut Table, trace: &[Inputs]) -> [[Pieces; 3]; 2] {
 }
 
 /// Least time of several runs, with what its run returned.
-fn best<A, B>(runs: usize, mut run: impl FnMut() -> (f64, A, B)) -> (f64, A, B) {
+fn best<A>(runs: usize, mut run: impl FnMut() -> (f64, A)) -> (f64, A) {
     let first = run();
     (1..runs)
         .map(|_| run())
@@ -286,7 +287,7 @@ fn reference_directions(table: &mut Table, trace: &[Inputs]) {
         reference_directions: true,
         ..common::variator(RingModel::Ale)
     };
-    let (time, counts, ()) = manoeuvre(parameters(), trace, |advance| advance());
+    let (time, counts) = manoeuvre(parameters(), trace, |advance| advance());
     manoeuvre_row(table, NAME, trace, time, &counts);
     pieces_row(table, NAME, &pieces(parameters(), 1));
 }
@@ -310,7 +311,7 @@ fn manoeuvre_inputs() -> Vec<Inputs> {
 }
 
 /// Time and work; `around` is called with each communication step.
-fn manoeuvre(parameters: Parameters, trace: &[Inputs], mut around: impl FnMut(&mut dyn FnMut())) -> (f64, Counts, ()) {
+fn manoeuvre(parameters: Parameters, trace: &[Inputs], mut around: impl FnMut(&mut dyn FnMut())) -> (f64, Counts) {
     let start = ThreadTime::now();
     let mut variator = Variator::new(Manoeuvre::variator(parameters)).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
@@ -320,12 +321,12 @@ fn manoeuvre(parameters: Parameters, trace: &[Inputs], mut around: impl FnMut(&m
             black_box(variator.outputs());
         });
     }
-    (start.elapsed().as_secs_f64(), variator.counts(), ())
+    (start.elapsed().as_secs_f64(), variator.counts())
 }
 
 /// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P, primary speed
 /// given, belt torque 30, 50, 100 N·m. Time, work, and the thrust ratios that were found.
-fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, Counts, Vec<Option<f64>>) {
+fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, (Counts, Vec<Option<f64>>)) {
     let mut parameters = common::variator(model);
     parameters.mesh = parameters.mesh.refined(refinement);
     let start = ThreadTime::now();
@@ -348,7 +349,7 @@ fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, Counts, Vec<Op
         ratios.push(found.ok().map(|_| system.belt_load(P) / system.belt_load(S)));
         total += newton.counts;
     }
-    (start.elapsed().as_secs_f64(), total, ratios)
+    (start.elapsed().as_secs_f64(), (total, ratios))
 }
 
 /// What a steady map took.
@@ -418,13 +419,13 @@ fn steady_map(model: RingModel) -> Map {
     }
 }
 
-fn steady_start(model: RingModel) -> (f64, (), ()) {
+fn steady_start(model: RingModel) -> (f64, ()) {
     let start = ThreadTime::now();
     let mut variator = Variator::new(common::variator(model)).expect("valid parameters");
     variator.initialise(0.0, &Inputs::default()).expect("a start");
     variator.advance(STEP, &Inputs::default()).expect("a step");
     black_box(variator.outputs());
-    (start.elapsed().as_secs_f64(), (), ())
+    (start.elapsed().as_secs_f64(), ())
 }
 
 struct Pieces {

@@ -13,7 +13,7 @@ use pushbelt::variator::system::VariatorSystem;
 use serde_json::json;
 
 use crate::common::{self, LoadCase, Manoeuvre};
-use crate::{STEP, Table};
+use crate::{STEP, Table, quantiles};
 
 /// Both measurements, of `ALE`.
 pub fn measure(table: &mut Table, trace: &[Inputs]) {
@@ -134,7 +134,7 @@ fn modes(table: &mut Table, trace: &[Inputs]) {
     };
     for count in MODES {
         let basis = eigenvectors.select_columns(&order[..count]);
-        let mut lost: Vec<f64> = tests
+        let lost: Vec<f64> = tests
             .iter()
             .map(|state| {
                 let q = DVector::from_iterator(overlay.len(), overlay.iter().map(|(i, l)| state.q[*i] * l));
@@ -151,8 +151,7 @@ fn modes(table: &mut Table, trace: &[Inputs]) {
                     / scale
             })
             .collect();
-        lost.sort_by(f64::total_cmp);
-        let [median, tenth] = [0.5, 0.9].map(|share| lost[(share * (lost.len() - 1) as f64) as usize]);
+        let [median, tenth] = quantiles(&lost, [0.5, 0.9]);
         table.row(
             &format!("overlay on {count} of {} modes: tension lost", overlay.len()),
             format!(

@@ -323,10 +323,13 @@ impl<U: Unit> Slave<U> {
         self.call("fmi2GetRealOutputDerivatives", |slave| {
             slave.allow(Call::GetOutputDerivatives)?;
             for (&reference, &order) in references.iter().zip(orders) {
-                let (variable, _) = find(&slave.table, reference, real_access)?;
+                let (variable, access) = find(&slave.table, reference, real_access)?;
                 let name = &variable.name;
                 if variable.causality != Causality::Output {
                     return refused(format!("{name} is no output"));
+                }
+                if matches!(access, Access::Element(..)) {
+                    return refused(format!("{name} is an element of an array: these have no derivatives"));
                 }
                 if order != 1 {
                     return refused(format!(
@@ -345,8 +348,7 @@ impl<U: Unit> Slave<U> {
                 let (_, access) = find(&slave.table, reference, real_access)?;
                 let change = match access {
                     Access::Reading(get) => get(&moment.after) - get(&moment.before),
-                    Access::Element(..) => return refused("elements of arrays have no derivatives"),
-                    Access::Setting { .. } => 0.0,
+                    Access::Element(..) | Access::Setting { .. } => 0.0,
                 };
                 *value = change / moment.span;
             }
@@ -488,13 +490,13 @@ impl<U: Unit> Slave<U> {
         convert: fn(T) -> V,
     ) -> Outcome {
         self.allow(Call::Get)?;
+        let (mut calculated, mut elements) = (false, false);
         for &reference in references {
-            find(&self.table, reference, access)?;
+            let (_, access) = find(&self.table, reference, access)?;
+            calculated |= !matches!(access, Access::Setting { .. });
+            elements |= matches!(access, Access::Element(..));
         }
-        let calculated = |reference: &u32| {
-            find(&self.table, *reference, access).is_ok_and(|(_, access)| !matches!(access, Access::Setting { .. }))
-        };
-        if references.iter().any(calculated) {
+        if calculated {
             if self.now.state == State::Initialisation {
                 self.start_unit()?;
             } else if self.now.unit.is_none() {
@@ -502,10 +504,6 @@ impl<U: Unit> Slave<U> {
             }
         }
         let Snapshot { settings, unit, .. } = &mut self.now;
-        let element = |reference: &u32| {
-            find(&self.table, *reference, access).is_ok_and(|(_, a)| matches!(a, Access::Element(..)))
-        };
-        let elements = references.iter().any(element);
         let readings = unit.as_mut().map(|unit| unit.readings(elements));
         for (&reference, value) in references.iter().zip(values) {
             let (_, access) = find(&self.table, reference, access)?;

@@ -46,6 +46,22 @@ fn shape<M: RingModel<D, N>, const D: usize, const N: usize>(model: &M) -> Matri
     }
 }
 
+/// Motion of an element's unknowns: `read` finds unknown k of the element in a vector, `seed` makes a scalar of a value,
+/// its direction and its slope.
+#[inline(always)]
+fn coordinates<W, T: Real, const N: usize>(
+    view: View<'_>,
+    [alpha, beta]: [f64; 2],
+    read: impl Fn(&[f64], usize) -> W,
+    seed: impl Fn(W, usize, f64) -> T,
+) -> Coordinates<T, N> {
+    array::from_fn(|k| Motion {
+        value: seed(read(view.q, k), k, beta),
+        rate: seed(read(view.y, k), k, 1.0),
+        acceleration: seed(read(view.y_dot, k), k, alpha),
+    })
+}
+
 /// Neighbouring elements, one in each lane of a register.
 #[derive(Clone, Debug)]
 struct Pack<const N: usize> {
@@ -75,20 +91,40 @@ impl<const N: usize> Pack<N> {
             .collect()
     }
 
-    /// Motion of the unknowns, see [`RingSystem::motion`].
+    /// Motion of its unknowns.
     #[inline(always)]
     fn motion<T: Real>(
         &self,
         view: View<'_>,
-        [alpha, beta]: [f64; 2],
+        slopes: [f64; 2],
         seed: impl Fn(Lanes, usize, f64) -> T,
     ) -> Coordinates<T, N> {
-        let gather = |from: &[f64], k: usize| Lanes::new(self.lanes[k].map(|i| from[i]));
-        array::from_fn(|k| Motion {
-            value: seed(gather(view.q, k), k, beta),
-            rate: seed(gather(view.y, k), k, 1.0),
-            acceleration: seed(gather(view.y_dot, k), k, alpha),
-        })
+        coordinates(view, slopes, |of, k| Lanes::new(self.lanes[k].map(|i| of[i])), seed)
+    }
+
+    /// Adds its derivatives to the matrix; false if the model's elements go one by one.
+    fn add_slopes<M: RingModel<D, N>, const D: usize>(
+        &self,
+        model: &M,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) -> bool {
+        for first in (0..N).step_by(PASS) {
+            let seed =
+                |value, direction: usize, slope| Tangent::<PASS>::seed(value, direction.wrapping_sub(first), slope);
+            let Some(rows) = model.balance_of_many(&self.motion(view, slopes, seed)) else {
+                return false;
+            };
+            for (i, row) in rows.iter().enumerate() {
+                for (j, slopes) in (first..N).zip(row.eps) {
+                    for (entries, slope) in self.entries.iter().zip(slopes.to_array()) {
+                        out.add_at(entries[i][j], slope);
+                    }
+                }
+            }
+        }
+        true
     }
 }
 
@@ -220,20 +256,16 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
         i == self.drift() || (i < self.drift() && self.model.is_length(i % M::BLOCK))
     }
 
-    /// Motion of an element's unknowns; `seed` makes a scalar of a value, its direction and its slope.
+    /// Motion of an element's unknowns.
     fn motion<T: Real>(
         &self,
         view: View<'_>,
         element: usize,
-        [alpha, beta]: [f64; 2],
+        slopes: [f64; 2],
         seed: impl Fn(f64, usize, f64) -> T,
     ) -> Coordinates<T, N> {
         let at = self.model.directions(element);
-        array::from_fn(|k| Motion {
-            value: seed(view.q[at[k]], k, beta),
-            rate: seed(view.y[at[k]], k, 1.0),
-            acceleration: seed(view.y_dot[at[k]], k, alpha),
-        })
+        coordinates(view, slopes, |of, k| of[at[k]], seed)
     }
 
     /// Motion of an element's unknowns.
@@ -373,22 +405,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M
         };
         let frame = self.model.frame(seed(view.q[self.theta()], N - 1, beta));
         for pack in &self.packs {
-            let packed = (0..N).step_by(PASS).all(|first| {
-                let seed =
-                    |value, direction: usize, slope| Tangent::<PASS>::seed(value, direction.wrapping_sub(first), slope);
-                let Some(rows) = self.model.balance_of_many(&pack.motion(view, slopes, seed)) else {
-                    return false;
-                };
-                for (i, row) in rows.iter().enumerate() {
-                    for (j, slopes) in (first..N).zip(row.eps) {
-                        for (entries, slope) in pack.entries.iter().zip(slopes.to_array()) {
-                            out.add_at(entries[i][j], slope);
-                        }
-                    }
-                }
-                true
-            });
-            if packed {
+            if pack.add_slopes(&self.model, view, slopes, out) {
                 continue;
             }
             for (element, entries) in (pack.first..).zip(&pack.entries) {

@@ -1,7 +1,7 @@
 //! Measurements on the ring alone: what the tests judge, and what the report on the paper shows
 //! (`examples/paper_rings`).
 
-use crate::common::*;
+use super::common::*;
 use nalgebra::Vector2;
 use pushbelt::reference_curve::{Circle, ReferenceCurve, TwoPulley};
 use pushbelt::ring::Ring;
