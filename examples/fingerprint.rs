@@ -151,15 +151,23 @@ fn main() -> Result<(), Box<dyn Error>> {
         change(&mut parameters);
         parameters
     };
+    // A vehicle's inertia on the secondary shaft, at a standstill in underdrive: what the manoeuvre is made for.
+    let launch = |model: RingModel| {
+        with(&|p| {
+            p.ring_model = model;
+            p.secondary.inertia = 4.0;
+            (p.initial.ratio, p.initial.primary_speed) = (2.2, 0.0);
+        })
+    };
     let all = trace.len();
-    run("ALE", Parameters::default(), &trace, all)?;
+    run("ALE", launch(RingModel::Ale), &trace, all)?;
     run(
         "ALE, one cell an element",
         with(&|p| p.mesh.cells_per_element = 1),
         &trace,
         all / 5,
     )?;
-    run("ALE0", with(&|p| p.ring_model = RingModel::Ale0), &trace, all)?;
+    run("ALE0", launch(RingModel::Ale0), &trace, all)?;
     run(
         "ALE in space",
         with(&|p| (p.spatial, p.geometry.pulley_offset) = (true, 5e-4)),
