@@ -29,8 +29,27 @@
 
 use crate::ring::kinematics::{RingPoint, RingVariation};
 use crate::scalar::{Real, Tangent, smooth_plus};
-use crate::variator::parameters::Belt;
 use nalgebra::SVector;
+
+/// Parameters of the push elements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belt {
+    /// Distance e of the rocking edge (pitch line) inside the ring centre line, m.
+    pub pitch_offset: f64,
+    /// End play: pitch-line length of the unstretched ring less the stacked thickness of all elements, m.
+    pub play: f64,
+    /// Mass m_e of the elements alone per pitch-line length, kg/m.
+    pub mass_per_length: f64,
+    /// Push stiffness k_e (force per strain of the stack), N.
+    pub push_stiffness: f64,
+    /// Damping time of the stack, acting in contact only, s.
+    pub damping: f64,
+    /// Strain of the stack over which neighbouring elements come into contact: the push force is k_e⟨ν − 1⟩₊ smoothed
+    /// with this width. Rough faces touch at their summits first and close over a distance like the deviation of their
+    /// heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm of ground steel: 1e-4 to 3e-4 of elements 1.5 mm thick.
+    /// It decides how elements leave a pulley; below 5e-5 slip and thrust ratio depend on it (`docs/sensitivity.md`).
+    pub contact_strain: f64,
+}
 
 /// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
 pub const UPWIND_SMOOTHING: f64 = 1.0e-6;

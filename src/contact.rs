@@ -21,7 +21,26 @@
 #![forbid(unsafe_code)]
 
 use crate::scalar::{Real, smooth_plus};
-use crate::variator::parameters::{Contact, Friction};
+
+/// Parameters of the contact between element flank and sheave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Stiffness k_c per flank and pitch-line length, N/m².
+    pub stiffness: f64,
+    /// Damping time of the penetration, s.
+    pub damping: f64,
+}
+
+/// Friction coefficients and their regularisation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Friction {
+    /// Coefficient μ between element flank and sheave.
+    pub pulley: f64,
+    /// Coefficient μ_r between ring and element saddle.
+    pub ring: f64,
+    /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
+    pub velocity: f64,
+}
 
 /// Smoothing width of the penetration, m: small against a working penetration of 10 to 40 µm.
 pub const PENETRATION_SMOOTHING: f64 = 0.5e-6;
@@ -112,8 +131,16 @@ mod tests {
     use num_dual::Dual64;
 
     fn setting() -> (Contact, Friction) {
-        let p = crate::variator::parameters::Parameters::default();
-        (p.contact, p.friction)
+        let contact = Contact {
+            stiffness: 5.0e9,
+            damping: 1.0e-6,
+        };
+        let friction = Friction {
+            pulley: 0.09,
+            ring: 0.05,
+            velocity: 5.0e-4,
+        };
+        (contact, friction)
     }
 
     /// Sticking, sliding, breaking contact: derivatives in each direction against differences.

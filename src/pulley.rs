@@ -1,9 +1,8 @@
-//! End stops of the movable sheaves. The pulleys' equations of motion are rows of `variator/boundary.rs`.
+//! End stops of the movable sheaves. The pulleys' equations of motion are rows of `variator/pulleys.rs`.
 
 #![forbid(unsafe_code)]
 
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
-use crate::variator::parameters::Pulley;
 
 /// Stiffness of the end stops, N/m: 20 kN compress a stop by 20 µm.
 pub const STOP_STIFFNESS: f64 = 1.0e9;
@@ -33,12 +32,13 @@ pub struct StopForce<T> {
 }
 
 impl Travel {
-    /// Travel of `pulley` with pitch radius `r0` at ratio 1 and wedge angle β.
+    /// Travel of a pulley between its smallest and largest pitch radius, m. `r0` is the pitch radius at ratio 1, m, and
+    /// `tan_beta` = tan β of the wedge.
     #[must_use]
-    pub fn new(pulley: &Pulley, r0: f64, tan_beta: f64) -> Self {
+    pub fn new((min_radius, max_radius): (f64, f64), r0: f64, tan_beta: f64) -> Self {
         Self {
-            open: 2.0 * (pulley.min_radius - r0) * tan_beta,
-            closed: 2.0 * (pulley.max_radius - r0) * tan_beta,
+            open: 2.0 * (min_radius - r0) * tan_beta,
+            closed: 2.0 * (max_radius - r0) * tan_beta,
         }
     }
 

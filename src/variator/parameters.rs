@@ -1,5 +1,7 @@
 //! What a user sets before a run. One struct a group, one field a parameter of the interface; SI units, angles in rad.
 
+pub use crate::chain::Belt;
+pub use crate::contact::{Contact, Friction};
 pub use crate::ring::Ring;
 
 /// Which ring stands inside the variator.
@@ -98,46 +100,6 @@ pub struct Geometry {
     /// Axial offset at ratio 1 of the primary pulley's belt plane from the secondary's, along z, where the movable
     /// primary sheave stands, m. Felt by a ring in space.
     pub pulley_offset: f64,
-}
-
-/// Push elements.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Belt {
-    /// Distance e of the rocking edge (pitch line) inside the ring centre line, m.
-    pub pitch_offset: f64,
-    /// End play: pitch-line length of the unstretched ring less the stacked thickness of all elements, m.
-    pub play: f64,
-    /// Mass m_e of the elements alone per pitch-line length, kg/m.
-    pub mass_per_length: f64,
-    /// Push stiffness k_e (force per strain of the stack), N.
-    pub push_stiffness: f64,
-    /// Damping time of the stack, acting in contact only, s.
-    pub damping: f64,
-    /// Strain of the stack over which neighbouring elements come into contact: the push force is k_e⟨ν − 1⟩₊ smoothed
-    /// with this width. Rough faces touch at their summits first and close over a distance like the deviation of their
-    /// heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm of ground steel: 1e-4 to 3e-4 of elements 1.5 mm thick.
-    /// It decides how elements leave a pulley; below 5e-5 slip and thrust ratio depend on it (`docs/sensitivity.md`).
-    pub contact_strain: f64,
-}
-
-/// Friction.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Friction {
-    /// Coefficient μ between element flank and sheave.
-    pub pulley: f64,
-    /// Coefficient μ_r between ring and element saddle.
-    pub ring: f64,
-    /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
-    pub velocity: f64,
-}
-
-/// Flank contact.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Contact {
-    /// Stiffness k_c per flank and pitch-line length, N/m².
-    pub stiffness: f64,
-    /// Damping time of the penetration, s.
-    pub damping: f64,
 }
 
 /// One pulley.

@@ -153,7 +153,10 @@ impl VariatorSystem {
             has_position[layout.global(Global::Sheave, j)] = true;
         }
         let cells = mesh.cells.len();
-        let travel = [S, P].map(|j| Travel::new(pulley(parameters, j), r0, sin / cos));
+        let travel = [S, P].map(|j| {
+            let pulley = pulley(parameters, j);
+            Travel::new((pulley.min_radius, pulley.max_radius), r0, sin / cos)
+        });
         let mut system = Self {
             law: CellLaw {
                 parameters: parameters.clone(),
