@@ -11,7 +11,6 @@
 //! where a dot is ∂/∂t at fixed η. The nodal degrees of freedom are the deflection `a` and its slope `b` = ∂/∂ξ; the
 //! element works with d = (a₁, l b₁, a₂, l b₂), whose shape functions do not depend on the element length l(Θ).
 
-use super::particle::ParticleLoad;
 use crate::reference_curve::{Jet, ReferencePoint};
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::{SVector, Vector2};
@@ -450,19 +449,6 @@ impl<T: Real, const D: usize> Load<T, D> {
             slope: zero_vector(),
             bend: zero_vector(),
             drift: T::zero(),
-            theta: T::zero(),
-        }
-    }
-
-    /// A load on the particle that passes a mesh point: virtual displacements at fixed x̄ are δr|_η + r' δσ, δσ the
-    /// drift through the mesh. Of a load k on r'' the part in δσ is left out: a mesh point does not know r'''.
-    #[inline(always)]
-    pub fn of_particle(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> Self {
-        Self {
-            position: load.position,
-            slope: load.slope,
-            bend: load.bend,
-            drift: load.position.dot(&point.slope) + load.slope.dot(&point.bend),
             theta: T::zero(),
         }
     }

@@ -7,7 +7,7 @@
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 
-use super::kinematics::{ReferenceMotion, RingPoint, inward_normal};
+use super::kinematics::{Load, ReferenceMotion, RingPoint, inward_normal};
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
@@ -116,6 +116,21 @@ impl<T: Real, const D: usize> ParticleLoad<T, D> {
             position: zero_vector(),
             slope: zero_vector(),
             bend: zero_vector(),
+        }
+    }
+}
+
+impl<T: Real, const D: usize> Load<T, D> {
+    /// A load on the particle that passes a mesh point: virtual displacements at fixed x̄ are δr|_η + r' δσ, δσ the
+    /// drift through the mesh. Of a load k on r'' the part in δσ is left out: a mesh point does not know r'''.
+    #[inline(always)]
+    pub fn of_particle(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> Self {
+        Self {
+            position: load.position,
+            slope: load.slope,
+            bend: load.bend,
+            drift: load.position.dot(&point.slope) + load.slope.dot(&point.bend),
+            theta: T::zero(),
         }
     }
 }
