@@ -1,4 +1,4 @@
-//! An FMI 2.0 co-simulation slave around any model: C ABI, state machine, variable table, snapshots, log, description.
+//! An FMI 2.0 co-simulation slave around any model: C functions, state machine, variable table, snapshots, log, description.
 //!
 //! Nothing here knows what is modelled. A model is a [`Unit`]: settings that the master writes (parameters and
 //! inputs), readings that it reads, a start and a step; and one [`Table`] that binds each variable's name to its
@@ -14,13 +14,13 @@
 //! - [`description`]: the XML and the GUID made from it;
 //! - [`resources`]: the resource location, a URI;
 //! - `processor`: whether it has what the binary is compiled for;
-//! - [`c_abi`]: the exported functions, the only place with `unsafe`.
+//! - [`c_abi`]: the C functions for any unit, the only place with `unsafe`; `export!` names them for one unit.
 //!
 //! There are no globals and no threads; every instance owns all it uses.
 
 #[forbid(unsafe_code)]
 pub mod bytes;
-#[allow(unsafe_code, non_snake_case)]
+#[allow(unsafe_code)]
 pub mod c_abi;
 #[forbid(unsafe_code)]
 pub mod description;
@@ -43,6 +43,7 @@ pub mod table;
 #[forbid(unsafe_code)]
 pub mod unit;
 
+pub(crate) use c_abi::exports::export;
 pub use description::{guid, model_description};
 pub use slave::Slave;
 pub use table::Table;
