@@ -13,7 +13,7 @@ use crate::fmi2::slave::Slave;
 use crate::fmi2::unit::Unit;
 use crate::fmi2::{processor, resources};
 
-/// The importer's logger, with what it wants to hear with every message.
+/// The importer's logger, with the arguments that every message has in common.
 struct Importer {
     logger: Logger,
     environment: *mut c_void,
@@ -93,7 +93,6 @@ unsafe fn create<U: Unit>(
     functions: *const CallbackFunctions,
     logging_on: c_int,
 ) -> Component {
-    const CO_SIMULATION: c_int = 1;
     contain(ptr::null_mut(), || {
         // SAFETY: null or valid, as the caller grants.
         let (name, guid, location, functions) = unsafe {
@@ -111,20 +110,7 @@ unsafe fn create<U: Unit>(
                 instance: CString::new(name.clone().unwrap_or_default()).unwrap_or_default(),
             })
         });
-        let expected = description::guid::<U>();
-        let objection = if name.is_none_or(|name| name.is_empty()) {
-            Some("the instance name is missing".to_string())
-        } else if fmu_type != CO_SIMULATION {
-            Some("this FMU is for co-simulation only".to_string())
-        } else {
-            match guid {
-                None => Some("the GUID is missing".to_string()),
-                Some(guid) if guid != expected => Some(format!(
-                    "the GUID {guid} is not that of this binary, {expected}: the model description belongs to another one"
-                )),
-                Some(_) => None,
-            }
-        };
+        let objection = objection::<U>(name.as_deref(), fmu_type, guid.as_deref());
         if let Some(objection) = objection {
             if let Some(importer) = &importer {
                 let text = format!("fmi2Instantiate: {objection}");
@@ -141,6 +127,26 @@ unsafe fn create<U: Unit>(
         }
         let sink = importer.map(|importer| Box::new(importer) as Box<dyn Sink>);
         Box::into_raw(Box::new(Slave::<U>::new(sink, logging_on != 0))).cast()
+    })
+}
+
+/// What the standard's `fmi2Type` calls co-simulation.
+const CO_SIMULATION: c_int = 1;
+
+/// Why no instance is created for these arguments, if they don't fit this FMU.
+fn objection<U: Unit>(name: Option<&str>, fmu_type: c_int, guid: Option<&str>) -> Option<String> {
+    if name.is_none_or(str::is_empty) {
+        return Some("the instance name is missing".to_string());
+    }
+    if fmu_type != CO_SIMULATION {
+        return Some("this FMU is for co-simulation only".to_string());
+    }
+    let Some(guid) = guid else {
+        return Some("the GUID is missing".to_string());
+    };
+    let expected = description::guid::<U>();
+    (guid != expected).then(|| {
+        format!("the GUID {guid} is not that of this binary, {expected}: the model description belongs to another one")
     })
 }
 

@@ -14,13 +14,13 @@ pub type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct CallbackFunctions {
-    /// Takes messages; may be null.
+    /// The importer's function for messages; may be null.
     pub logger: Option<Logger>,
-    /// Unused.
+    /// Not called.
     pub allocate_memory: Option<unsafe extern "C" fn(size_t, size_t) -> *mut c_void>,
-    /// Unused.
+    /// Not called.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
-    /// Unused.
+    /// Not called.
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
     /// First argument of the logger.
     pub component_environment: *mut c_void,
