@@ -96,7 +96,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
         self.theta += theta * weight;
     }
 
-    /// What [`ElementLoad::add`] gains on Θ where the point varies under a fixed load.
+    /// Adds the variation of Θ's force in [`ElementLoad::add`] where the point varies and the load does not.
     #[inline(always)]
     pub fn add_varied(
         &mut self,
@@ -109,8 +109,8 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
         self.theta -= (load.slope.dot(&variation.slope) + load.bend.dot(&variation.bend) * 2.0) * growth * weight;
     }
 
-    /// What [`ElementLoad::nodes`] gains on Θ where the slope of a node varies by `by` in component `k` under fixed
-    /// loads.
+    /// The variation of Θ's force in [`ElementLoad::nodes`] where component `k` of a node's slope varies by `by` and the
+    /// loads do not.
     #[inline(always)]
     pub fn slope_varied(&self, node: usize, k: usize, by: f64, element: &ElementMotion<T, D>) -> T {
         self.d[2 * node + 1][k] * element.length.d * by

@@ -38,7 +38,7 @@ pub struct ReferenceMotion<T> {
 impl<T: Real> ReferenceMotion<T> {
     /// Speed w = ṡ − ξ_Θ Θ̇ at which the material passes a mesh point, m/s, and its rate, m/s².
     #[inline(always)]
-    pub fn passing(&self, xi: &Jet<T>) -> (T, T) {
+    pub fn material_speed(&self, xi: &Jet<T>) -> (T, T) {
         let (rate, acceleration) = (self.theta.rate, self.theta.acceleration);
         (
             self.s_dot - xi.d * rate,
@@ -47,7 +47,7 @@ impl<T: Real> ReferenceMotion<T> {
     }
 }
 
-/// An element's overlay in the length-free coordinates d, or none of it (`ALE0`).
+/// Motion of an element: its length, and its overlay in the length-free coordinates d. `ALE0` has no overlay.
 #[derive(Clone, Copy, Debug)]
 pub struct ElementMotion<T: Real, const D: usize = 2> {
     /// Element length l(Θ), m.

@@ -36,7 +36,7 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
     pub w: T,
     /// ẇ at fixed η, m/s².
     pub w_dot: T,
-    /// γ' as damping takes it, 1/m: at first that of the point; [`super::ale`] says why a mean takes its place.
+    /// γ' that damping acts on, 1/m: that of the point, until a mean replaces it (see [`ale`](crate::ring::ale)).
     pub strain_gradient: T,
 }
 
@@ -45,7 +45,7 @@ impl<T: Real> RingPoint<T> {
     #[inline(always)]
     pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> Self {
         let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
-        let (w, w_dot) = motion.passing(&reference.xi);
+        let (w, w_dot) = motion.material_speed(&reference.xi);
         Self {
             reference,
             r: reference.r,
@@ -93,7 +93,7 @@ impl<T: Real, const D: usize> RingPoint<T, D> {
         }
         let (stretch, inverse_stretch) = slope.dot(&slope).root_and_inverse();
         let t = slope * inverse_stretch;
-        let (w, w_dot) = motion.passing(&reference.xi);
+        let (w, w_dot) = motion.material_speed(&reference.xi);
         Self {
             reference,
             r,

@@ -8,10 +8,10 @@ use crate::solver::View;
 /// Position error of a step that is tolerated unless it is changed, in units of L.
 const TOLERANCE: f64 = 1.0e-5;
 
-/// A free ring.
+/// A ring that no chain, contact or pulley touches.
 #[derive(Clone, Debug)]
 pub struct RingSystem<M, const D: usize = 2, const N: usize = DIRECTIONS> {
-    /// Ring model on its mesh.
+    /// The ring model on its mesh.
     pub model: M,
     /// Position error of a step that is tolerated, in units of L (deflection, drift) and 1 (slope, Θ). Infinite:
     /// every step is accepted, so the longest step of the integrator is the step.

@@ -15,7 +15,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
         self.at_rest(theta, |model, q| model.lay_on_curve(q))
     }
 
-    /// At rest on a shape: (r, r') at ξ. Nodes stand on it exactly, what is between them as the model can.
+    /// At rest on a shape: (r, r') at ξ. Nodes are on it exactly, and the rest of an element as closely as it can.
     #[must_use]
     pub fn rest_on(&self, theta: f64, shape: Shape<'_, D>) -> State {
         self.at_rest(theta, |model, q| model.lay(shape, q))
@@ -70,8 +70,8 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     }
 
     /// Lets a ring at rest that is nearly in balance find it: `count` implicit steps of size `step`, s, whose
-    /// velocities are forgotten. What is stiff against `step` settles, what is soft hardly moves: so the stretch goes
-    /// that cubic elements have when they are laid on a shape.
+    /// velocities are set to zero. What is stiff against `step` settles, and what is soft hardly moves. So the stretch
+    /// vanishes that cubic elements have after [`RingSystem::rest_on`].
     ///
     /// # Errors
     /// The step size fell below the integrator's smallest.
