@@ -59,8 +59,8 @@ pub struct FlankMotion<T> {
 }
 
 impl<T: Real> FlankMotion<T> {
-    /// Of the flank towards which an element is off the middle by `offset`, m, and moves at `speed`, m/s; for the other
-    /// flank both are the opposite.
+    /// The motion of a flank whose element is off the middle towards it by `offset`, m, and moves towards it at `speed`,
+    /// m/s. For the other flank both have the opposite sign.
     #[inline(always)]
     #[must_use]
     pub fn shifted(&self, offset: T, speed: T, sin_beta: f64) -> Self {
@@ -86,7 +86,7 @@ pub struct FlankForce<T> {
     pub along_flank: T,
 }
 
-/// The law; `cos_beta` = cos β.
+/// Forces on an element that moves like this; `cos_beta` = cos β.
 #[inline(always)]
 pub fn flank_force<T: Real>(
     contact: &Contact,
@@ -117,12 +117,15 @@ pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: 
     2.0 * friction.pulley * force * radius / cos_beta
 }
 
+/// Clearance at which the elastic energy is counted as zero, m: no flank is that far from its sheave.
+const WIDEST_CLEARANCE: f64 = 1.0;
+
 /// Elastic energy of a flank per pitch-line length, J/m.
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
-    crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, 1.0) * stiffness
+    crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, WIDEST_CLEARANCE) * stiffness
 }
 
 #[cfg(test)]

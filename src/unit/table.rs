@@ -50,13 +50,13 @@ macro_rules! read {
     };
 }
 
-/// Whose variables are listed: the name that stands for `{}` in the rows, and what is added to their references.
+/// The owner of the rows that follow: the name that stands for `{}`, and the number that is added to the references.
 type Owner = (&'static str, u32);
 const WHOLE: Owner = ("", 0);
 const PRIMARY: Owner = ("primary", 100);
 const SECONDARY: Owner = ("secondary", 200);
 
-/// Table under construction.
+/// The rows of the table so far, and the owner of the next ones.
 struct Rows {
     variables: Vec<Variable<Settings, Readings>>,
     owner: Owner,

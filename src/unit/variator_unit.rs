@@ -9,16 +9,16 @@ use crate::variator::parameters::Parameters;
 use crate::variator::signals::{Inputs, Readings};
 use crate::variator::validation;
 
-/// What a master sets: parameters and inputs. The default is the variator of the default experiment.
+/// The values that a master sets. The default is the variator of the default experiment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
-    /// Parameters.
+    /// Parameters of the variator.
     pub parameters: Parameters,
-    /// Inputs.
+    /// Inputs of the variator.
     pub inputs: Inputs,
 }
 
-/// A variator behind the FMI.
+/// A variator behind the FMI layer.
 #[derive(Clone, Debug)]
 pub struct VariatorUnit {
     variator: Variator,
@@ -40,7 +40,8 @@ impl VariatorUnit {
         Ok(Self { variator })
     }
 
-    fn pass_messages(&mut self, remarks: &mut Vec<Remark>) {
+    /// Moves the variator's messages to the remarks.
+    fn move_messages(&mut self, remarks: &mut Vec<Remark>) {
         let messages = self.variator.take_messages();
         remarks.extend(messages.into_iter().map(|message| Remark {
             warning: message.warning,
@@ -78,7 +79,7 @@ impl Unit for VariatorUnit {
     fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::build(settings, experiment, remarks)?;
         let started = unit.variator.initialise(experiment.start, &settings.inputs);
-        unit.pass_messages(remarks);
+        unit.move_messages(remarks);
         started.map_err(|error| error.to_string())?;
         Ok(unit)
     }
@@ -98,7 +99,7 @@ impl Unit for VariatorUnit {
         }
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
         let advanced = self.variator.advance_along(to, &settings.inputs, &rates);
-        self.pass_messages(remarks);
+        self.move_messages(remarks);
         advanced.map_err(|error| match error {
             StepError::Input(error) => StepFailure::Setting(error.to_string()),
             stalled @ StepError::Stalled { .. } => StepFailure::Discarded(stalled.to_string()),
