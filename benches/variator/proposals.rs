@@ -72,7 +72,7 @@ fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
 fn dense(system: &mut VariatorSystem, state: &State, alpha: f64) -> DMatrix<f64> {
     let n = state.y.len();
     let mut arrow = Arrow::new(system.shape());
-    system.jacobian(state.view(), alpha, 1.0 / alpha, &mut arrow);
+    system.jacobian(0.0, state.view(), alpha, 1.0 / alpha, &mut arrow);
     let (mut matrix, mut unit) = (DMatrix::zeros(n, n), vec![0.0; n]);
     for (k, mut column) in matrix.column_iter_mut().enumerate() {
         unit[k] = 1.0;
