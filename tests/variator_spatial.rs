@@ -1,12 +1,14 @@
 //! The belt out of its plane: misaligned pulleys, and a ring that deflects along z.
 
-mod common;
-
-use common::{At, Run, SPEED, Steady, assert_close, given, inputs, mesh, steady, variator};
 use pushbelt::solver::System;
 use pushbelt::variator::layout::{Global, Layout};
 use pushbelt::variator::mesh::P;
 use pushbelt::variator::parameters::{Parameters, RingModel};
+use pushbelt_lab::checks::assert_close;
+use pushbelt_lab::load_cases::given;
+use pushbelt_lab::run::Run;
+use pushbelt_lab::steady::{At, Steady, steady};
+use pushbelt_lab::variators::{SPEED, inputs, mesh, variator};
 
 /// Ratio of the steady states.
 const RATIO: f64 = 2.0;

@@ -380,9 +380,9 @@ impl System for VariatorSystem {
 mod tests {
     use super::super::start::{Start, kinematic_state};
     use super::*;
-    use crate::noise::noise;
     use crate::solver::State;
     use crate::solver::differences::compare;
+    use pushbelt_lab::noise;
 
     /// A small variator with this ring, in the plane, on the aligned mesh.
     fn small(ring_model: RingModel) -> Parameters {
