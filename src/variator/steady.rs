@@ -238,9 +238,11 @@ impl<'a> Control<'a> {
         // Slower than the belt settles, or the two integrators would swing up against it.
         let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
-        let holding = system.holding_force(reaction, trial.after, system.belt_load(reaction));
+        let sums = system.surveyed(trial.after).sums;
+        let holding = system.holding_force(reaction, trial.after, sums.axial[reaction]);
         self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
-        let present = geometric_ratio(system, trial.after);
+        let radii = system.mean_radii(trial.after, &sums);
+        let present = radii[S] / radii[P];
         self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
         let was_gripping = self.gripping;

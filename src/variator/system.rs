@@ -233,12 +233,6 @@ impl VariatorSystem {
         view.q[self.layout.global(Global::Theta, 0)]
     }
 
-    /// Axial force of the belt on one sheave as of the last residual, N.
-    #[must_use]
-    pub fn belt_load(&self, j: usize) -> f64 {
-        self.sums[j].axial
-    }
-
     /// What the ring does in the cells: [`GUIDED`], [`FIXED`] or [`TURNING`].
     pub(super) fn ring_kind(&self) -> u8 {
         match (self.layout.flexible, self.law.parameters.reference_directions) {
