@@ -18,6 +18,8 @@ pub trait Real:
     Copy
     + std::fmt::Debug
     + PartialEq
+    + Send
+    + Sync
     + 'static
     + Zero
     + One

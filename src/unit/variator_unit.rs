@@ -4,10 +4,9 @@ use super::table;
 use crate::fmi2::Table;
 use crate::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
-use crate::variator::instance::{StepError, Variator};
-use crate::variator::parameters::Parameters;
-use crate::variator::signals::{Inputs, Readings};
-use crate::variator::validation;
+use crate::variator::run::{StepError, Variator};
+use crate::variator::settings::Parameters;
+use crate::variator::settings::{Inputs, Readings, range_of};
 
 /// The values that a master sets. The default is the variator of the default experiment.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -145,7 +144,7 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) 
         }
         return parameter;
     }
-    let (min, max) = validation::range_of("solver.tolerance").unwrap_or((0.0, 1.0));
+    let (min, max) = range_of("solver.tolerance").unwrap_or((0.0, 1.0));
     let tolerance = experiment.clamp(min, max);
     if tolerance != experiment {
         let text =
