@@ -1,7 +1,7 @@
 //! The variator as an implicit system: belt, pulleys and loads put together for the solver.
 
 use crate::contact::Friction;
-use crate::pulley::Pulley;
+use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{TwoPulley, Unaligned};
 use crate::ring::ancf::AncfElement;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
@@ -15,6 +15,7 @@ use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::jacobian::Differentiate;
 use crate::variator::assembly::kinds::Standing;
 use crate::variator::assembly::packed::PackedCells;
+use crate::variator::assembly::sums::PulleyLoad;
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, RotatingRing};
 use crate::variator::cell::sample::Sample;
@@ -108,6 +109,22 @@ impl VariatorSystem {
             velocity: self.friction_velocity,
             ..self.parameters.friction
         }
+    }
+
+    /// The residual, into `out`; returns the loads of the belt on the pulleys.
+    pub(crate) fn evaluate(&mut self, time: f64, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
+        out.fill(0.0);
+        let friction = &self.friction();
+        let belt = &*self.belt;
+        let loads = self.assembly.residual(InForce { belt, friction }, view, out);
+        self.pulleys.residual(&self.loads.at(time), &loads, view, out);
+        for c in belt.gauge() {
+            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
+                out[c.multiplier] += HOLD * sign * view.y[node];
+                out[node] += HOLD * sign * view.y[c.multiplier];
+            }
+        }
+        loads
     }
 
     /// Values at the stations of each group of cells.
@@ -207,17 +224,7 @@ impl System for VariatorSystem {
     }
 
     fn residual(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
-        out.fill(0.0);
-        let friction = &self.friction();
-        let belt = &*self.belt;
-        let loads = self.assembly.residual(InForce { belt, friction }, view, out);
-        self.pulleys.residual(&self.loads.at(time), &loads, view, out);
-        for c in belt.gauge() {
-            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
-                out[c.multiplier] += HOLD * sign * view.y[node];
-                out[node] += HOLD * sign * view.y[c.multiplier];
-            }
-        }
+        self.evaluate(time, view, out);
     }
 
     fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {

@@ -11,6 +11,7 @@ use crate::variator::cell::balance::balance;
 use crate::variator::cell::place::CellBalance;
 use crate::variator::cell::ring::{EulerianRing, RingForces};
 use crate::variator::cell::sample::{Probe, Sample, Sampler};
+use crate::variator::cell::state::Given;
 use num_traits::Zero;
 
 /// The frame of the curve at a state.
@@ -48,6 +49,12 @@ pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
     let mut ring = K::ring::<T, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
-    let b = balance(&belt.law, friction, &place, &motion, &mut ring, reference, probe);
+    let given = Given {
+        law: &belt.law,
+        friction,
+        place: &place,
+        motion: &motion,
+    };
+    let b = balance(&given, &mut ring, reference, probe);
     (b, ring.forces())
 }

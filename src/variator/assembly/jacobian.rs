@@ -14,6 +14,7 @@ use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, 
 use crate::variator::cell::place::CellBalance;
 use crate::variator::cell::ring::VaryingRing;
 use crate::variator::cell::sample::NoProbe;
+use crate::variator::cell::state::Given;
 use crate::variator::cell::variation::Linearised;
 use num_traits::Zero;
 
@@ -139,10 +140,16 @@ fn vary_pack<K: RingKind<D>, const D: usize, C: Standing>(
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
     let mut ring = K::ring::<Lanes, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, plain);
+    let given = Given {
+        law: &belt.law,
+        friction,
+        place: &place,
+        motion: &motion,
+    };
     if <K::Ring<'_, Lanes> as VaryingRing<Lanes, D>>::MOVES {
-        balance(&belt.law, friction, &place, &motion, &mut ring, reference, &mut NoProbe);
+        balance(&given, &mut ring, reference, &mut NoProbe);
     }
-    let linear = Linearised::new(&belt.law, friction, &place, &motion, &ring, reference, slopes);
+    let linear = Linearised::new(given, &ring, reference, slopes);
     for k in 0..K::COUNT {
         if let Some(direction) = K::direction(k) {
             let (b, ring) = linear.vary(direction);

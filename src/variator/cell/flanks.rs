@@ -8,7 +8,7 @@ use nalgebra::{SVector, Vector2};
 
 /// What flanks do to an element, per ring length.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FlankLoads<T> {
+pub(crate) struct FlankLoads<T> {
     /// Outward, at the ring centre line, N/m.
     pub radial: T,
     /// Along e_t, at the pitch line, N/m.
@@ -27,7 +27,7 @@ pub(super) struct FlankLoads<T> {
 
 impl<T: Real> FlankLoads<T> {
     #[inline(always)]
-    pub(super) fn plus(&self, other: &Self) -> Self {
+    pub(crate) fn plus(&self, other: &Self) -> Self {
         Self {
             radial: self.radial + other.radial,
             around: self.around + other.around,
@@ -41,7 +41,10 @@ impl<T: Real> FlankLoads<T> {
 }
 
 /// Loads of both flanks of an element, per dξ.
-pub(super) struct BothFlanks<T> {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BothFlanks<T> {
+    /// Motion of the flank on the movable sheave, and of the other.
+    pub motions: [FlankMotion<T>; 2],
     /// Their sum.
     pub loads: FlankLoads<T>,
     /// Axial load on the movable sheave, N/m.
@@ -54,7 +57,7 @@ pub(super) struct BothFlanks<T> {
 
 /// How a point of the belt stands to its pulley, and how its flanks move on the sheaves.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Approach<T: Real> {
+pub(crate) struct Approach<T: Real> {
     /// Unit vector from the axis.
     pub e_r: Vector2<T>,
     /// Unit vector around it, clockwise.
@@ -120,30 +123,30 @@ impl<T: Real> Approach<T> {
     #[inline(always)]
     pub fn both_flanks<const D: usize>(
         &self,
-        law: &CellLaw,
-        friction: &Friction,
+        (law, friction): (&CellLaw, &Friction),
         plane: [T::Constant; 2],
         pulley: &PulleyMotion<T>,
-        point: &RingPoint<T, D>,
-        v_e: &SVector<T, D>,
+        (point, v_e): (&RingPoint<T, D>, &SVector<T, D>),
         lambda: T,
     ) -> BothFlanks<T> {
         let one = |flank: &FlankMotion<T>| {
             let force = flank_force(&law.contact, friction, law.wedge[1], flank);
             self.loads(law, lambda, flank, &force)
         };
-        let (offset, flanks) = self.flanks(law, plane, pulley, point, v_e);
-        let movable = one(&flanks[0]);
+        let (offset, motions) = self.flanks(law, plane, pulley, point, v_e);
+        let movable = one(&motions[0]);
         if D == 2 {
             return BothFlanks {
+                motions,
                 loads: movable.plus(&movable),
                 on_movable: movable.axial,
                 offset,
                 lateral: T::zero(),
             };
         }
-        let fixed = one(&flanks[1]);
+        let fixed = one(&motions[1]);
         BothFlanks {
+            motions,
             loads: movable.plus(&fixed),
             on_movable: movable.axial,
             offset,

@@ -10,4 +10,5 @@ pub(crate) mod ring;
 pub(crate) mod ring_friction;
 pub(crate) mod rotating;
 pub mod sample;
+pub(crate) mod state;
 pub(crate) mod variation;

@@ -14,9 +14,10 @@ use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, zero_vector};
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flanks::{Approach, FlankLoads};
-use crate::variator::cell::place::{CellBalance, CellLaw, CellMotion, Place, between, share};
+use crate::variator::cell::place::{CellBalance, CellLaw, between, share};
 use crate::variator::cell::ring::{Action, RingForces, VaryingRing};
-use crate::variator::cell::ring_friction::{pressing, ring_friction};
+use crate::variator::cell::ring_friction::ring_friction;
+use crate::variator::cell::state::{CellState, Given, Station, StationForces};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use nalgebra::SVector;
 use num_traits::Zero;
@@ -135,41 +136,54 @@ struct Point<const D: usize> {
     turn: Turn<Lanes>,
     weight: Lanes,
     right: Lanes,
-    own_load: Load<Lanes, D>,
-    /// Mass of the elements per dξ, kg/m, their a·t̂ and a along the normals, m/s².
-    mass: Lanes,
-    acceleration: (Lanes, [Lanes; 2]),
+    forces: StationForces<Lanes, D>,
     /// v_e·e_t and v_p·e_r, m/s.
     crosswise: [Lanes; 2],
-    approach: Approach<Lanes>,
     /// On the movable sheave; in space also on the other.
     flanks: [Flank; 2],
-    /// Of both.
-    loads: FlankLoads<Lanes>,
-    /// What they do at the ring centre line, N/m.
-    at_ring_line: SVector<Lanes, D>,
-    /// Forces along the normals, inwards.
-    inward: [Lanes; 2],
-    /// Ring friction, its derivatives by the load's argument T − m_r ṡ² and by the sliding speed.
-    friction: [Lanes; 3],
-    /// Conjugate of v_e·t̂: flanks and ring friction, N/m.
-    tangential: Lanes,
+    /// Derivatives of ring friction by the load's argument T − m_r ṡ² and by the sliding speed.
+    friction_by: [Lanes; 2],
+}
+
+impl<const D: usize> Point<D> {
+    #[inline(always)]
+    fn new(
+        given: &Given<'_, Lanes>,
+        (i, station): (usize, &Station<Lanes, D>),
+        forces: StationForces<Lanes, D>,
+    ) -> Self {
+        let Station { ring, chain, weight } = *station;
+        let StationForces { v_e, v_p, approach, .. } = &forces;
+        let friction = ring_friction(
+            given.friction,
+            Tangent::<2>::seed(forces.pressing, 0, 1.0),
+            Tangent::constant(ring.reference.kappa),
+            Tangent::seed(forces.sliding, 1, 1.0),
+        );
+        Self {
+            turn: chain.turn(&ring),
+            weight,
+            right: given.place.stations[i].right,
+            crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
+            flanks: forces
+                .flanks
+                .motions
+                .map(|motion| Flank::new(given.law, given.friction, &motion)),
+            friction_by: friction.eps,
+            forces,
+            ring,
+            chain,
+        }
+    }
 }
 
 /// A pack of cells, and what its balance is linear in.
 #[derive(Debug)]
 pub(crate) struct Linearised<'a, R, const D: usize> {
-    law: &'a CellLaw,
-    friction: &'a Friction,
-    place: &'a Place<'a, Lanes>,
-    motion: &'a CellMotion<Lanes>,
+    given: Given<'a, Lanes>,
     ring: &'a R,
+    cell: CellState<Lanes, D>,
     points: [Option<Point<D>>; STATIONS],
-    face: (RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
-    inverse_pitch_length: Lanes,
-    inverse_length: Lanes,
-    density: Lanes,
-    lengthening: Lanes,
     push: Lanes,
     /// Push force, collision force and lag: by density, its rate, flow and difference of V.
     stack: [[Lanes; 4]; 3],
@@ -177,147 +191,38 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Of cells whose `ring`, if it moves, has taken the loads of [`balance`](crate::variator::cell::balance) at the same motion;
-    /// `slopes` are the factors of acceleration and position.
+    /// Of cells to whose `ring`, if it moves, the loads of [`balance`](crate::variator::cell::balance::balance) at the same
+    /// motion were applied; `slopes` are the factors of acceleration and position.
     #[inline(always)]
     pub fn new(
-        law: &'a CellLaw,
-        friction: &'a Friction,
-        place: &'a Place<'a, Lanes>,
-        motion: &'a CellMotion<Lanes>,
+        given: Given<'a, Lanes>,
         ring: &'a R,
         reference: impl Fn(usize) -> ReferencePoint<Lanes>,
         slopes: [f64; 2],
     ) -> Self {
-        let e = law.chain.pitch_offset;
-        let theta_dot = motion.reference.theta.rate;
-        let length = place.length.v;
-        let chain_at = |slot: usize, speed: Lanes| {
-            let ring = ring.point(slot, reference(slot));
-            (ring, ChainPoint::new(e, &ring, theta_dot, speed))
-        };
-        let zero = Lanes::zero();
-        let (mut pitch_length, mut carried, mut through, mut cell_length) = (zero, zero, zero, zero);
-        let mut steepness = zero;
-        let mut seen = [None; STATIONS];
-        for (i, (seen, station)) in seen.iter_mut().zip(place.stations).enumerate() {
-            let speed = between(&motion.speed, station.right);
-            let (point, chain) = chain_at(i + 1, speed);
-            let weight = length * station.weight;
-            pitch_length += weight * chain.lambda;
-            for k in 0..D - 1 {
-                carried += weight * chain.curvature[k] * chain.normal_speed[k];
+        let mut cell = CellState::new(&given, ring, reference);
+        // By division: the last bit of a Jacobian decides which cells a step in macro-slip finds sticking.
+        cell.density = given.motion.amount / cell.pitch_length;
+        let arguments = cell.stack_arguments();
+        let seeded = std::array::from_fn(|k| Tangent::<4>::seed(arguments[k], k, 1.0));
+        let Stack { push, collision, lag } = Stack::new(&given.law.chain, seeded);
+        let lag = if given.law.has_lag { lag.eps } else { [Lanes::zero(); 4] };
+        let mut points = [None; STATIONS];
+        for (i, (point, station)) in points.iter_mut().zip(&cell.stations).enumerate() {
+            if let Some(station) = station {
+                let forces = StationForces::new(&given, &cell, (i, station), ring, push.force.re);
+                *point = Some(Point::new(&given, (i, station), forces));
             }
-            through += weight * chain.flow;
-            cell_length += weight;
-            steepness += weight * point.strain_gradient;
-            *seen = Some((point, chain, weight));
         }
-        let difference = motion.speed[1] - motion.speed[0];
-        let density = motion.amount / pitch_length;
-        let lengthening = difference - carried;
-        let (inverse_pitch_length, inverse_length) = (pitch_length.recip(), cell_length.recip());
-        let arguments = [
-            density,
-            -(density * lengthening * inverse_pitch_length),
-            through * inverse_length,
-            difference,
-        ];
-        let Stack { push, collision, lag } = Stack::new(
-            &law.chain,
-            std::array::from_fn(|k| Tangent::<4>::seed(arguments[k], k, 1.0)),
-        );
-        let mut this = Self {
-            law,
-            friction,
-            place,
-            motion,
+        Self {
+            given,
             ring,
-            points: [None; STATIONS],
-            face: chain_at(0, motion.speed[0]),
-            inverse_pitch_length,
-            inverse_length,
-            density,
-            lengthening,
+            cell,
+            points,
             push: push.force.re,
-            stack: [
-                push.force.eps,
-                collision.eps,
-                if law.has_lag { lag.eps } else { [zero; 4] },
-            ],
+            stack: [push.force.eps, collision.eps, lag],
             slopes,
-        };
-        for (i, mut seen) in seen.into_iter().enumerate() {
-            if let Some((point, ..)) = &mut seen {
-                point.strain_gradient = steepness * inverse_length;
-            }
-            this.points[i] = seen.map(|seen| this.point(i, seen));
         }
-        this
-    }
-
-    #[inline(always)]
-    fn point(&self, i: usize, (ring, chain, weight): (RingPoint<Lanes, D>, ChainPoint<Lanes, D>, Lanes)) -> Point<D> {
-        let (law, pulley) = (self.law, &self.motion.pulley);
-        let right = self.place.stations[i].right;
-        let mut own_load = Load::zero();
-        let tension = self.ring.own_load(i + 1, &ring, &mut own_load);
-        let speed_dot = between(&self.motion.speed_dot, right);
-        let difference = self.motion.speed[1] - self.motion.speed[0];
-        let acceleration = chain.acceleration(&ring, speed_dot, difference * self.inverse_length);
-        let mass = self.density * chain.lambda * law.chain.mass_per_length;
-        let v_e = chain.ring_line_velocity(&ring);
-        let v_p = chain.pitch_velocity(&ring);
-        let approach = Approach::new(law, self.place.axis, pulley, &ring, [&v_e, &v_p]);
-        let plane = self.place.plane;
-        let (_, motions) = approach.flanks(law, plane, pulley, &ring, &v_e);
-        let flanks = motions.map(|motion| Flank::new(law, self.friction, &motion));
-        let each = [0, 1].map(|k| approach.loads(law, chain.lambda, &motions[k], &flanks[k].force));
-        let loads = each[0].plus(&each[1]);
-        let at_pitch_line = approach.e_t * -loads.around;
-        let mut at_ring_line: SVector<Lanes, D> = embed(approach.e_r * -loads.radial);
-        if D > 2 {
-            at_ring_line[D - 1] += (each[0].axial - each[1].axial) * plane[0];
-        }
-        let mut inward = [Lanes::zero(); 2];
-        for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
-            let normal = &chain.normals[k];
-            *inward = mass * acceleration.1[k]
-                + self.push * chain.curvature[k]
-                + at_pitch_line.dot(&in_plane(normal))
-                + at_ring_line.dot(normal);
-        }
-        let friction = self.ring_friction(tension, &ring, &chain);
-        Point {
-            weight,
-            right,
-            own_load,
-            mass,
-            acceleration,
-            crosswise: [in_plane(&v_e).dot(&approach.e_t), in_plane(&v_p).dot(&approach.e_r)],
-            approach,
-            flanks,
-            loads,
-            at_ring_line,
-            inward,
-            tangential: at_ring_line.dot(&ring.t) - friction[0],
-            friction,
-            turn: chain.turn(&ring),
-            ring,
-            chain,
-        }
-    }
-
-    /// Ring friction and its derivatives by T − m_r ṡ² and by the sliding speed.
-    #[inline(always)]
-    fn ring_friction(&self, tension: Lanes, ring: &RingPoint<Lanes, D>, chain: &ChainPoint<Lanes, D>) -> [Lanes; 3] {
-        let pressing = pressing(&self.law.ring, tension, self.motion.reference.s_dot);
-        let pressing = Tangent::<2>::seed(pressing, 0, 1.0);
-        let sliding = ring.t.dot(&ring.r_dot) + ring.w * ring.stretch - chain.ring_line_speed();
-        let sliding = Tangent::seed(sliding, 1, 1.0);
-        let kappa = Tangent::constant(ring.reference.kappa);
-        let friction = ring_friction(self.friction, pressing, kappa, sliding);
-        [friction.re, friction.eps[0], friction.eps[1]]
     }
 
     /// How balance and ring forces vary in a direction.
@@ -386,10 +291,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
         if MOVES {
             for (by, _) in varied.iter_mut().flatten() {
-                by.strain_gradient = steepness * self.inverse_length;
+                by.strain_gradient = steepness * self.cell.inverse_length;
             }
         }
-        let (ring, chain) = &self.face;
+        let (ring, chain) = &self.cell.face;
         let (_, face) = at(0, ring, chain, speed[0]);
         let amount = if direction == Direction::Amount {
             Lanes::from(1.0)
@@ -398,13 +303,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         };
         let difference = speed[1] - speed[0];
         let lengthening = difference - carried;
-        let inverse = self.inverse_pitch_length;
-        let density = (amount - self.density * pitch_length) * inverse;
-        let thinning = (self.density * self.lengthening * inverse * pitch_length
-            - density * self.lengthening
-            - self.density * lengthening)
+        let inverse = self.cell.inverse_pitch_length;
+        let density = (amount - self.cell.density * pitch_length) * inverse;
+        let thinning = (self.cell.density * self.cell.lengthening * inverse * pitch_length
+            - density * self.cell.lengthening
+            - self.cell.density * lengthening)
             * inverse;
-        let arguments = [density, thinning, through * self.inverse_length, difference];
+        let arguments = [density, thinning, through * self.cell.inverse_length, difference];
         let [push, collision, lag] = [0, 1, 2].map(|k| {
             let slopes = &self.stack[k];
             slopes[0] * arguments[0] + slopes[1] * arguments[1] + slopes[2] * arguments[2] + slopes[3] * arguments[3]
@@ -418,7 +323,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         };
 
         // Stations.
-        let gradient = (self.motion.speed[1] - self.motion.speed[0]) * self.inverse_length;
+        let gradient = self.cell.speed_gradient();
         let mut sum = self.ring.empty();
         for (i, (point, varied)) in self.points.iter().zip(&varied).enumerate() {
             let (Some(point), Some((by, chain_by))) = (point, varied) else {
@@ -427,15 +332,15 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let (ring, chain) = (&point.ring, &point.chain);
             let mut load = Load::zero();
             let tension = self.ring.vary_own_load(i + 1, ring, by, own, &mut load);
-            let mass = (density * chain.lambda + self.density * by.stretch) * self.law.chain.mass_per_length;
+            let mass = (density * chain.lambda + self.cell.density * by.stretch) * self.given.law.chain.mass_per_length;
             let speed_dot = chain_by.speed * alpha;
-            let gradients = [gradient, difference * self.inverse_length];
+            let gradients = [gradient, difference * self.cell.inverse_length];
             let (a_t, a_n) = chain.vary_acceleration(ring, &point.turn, (by, chain_by), speed_dot, gradients);
-            let (base_t, base_n) = point.acceleration;
+            let (base_t, base_n) = point.forces.acceleration;
             let mut inward = [zero; 2];
             for k in 0..D - 1 {
                 inward[k] = mass * base_n[k]
-                    + point.mass * a_n[k]
+                    + point.forces.mass * a_n[k]
                     + push * chain.curvature[k]
                     + self.push * chain_by.curvature[k];
             }
@@ -443,11 +348,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 by,
                 chain: chain_by,
                 flank: &self.flank::<MOVES>(point, by, chain_by),
-                along: mass * base_t + point.mass * a_t,
+                along: mass * base_t + point.forces.mass * a_t,
                 inward,
                 tension,
                 pressing: if direction == Direction::Drift {
-                    tension - self.motion.reference.s_dot * (2.0 * self.law.ring.mass_per_length)
+                    tension - self.given.motion.reference.s_dot * (2.0 * self.given.law.ring.mass_per_length)
                 } else {
                     tension
                 },
@@ -462,12 +367,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     fn pulley_column(&self, direction: Direction) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let zero = Lanes::zero();
         let [alpha, beta] = self.slopes;
-        let [sin_beta, ..] = self.law.wedge;
+        let [sin_beta, ..] = self.given.law.wedge;
         let (mut out, mut sum) = (nothing(), self.ring.empty());
         let (by, chain) = (RingVariation::none(), ChainVariation::none());
         for (i, point) in self.points.iter().enumerate() {
             let Some(point) = point else { continue };
-            let at = &point.approach;
+            let at = &point.forces.approach;
             let mut flank = FlankVariation::of_lambda(zero);
             let motion = &mut flank.motion;
             match direction {
@@ -480,7 +385,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                     let rate = opening * at.rho * alpha;
                     motion.penetration = -(opening * at.rho);
                     motion.closing = -(rate + opening * at.v_r + slope * at.v_around);
-                    motion.along_flank = (rate + self.motion.pulley.omega * at.rho * slope) * -sin_beta;
+                    motion.along_flank = (rate + self.given.motion.pulley.omega * at.rho * slope) * -sin_beta;
                     (flank.opening, flank.opening_slope) = (opening, slope);
                 }
                 Direction::Shaft => {
@@ -516,8 +421,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         by: &RingVariation<Lanes, D>,
         chain: &ChainVariation<Lanes>,
     ) -> FlankVariation {
-        let [sin_beta, cos_beta, tan_beta] = self.law.wedge;
-        let (at, pulley) = (&point.approach, &self.motion.pulley);
+        let [sin_beta, cos_beta, tan_beta] = self.given.law.wedge;
+        let (at, pulley) = (&point.forces.approach, &self.given.motion.pulley);
         let (ring, base) = (&point.ring, &point.chain);
         let mut flank = FlankVariation::of_lambda(by.stretch);
         let mut v_e = ring.t * (chain.speed * base.lead);
@@ -553,7 +458,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             motion.along_flank -= (rate + pulley.omega * sliding) * sin_beta;
         }
         if D == 3 {
-            let [side, _] = self.place.plane;
+            let [side, _] = self.given.place.plane;
             flank.offset = [by.r[D - 1] * side, v_e[D - 1] * side];
         }
         flank
@@ -570,48 +475,51 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
-        let (ring, chain, at) = (&point.ring, &point.chain, &point.approach);
+        let (ring, chain, at) = (&point.ring, &point.chain, &point.forces.approach);
         let Change { by, flank, .. } = *change;
         let ring_along = load.position.dot(&ring.t);
         let mut at_ring_line: SVector<Lanes, D> = zero_vector();
         let (loads, on_movable) = if D == 2 {
-            let one = point.flanks[0].vary(self.law, at, chain.lambda, flank, &flank.motion);
+            let one = point.flanks[0].vary(self.given.law, at, chain.lambda, flank, &flank.motion);
             (one.plus(&one), one.axial)
         } else {
-            let [side, _] = self.place.plane;
+            let [side, _] = self.given.place.plane;
             let [offset, speed] = flank.offset;
-            let [movable, fixed] =
-                [1.0, -1.0].map(|sign| flank.motion.shifted(offset * sign, speed * sign, self.law.wedge[0]));
-            let movable = point.flanks[0].vary(self.law, at, chain.lambda, flank, &movable);
-            let fixed = point.flanks[1].vary(self.law, at, chain.lambda, flank, &fixed);
+            let [movable, fixed] = [1.0, -1.0].map(|sign| {
+                flank
+                    .motion
+                    .shifted(offset * sign, speed * sign, self.given.law.wedge[0])
+            });
+            let movable = point.flanks[0].vary(self.given.law, at, chain.lambda, flank, &movable);
+            let fixed = point.flanks[1].vary(self.given.law, at, chain.lambda, flank, &fixed);
             at_ring_line[D - 1] += (movable.axial - fixed.axial) * side;
             (movable.plus(&fixed), movable.axial)
         };
         let mut push_out = at.e_r * loads.radial;
         let mut drag = at.e_t * loads.around;
         if MOVES {
-            push_out += at.e_t * (flank.turn * point.loads.radial);
-            drag -= at.e_r * (flank.turn * point.loads.around);
+            push_out += at.e_t * (flank.turn * point.forces.flanks.loads.radial);
+            drag -= at.e_r * (flank.turn * point.forces.flanks.loads.around);
         }
         at_ring_line -= embed(push_out);
         let mut along = change.along - drag.dot(&in_plane(&ring.t));
         let mut tangential = at_ring_line.dot(&ring.t);
-        let base_drag = at.e_t * point.loads.around;
+        let base_drag = at.e_t * point.forces.flanks.loads.around;
         if MOVES {
-            tangential += point.at_ring_line.dot(&by.t);
-            along += point.tangential * change.chain.lead - base_drag.dot(&in_plane(&by.t));
+            tangential += point.forces.at_ring_line.dot(&by.t);
+            along += point.forces.tangential * change.chain.lead - base_drag.dot(&in_plane(&by.t));
         }
         for k in 0..D - 1 {
             let normal = &chain.normals[k];
             let mut inward = change.inward[k] - drag.dot(&in_plane(normal)) + at_ring_line.dot(normal);
             if MOVES {
-                inward += point.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));
-                load.position += by.normals[k] * point.inward[k];
+                inward += point.forces.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));
+                load.position += by.normals[k] * point.forces.inward[k];
             }
             load.position += normal * inward;
         }
         let weight = point.weight;
-        let [axial, base_axial] = [loads.axial * 0.5, point.loads.axial * 0.5];
+        let [axial, base_axial] = [loads.axial * 0.5, point.forces.flanks.loads.axial * 0.5];
         let mut moment = at.e_r * (axial * at.rho);
         if MOVES {
             moment += at.e_r * (base_axial * flank.rho) + at.e_t * (base_axial * at.rho * flank.turn);
@@ -621,7 +529,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         out.tilting[1] -= moment.y * weight;
         out.torque += loads.torque * weight;
 
-        let [friction, by_load, by_sliding] = point.friction;
+        let ([by_load, by_sliding], friction) = (point.friction_by, point.forces.ring_friction);
         let mut sliding = by.w * ring.stretch - change.chain.speed * chain.lead;
         if MOVES {
             sliding += change.chain.along + ring.w * by.stretch - chain.speed * change.chain.lead;
@@ -643,7 +551,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             along: ring_along + dragged,
             weight,
         };
-        self.ring.apply_varied(sum, i + 1, (ring, by), &point.own_load, &action);
+        self.ring
+            .apply_varied(sum, i + 1, (ring, by), &point.forces.own_load, &action);
         for face in [0, 1] {
             out.speed[face] += along * weight * share::<Lanes>(face, point.right);
         }

@@ -6,9 +6,11 @@
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
+use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::continuation::{Settled, Settling, Trial, settle};
 use crate::solver::newton::Newton;
-use crate::solver::{State, View};
+use crate::solver::{State, System, View};
+use crate::variator::assembly::sums::PulleyLoad;
 use crate::variator::belt::Belt;
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::Parameters;
@@ -153,12 +155,55 @@ fn solve_from(
     };
     system.friction_velocity = velocity;
     system.pulleys.inertia_factor = PSEUDO_INERTIA;
-    let outcome = settle(system, newton, state, &settings, |system, trial| {
-        control.correct(system, trial)
+    let mut loaded = Loaded::new(system);
+    let outcome = settle(&mut loaded, newton, state, &settings, |loaded, trial| {
+        control.correct(loaded, trial)
     });
+    let system = loaded.system;
     system.friction_velocity = system.parameters.friction.velocity;
     system.pulleys.inertia_factor = 1.0;
     outcome
+}
+
+/// A system, and the loads of the belt on the pulleys as of the last residual.
+struct Loaded<'a> {
+    system: &'a mut VariatorSystem,
+    loads: PerPulley<PulleyLoad>,
+}
+
+impl<'a> Loaded<'a> {
+    fn new(system: &'a mut VariatorSystem) -> Self {
+        Self {
+            system,
+            loads: PerPulley::default(),
+        }
+    }
+}
+
+impl System for Loaded<'_> {
+    fn shape(&self) -> Shape {
+        self.system.shape()
+    }
+
+    fn has_position(&self) -> &[bool] {
+        self.system.has_position()
+    }
+
+    fn residual(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
+        self.loads = self.system.evaluate(time, view, out);
+    }
+
+    fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.system.jacobian(time, view, alpha, beta, out);
+    }
+
+    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.system.renew_jacobian(time, view, alpha, beta, out);
+    }
+
+    fn newton_scale(&self, beta: f64, out: &mut [f64]) {
+        self.system.newton_scale(beta, out);
+    }
 }
 
 /// What is moved on the way to a steady state: the reaction, the set point of Θ, the grip of the shafts, the softness
@@ -217,19 +262,19 @@ impl<'a> Control<'a> {
     }
 
     /// Corrects the system after a solved step. Returns how long the next one may be; none refuses the step.
-    fn correct(&mut self, system: &mut VariatorSystem, trial: &Trial<'_>) -> Option<f64> {
+    fn correct(&mut self, loaded: &mut Loaded<'_>, trial: &Trial<'_>) -> Option<f64> {
+        let Loaded { system, loads } = loaded;
         if leaps(&system.belt, trial) {
             return None;
         }
         // Slower than the belt settles, or the two integrators would swing up against it.
         let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
-        let sums = Survey::of(system, trial.after).sums;
         let holding = system
             .pulleys
-            .holding_force(reaction, trial.after, sums.axial[reaction]);
+            .holding_force(reaction, trial.after, loads[reaction].axial);
         self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
-        let present = sums.geometric_ratio(&system.belt, trial.after);
+        let present = geometric_ratio(system, trial.after);
         self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
         let was_gripping = self.gripping;

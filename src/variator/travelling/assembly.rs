@@ -18,6 +18,7 @@ use crate::variator::belt::Belt;
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::place::{CellMotion, Place};
 use crate::variator::cell::sample::{NoProbe, Probe, Sample, Sampler};
+use crate::variator::cell::state::Given;
 use crate::variator::mesh::belt_mesh::SLOTS;
 use crate::variator::mesh::layout::Layout;
 use crate::variator::mesh::order::Order;
@@ -211,7 +212,13 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let multipliers = [value(own + GAUGE), value(own + GAUGE + 1)];
         let mut passing = Passing::<_, _, E>::new(slots, &motion.reference, multipliers);
         let reference = |slot: usize| references[slot].expect("a slot of the cell");
-        let balance = balance(&belt.law, friction, &place, &motion, &mut passing, reference, probe);
+        let given = Given {
+            law: &belt.law,
+            friction,
+            place: &place,
+            motion: &motion,
+        };
+        let balance = balance(&given, &mut passing, reference, probe);
         CellRows {
             balance,
             ring: passing.into_forces(),

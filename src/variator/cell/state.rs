@@ -1,0 +1,229 @@
+//! The state of a cell and of its stations: what its balance and the derivatives of that start from.
+
+use crate::chain::{ChainPoint, Stack};
+use crate::contact::Friction;
+use crate::reference_curve::ReferencePoint;
+use crate::ring::kinematics::{Load, RingPoint, embed, in_plane};
+use crate::scalar::Real;
+use crate::variator::cell::flanks::{Approach, BothFlanks};
+use crate::variator::cell::place::{CellLaw, CellMotion, Place, between};
+use crate::variator::cell::ring::CellRing;
+use crate::variator::cell::ring_friction::{pressing, ring_friction};
+use crate::variator::mesh::belt_mesh::STATIONS;
+use nalgebra::SVector;
+
+/// What a cell is given: constants, friction, place and motion.
+#[derive(Debug)]
+pub(crate) struct Given<'a, T: Real> {
+    pub law: &'a CellLaw,
+    pub friction: &'a Friction,
+    pub place: &'a Place<'a, T>,
+    pub motion: &'a CellMotion<T>,
+}
+
+/// Ring and chain at a station, and the length dξ that it stands for, m.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Station<T: Real, const D: usize> {
+    pub ring: RingPoint<T, D>,
+    pub chain: ChainPoint<T, D>,
+    pub weight: T,
+}
+
+/// Ring and chain in a cell, and what the stack of its elements depends on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CellState<T: Real, const D: usize> {
+    /// Ring and chain at the left face.
+    pub face: (RingPoint<T, D>, ChainPoint<T, D>),
+    pub stations: [Option<Station<T, D>>; STATIONS],
+    /// Length of the pitch line, m.
+    pub pitch_length: T,
+    /// One by it, and by the length of the cell, 1/m.
+    pub inverse_pitch_length: T,
+    pub inverse_length: T,
+    /// Density ν.
+    pub density: T,
+    /// Difference of V across the cell, m/s.
+    pub difference: T,
+    /// Rate of the stack's lengthening, m/s.
+    pub lengthening: T,
+    /// Flow through the cell, m/s: its mean.
+    pub flow: T,
+}
+
+impl<T: Real, const D: usize> CellState<T, D> {
+    /// Of a cell with this `ring`, which stands on the reference curve at the face (0) and at the stations (1 and on). All
+    /// slots go through one loop, so that what they need is compiled in once.
+    #[inline(always)]
+    pub fn new<R: CellRing<T, D>>(
+        given: &Given<'_, T>,
+        ring: &R,
+        reference: impl Fn(usize) -> ReferencePoint<T>,
+    ) -> Self {
+        let Given { law, place, motion, .. } = given;
+        let e = law.chain.pitch_offset;
+        let theta_dot = motion.reference.theta.rate;
+        let length = place.length.v;
+        let mut face = None;
+        let mut stations = [None; STATIONS];
+        let (mut pitch_length, mut carried, mut through, mut steepness) = (T::zero(), T::zero(), T::zero(), T::zero());
+        for slot in 0..=place.stations.len() {
+            let point = ring.point(slot, reference(slot));
+            let Some(i) = slot.checked_sub(1) else {
+                face = Some(point);
+                continue;
+            };
+            let station = &place.stations[i];
+            let speed = between(&motion.speed, station.right);
+            let chain = ChainPoint::new(e, &point, theta_dot, speed);
+            let weight = length * station.weight;
+            pitch_length += weight * chain.lambda;
+            for k in 0..D - 1 {
+                carried += weight * chain.curvature[k] * chain.normal_speed[k];
+            }
+            through += weight * chain.flow;
+            steepness += weight * point.strain_gradient;
+            stations[i] = Some(Station {
+                ring: point,
+                chain,
+                weight,
+            });
+        }
+        let face = face.expect("slot 0 is the face");
+        let inverse_pitch_length = pitch_length.recip();
+        let difference = motion.speed[1] - motion.speed[0];
+        let cell_length: T = place.stations.iter().fold(T::zero(), |sum, s| sum + length * s.weight);
+        let inverse_length = cell_length.recip();
+        // The gradient of the strain is its mean over the cell: within an element the strain ripples.
+        let strain_gradient = steepness * inverse_length;
+        for station in stations.iter_mut().flatten() {
+            station.ring.strain_gradient = strain_gradient;
+        }
+        Self {
+            face: (face, ChainPoint::new(e, &face, theta_dot, motion.speed[0])),
+            stations,
+            pitch_length,
+            inverse_pitch_length,
+            inverse_length,
+            density: motion.amount * inverse_pitch_length,
+            difference,
+            lengthening: difference - carried,
+            flow: through * inverse_length,
+        }
+    }
+
+    /// Arguments of the stack's laws: ν, its material rate, flow, difference of V.
+    #[inline(always)]
+    pub fn stack_arguments(&self) -> [T; 4] {
+        let thinning = -(self.density * self.lengthening * self.inverse_pitch_length);
+        [self.density, thinning, self.flow, self.difference]
+    }
+
+    /// Forces in the stack.
+    #[inline(always)]
+    pub fn stack(&self, law: &CellLaw) -> Stack<T> {
+        Stack::new(&law.chain, self.stack_arguments())
+    }
+
+    /// ∂V/∂ξ, 1/s.
+    #[inline(always)]
+    pub fn speed_gradient(&self) -> T {
+        self.difference * self.inverse_length
+    }
+}
+
+/// Forces at a station per dξ.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StationForces<T: Real, const D: usize> {
+    /// The ring's own load, and its tension, N.
+    pub own_load: Load<T, D>,
+    pub tension: T,
+    /// Mass of the elements per dξ, kg/m, their a·t̂ and a along the normals, m/s².
+    pub mass: T,
+    pub acceleration: (T, [T; 2]),
+    /// Velocities at the pitch line and at the ring centre line, m/s.
+    pub v_p: SVector<T, D>,
+    pub v_e: SVector<T, D>,
+    pub approach: Approach<T>,
+    pub flanks: BothFlanks<T>,
+    /// What the flanks do at the pitch line (tangentially) and at the ring centre line, N/m.
+    pub at_pitch_line: nalgebra::Vector2<T>,
+    pub at_ring_line: SVector<T, D>,
+    /// Forces along the normals, inwards, N/m.
+    pub inward: [T; 2],
+    /// Part of the tension that presses ring on elements, N, sliding speed of the ring on them, m/s, and friction, N/m.
+    pub pressing: T,
+    pub sliding: T,
+    pub ring_friction: T,
+    /// Conjugate of v_e·t̂: flanks and ring friction, N/m.
+    pub tangential: T,
+}
+
+impl<T: Real, const D: usize> StationForces<T, D> {
+    /// At station `i` of a cell whose elements push with `push`, N.
+    #[inline(always)]
+    pub fn new<R: CellRing<T, D>>(
+        given: &Given<'_, T>,
+        cell: &CellState<T, D>,
+        (i, station): (usize, &Station<T, D>),
+        ring: &R,
+        push: T,
+    ) -> Self {
+        let Given {
+            law,
+            friction,
+            place,
+            motion,
+        } = given;
+        let Station { ring: point, chain, .. } = station;
+        let mut own_load = Load::zero();
+        let tension = ring.own_load(i + 1, point, &mut own_load);
+        let speed_dot = between(&motion.speed_dot, place.stations[i].right);
+        let mass = cell.density * chain.lambda * law.chain.mass_per_length;
+        let acceleration = chain.acceleration(point, speed_dot, cell.speed_gradient());
+
+        let v_p = chain.pitch_velocity(point);
+        let v_e = chain.ring_line_velocity(point);
+        let approach = Approach::new(law, place.axis, &motion.pulley, point, [&v_e, &v_p]);
+        let flanks = approach.both_flanks(
+            (law, friction),
+            place.plane,
+            &motion.pulley,
+            (point, &v_e),
+            chain.lambda,
+        );
+        let mut at_ring_line: SVector<T, D> = embed(approach.e_r * -flanks.loads.radial);
+        if D > 2 {
+            at_ring_line[D - 1] += flanks.lateral;
+        }
+        let at_pitch_line = approach.e_t * -flanks.loads.around;
+        let mut inward = [T::zero(); 2];
+        for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
+            let normal = &chain.normals[k];
+            *inward = mass * acceleration.1[k]
+                + push * chain.curvature[k]
+                + at_pitch_line.dot(&in_plane(normal))
+                + at_ring_line.dot(normal);
+        }
+
+        let pressing = pressing(&law.ring, tension, motion.reference.s_dot);
+        let sliding = point.t.dot(&point.r_dot) + point.w * point.stretch - chain.ring_line_speed();
+        let ring_friction = ring_friction(friction, pressing, point.reference.kappa, sliding);
+        Self {
+            own_load,
+            tension,
+            mass,
+            acceleration,
+            v_p,
+            v_e,
+            approach,
+            flanks,
+            at_pitch_line,
+            at_ring_line,
+            inward,
+            pressing,
+            sliding,
+            ring_friction,
+            tangential: at_ring_line.dot(&point.t) - ring_friction,
+        }
+    }
+}
