@@ -12,8 +12,8 @@ const REFUSED: f64 = 0.4;
 /// Change of a step whose stage was not solved.
 const FAILED: f64 = 0.3;
 
-/// Growth of a step after a stage that took so many Jacobians. Kelley and Keyes (1998) let the step grow as the residual
-/// falls; here the residual also jumps where the system is controlled, so the work of Newton's method stands for it.
+/// Growth of a step after a stage that took so many Jacobians. Kelley and Keyes (1998) let the step grow as the
+/// residual falls. Here the residual jumps where the system is controlled, so the work of Newton's method stands for it.
 fn growth(jacobians: usize) -> f64 {
     match jacobians {
         0..=3 => 4.0,

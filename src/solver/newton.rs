@@ -8,8 +8,8 @@ use crate::tape::Tape;
 const FRESH_ITERATIONS: usize = 15;
 /// Most iterations of Broyden's method with the same factors. An iteration costs a twentieth of a Jacobian.
 const QUASI_ITERATIONS: usize = 16;
-/// Bounds of α over that of the factored matrix, within which the factors are tried. CVODE (Hindmarsh et al. 2005) takes
-/// 0.7 to 1.3 for the inverse.
+/// Bounds of α over that of the factored matrix, within which the factors are tried. CVODE (Hindmarsh et al. 2005)
+/// takes 0.7 to 1.3 for the inverse.
 const REUSED: std::ops::Range<f64> = 0.7..1.4;
 /// What iterations beyond the first of a stage cost, added up over stages, after which the next stage takes a new
 /// Jacobian. The second counts once, for a new Jacobian saves it in smooth motions only; each further one counts
@@ -289,7 +289,7 @@ impl Newton {
 
     /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a
     /// few rows have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates
-    /// make good. Given up when it diverges; `stage.y` is then the best point it saw. `corrected` tells that the
+    /// make good. Given up when it diverges; `stage.y` is then the best point it reached. `corrected` says that the
     /// correction at `stage.y` is at hand.
     fn quasi<S: System>(
         &mut self,

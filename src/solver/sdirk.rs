@@ -1,9 +1,9 @@
 //! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander 1977, γ = 1 − 1/√2).
 //!
 //! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot is y, ẏ, q and the
-//! step size. The error is measured against a formula with weights on c = 0, γ, 1, where the slope at c = 0 is the last
-//! one of the step before. The formula is of third order for quadrature: it doesn't know slopes of slopes, so in a linear
-//! motion it shows a seventh of the error.
+//! step size. The error is measured against a formula with weights on c = 0, γ, 1, where the slope at c = 0 is the
+//! last one of the step before. The formula is of third order for quadrature only, where the state doesn't act on its
+//! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
 
 use super::newton::{Newton, Stage};
 use super::{State, System, View};
@@ -12,8 +12,8 @@ use crate::tape::Tape;
 /// γ = 1 − 1/√2.
 pub const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
-/// Weights of third order for quadrature (Σ b̂ = 1, Σ b̂c = 1/2, Σ b̂c² = 1/3) less those of the method, on the slopes at
-/// c = 0, γ, 1.
+/// Weights of third order for quadrature (Σ b̂ = 1, Σ b̂c = 1/2, Σ b̂c² = 1/3) less those of the method, on the slopes
+/// at c = 0, γ, 1.
 fn error_weights() -> [f64; 3] {
     let b1 = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA));
     let b2 = 0.5 - GAMMA * b1;
@@ -69,8 +69,8 @@ pub struct Sdirk {
     /// Size of the step whose stages are kept; none after an attempt that failed, s.
     kept: Option<f64>,
     stages: [State; 2],
-    /// ẏ at the end of the last step, before loads jumped: what the first stage is guessed with. An unknown may follow its
-    /// force in less than a step, so its jump would lead far off.
+    /// ẏ at the end of the last step, before loads jumped: the first stage is guessed with it. An unknown may follow its
+    /// load in less than a step, so the slope after a jump would lead far off.
     slope: Vec<f64>,
     base: Vec<f64>,
     position: Vec<f64>,
