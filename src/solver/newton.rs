@@ -203,7 +203,7 @@ impl Newton {
     }
 
     /// Forgets how well the factored Jacobian contracted: the law has changed since.
-    pub fn distrust(&mut self) {
+    pub fn forget_rate(&mut self) {
         self.rate = 1.0;
     }
 

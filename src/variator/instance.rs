@@ -425,7 +425,7 @@ impl Variator {
         self.parameters = changed;
         self.put_friction();
         self.system.take_stock(self.state.view());
-        self.integrator.newton.distrust();
+        self.integrator.newton.forget_rate();
         // All that are kept are of the same law, see `soften`.
         self.system.forget_derivatives();
         self.stale = true;
