@@ -3,6 +3,26 @@
 use super::newton::{Newton, Stage};
 use super::{State, System, View};
 
+/// Shortest pseudo-time step, s.
+const SHORTEST_STEP: f64 = 1.0e-12;
+/// Newton tolerance on the way, over that of the last step: states on the way are passed, not kept.
+const COARSE: f64 = 100.0;
+/// Change of a step that `control` refused.
+const REFUSED: f64 = 0.4;
+/// Change of a step whose stage was not solved.
+const FAILED: f64 = 0.3;
+
+/// Growth of a step after a stage that took so many Jacobians. Kelley and Keyes (1998) let the step grow as the
+/// residual falls. Here the residual jumps where the system is controlled, so the work of Newton's method stands for it.
+fn growth(jacobians: usize) -> f64 {
+    match jacobians {
+        0..=3 => 4.0,
+        4 | 5 => 2.5,
+        6 | 7 => 1.7,
+        _ => 1.2,
+    }
+}
+
 /// Settings of [`settle`].
 #[derive(Clone, Copy, Debug)]
 pub struct Settling {
@@ -36,9 +56,9 @@ pub struct Trial<'a> {
     pub step: f64,
 }
 
-/// Drives a state to the steady one. `judge` sees each solved step, may correct the system (a control of the steady
-/// state), and answers with the longest step to try next, or with none to refuse the step as too large. After the last
-/// step comes another, which answers what `judge` corrected last.
+/// Drives a state to the steady one. `control` is called after each solved step. It may correct the system, and returns
+/// the longest step to try next, or none to refuse the step as too large. After the last step comes another, which
+/// solves what `control` corrected last.
 ///
 /// # Errors
 /// [`Settled`] so far, if the step stalled or the solves ran out. The state is then the last one solved.
@@ -47,7 +67,7 @@ pub fn settle<S: System>(
     newton: &mut Newton,
     state: &mut State,
     settings: &Settling,
-    mut judge: impl FnMut(&mut S, &Trial<'_>) -> Option<f64>,
+    mut control: impl FnMut(&mut S, &Trial<'_>) -> Option<f64>,
 ) -> Result<Settled, Settled> {
     let mut trial = state.clone();
     let mut report = Settled {
@@ -56,7 +76,7 @@ pub fn settle<S: System>(
     };
     let mut settled = false;
     loop {
-        if report.solves >= settings.max_solves || report.step < 1e-12 {
+        if report.solves >= settings.max_solves || report.step < SHORTEST_STEP {
             return Err(report);
         }
         report.solves += 1;
@@ -71,18 +91,17 @@ pub fn settle<S: System>(
             y_dot: &mut trial.y_dot,
             q: &mut trial.q,
         };
-        let tolerance = if last { 1.0 } else { 100.0 };
-        newton.weigh(system, stage.alpha);
-        let outcome = newton.solve(system, &mut stage, tolerance, false);
-        match outcome {
-            Ok(iterations) => {
-                let seen = Trial {
+        let tolerance = if last { 1.0 } else { COARSE };
+        newton.set_scale(system, stage.alpha);
+        match newton.solve(system, &mut stage, tolerance, false) {
+            Ok(jacobians) => {
+                let solved = Trial {
                     before: state.view(),
                     after: trial.view(),
                     step: report.step,
                 };
-                let Some(longest) = judge(system, &seen) else {
-                    report.step *= 0.4;
+                let Some(longest) = control(system, &solved) else {
+                    report.step *= REFUSED;
                     continue;
                 };
                 state.copy_from(&trial);
@@ -90,15 +109,10 @@ pub fn settle<S: System>(
                     return Ok(report);
                 }
                 settled = last;
-                report.step *= match iterations {
-                    0..=3 => 4.0,
-                    4 | 5 => 2.5,
-                    6 | 7 => 1.7,
-                    _ => 1.2,
-                };
+                report.step *= growth(jacobians);
                 report.step = report.step.min(longest).min(settings.last_step);
             }
-            Err(_) => report.step *= 0.3,
+            Err(_) => report.step *= FAILED,
         }
     }
 }

@@ -17,14 +17,14 @@ pub struct Entry {
     pub rounded: f64,
 }
 
-/// Hands `judge` every entry of ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`; differences in an unknown are over its `step`.
+/// Passes to `check` every entry of ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`; differences in an unknown are over its `step`.
 pub fn compare(
     system: &mut impl System,
     time: f64,
     state: &State,
     [alpha, beta]: [f64; 2],
     step: impl Fn(usize) -> f64,
-    judge: impl Fn(&Entry),
+    check: impl Fn(&Entry),
 ) {
     let n = state.y.len();
     let mut matrix = Arrow::new(system.shape());
@@ -47,7 +47,7 @@ pub fn compare(
         });
         let largest = exact.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         for row in 0..n {
-            judge(&Entry {
+            check(&Entry {
                 row,
                 column,
                 exact: exact[row],

@@ -104,13 +104,12 @@ pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::numbers;
     use super::*;
-    use pushbelt_lab::noise;
 
     #[test]
     fn an_inverse_is_one() {
-        let mut random = noise(4);
-        let a: Vec<f64> = (0..64).map(|_| random()).collect();
+        let a = numbers(64, 4);
         let (mut inverse, mut product) = (a.clone(), [0.0; 64]);
         assert!(invert::<8>(&mut inverse));
         gemm::<8, 8>([8, 8], 1.0, &a, &inverse, &mut product);
@@ -124,9 +123,7 @@ mod tests {
 
     #[test]
     fn products_are_those_of_any_size() {
-        let mut random = noise(3);
-        let mut numbers = |n: usize| (0..n).map(|_| random()).collect::<Vec<f64>>();
-        let (a, x, y) = (numbers(20 * 8), numbers(8 * 3), numbers(20 * 3));
+        let (a, x, y) = (numbers(20 * 8, 1), numbers(8 * 3, 2), numbers(20 * 3, 3));
         let (mut fixed, mut any, mut single) = (y.clone(), y.clone(), y);
         gemm::<20, 8>([20, 8], -0.7, &a, &x, &mut fixed);
         gemm::<0, 0>([20, 8], -0.7, &a, &x, &mut any);

@@ -12,6 +12,8 @@ pub(crate) mod differences;
 mod kernels;
 pub mod newton;
 pub mod sdirk;
+#[cfg(test)]
+mod tests;
 
 use arrow::{Arrow, Shape};
 

@@ -8,24 +8,39 @@ use crate::tape::Tape;
 const FRESH_ITERATIONS: usize = 15;
 /// Most iterations of Broyden's method with the same factors. An iteration costs a twentieth of a Jacobian.
 const QUASI_ITERATIONS: usize = 16;
+/// Bounds of α over that of the factored matrix, within which the factors are tried. CVODE (Hindmarsh et al. 2005)
+/// takes 0.7 to 1.3 for the inverse.
+const REUSED: std::ops::Range<f64> = 0.7..1.4;
 /// What iterations beyond the first of a stage cost, added up over stages, after which the next stage takes a new
 /// Jacobian. The second counts once, for a new Jacobian saves it in smooth motions only; each further one counts
 /// [`FURTHER`] times.
 const STALE: u64 = 40;
 const FURTHER: usize = 3;
-/// Growth of the step in one iteration at which Broyden's method is given up. Where cells change their regime steps
+/// Growth of the step in one iteration at which Broyden's method is given up. Where a law changes its regime steps
 /// grow and fall again.
 const DIVERGED: f64 = 8.0;
 /// Contraction that the first iteration is trusted with at best, and its growth with each stage that ends without
 /// measuring it: so it is measured again before it is stale.
 const BEST_RATE: f64 = 1.0e-3;
 const AGEING: f64 = 1.2;
+/// Exponent of the contraction seen last, for that of the next iteration: Broyden's method contracts a little faster
+/// from one to the next.
+const FASTER: f64 = 0.8;
 /// Part of the tolerance that may be left after the last iteration.
 const LEFT: f64 = 0.15;
+/// Part of the tolerance below which the first correction says that the guess is the solution.
+const SOLVED: f64 = 1.0e-3;
+/// Part of the tolerance below which corrections may be rounding, so that they need not fall.
+const ROUNDED: f64 = 0.1;
+/// By how much the correction after a full step must be below the one before: the restricted monotonicity test of
+/// Deuflhard, Newton Methods for Nonlinear Problems (2011), section 3.3, 1 − λ/4 at damping λ.
+const RESTRICTION: f64 = 0.25;
+/// Change of the damping after a step that the test refused; the next Jacobian begins with one change less.
+const DAMPED: f64 = 0.5;
 /// Damping factor at which a stage is given up.
 const MIN_DAMPING: f64 = 0.02;
 
-/// What was done, for tests and reports.
+/// Work done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Accepted steps.
@@ -77,7 +92,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Memory of the iteration.
+/// Newton's method with its factored Jacobian, which later stages use again.
 #[derive(Clone, Debug)]
 pub struct Newton {
     matrix: Arrow,
@@ -118,6 +133,7 @@ pub struct Stage<'a> {
 }
 
 impl Stage<'_> {
+    /// Sets ẏ and q to those of y.
     fn complete(&mut self, has_position: &[bool]) {
         let beta = 1.0 / self.alpha;
         for ((rate, y), base) in self.y_dot.iter_mut().zip(&*self.y).zip(self.base) {
@@ -187,7 +203,7 @@ impl Newton {
     }
 
     /// Forgets how well the factored Jacobian contracted: the law has changed since.
-    pub fn distrust(&mut self) {
+    pub fn forget_rate(&mut self) {
         self.rate = 1.0;
     }
 
@@ -196,6 +212,7 @@ impl Newton {
         self.alpha = f64::NAN;
     }
 
+    /// Forms and factors the Jacobian at the stage.
     fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), NotConverged> {
         self.counts.factorizations += 1;
         system.renew_jacobian(
@@ -213,12 +230,12 @@ impl Newton {
         Ok(())
     }
 
-    /// Asks the system for the scale that stages with this α are solved to.
-    pub fn weigh(&mut self, system: &impl System, alpha: f64) {
+    /// Sets the scale that stages with this α are solved to: the system's.
+    pub fn set_scale(&mut self, system: &impl System, alpha: f64) {
         system.newton_scale(1.0 / alpha, &mut self.scale);
     }
 
-    /// Solves a stage to `tolerance` times the scale that was asked for last. `reuse` allows a Jacobian from before.
+    /// Solves a stage to `tolerance` times the scale that was set last. `reuse` allows a Jacobian from before.
     /// Returns the number of Jacobians formed.
     ///
     /// # Errors
@@ -231,7 +248,7 @@ impl Newton {
         reuse: bool,
     ) -> Result<usize, NotConverged> {
         let ratio = stage.alpha / self.alpha;
-        if reuse && (0.7..1.4).contains(&ratio) && self.quasi(system, stage, tolerance, false).is_ok() {
+        if reuse && REUSED.contains(&ratio) && self.quasi(system, stage, tolerance, false).is_ok() {
             return Ok(0);
         }
         self.damped(system, stage, tolerance)
@@ -271,8 +288,8 @@ impl Newton {
     }
 
     /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a
-    /// few cells have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates
-    /// make good. Given up when it diverges; `stage.y` is then the best point it saw. `corrected` tells that the
+    /// few rows have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates
+    /// make good. Given up when it diverges; `stage.y` is then the best point it reached. `corrected` says that the
     /// correction at `stage.y` is at hand.
     fn quasi<S: System>(
         &mut self,
@@ -303,13 +320,12 @@ impl Newton {
                     break;
                 }
             }
-            // After the first iteration the last stage's rate counts; Broyden's method contracts a little faster from
-            // one to the next.
+            // After the first iteration the last stage's rate counts.
             let ahead = if iteration == 0 {
                 self.rate = (self.rate.max(BEST_RATE) * AGEING).min(1.0);
                 self.rate
             } else {
-                (change / before).powf(0.8).min(1.0)
+                (change / before).powf(FASTER).min(1.0)
             };
             before = change;
             for ((y, u), s) in stage.y.iter_mut().zip(&self.updates[iteration].step).zip(&self.scale) {
@@ -364,10 +380,10 @@ impl Newton {
         let mut damping = 1.0_f64;
         for iteration in 1..=FRESH_ITERATIONS {
             let (largest, norm) = self.correct_and_measure(system, stage, true)?;
-            if iteration == 1 && largest < 1e-3 * tolerance {
+            if iteration == 1 && largest < SOLVED * tolerance {
                 return Ok(iteration);
             }
-            damping = (2.0 * damping).min(1.0);
+            damping = (damping / DAMPED).min(1.0);
             self.guess.copy_from_slice(stage.y);
             self.step.copy_from_slice(&self.correction);
             loop {
@@ -375,8 +391,12 @@ impl Newton {
                     *y = g - damping * d;
                 }
                 match self.correct_and_measure(system, stage, false) {
-                    Ok((change, after)) if after <= (1.0 - 0.25 * damping) * norm || change < 0.1 * tolerance => break,
-                    _ => damping *= 0.5,
+                    Ok((change, after))
+                        if after <= (1.0 - RESTRICTION * damping) * norm || change < ROUNDED * tolerance =>
+                    {
+                        break;
+                    }
+                    _ => damping *= DAMPED,
                 }
                 if damping < MIN_DAMPING {
                     return Err(NotConverged);

@@ -1,8 +1,9 @@
 //! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander 1977, γ = 1 − 1/√2).
 //!
 //! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot is y, ẏ, q and the
-//! step size. The error is measured against a third-order formula with weights on c = 0, γ, 1, where the slope at
-//! c = 0 is the last one of the step before.
+//! step size. The error is measured against a formula with weights on c = 0, γ, 1, where the slope at c = 0 is the
+//! last one of the step before. The formula is of third order for quadrature only, where the state doesn't act on its
+//! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
 
 use super::newton::{Newton, Stage};
 use super::{State, System, View};
@@ -11,7 +12,8 @@ use crate::tape::Tape;
 /// γ = 1 − 1/√2.
 pub const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
-/// Third-order weights less those of the method, on the slopes at c = 0, γ, 1.
+/// Weights of third order for quadrature (Σ b̂ = 1, Σ b̂c = 1/2, Σ b̂c² = 1/3) less those of the method, on the slopes
+/// at c = 0, γ, 1.
 fn error_weights() -> [f64; 3] {
     let b1 = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA));
     let b2 = 0.5 - GAMMA * b1;
@@ -67,8 +69,8 @@ pub struct Sdirk {
     /// Size of the step whose stages are kept; none after an attempt that failed, s.
     kept: Option<f64>,
     stages: [State; 2],
-    /// ẏ at the end of the last step, before loads jumped: what the first stage is guessed with. A sheave follows its
-    /// force in less than a step, so its jump would lead far off.
+    /// ẏ at the end of the last step, before loads jumped: the first stage is guessed with it. An unknown may follow its
+    /// load in less than a step, so the slope after a jump would lead far off.
     slope: Vec<f64>,
     base: Vec<f64>,
     position: Vec<f64>,
@@ -78,6 +80,29 @@ pub struct Sdirk {
 
 /// Smallest step, s.
 const MIN_STEP: f64 = 1.0e-10;
+
+// Step sizes follow h' = h · safety · error^(−1/3) within limits, as in Hairer, Nørsett and Wanner, Solving Ordinary
+// Differential Equations I, equation (II.4.13): a factor that brings the error to the safety's cube.
+
+/// One over the order of the error estimate.
+const EXPONENT: f64 = 1.0 / 3.0;
+/// Safety after a step that was accepted. Hairer, Nørsett and Wanner give 0.8 and 0.9 as usual.
+const SAFETY: f64 = 0.85;
+/// Safety after a step that was rejected: less, for another rejection costs a whole step.
+const SAFETY_REJECTED: f64 = 0.8;
+/// Limits of the change after a step that was accepted; usual is a growth of 1.5 to 5.
+const CHANGE: [f64; 2] = [0.3, 3.0];
+/// Limits of the change after a step that was rejected. An error just too large asks for 0.8: the upper limit is below
+/// that, so that the next attempt has room.
+const CHANGE_REJECTED: [f64; 2] = [0.1, 0.7];
+/// Change after Newton's method failed, as in DASSL and CVODE (Hindmarsh et al. 2005).
+const CHANGE_FAILED: f64 = 0.25;
+/// Errors below this count as this, so that their power is finite. From 0.02 down the change is at its limit.
+const LEAST_ERROR: f64 = 1.0e-9;
+/// Part of a step that rounding may leave over at the end: no step is taken for it.
+const ROUNDING: f64 = 1.0e-9;
+/// A step of at least this share of the preferred one was not shortened to meet the end.
+const UNSHORTENED: f64 = 0.99;
 
 /// `out` = `from` + `time`·`rate`.
 fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
@@ -127,58 +152,72 @@ impl Sdirk {
         }
     }
 
-    /// Tries one step of size `h` from (y, ẏ, q) at `time`; the result stands in the second stage.
+    /// Tries one step of size `h` from (y, ẏ, q) at `time`; the result stands in the second stage. None if Newton's
+    /// method fails, else the error.
     fn attempt<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<f64> {
-        let View { y, y_dot, q } = view;
         self.kept = None;
-        let alpha = 1.0 / (h * GAMMA);
-        self.newton.weigh(system, alpha);
-        let [first, second] = &mut self.stages;
-        move_by(GAMMA * h, &mut first.y, y, &self.slope);
-        first.q.copy_from_slice(q);
+        self.newton.set_scale(system, 1.0 / (h * GAMMA));
+        self.solve_first(system, view, time, h)?;
+        self.solve_second(system, view, time, h)?;
+        self.estimate_error(view, h);
+        Some(system.error_norm(self.stages[1].view(), &self.y_error, &self.q_error))
+    }
+
+    /// Solves the stage at c = γ.
+    fn solve_first<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<()> {
+        let first = &mut self.stages[0];
+        move_by(GAMMA * h, &mut first.y, view.y, &self.slope);
+        first.q.copy_from_slice(view.q);
         let mut stage = Stage {
             time: time + GAMMA * h,
-            alpha,
-            base: y,
-            position: q,
+            alpha: 1.0 / (h * GAMMA),
+            base: view.y,
+            position: view.q,
             y: &mut first.y,
             y_dot: &mut first.y_dot,
             q: &mut first.q,
         };
-        self.newton
-            .solve(system, &mut stage, self.newton_tolerance, true)
-            .ok()?;
-        move_by(h * (1.0 - GAMMA), &mut self.base, y, &first.y_dot);
-        move_by(h * (1.0 - GAMMA), &mut self.position, q, &first.y);
+        let tolerance = self.newton_tolerance;
+        self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
+    }
+
+    /// Solves the stage at c = 1, from the first.
+    fn solve_second<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<()> {
+        let [first, second] = &mut self.stages;
+        move_by(h * (1.0 - GAMMA), &mut self.base, view.y, &first.y_dot);
+        move_by(h * (1.0 - GAMMA), &mut self.position, view.q, &first.y);
         move_by(h * GAMMA, &mut second.y, &self.base, &first.y_dot);
-        second.q.copy_from_slice(q);
+        second.q.copy_from_slice(view.q);
         let mut stage = Stage {
             time: time + h,
-            alpha,
+            alpha: 1.0 / (h * GAMMA),
             base: &self.base,
             position: &self.position,
             y: &mut second.y,
             y_dot: &mut second.y_dot,
             q: &mut second.q,
         };
-        self.newton
-            .solve(system, &mut stage, self.newton_tolerance, true)
-            .ok()?;
+        let tolerance = self.newton_tolerance;
+        self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
+    }
+
+    /// Estimates the errors of y and q from the slopes at c = 0, γ, 1.
+    fn estimate_error(&mut self, before: View<'_>, h: f64) {
         let [w0, w1, w2] = error_weights().map(|w| h * w);
+        let [first, second] = &self.stages;
         let weigh = |out: &mut [f64], slopes: [&[f64]; 3]| {
             for (((out, a), b), c) in out.iter_mut().zip(slopes[0]).zip(slopes[1]).zip(slopes[2]) {
                 *out = w0 * a + w1 * b + w2 * c;
             }
         };
-        weigh(&mut self.y_error, [y_dot, &first.y_dot, &second.y_dot]);
-        weigh(&mut self.q_error, [y, &first.y, &second.y]);
-        Some(system.error_norm(second.view(), &self.y_error, &self.q_error))
+        weigh(&mut self.y_error, [before.y_dot, &first.y_dot, &second.y_dot]);
+        weigh(&mut self.q_error, [before.y, &first.y, &second.y]);
     }
 
     /// Advances a state from `time` to exactly `to`.
     ///
     /// # Errors
-    /// The step size fell below 0.1 ns; the state is that of the last accepted step, whose time the error tells.
+    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at the time that the error names.
     pub fn advance<S: Evolution>(
         &mut self,
         system: &mut S,
@@ -193,50 +232,63 @@ impl Sdirk {
             let longest = self.max_step.min(system.longest_step(state.view()));
             let preferred = self.step.min(longest);
             // Whole steps to the end: never a sliver.
-            let h = rest / (rest / preferred * (1.0 - 1e-9)).ceil().max(1.0);
+            let h = rest / (rest / preferred * (1.0 - ROUNDING)).ceil().max(1.0);
             let last = h >= rest;
-            let outcome = self.attempt(system, state.view(), time + done, h);
-            match outcome {
+            match self.attempt(system, state.view(), time + done, h) {
                 Some(error) if error <= 1.0 => {
-                    let end = &self.stages[1];
-                    let interval = Interval {
-                        end: time + done + h,
-                        length: h,
-                    };
-                    system.accumulate(state.view(), end.view(), interval);
-                    state.copy_from(end);
-                    self.slope.copy_from_slice(&end.y_dot);
-                    self.newton.counts.steps += 1;
-                    // Slopes over less than this differ by rounding only.
-                    self.kept = (h >= MIN_STEP).then_some(h);
+                    let end = time + done + h;
+                    self.accept(system, state, Interval { end, length: h });
+                    self.lengthen(h, error, preferred, longest);
                     done = if last { span } else { done + h };
-                    let factor = (0.85 * error.max(1e-9).powf(-1.0 / 3.0)).clamp(0.3, 3.0);
-                    // A step shortened to meet `to` says nothing against the longer one.
-                    let next = h * factor;
-                    if next > self.step || h >= 0.99 * preferred || factor < 1.0 {
-                        self.step = next.min(longest);
-                    }
                 }
-                other => {
-                    let factor = if let Some(error) = other {
-                        self.newton.counts.rejected += 1;
-                        (0.8 * error.powf(-1.0 / 3.0)).clamp(0.1, 0.7)
-                    } else {
-                        self.newton.counts.failed += 1;
-                        0.25
-                    };
-                    let factor = if factor.is_finite() { factor } else { 0.1 };
-                    self.step = h * factor;
+                outcome => {
+                    self.shorten(h, outcome);
                     if self.step < MIN_STEP {
                         return Err(Stalled {
                             time: time + done,
                             step: self.step,
-                            newton: other.is_none(),
+                            newton: outcome.is_none(),
                         });
                     }
                 }
             }
         }
         Ok(())
+    }
+
+    /// Moves the state to the end of a step.
+    fn accept<S: Evolution>(&mut self, system: &mut S, state: &mut State, interval: Interval) {
+        let end = &self.stages[1];
+        system.accumulate(state.view(), end.view(), interval);
+        state.copy_from(end);
+        self.slope.copy_from_slice(&end.y_dot);
+        self.newton.counts.steps += 1;
+        // Slopes over less than this differ by rounding only.
+        self.kept = (interval.length >= MIN_STEP).then_some(interval.length);
+    }
+
+    /// Sets the next step after one of size `h` that was accepted with this `error`.
+    fn lengthen(&mut self, h: f64, error: f64, preferred: f64, longest: f64) {
+        let [least, most] = CHANGE;
+        let factor = (SAFETY * error.max(LEAST_ERROR).powf(-EXPONENT)).clamp(least, most);
+        // A step shortened to meet the end says nothing against the longer one.
+        let next = h * factor;
+        if next > self.step || h >= UNSHORTENED * preferred || factor < 1.0 {
+            self.step = next.min(longest);
+        }
+    }
+
+    /// Sets the next step after one of size `h` that was rejected for its error, or for none that failed.
+    fn shorten(&mut self, h: f64, error: Option<f64>) {
+        let [least, most] = CHANGE_REJECTED;
+        let factor = if let Some(error) = error {
+            self.newton.counts.rejected += 1;
+            (SAFETY_REJECTED * error.powf(-EXPONENT)).clamp(least, most)
+        } else {
+            self.newton.counts.failed += 1;
+            CHANGE_FAILED
+        };
+        let factor = if factor.is_finite() { factor } else { least };
+        self.step = h * factor;
     }
 }

@@ -428,7 +428,7 @@ impl Variator {
         changed.validate_friction()?;
         self.system.parameters.friction = changed.friction;
         self.ledger.last.update(&self.system, self.state.view());
-        self.integrator.newton.distrust();
+        self.integrator.newton.forget_rate();
         // All that are kept are of the same law, see `soften`.
         self.system.forget_derivatives();
         self.stale = true;

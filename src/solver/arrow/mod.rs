@@ -1,0 +1,246 @@
+//! Periodic block-tridiagonal matrix with a thin border: n blocks of size b around a loop, g border unknowns coupled to
+//! all of them.
+//!
+//! ```text
+//!  D0 U0          L0 | R0
+//!  L1 D1 U1          | R1
+//!     L2 D2 …        | ⋮
+//!  Un-1    … Ln-1 Dn-1 | Rn-1
+//!  ───────────────────+────
+//!  B0 B1 …       Bn-1 | C
+//! ```
+//! Unknowns whose neighbours change may stand in an order of their own, see [`Arrow::reorder`].
+
+mod dense;
+mod lu;
+
+use super::kernels::gemv;
+
+pub use lu::{ArrowLu, Singular};
+
+/// Sizes of an [`Arrow`] matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Number of blocks n ≥ 3.
+    pub blocks: usize,
+    /// Block size b.
+    pub block: usize,
+    /// Border size g.
+    pub border: usize,
+}
+
+impl Shape {
+    /// Number of unknowns n·b + g.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.blocks * self.block + self.border
+    }
+
+    /// Whether there is no unknown.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Starts of the parts in the storage of an [`Arrow`]: D, U, L, R, B, C, end. Each part holds its blocks in order,
+    /// a block its columns.
+    fn starts(&self) -> [usize; 7] {
+        let (square, strip) = (
+            self.blocks * self.block * self.block,
+            self.blocks * self.block * self.border,
+        );
+        let mut start = 0;
+        let mut next = |size: usize| {
+            start += size;
+            start - size
+        };
+        [square, square, square, strip, strip, self.border * self.border, 0].map(&mut next)
+    }
+
+    /// Place of an entry in the storage of an [`Arrow`], if it is in the band.
+    #[must_use]
+    pub fn index(&self, row: usize, column: usize) -> Option<usize> {
+        let Self {
+            blocks: n,
+            block: b,
+            border: g,
+        } = *self;
+        let [d, u, l, r, s, c, _] = self.starts();
+        let split = n * b;
+        let (row_block, i) = (row / b, row % b);
+        let (column_block, j) = (column / b, column % b);
+        let in_block = row_block * b * b + j * b + i;
+        match (row < split, column < split) {
+            (true, true) if row_block == column_block => Some(d + in_block),
+            (true, true) if (row_block + 1) % n == column_block => Some(u + in_block),
+            (true, true) if (column_block + 1) % n == row_block => Some(l + in_block),
+            (true, true) => None,
+            (true, false) => Some(r + (row_block * g + column - split) * b + i),
+            (false, true) => Some(s + (column_block * b + j) * g + row - split),
+            (false, false) => Some(c + (column - split) * g + row - split),
+        }
+    }
+}
+
+/// The matrix. Indices are those of the vector: blocks in order, then the border, unless it was reordered.
+#[derive(Clone, Debug)]
+pub struct Arrow {
+    shape: Shape,
+    values: Vec<f64>,
+    /// Place of each unknown of the vector; empty where the vector's order is the matrix's.
+    order: Vec<usize>,
+}
+
+/// The parts of an [`Arrow`].
+struct Parts<'a> {
+    diagonal: &'a [f64],
+    upper: &'a [f64],
+    lower: &'a [f64],
+    right: &'a [f64],
+    bottom: &'a [f64],
+    corner: &'a [f64],
+}
+
+impl Arrow {
+    /// Zero matrix.
+    ///
+    /// # Panics
+    /// With fewer than three blocks: neighbours would not be distinct.
+    #[must_use]
+    pub fn new(shape: Shape) -> Self {
+        assert!(shape.blocks >= 3, "an arrow matrix needs three blocks");
+        Self {
+            shape,
+            values: vec![0.0; shape.starts()[6]],
+            order: Vec::new(),
+        }
+    }
+
+    /// Sets every entry to zero and gives unknown i of the vector the place `order[i]`, a permutation that leaves the
+    /// border where it is. Factors keep the order that they were made in.
+    pub fn reorder(&mut self, order: &[usize]) {
+        self.clear();
+        self.order.clear();
+        self.order.extend_from_slice(order);
+    }
+
+    /// Place of an entry in the storage, if it is in the band.
+    #[inline]
+    #[must_use]
+    pub fn index(&self, row: usize, column: usize) -> Option<usize> {
+        let place = |i: usize| self.order.get(i).copied().unwrap_or(i);
+        self.shape.index(place(row), place(column))
+    }
+
+    /// Sizes.
+    #[must_use]
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    fn parts(&self) -> Parts<'_> {
+        let [_, u, l, r, s, c, _] = self.shape.starts();
+        Parts {
+            diagonal: &self.values[..u],
+            upper: &self.values[u..l],
+            lower: &self.values[l..r],
+            right: &self.values[r..s],
+            bottom: &self.values[s..c],
+            corner: &self.values[c..],
+        }
+    }
+
+    /// Sets every entry to zero.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    /// Adds to an entry. Blocks of the two indices must be equal or neighbours around the loop.
+    ///
+    /// # Panics
+    /// If the entry is outside the band.
+    #[inline]
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.add_at(self.index(row, column).expect("an entry in the band"), value);
+    }
+
+    /// Adds to the entry at a place that [`Shape::index`] or [`Arrow::index`] found.
+    #[inline]
+    pub fn add_at(&mut self, index: usize, value: f64) {
+        self.values[index] += value;
+    }
+
+    /// Replaces a row by a multiple of the unit row: `scale`·x_row.
+    pub fn set_unit_row(&mut self, row: usize, scale: f64) {
+        for column in 0..self.shape.len() {
+            if let Some(index) = self.index(row, column) {
+                self.values[index] = 0.0;
+            }
+        }
+        self.add(row, row, scale);
+    }
+
+    /// Adds `factor` times border row `from` to border row `into`. Indices are those of the vector.
+    ///
+    /// # Panics
+    /// If an index is not in the border.
+    pub fn add_row(&mut self, into: usize, from: usize, factor: f64) {
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
+        let (into, from) = (into - n * b, from - n * b);
+        let bottom = self.shape.starts()[4];
+        for column in self.values[bottom..].chunks_exact_mut(g) {
+            column[into] += factor * column[from];
+        }
+    }
+
+    /// `out` = A·`x`. Allocates if the unknowns are reordered.
+    pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
+        if self.order.is_empty() {
+            self.multiply_in_order(x, out);
+        } else {
+            let (mut ordered, mut image) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            for (&place, x) in self.order.iter().zip(x) {
+                ordered[place] = *x;
+            }
+            self.multiply_in_order(&ordered, &mut image);
+            for (&place, out) in self.order.iter().zip(out) {
+                *out = image[place];
+            }
+        }
+    }
+
+    fn multiply_in_order(&self, x: &[f64], out: &mut [f64]) {
+        let Shape {
+            blocks: n,
+            block: b,
+            border: g,
+        } = self.shape;
+        let Parts {
+            diagonal,
+            upper,
+            lower,
+            right,
+            bottom,
+            corner,
+        } = self.parts();
+        let split = n * b;
+        out.fill(0.0);
+        for k in 0..n {
+            let row = k * b..(k + 1) * b;
+            let (next, previous) = ((k + 1) % n, (k + n - 1) % n);
+            let blocks = k * b * b..(k + 1) * b * b;
+            let strip = k * b * g..(k + 1) * b * g;
+            let y = &mut out[row.clone()];
+            gemv::<0, 0>(1.0, &diagonal[blocks.clone()], &x[row.clone()], y);
+            gemv::<0, 0>(1.0, &upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
+            gemv::<0, 0>(1.0, &lower[blocks], &x[previous * b..(previous + 1) * b], y);
+            gemv::<0, 0>(1.0, &right[strip.clone()], &x[split..], y);
+            gemv::<0, 0>(1.0, &bottom[strip], &x[row], &mut out[split..]);
+        }
+        gemv::<0, 0>(1.0, corner, &x[split..], &mut out[split..]);
+    }
+}

@@ -1,0 +1,217 @@
+//! Arrow matrices against dense ones.
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use proptest::prelude::*;
+
+use super::super::arrow::{Arrow, ArrowLu, Shape, Singular};
+use super::numbers;
+
+/// An arrow matrix with random entries, and the same as a dense one. Diagonals are made heavier, for blocks are
+/// factored without exchange between them.
+fn random(shape: Shape, order: &[usize], seed: u32) -> (Arrow, Mat<f64>) {
+    let n = shape.len();
+    let mut arrow = Arrow::new(shape);
+    if !order.is_empty() {
+        arrow.reorder(order);
+    }
+    let entries = numbers(n * n, seed);
+    let mut dense = Mat::<f64>::zeros(n, n);
+    for i in 0..n {
+        for j in 0..n {
+            if arrow.index(i, j).is_some() {
+                let weight = if i == j { 0.5 * n as f64 } else { 0.0 };
+                dense[(i, j)] = entries[i * n + j] + weight.min(8.0);
+                arrow.add(i, j, dense[(i, j)]);
+            }
+        }
+    }
+    (arrow, dense)
+}
+
+/// Asserts that product and solution are the dense ones.
+fn assert_like_dense(shape: Shape, order: &[usize], seed: u32) {
+    let n = shape.len();
+    let (arrow, dense) = random(shape, order, seed);
+    let x = numbers(n, seed + 1);
+    let mut product = vec![f64::NAN; n];
+    arrow.multiply(&x, &mut product);
+    let column = Mat::from_fn(n, 1, |i, _| x[i]);
+    let expected = &dense * &column;
+    for i in 0..n {
+        assert!((product[i] - expected[(i, 0)]).abs() < 1e-12, "{shape:?}, row {i}");
+    }
+    let mut lu = ArrowLu::new(shape);
+    lu.factor(&arrow).unwrap();
+    let expected = dense.partial_piv_lu().solve(&column);
+    let mut solution = x;
+    lu.solve(&mut solution);
+    let largest = (0..n).fold(0.0_f64, |most, i| most.max(expected[(i, 0)].abs()));
+    for i in 0..n {
+        let error = (solution[i] - expected[(i, 0)]).abs();
+        assert!(error < 1e-9 * (1.0 + largest), "{shape:?}, row {i}: {error:e}");
+    }
+}
+
+/// A permutation of the band that leaves the border where it is.
+fn shuffled(shape: Shape, seed: u32) -> Vec<usize> {
+    let split = shape.blocks * shape.block;
+    let keys = numbers(split, seed);
+    let mut order: Vec<usize> = (0..split).collect();
+    order.sort_by(|&a, &b| keys[a].total_cmp(&keys[b]));
+    order.extend(split..shape.len());
+    order
+}
+
+fn shapes() -> impl Strategy<Value = Shape> {
+    (3..9_usize, 1..11_usize, 0..13_usize).prop_map(|(blocks, block, border)| Shape { blocks, block, border })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn products_and_solutions_are_the_dense_ones(shape in shapes(), seed in 0..1000_u32) {
+        assert_like_dense(shape, &[], seed);
+    }
+
+    #[test]
+    fn products_and_solutions_in_another_order_are_the_dense_ones(shape in shapes(), seed in 0..1000_u32) {
+        assert_like_dense(shape, &shuffled(shape, seed), seed);
+    }
+}
+
+/// The smallest, a block and border each of 1, and those whose sizes the compiler knows.
+#[test]
+fn sizes_with_a_case_of_their_own() {
+    for (blocks, block, border) in [
+        (3, 1, 0),
+        (3, 1, 1),
+        (4, 1, 0),
+        (3, 4, 2),
+        (20, 4, 2),
+        (3, 3, 10),
+        (11, 3, 10),
+        (3, 6, 12),
+        (9, 6, 12),
+        (30, 8, 12),
+        (5, 10, 12),
+    ] {
+        let shape = Shape { blocks, block, border };
+        assert_like_dense(shape, &[], 5);
+        assert_like_dense(shape, &shuffled(shape, 8), 5);
+    }
+}
+
+/// Factors outlive the matrix: a workspace factors one matrix after another, in another order too.
+#[test]
+fn a_workspace_is_used_again() {
+    let shape = Shape {
+        blocks: 5,
+        block: 4,
+        border: 2,
+    };
+    let n = shape.len();
+    let mut lu = ArrowLu::new(shape);
+    for (order, seed) in [(vec![], 1), (shuffled(shape, 2), 2), (vec![], 3)] {
+        let (arrow, _) = random(shape, &order, seed);
+        lu.factor(&arrow).unwrap();
+        let x = numbers(n, seed);
+        let mut y = vec![0.0; n];
+        arrow.multiply(&x, &mut y);
+        lu.solve(&mut y);
+        for (x, y) in x.iter().zip(&y) {
+            assert!((x - y).abs() < 1e-12);
+        }
+    }
+}
+
+/// Sizes for which blocks are inverted by each of the two ways.
+const BOTH_WAYS: [Shape; 2] = [
+    Shape {
+        blocks: 5,
+        block: 2,
+        border: 3,
+    },
+    Shape {
+        blocks: 5,
+        block: 4,
+        border: 2,
+    },
+];
+
+#[test]
+fn a_singular_block_is_named() {
+    for shape in BOTH_WAYS {
+        // Nothing in it.
+        assert_eq!(
+            ArrowLu::new(shape).factor(&Arrow::new(shape)),
+            Err(Singular { block: 1 })
+        );
+        // A row of one block is zero: block 0 joins the border.
+        for block in 0..shape.blocks {
+            let (mut arrow, _) = random(shape, &[], 1);
+            arrow.set_unit_row(block * shape.block, 0.0);
+            let named = if block == 0 { shape.blocks } else { block };
+            assert_eq!(ArrowLu::new(shape).factor(&arrow), Err(Singular { block: named }));
+        }
+    }
+}
+
+#[test]
+fn a_singular_border_is_named() {
+    for shape in BOTH_WAYS {
+        let (mut arrow, _) = random(shape, &[], 1);
+        arrow.set_unit_row(shape.len() - 1, 0.0);
+        let singular = ArrowLu::new(shape).factor(&arrow).unwrap_err();
+        assert_eq!(singular, Singular { block: shape.blocks });
+        assert_eq!(singular.to_string(), "the Jacobian is singular (block 5)");
+    }
+}
+
+#[test]
+fn what_is_not_a_number_is_singular() {
+    for shape in BOTH_WAYS {
+        for (i, block) in [(0, shape.blocks), (2 * shape.block, 2), (shape.len() - 1, shape.blocks)] {
+            let (mut arrow, _) = random(shape, &[], 1);
+            arrow.add(i, i, f64::NAN);
+            assert_eq!(ArrowLu::new(shape).factor(&arrow), Err(Singular { block }));
+        }
+    }
+}
+
+#[test]
+fn rows_are_replaced_and_added() {
+    let shape = BOTH_WAYS[0];
+    let (n, split) = (shape.len(), shape.blocks * shape.block);
+    let (mut arrow, mut dense) = random(shape, &[], 4);
+    arrow.set_unit_row(3, 7.0);
+    arrow.add_row(split, split + 2, -2.0);
+    for j in 0..n {
+        dense[(3, j)] = if j == 3 { 7.0 } else { 0.0 };
+        dense[(split, j)] -= 2.0 * dense[(split + 2, j)];
+    }
+    let x = numbers(n, 9);
+    let mut product = vec![0.0; n];
+    arrow.multiply(&x, &mut product);
+    let expected = &dense * Mat::from_fn(n, 1, |i, _| x[i]);
+    for i in 0..n {
+        assert!((product[i] - expected[(i, 0)]).abs() < 1e-12);
+    }
+}
+
+#[test]
+#[should_panic(expected = "an entry in the band")]
+fn entries_beyond_the_band_are_refused() {
+    Arrow::new(BOTH_WAYS[0]).add(0, 5, 1.0);
+}
+
+#[test]
+#[should_panic(expected = "an arrow matrix needs three blocks")]
+fn two_blocks_are_refused() {
+    let _ = Arrow::new(Shape {
+        blocks: 2,
+        block: 1,
+        border: 0,
+    });
+}

@@ -1,0 +1,171 @@
+//! Steady states near a fold and beyond it.
+
+use super::super::continuation::{Settled, Settling, settle};
+use super::super::newton::Newton;
+use super::super::{State, System};
+use super::problems::{Equations, Real, Test};
+
+const SETTINGS: Settling = Settling {
+    time: 0.0,
+    first_step: 1e-2,
+    last_step: 1e6,
+    max_solves: 1000,
+};
+
+/// ẏ = λ − y²: y = √λ is stable, y = −√λ is not, and they meet at λ = 0.
+struct Fold {
+    parameter: f64,
+}
+
+impl Equations<1> for Fold {
+    const HAS_POSITION: [bool; 1] = [false];
+
+    fn residual<T: Real>(&self, _: f64, [y]: [T; 1], [y_dot]: [T; 1], _: [T; 1]) -> [T; 1] {
+        [y_dot + y * y - self.parameter]
+    }
+}
+
+/// A shallow arch, q̈ + 2q̇ + q³ − q = λ: it snaps through where λ² = 4/27.
+struct Arch {
+    load: f64,
+}
+
+/// λ at the fold.
+const SNAP: f64 = 0.384_900_179_459_750_5;
+
+impl Equations<1> for Arch {
+    const HAS_POSITION: [bool; 1] = [true];
+
+    fn residual<T: Real>(&self, _: f64, [y]: [T; 1], [y_dot]: [T; 1], [q]: [T; 1]) -> [T; 1] {
+        [y_dot + y * 2.0 + q.powi(3) - q - self.load]
+    }
+}
+
+/// The load on the arch follows time.
+struct Loading;
+
+impl Equations<1> for Loading {
+    const HAS_POSITION: [bool; 1] = [true];
+
+    fn residual<T: Real>(&self, time: f64, y: [T; 1], y_dot: [T; 1], q: [T; 1]) -> [T; 1] {
+        Arch { load: time }.residual(time, y, y_dot, q)
+    }
+}
+
+/// Settles from y and q; where it ends, and how it went.
+fn settled<E: Equations<1>>(
+    equations: E,
+    [y, q]: [f64; 2],
+    settings: &Settling,
+    longest_change: f64,
+) -> ([f64; 2], Result<Settled, Settled>, usize) {
+    let mut system = Test::new(equations);
+    let mut newton = Newton::new(&system);
+    let mut state = State::zero(system.shape().len());
+    (state.y, state.q) = (system.unknowns([y]), system.unknowns([q]));
+    let mut refused = 0;
+    let mut before_refusal = f64::INFINITY;
+    let outcome = settle(&mut system, &mut newton, &mut state, settings, |_, trial| {
+        let change = |a: &[f64], b: &[f64]| (a[3] - b[3]).abs();
+        assert!(
+            trial.step < before_refusal,
+            "the next step after one that was refused is shorter"
+        );
+        if change(trial.after.y, trial.before.y).max(change(trial.after.q, trial.before.q)) > longest_change {
+            refused += 1;
+            before_refusal = trial.step;
+            return None;
+        }
+        before_refusal = f64::INFINITY;
+        Some(f64::INFINITY)
+    });
+    ([state.y[3], state.q[3]], outcome, refused)
+}
+
+#[test]
+fn the_stable_branch_is_found_from_either_side() {
+    for parameter in [1.0_f64, 1e-2, 1e-4] {
+        let root = parameter.sqrt();
+        for start in [30.0 * root, 2.0 * root, 0.5 * root, -0.5 * root] {
+            let ([y, _], outcome, _) = settled(Fold { parameter }, [start, 0.0], &SETTINGS, 0.5 * root);
+            let report = outcome.unwrap();
+            assert!((y - root).abs() < 1e-9 * root, "λ = {parameter}, from {start}: {y}");
+            assert_eq!(report.step, SETTINGS.last_step);
+        }
+    }
+}
+
+#[test]
+fn nothing_is_found_beyond_the_fold() {
+    for parameter in [-1e-4, -1.0] {
+        for start in [2.0, -2.0] {
+            let (_, outcome, _) = settled(Fold { parameter }, [start, 0.0], &SETTINGS, 0.1);
+            let report = outcome.unwrap_err();
+            assert!(
+                report.solves == SETTINGS.max_solves || report.step < 1e-12,
+                "{report:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_arch_stands_until_it_snaps() {
+    // Just below the fold from the right side it comes to rest on the near branch: q³ − q = λ with q < −1/√3.
+    let edge = -1.0 / 3.0_f64.sqrt();
+    let load = 0.999 * SNAP;
+    let ([y, q], outcome, _) = settled(Arch { load }, [0.0, -1.0], &SETTINGS, 0.05);
+    outcome.unwrap();
+    assert!(y.abs() < 1e-9 && q < edge, "{y} {q}");
+    assert!((q.powi(3) - q - load).abs() < 1e-9);
+    // Just beyond it is found on the far one.
+    let ([y, q], outcome, _) = settled(Arch { load: 1.001 * SNAP }, [0.0, -1.0], &SETTINGS, 0.05);
+    outcome.unwrap();
+    assert!(y.abs() < 1e-9 && q > 1.0, "{y} {q}");
+}
+
+#[test]
+fn a_refused_step_leads_to_shorter_ones() {
+    let (far, free, none) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, f64::INFINITY);
+    let (near, held, some) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, 2.0);
+    let (free, held) = (free.unwrap(), held.unwrap());
+    assert_eq!(none, 0);
+    assert!(
+        some > 0 && held.solves > free.solves + some,
+        "{some} refused, {held:?} {free:?}"
+    );
+    assert!((far[0] - 1.0).abs() < 1e-9 && (near[0] - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn who_refuses_every_step_ends_it() {
+    let ([y, _], outcome, refused) = settled(Fold { parameter: 1.0 }, [30.0, 0.0], &SETTINGS, 0.0);
+    let report = outcome.unwrap_err();
+    assert_eq!(y, 30.0);
+    assert!(report.step < 1e-12 && refused == report.solves, "{report:?}");
+}
+
+#[test]
+fn the_system_is_evaluated_at_the_time_that_was_set() {
+    let settings = Settling { time: 0.2, ..SETTINGS };
+    let ([_, q], outcome, _) = settled(Loading, [0.0, -1.0], &settings, 0.05);
+    outcome.unwrap();
+    assert!((q.powi(3) - q - 0.2).abs() < 1e-9, "{q}");
+}
+
+#[test]
+fn the_longest_step_is_kept_to() {
+    let mut system = Test::new(Fold { parameter: 1.0 });
+    let mut newton = Newton::new(&system);
+    let mut state = State::zero(system.shape().len());
+    let settings = Settling {
+        max_solves: 20,
+        ..SETTINGS
+    };
+    let outcome = settle(&mut system, &mut newton, &mut state, &settings, |_, trial| {
+        assert!(trial.step <= 0.1);
+        Some(0.1)
+    });
+    // It never got as far as the step that counts as steady.
+    assert_eq!(outcome, Err(Settled { solves: 20, step: 0.1 }));
+}

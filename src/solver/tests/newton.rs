@@ -1,0 +1,313 @@
+//! Newton's method on hard problems of one or two unknowns, with the work it takes.
+
+use super::super::System;
+use super::super::newton::{Newton, NotConverged, Stage};
+use super::assert_work;
+use super::problems::{Equations, Real, Test};
+
+/// A stage in which ẏ = y and q = y.
+const ALPHA: f64 = 1.0;
+
+/// Solves from a guess, with what Newton's method knows from before. The solution, or the error.
+fn solve<E: Equations<N>, const N: usize>(
+    newton: &mut Newton,
+    system: &mut Test<E, N>,
+    guess: [f64; N],
+    reuse: bool,
+) -> Result<[f64; N], NotConverged> {
+    let n = system.shape().len();
+    let zeros = vec![0.0; n];
+    let (mut y, mut y_dot, mut q) = (system.unknowns(guess), zeros.clone(), zeros.clone());
+    let mut stage = Stage {
+        time: 0.0,
+        alpha: ALPHA,
+        base: &zeros,
+        position: &zeros,
+        y: &mut y,
+        y_dot: &mut y_dot,
+        q: &mut q,
+    };
+    newton.set_scale(system, ALPHA);
+    newton.solve(system, &mut stage, 1.0, reuse)?;
+    Ok(system.values(&y))
+}
+
+/// Solves anew; the solution, residual evaluations and factorizations.
+fn fresh<E: Equations<N>, const N: usize>(equations: E, guess: [f64; N]) -> (Result<[f64; N], NotConverged>, [u64; 2]) {
+    let mut system = Test::new(equations);
+    let mut newton = Newton::new(&system);
+    let found = solve(&mut newton, &mut system, guess, false);
+    (found, [newton.counts.residuals, newton.counts.factorizations])
+}
+
+/// Solves one equation anew; the solution must be `expected`, the residual evaluations and factorizations `work`.
+fn assert_solves<E: Equations<1>>(equations: E, guess: f64, expected: f64, work: [u64; 2]) {
+    let (found, done) = fresh(equations, [guess]);
+    let [found] = found.unwrap();
+    assert!(
+        (found - expected).abs() < 1e-11 * (1.0 + expected.abs()),
+        "{found} {expected}"
+    );
+    assert_work(done, work, &format!("from {guess}"));
+}
+
+/// One equation in one unknown.
+macro_rules! equation {
+    ($(#[$doc:meta])* $name:ident { $($field:ident),* }, |$self:ident, $y:ident| $value:expr) => {
+        $(#[$doc])*
+        struct $name {
+            $($field: f64),*
+        }
+
+        impl Equations<1> for $name {
+            const HAS_POSITION: [bool; 1] = [false];
+
+            fn residual<T: Real>(&$self, _: f64, [$y]: [T; 1], _: [T; 1], _: [T; 1]) -> [T; 1] {
+                [$value]
+            }
+        }
+    };
+}
+
+equation! {
+    /// A force on a body of unit mass that meets a wall of this stiffness at y = 0.
+    Wall { stiffness, force }, |self, y| if y.re() > 0.0 { y * self.stiffness + y - self.force } else { y - self.force }
+}
+equation! {
+    /// A force on a body of this mass under friction that saturates at 1, y/√(y² + v²).
+    Friction { mass, velocity, force }, |self, y| {
+        y * self.mass + y / (y * y + self.velocity.powi(2)).sqrt() - self.force
+    }
+}
+equation! {
+    /// arctan y = 0: full steps diverge from |y| > 1.39.
+    Arctan {}, |self, y| y.atan()
+}
+equation! {
+    /// A diode behind a resistor: its exponential overflows within a full step.
+    Diode { voltage }, |self, y| y + ((y * 40.0).exp() - 1.0) * 1e-12 - self.voltage
+}
+equation! {
+    /// ln y = 0: not a number where y < 0.
+    Logarithm {}, |self, y| y.ln()
+}
+equation! {
+    /// y² + c.
+    Parabola { constant }, |self, y| y * y + self.constant
+}
+
+#[test]
+fn a_stiff_wall_is_met_and_left() {
+    let wall = |force| Wall { stiffness: 1e8, force };
+    assert_solves(wall(5.0), 1e3, 5.0 / (1.0 + 1e8), [2, 1]);
+    assert_solves(wall(-5.0), 1e-3, -5.0, [5, 2]);
+    let soft = Wall {
+        stiffness: 5.0,
+        force: 5.0,
+    };
+    assert_solves(soft, -1.0, 5.0 / 6.0, [8, 3]);
+    // From before a stiff wall no damped step shortens the correction: the next guess, of a shorter step, must do.
+    let (found, done) = fresh(wall(5.0), [-1.0]);
+    assert_eq!(found, Err(NotConverged));
+    assert_work(done, [13, 3], "");
+}
+
+#[test]
+fn friction_that_saturates() {
+    let friction = |mass, force| Friction {
+        mass,
+        velocity: 1e-3,
+        force,
+    };
+    for (force, guess, pinned) in [
+        (0.5, 10.0, [30, 7]),
+        (0.5, -10.0, [44, 9]),
+        (0.5, 1.0, [33, 10]),
+        (-0.5, 1e-4, [6, 1]),
+    ] {
+        let equations = friction(1.0, force);
+        let (found, done) = fresh(friction(1.0, force), [guess]);
+        let y = found.unwrap();
+        let [left] = equations.residual(0.0, y, [0.0], [0.0]);
+        assert!(left.abs() < 1e-9, "{left}");
+        assert_work(done, pinned, &format!("{force} from {guess}"));
+    }
+    // Beyond what it carries the body slides, held back by its mass.
+    let (found, done) = fresh(friction(1.0, 1.5), [0.0]);
+    assert!((found.unwrap()[0] - 0.5).abs() < 1e-5);
+    assert_work(done, [18, 5], "sliding");
+    // With next to no mass every step overshoots where it sticks: a shorter time step must give it weight.
+    let (found, done) = fresh(friction(1e-3, 0.5), [10.0]);
+    assert_eq!(found, Err(NotConverged));
+    assert_work(done, [7, 1], "without mass");
+}
+
+#[test]
+fn arctan_from_far() {
+    for (guess, work) in [(1.3, [7, 2]), (20.0, [20, 6]), (-20.0, [20, 6])] {
+        assert_solves(Arctan {}, guess, 0.0, work);
+    }
+}
+
+#[test]
+fn an_exponential_that_overflows() {
+    let (found, work) = fresh(Diode { voltage: 20.0 }, [0.0]);
+    let [found] = found.unwrap();
+    assert!((found + 1e-12 * (40.0 * found).exp_m1() - 20.0).abs() < 1e-8, "{found}");
+    assert_work(work, [24, 7], "");
+}
+
+#[test]
+fn a_step_into_what_is_not_a_number_is_shortened() {
+    assert_solves(Logarithm {}, 10.0, 1.0, [12, 3]);
+}
+
+#[test]
+fn what_has_no_solution_is_an_error() {
+    // Not a number from the start, a singular Jacobian, no root.
+    assert_eq!(fresh(Logarithm {}, [-1.0]), (Err(NotConverged), [1, 1]));
+    assert_eq!(fresh(Parabola { constant: 1.0 }, [0.0]), (Err(NotConverged), [1, 1]));
+    let (found, [_, factorizations]) = fresh(Parabola { constant: 1.0 }, [2.0]);
+    assert_eq!(found, Err(NotConverged));
+    assert!(factorizations <= 15);
+}
+
+/// A singular or failed stage leaves nothing behind that the next would trip over.
+#[test]
+fn solves_after_a_failure() {
+    let mut system = Test::new(Parabola { constant: 1.0 });
+    let mut newton = Newton::new(&system);
+    assert!(solve(&mut newton, &mut system, [0.0], true).is_err());
+    system.equations.constant = -4.0;
+    let [found] = solve(&mut newton, &mut system, [3.0], true).unwrap();
+    assert!((found - 2.0).abs() < 1e-12);
+}
+
+/// A double root: convergence is linear, by a half each iteration.
+#[test]
+fn a_double_root() {
+    let (found, work) = fresh(Parabola { constant: 0.0 }, [1.0]);
+    assert!(found.unwrap()[0].abs() < 1e-9);
+    assert_work(work, [62, 4], "");
+}
+
+/// Two unknowns that differ by 1e18 in size, coupled.
+struct IllScaled;
+
+impl Equations<2> for IllScaled {
+    const HAS_POSITION: [bool; 2] = [false; 2];
+
+    fn residual<T: Real>(&self, _: f64, [a, b]: [T; 2], _: [T; 2], _: [T; 2]) -> [T; 2] {
+        let (a, b) = (a * 1e9, b * 1e-9);
+        [(a * a + b - 3.0) * 1e12, (b * b * a - 4.0) * 1e-12]
+    }
+}
+
+#[test]
+fn ill_scaled_unknowns_and_rows() {
+    let mut system = Test::new(IllScaled);
+    system.newton_scale = [1e-21, 1e-3];
+    let mut newton = Newton::new(&system);
+    let [a, b] = solve(&mut newton, &mut system, [1.2e-9, 1.5e9], false).unwrap();
+    assert!(
+        (a * 1e9 - 1.0).abs() < 1e-10 && (b * 1e-9 - 2.0).abs() < 1e-10,
+        "{a} {b}"
+    );
+    assert_work([newton.counts.residuals, newton.counts.factorizations], [9, 1], "");
+}
+
+/// The valley of Rosenbrock's function, 10(b − a²) = 0 and 1 − a = 0.
+struct Valley;
+
+impl Equations<2> for Valley {
+    const HAS_POSITION: [bool; 2] = [false; 2];
+
+    fn residual<T: Real>(&self, _: f64, [a, b]: [T; 2], _: [T; 2], _: [T; 2]) -> [T; 2] {
+        [(b - a * a) * 10.0, -a + 1.0]
+    }
+}
+
+#[test]
+fn a_curved_valley() {
+    let (found, work) = fresh(Valley, [-1.2, 1.0]);
+    let [a, b] = found.unwrap();
+    assert!((a - 1.0).abs() < 1e-11 && (b - 1.0).abs() < 1e-11);
+    assert_work(work, [6, 2], "");
+}
+
+/// Springs that harden, each by itself, under one force.
+struct Springs {
+    stiffness: [f64; 24],
+    force: f64,
+}
+
+impl Springs {
+    fn left(&self, y: [f64; 24]) -> f64 {
+        let rows = self.residual(0.0, y, [0.0; 24], [0.0; 24]);
+        rows.iter().fold(0.0, |most, row| most.max(row.abs()))
+    }
+}
+
+impl Equations<24> for Springs {
+    const HAS_POSITION: [bool; 24] = [false; 24];
+
+    fn residual<T: Real>(&self, _: f64, y: [T; 24], _: [T; 24], _: [T; 24]) -> [T; 24] {
+        std::array::from_fn(|i| y[i] * self.stiffness[i] + y[i].powi(3) - self.force)
+    }
+}
+
+/// A Jacobian serves the next stages while it contracts; once it does not, another is made.
+#[test]
+fn a_stale_jacobian_is_renewed() {
+    let mut system = Test::new(Springs {
+        stiffness: [10.0; 24],
+        force: 1.0,
+    });
+    let mut newton = Newton::new(&system);
+    let first = solve(&mut newton, &mut system, [0.0; 24], true).unwrap();
+    assert!(system.equations.left(first) < 1e-10);
+    assert_eq!(newton.counts.factorizations, 1);
+    system.equations.force = 1.1;
+    let second = solve(&mut newton, &mut system, first, true).unwrap();
+    assert!(system.equations.left(second) < 1e-10);
+    assert_eq!(newton.counts.factorizations, 1, "it was still good");
+    system.equations.stiffness = std::array::from_fn(|i| 10.0 * 1.5_f64.powi(i as i32));
+    let third = solve(&mut newton, &mut system, second, true).unwrap();
+    assert!(system.equations.left(third) < 1e-7);
+    assert_eq!(newton.counts.factorizations, 2);
+}
+
+/// Without leave to use it again the Jacobian is made anew in every stage.
+#[test]
+fn a_jacobian_is_not_reused_without_leave() {
+    let mut system = Test::new(Springs {
+        stiffness: [10.0; 24],
+        force: 1.0,
+    });
+    let mut newton = Newton::new(&system);
+    for made in 1..4 {
+        solve(&mut newton, &mut system, [0.0; 24], false).unwrap();
+        assert_eq!(newton.counts.factorizations, made);
+    }
+}
+
+/// Stages that needed many iterations add up to a new Jacobian although each converged.
+#[test]
+fn iterations_add_up_to_a_new_jacobian() {
+    let mut system = Test::new(Friction {
+        mass: 1.0,
+        velocity: 1.0,
+        force: 0.0,
+    });
+    let mut newton = Newton::new(&system);
+    let mut y = [0.0];
+    let mut made = Vec::new();
+    for i in 0..40 {
+        system.equations.force = if i % 2 == 0 { 1.0 } else { -1.0 };
+        y = solve(&mut newton, &mut system, y, true).unwrap();
+        made.push(newton.counts.factorizations);
+    }
+    let total = made[made.len() - 1];
+    assert!((2..=20).contains(&total), "{total} for 40 stages");
+    assert_work([newton.counts.residuals, newton.counts.factorizations], [240, 10], "");
+}
