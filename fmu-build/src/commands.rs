@@ -10,6 +10,7 @@ pub mod bench;
 pub mod build;
 pub mod demo;
 pub mod describe;
+pub mod docs;
 pub mod drive;
 pub mod linearize;
 pub mod paper;

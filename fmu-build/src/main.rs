@@ -7,6 +7,7 @@
 //! | [`cargo`], [`python`] | the two outside programs that do the work |
 //! | [`portable`], [`binary`] | binaries for other machines, and what they ask of them |
 //! | [`archive`], [`licenses`], [`description`], [`image`] | what goes into the FMU beside the binary |
+//! | [`mdbook`], [`links`] | the book of `docs/`, and whether its links hold |
 //! | [`progress`] | what the user sees meanwhile |
 
 mod archive;
@@ -16,6 +17,8 @@ mod commands;
 mod description;
 mod image;
 mod licenses;
+mod links;
+mod mdbook;
 mod platform;
 mod portable;
 mod progress;
@@ -55,8 +58,10 @@ enum Command {
     Bench(commands::bench::Arguments),
     /// Write A, B, C, D at a steady working point as JSON
     Linearize(commands::linearize::Arguments),
-    /// Write modelDescription.xml and docs/variables.md from the variable table
+    /// Write modelDescription.xml, docs/variables.md and python/pushbelt/_version.py from the variable table
     Describe,
+    /// Write the documentation as a book, target/book/index.html, and check its links
+    Docs,
 }
 
 fn main() -> ExitCode {
@@ -81,6 +86,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),
+        Command::Docs => commands::docs::run(&workspace),
     }
 }
 

@@ -58,7 +58,7 @@ pub fn build(workspace: &Workspace) -> anyhow::Result<Vec<(Platform, PathBuf)>> 
             .args(["--target", target.zig])
             .env("PATH", tools.path()?)
             .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace));
-        let library = cargo::library(&mut command)?;
+        let library = cargo::build_library_with(&mut command)?;
         check(&library)?;
         binaries.push((target.platform, library));
     }

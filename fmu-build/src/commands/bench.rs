@@ -1,10 +1,15 @@
 //! `cargo fmu bench`: runs the programs in `benches/`.
 
+use std::process::Command;
+
 use clap::Args;
 
-use crate::cargo;
+use crate::cargo::{self, Program};
 use crate::progress;
-use crate::workspace::{MODEL_PACKAGE, Workspace};
+use crate::workspace::Workspace;
+
+/// The program in `benches/` that measures the variator.
+const VARIATOR: &str = "variator";
 
 /// What to measure.
 #[derive(Args)]
@@ -19,9 +24,8 @@ pub struct Arguments {
 /// # Errors
 /// A program in `benches/` doesn't compile or fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    let program = cargo::build_program(workspace, Program::Bench(VARIATOR))?;
     progress::headline("Measuring");
-    let mut bench = cargo::command(workspace);
-    bench.args(["bench", "--package", MODEL_PACKAGE, "--benches"]);
-    bench.arg("--").args(&arguments.passed_on);
-    cargo::run(&mut bench)
+    let mut bench = Command::new(program);
+    cargo::run(bench.current_dir(workspace.root()).args(&arguments.passed_on))
 }

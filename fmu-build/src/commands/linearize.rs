@@ -2,9 +2,8 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::Stdio;
 
-use anyhow::{Context, ensure};
+use anyhow::Context;
 use clap::Args;
 
 use crate::cargo;
@@ -31,20 +30,16 @@ pub struct Arguments {
 /// There is no steady state at this working point, or the file can't be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     progress::headline("Finding the steady state and its modes");
-    let output = cargo::command(workspace)
-        .args(["run", "--quiet", "--release", "--package", env!("CARGO_PKG_NAME")])
-        .args(["--features", "model", "--bin", "linear-model", "--"])
-        .arg(arguments.frequency.to_string())
-        .args(&arguments.settings)
-        .stderr(Stdio::inherit())
-        .output()
-        .context("can't start cargo")?;
-    ensure!(output.status.success(), "there is no linear model");
+    let frequency = arguments.frequency.to_string();
+    let words: Vec<String> = std::iter::once(frequency)
+        .chain(arguments.settings.iter().cloned())
+        .collect();
+    let model = cargo::example_output(workspace, "linear_model", &words).context("there is no linear model")?;
     let path = arguments
         .output
         .clone()
         .unwrap_or_else(|| workspace.target().join("linear-model.json"));
-    fs::write(&path, output.stdout).with_context(|| format!("can't write {}", path.display()))?;
+    fs::write(&path, model).with_context(|| format!("can't write {}", path.display()))?;
     println!("{}", path.display());
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use crate::cargo;
+use crate::cargo::{self, Program};
 use crate::commands::program;
 use crate::workspace::Workspace;
 
@@ -25,7 +25,7 @@ pub struct Arguments {
 /// # Errors
 /// The FMU or the example doesn't build, or the simulation fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let rings = cargo::example(workspace, RINGS)?;
+    let rings = cargo::build_program(workspace, Program::Example(RINGS))?;
     let mut paper = program(workspace, "pushbelt_paper", "paper", "Running the paper's examples")?;
     paper.arg("--rings").arg(rings);
     if arguments.short {
