@@ -1,4 +1,4 @@
-//! `cargo fmu bench`: runs the programs in `benches/`.
+//! `cargo fmu bench`: measures the speed of the model.
 
 use std::process::Command;
 
@@ -11,10 +11,10 @@ use crate::workspace::Workspace;
 /// The program in `benches/` that measures the variator.
 const VARIATOR: &str = "variator";
 
-/// What to measure.
+/// Options of the benchmark.
 #[derive(Args)]
 pub struct Arguments {
-    /// Passed on to the programs: `-- --quick` runs everything once
+    /// Passed on to the benchmark: `-- --quick` runs everything once, `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -22,7 +22,7 @@ pub struct Arguments {
 /// Runs the measurements.
 ///
 /// # Errors
-/// A program in `benches/` doesn't compile or fails.
+/// The benchmark doesn't compile or fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     let program = cargo::build_program(workspace, Program::Bench(VARIATOR))?;
     progress::headline("Measuring");

@@ -10,13 +10,13 @@ use crate::cargo;
 use crate::progress;
 use crate::workspace::Workspace;
 
-/// Which working point.
+/// The working point.
 #[derive(Args)]
 pub struct Arguments {
-    /// States are the modes below this frequency, Hz
+    /// Keep the modes below this frequency, Hz, as states
     #[arg(long, default_value_t = 50.0)]
     frequency: f64,
-    /// Where the JSON goes [default: target/linear-model.json]
+    /// File that is written [default: target/linear-model.json]
     #[arg(long)]
     output: Option<PathBuf>,
     /// Parameters and inputs of the working point, e.g. initial.ratio=2.2 secondary.clampingForce=15000
