@@ -1,0 +1,183 @@
+//! The shared library that cargo has built beside these tests, loaded as an importer loads it.
+
+#![allow(unsafe_code, reason = "it calls the C functions")]
+
+use std::ffi::{CString, c_char, c_int};
+use std::path::PathBuf;
+use std::ptr::null;
+
+use libloading::Library as Loaded;
+use pushbelt::fmi2::Unit;
+use pushbelt::fmi2::c_abi::{CallbackFunctions, Component, FmuState};
+use pushbelt::unit::VariatorUnit;
+
+pub const OK: c_int = 0;
+pub const DISCARD: c_int = 2;
+pub const ERROR: c_int = 3;
+
+macro_rules! functions {
+    ($($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
+        /// The exported functions.
+        #[allow(non_snake_case, reason = "the standard's names")]
+        #[derive(Clone, Copy)]
+        pub struct Functions {
+            $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+        }
+
+        impl Functions {
+            fn of(library: &Loaded) -> Self {
+                // SAFETY: these are the standard's types of these functions.
+                unsafe {
+                    Self {
+                        $($name: *library.get(stringify!($name).as_bytes()).expect(stringify!($name)),)*
+                    }
+                }
+            }
+        }
+    };
+}
+
+type References = *const u32;
+
+functions! {
+    fmi2GetTypesPlatform() -> *const c_char;
+    fmi2GetVersion() -> *const c_char;
+    fmi2SetDebugLogging(Component, c_int, usize, *const *const c_char) -> c_int;
+    fmi2Instantiate(*const c_char, c_int, *const c_char, *const c_char, *const CallbackFunctions, c_int, c_int) -> Component;
+    fmi2FreeInstance(Component);
+    fmi2SetupExperiment(Component, c_int, f64, f64, c_int, f64) -> c_int;
+    fmi2EnterInitializationMode(Component) -> c_int;
+    fmi2ExitInitializationMode(Component) -> c_int;
+    fmi2Terminate(Component) -> c_int;
+    fmi2Reset(Component) -> c_int;
+    fmi2GetReal(Component, References, usize, *mut f64) -> c_int;
+    fmi2GetInteger(Component, References, usize, *mut c_int) -> c_int;
+    fmi2GetBoolean(Component, References, usize, *mut c_int) -> c_int;
+    fmi2GetString(Component, References, usize, *mut *const c_char) -> c_int;
+    fmi2SetReal(Component, References, usize, *const f64) -> c_int;
+    fmi2SetInteger(Component, References, usize, *const c_int) -> c_int;
+    fmi2SetBoolean(Component, References, usize, *const c_int) -> c_int;
+    fmi2SetString(Component, References, usize, *const *const c_char) -> c_int;
+    fmi2GetFMUstate(Component, *mut FmuState) -> c_int;
+    fmi2SetFMUstate(Component, FmuState) -> c_int;
+    fmi2FreeFMUstate(Component, *mut FmuState) -> c_int;
+    fmi2SerializedFMUstateSize(Component, FmuState, *mut usize) -> c_int;
+    fmi2SerializeFMUstate(Component, FmuState, *mut c_char, usize) -> c_int;
+    fmi2DeSerializeFMUstate(Component, *const c_char, usize, *mut FmuState) -> c_int;
+    fmi2GetDirectionalDerivative(Component, References, usize, References, usize, *const f64, *mut f64) -> c_int;
+    fmi2SetRealInputDerivatives(Component, References, usize, *const c_int, *const f64) -> c_int;
+    fmi2GetRealOutputDerivatives(Component, References, usize, *const c_int, *mut f64) -> c_int;
+    fmi2DoStep(Component, f64, f64, c_int) -> c_int;
+    fmi2CancelStep(Component) -> c_int;
+    fmi2GetStatus(Component, c_int, *mut c_int) -> c_int;
+    fmi2GetRealStatus(Component, c_int, *mut f64) -> c_int;
+    fmi2GetIntegerStatus(Component, c_int, *mut c_int) -> c_int;
+    fmi2GetBooleanStatus(Component, c_int, *mut c_int) -> c_int;
+    fmi2GetStringStatus(Component, c_int, *mut *const c_char) -> c_int;
+}
+
+/// The loaded library. It is unloaded when this is dropped.
+pub struct Library {
+    _loaded: Loaded,
+    pub functions: Functions,
+}
+
+/// Where cargo puts the library that it builds for the tests: beside them.
+pub fn path() -> PathBuf {
+    let test = std::env::current_exe().expect("a test has a path");
+    let folder = test.parent().expect("a test lies in a folder");
+    let name = format!(
+        "{}pushbelt{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    );
+    let path = folder.join(name);
+    assert!(path.is_file(), "{} is missing", path.display());
+    path
+}
+
+impl Library {
+    pub fn load() -> Self {
+        // SAFETY: the library runs nothing when it is loaded.
+        let loaded = unsafe { Loaded::new(path()) }.expect("the library loads");
+        let functions = Functions::of(&loaded);
+        Self {
+            _loaded: loaded,
+            functions,
+        }
+    }
+}
+
+impl Functions {
+    /// An instance without a logger.
+    pub fn instantiate(&self) -> Component {
+        let guid = CString::new(pushbelt::fmi2::guid::<VariatorUnit>()).expect("no zero inside");
+        // SAFETY: valid strings, and null where it is allowed.
+        let c = unsafe { (self.fmi2Instantiate)(c"variator".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0) };
+        assert!(!c.is_null());
+        c
+    }
+
+    /// A coarse reference ring that starts unloaded, to be set before the start.
+    ///
+    /// # Safety
+    /// `c` is an instance that has not been freed.
+    pub unsafe fn make_cheap(&self, c: Component) {
+        let integers = ["ring.model", "mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"].map(reference);
+        let steady = reference("initial.steady");
+        // SAFETY: `c` is an instance, and there are as many values as references.
+        unsafe {
+            assert_eq!(
+                (self.fmi2SetInteger)(c, integers.as_ptr(), 4, [1, 4, 4, 4].as_ptr()),
+                OK
+            );
+            assert_eq!((self.fmi2SetBoolean)(c, &steady, 1, &0), OK);
+        }
+    }
+
+    /// From instantiated to step mode.
+    ///
+    /// # Safety
+    /// `c` is an instance that has not been freed.
+    pub unsafe fn start(&self, c: Component) {
+        // SAFETY: `c` is an instance.
+        unsafe {
+            assert_eq!((self.fmi2SetupExperiment)(c, 0, 0.0, 0.0, 0, 0.0), OK);
+            assert_eq!((self.fmi2EnterInitializationMode)(c), OK);
+            assert_eq!((self.fmi2ExitInitializationMode)(c), OK);
+        }
+    }
+
+    /// `count` steps of 1 ms with a load that swings; the bits of some outputs after each.
+    ///
+    /// # Safety
+    /// `c` is an instance that has not been freed.
+    pub unsafe fn run(&self, c: Component, load: f64, count: u32) -> Vec<[u64; 3]> {
+        let torque = reference("secondary.torque");
+        let outputs = ["thrustRatio", "belt.speed", "energy.residual"].map(reference);
+        let step = |k: u32| {
+            let mut values = [0.0; 3];
+            // SAFETY: `c` is an instance, and there are as many values as references.
+            unsafe {
+                let load = -49.0 + load * f64::from(k % 7);
+                assert_eq!((self.fmi2SetReal)(c, &torque, 1, &load), OK);
+                assert_eq!((self.fmi2DoStep)(c, f64::from(k) * 1e-3, 1e-3, 1), OK);
+                assert_eq!((self.fmi2GetReal)(c, outputs.as_ptr(), 3, values.as_mut_ptr()), OK);
+            }
+            values.map(f64::to_bits)
+        };
+        (0..count).map(step).collect()
+    }
+}
+
+/// Value reference of a variable.
+pub fn reference(name: &str) -> u32 {
+    let table = VariatorUnit::table();
+    let variable = table.by_name(name).unwrap_or_else(|| panic!("{name} is missing"));
+    variable.reference
+}
+
+/// A number from the environment: long runs are asked for by it.
+pub fn count(variable: &str, otherwise: u32) -> u32 {
+    std::env::var(variable).map_or(otherwise, |text| text.parse().expect("a number"))
+}

@@ -1,0 +1,121 @@
+//! Steady states, with the fields along the belt.
+
+use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::solver::State;
+use pushbelt::solver::newton::{Counts, Newton};
+use pushbelt::variator::cell::sample::Sample;
+use pushbelt::variator::settings::{Outputs, Parameters, StartState};
+use pushbelt::variator::steady::solve::{SteadyTask, solve};
+use pushbelt::variator::steady::start::{Start, kinematic_state};
+use pushbelt::variator::survey::observe::{Context, Observer};
+use pushbelt::variator::survey::survey::Survey;
+use pushbelt::variator::system::VariatorSystem;
+
+use crate::load_cases::{LoadCase, ratio};
+use crate::variators::SPEED;
+
+/// Most solves a steady state may take here.
+const MAX_SOLVES: usize = 600;
+
+/// A steady state.
+#[derive(Clone, Debug)]
+pub struct Steady {
+    /// The system with its boundary conditions.
+    pub system: VariatorSystem,
+    /// The state.
+    pub state: State,
+    /// Outputs there.
+    pub outputs: Outputs,
+    /// Work that it took.
+    pub counts: Counts,
+}
+
+/// A station with its cell.
+#[derive(Clone, Copy, Debug)]
+pub struct At {
+    /// Segment: half secondary arc, upper strand, primary arc, lower strand, half secondary arc.
+    pub segment: usize,
+    /// Ring element.
+    pub element: usize,
+    /// What is there.
+    pub sample: Sample,
+}
+
+impl Steady {
+    /// Every station around the loop.
+    pub fn stations(&self) -> Vec<At> {
+        let mesh = &self.system.belt.mesh;
+        let survey = Survey::of(&self.system, self.state.view());
+        survey
+            .stations(mesh)
+            .map(|(cell, sample)| At {
+                segment: mesh.elements[cell.element].segment,
+                element: cell.element,
+                sample,
+            })
+            .collect()
+    }
+
+    /// Sum of supplied powers less losses as a share of the driving power.
+    pub fn power_defect(&self) -> f64 {
+        let o = &self.outputs;
+        let driving = o.primary.power.max(o.secondary.power);
+        (o.primary.power + o.secondary.power - o.losses.total()) / driving
+    }
+
+    /// Wrap angles of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched ring is
+    /// larger than its reference curve.)
+    pub fn wrap(&self) -> PerPulley<f64> {
+        let difference = self.outputs.primary.radius - self.outputs.secondary.radius;
+        let half = (difference / self.system.parameters.geometry.center_distance).acos();
+        PerPulley {
+            secondary: 2.0 * half,
+            primary: std::f64::consts::TAU - 2.0 * half,
+        }
+    }
+}
+
+/// The steady state of a task. `speeds` are those of the shafts, rad/s; a speed that the task leaves free is a first guess.
+pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>) -> Steady {
+    parameters.validate().expect("valid parameters");
+    let mut system = VariatorSystem::new(parameters);
+    let start = Start {
+        ratio: task.ratio,
+        primary_speed: speeds.primary,
+        clamping: task.clamping,
+    };
+    let mut state = kinematic_state(&system.belt, &start).expect("the belt closes");
+    for pulley in Pulley::BOTH {
+        state.y[system.belt.layout.shaft_speed(pulley)] = speeds[pulley];
+    }
+    let mut newton = Newton::new(&system);
+    if let Err(report) = solve(&mut system, &mut newton, &mut state, task, MAX_SOLVES) {
+        panic!("no steady state of {task:?} at {speeds:?} rad/s: {report:?}");
+    }
+    let context = Context {
+        external_torque: PerPulley::default(),
+        macro_slip: false,
+        supplied: 0.0,
+        lost: 0.0,
+        initial_energy: 0.0,
+        start_state: StartState::Steady,
+    };
+    let mut outputs = Outputs::default();
+    let survey = Survey::of(&system, state.view());
+    Observer::default().observe(&system, state.view(), &survey, &context, &mut outputs);
+    Steady {
+        system,
+        state,
+        outputs,
+        counts: newton.counts,
+    }
+}
+
+/// The steady state of a load case.
+pub fn load_case(parameters: &Parameters, case: &LoadCase) -> Steady {
+    let speeds = PerPulley {
+        secondary: SPEED / ratio(case.theta),
+        primary: SPEED,
+    };
+    steady(parameters, &case.task(), speeds)
+}
