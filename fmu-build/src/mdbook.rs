@@ -58,8 +58,8 @@ impl MdBook {
     }
 }
 
-/// Compiled without optimisation: that takes a quarter of the time, and the book is still made in seconds. The folder for
-/// compilation is its own and goes afterwards.
+/// Compiles mdBook without optimisation: it still makes the book in two seconds. The folder for compilation is its own, and
+/// is removed afterwards.
 fn install(workspace: &Workspace, folder: &Path) -> anyhow::Result<()> {
     let build = folder.join("build");
     let mut install = cargo::command(workspace);
