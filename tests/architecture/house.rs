@@ -1,6 +1,6 @@
 //! All files below `src/` as a tree of modules, and which file uses which.
 
-use crate::source::{Import, Scope, Source};
+use crate::source::{Import, Scope, Source, Written};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
@@ -98,6 +98,23 @@ impl House {
             }
         }
         uses
+    }
+
+    /// Files that give methods to a type of another file.
+    pub fn extensions(&self) -> Vec<Use> {
+        let mut extensions = Vec::new();
+        for (from, file) in self.files.iter().enumerate() {
+            for scope in &file.source.scopes {
+                let module = module(&file.place, &scope.inside);
+                for Written { path, line } in &scope.extended {
+                    if let Some(Target::Item(to)) = self.resolve(&module, path, 0) {
+                        let text = format!("{} in line {line}", path.join("::"));
+                        extensions.push(Use { from, to, text });
+                    }
+                }
+            }
+        }
+        extensions
     }
 
     /// Files that an import needs.

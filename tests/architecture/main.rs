@@ -96,6 +96,26 @@ fn a_module_that_uses_what_it_passes_on_is_in_the_circle() {
 }
 
 #[test]
+fn methods_stay_in_the_room_of_their_type() {
+    let run = "use crate::law::{Law, Rule}; pub struct Run;
+        impl<F: Fn() -> u8> Rule<F> for Run where for<'a> F: Fn(&'a u8) {}
+        fn f() -> impl Rule { Run }
+        impl Law<u8> { fn own() {} }
+        impl<F: Fn() -> u8> Law<F> where for<'a> F: Fn(&'a u8) { pub fn all() {} }";
+    let files = [
+        (
+            "law.rs",
+            "pub struct Law<F>(F); pub trait Rule {} impl<F> Law<F> { pub fn f() {} }",
+        ),
+        ("run.rs", run),
+    ];
+    assert_eq!(
+        problems("law:\nrun: law", &files),
+        ["src/run.rs gives methods to a type of src/law.rs, another room: Law in line 5"]
+    );
+}
+
+#[test]
 fn tests_may_use_what_they_like_and_have_no_size() {
     let test = format!(
         "pub struct A;\n#[cfg(test)]\nmod tests {{\n    use crate::run::Run;\n{}}}\n",

@@ -85,6 +85,16 @@ pub fn problems(list: &[Room], house: &House) -> Vec<String> {
             }
         }
     }
+    // What uses the type would call upwards, and no import would show it.
+    for one in house.extensions() {
+        if rooms[one.from] != rooms[one.to] {
+            let (from, to) = (&files[one.from].path, &files[one.to].path);
+            problems.push(format!(
+                "{from} gives methods to a type of {to}, another room: {}",
+                one.text
+            ));
+        }
+    }
     problems.extend(sizes(house, &rooms, list));
     for circle in circles(files.len(), &uses) {
         let mut lines = BTreeMap::new();

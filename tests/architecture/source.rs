@@ -28,6 +28,8 @@ pub struct Scope {
     pub inside: Vec<String>,
     pub imports: Vec<Import>,
     pub written: Vec<Written>,
+    /// Types that get methods here which other files can call, other than those of a trait.
+    pub extended: Vec<Written>,
     /// Names that it defines.
     pub items: HashSet<String>,
     /// All words in it outside of imports.
@@ -84,6 +86,10 @@ impl Source {
                 }
                 TokenTree::Ident(word) if word == "mod" && braced(tokens.get(at + 2)).is_some() => {
                     self.module(&tokens, at, scope)
+                }
+                TokenTree::Ident(word) if word == "impl" && starts_item(&tokens, at) => {
+                    self.scopes[scope].extended.extend(extended_type(&tokens, at));
+                    self.path(&tokens, at, scope)
                 }
                 TokenTree::Ident(_) => self.path(&tokens, at, scope),
                 TokenTree::Group(group) => {
@@ -150,30 +156,70 @@ impl Source {
     }
 
     fn path(&mut self, tokens: &[TokenTree], start: usize, scope: usize) -> usize {
-        let mut path = Vec::new();
-        let mut at = start;
-        while let Some(name) = word(tokens.get(at)) {
-            path.push(name);
-            if !(is_mark(tokens.get(at + 1), ':') && is_mark(tokens.get(at + 2), ':')) {
-                at += 1;
-                break;
-            }
-            at += 3;
-        }
-        let line = tokens[start].span().start().line;
+        let (written, at) = path_at(tokens, start);
         let scope = &mut self.scopes[scope];
-        scope.words.extend(path.iter().cloned());
-        let (first, second) = (path.last().cloned(), word(tokens.get(at)));
-        if let (Some(keyword), Some(name)) = (first, second)
+        scope.words.extend(written.path.iter().cloned());
+        if let (Some(keyword), Some(name)) = (written.path.last(), word(tokens.get(at)))
             && ITEMS.contains(&keyword.as_str())
         {
             scope.items.insert(name);
         }
-        if path.len() > 1 {
-            scope.written.push(Written { path, line });
+        if written.path.len() > 1 {
+            scope.written.push(written);
         }
         at
     }
+}
+
+/// The path that starts here, and where it ends.
+fn path_at(tokens: &[TokenTree], start: usize) -> (Written, usize) {
+    let mut path = Vec::new();
+    let mut at = start;
+    while let Some(name) = word(tokens.get(at)) {
+        path.push(name);
+        if !(is_mark(tokens.get(at + 1), ':') && is_mark(tokens.get(at + 2), ':')) {
+            at += 1;
+            break;
+        }
+        at += 3;
+    }
+    let line = tokens.get(start).map_or(0, |tree| tree.span().start().line);
+    (Written { path, line }, at)
+}
+
+/// Whether an item can start here: at the start of a body, behind another item or behind an attribute.
+fn starts_item(tokens: &[TokenTree], at: usize) -> bool {
+    match at.checked_sub(1).map(|before| &tokens[before]) {
+        None => true,
+        Some(TokenTree::Group(group)) => group.delimiter() != Delimiter::Parenthesis,
+        before => is_mark(before, ';'),
+    }
+}
+
+/// The type of an `impl` without a trait, if it has a method for others.
+fn extended_type(tokens: &[TokenTree], start: usize) -> Option<Written> {
+    let mut at = start + 1;
+    if is_mark(tokens.get(at), '<') {
+        let mut open = 0;
+        loop {
+            if is_mark(tokens.get(at), '<') {
+                open += 1;
+            } else if is_mark(tokens.get(at), '>') && !is_mark(tokens.get(at - 1), '-') {
+                open -= 1;
+            }
+            at += 1;
+            if open == 0 || at == tokens.len() {
+                break;
+            }
+        }
+    }
+    let body = (at..tokens.len()).find(|&at| braced(tokens.get(at)).is_some())?;
+    let of_trait =
+        (at..body).any(|at| word(tokens.get(at)).as_deref() == Some("for") && !is_mark(tokens.get(at + 1), '<'));
+    let mut methods = braced(tokens.get(body))?.stream().into_iter();
+    let for_others = methods.any(|tree| word(Some(&tree)).as_deref() == Some("pub"));
+    let (written, _) = path_at(tokens, at);
+    (for_others && !of_trait && !written.path.is_empty()).then_some(written)
 }
 
 /// Whether the attribute that starts here is for tests only, and where it ends.
