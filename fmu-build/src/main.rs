@@ -33,7 +33,8 @@ use crate::workspace::Workspace;
 
 /// Builds, tests, demonstrates and measures PushbeltVariator.fmu.
 ///
-/// Times are for two processors. A first run compiles the model too: two minutes more, once for all commands.
+/// Times are for two processors. The first command takes three minutes more: it compiles the model and installs the Python
+/// packages for all others.
 #[derive(Parser)]
 #[command(name = "cargo fmu", bin_name = "cargo fmu", version)]
 struct Arguments {
@@ -47,7 +48,7 @@ enum Command {
     Build(commands::build::Arguments),
     /// Run the Rust tests, and the Python tests with the FMU (up to 20 minutes)
     Test(commands::test::Arguments),
-    /// Simulate published load cases with the FMU and write target/demo/report.html (1 minute)
+    /// Simulate published load cases with the FMU and write target/demo/report.html (10 seconds)
     Demo(commands::demo::Arguments),
     /// Drive a car with the FMU on the WLTC and write target/drive/report.html (1 minute)
     Drive(commands::drive::Arguments),
