@@ -38,7 +38,7 @@ impl Archive {
         self.entries.len()
     }
 
-    /// Writes the archive; `written` hears of each file.
+    /// Writes the archive and calls `written` with the path of each file.
     ///
     /// # Errors
     /// The output can't be written.
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn order_of_adding_leaves_no_trace() {
+    fn order_of_adding_changes_no_byte() {
         let one = bytes(&[("a/b.txt", "one"), ("modelDescription.xml", "two")]);
         let other = bytes(&[("modelDescription.xml", "two"), ("a/b.txt", "one")]);
         assert_eq!(one, other);

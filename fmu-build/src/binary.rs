@@ -1,4 +1,4 @@
-//! What a shared library asks of the machine that loads it, and when it says it was made.
+//! Properties of a compiled shared library: the glibc that it needs, and its time stamp.
 
 use anyhow::Context;
 use object::endian::Endianness;
@@ -31,7 +31,7 @@ pub fn newest_glibc(library: &[u8]) -> anyhow::Result<Option<(u32, u32)>> {
 }
 
 /// Sets the time stamp in the head of a Windows library to zero, so that the same code gives the same bytes.
-pub fn forget_time(library: &mut [u8]) {
+pub fn clear_time_stamp(library: &mut [u8]) {
     if !library.starts_with(b"MZ") {
         return;
     }
@@ -61,15 +61,15 @@ mod tests {
     }
 
     #[test]
-    fn a_windows_library_forgets_its_time() {
+    fn the_time_stamp_of_a_windows_library_is_cleared() {
         let mut library = vec![0xff_u8; 0x100];
         library[..2].copy_from_slice(b"MZ");
         library[0x3c..0x40].copy_from_slice(&0x80_u32.to_le_bytes());
         let before = library.clone();
-        forget_time(&mut library);
+        clear_time_stamp(&mut library);
         let changed: Vec<_> = (0..library.len()).filter(|&i| library[i] != before[i]).collect();
         assert_eq!(changed, [0x88, 0x89, 0x8a, 0x8b]);
-        forget_time(&mut b"MZ".to_vec());
+        clear_time_stamp(&mut b"MZ".to_vec());
     }
 
     #[cfg(target_os = "linux")]

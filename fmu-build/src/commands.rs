@@ -1,4 +1,4 @@
-//! One file a command.
+//! The commands, one file for each.
 
 use std::process::Command;
 
@@ -10,18 +10,19 @@ pub mod bench;
 pub mod build;
 pub mod demo;
 pub mod describe;
+pub mod docs;
 pub mod drive;
 pub mod linearize;
 pub mod paper;
 pub mod sweep;
 pub mod test;
 
-/// A Python program that works with the FMU, after the FMU and its packages have been made ready. Its results go to a
-/// folder of this name below the target directory.
+/// Builds the FMU, installs the Python packages, and returns the command that starts a Python program with the FMU. Its
+/// results go to a folder of this name below the target directory.
 ///
 /// # Errors
 /// The FMU doesn't build, or the packages can't be installed.
-fn program(workspace: &Workspace, module: &str, folder: &str, headline: &str) -> anyhow::Result<Command> {
+fn python_program(workspace: &Workspace, module: &str, folder: &str, headline: &str) -> anyhow::Result<Command> {
     let fmu = build::run(workspace, &build::Arguments::default())?;
     let environment = Environment::prepare(workspace, &RUNNING)?;
     progress::headline(headline);

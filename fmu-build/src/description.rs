@@ -20,7 +20,7 @@ pub struct Variable {
     description: String,
 }
 
-/// What the documentation needs of a model description.
+/// A model description as far as the documentation shows it.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Description {
     /// One sentence about the model.
@@ -199,7 +199,7 @@ fn collapse(variables: Vec<Variable>) -> Vec<Variable> {
     collapsed
 }
 
-/// Takes the place of the first element, `0/n`, out of its description, so that it holds for all.
+/// Replaces the index of the first element, `0/n`, in its description, so that the text holds for all elements.
 fn generalise(description: &mut String, index: u32) {
     if let Some(before) = index.checked_sub(1) {
         *description = description.replace(&format!(" {before}/"), " (k−1)/");

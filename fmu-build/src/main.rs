@@ -1,13 +1,14 @@
 //! `cargo fmu …`: one tool to build, test, demonstrate and measure the pushbelt FMU.
 //!
-//! | module | idea |
+//! | module | content |
 //! |---|---|
-//! | [`commands`] | one file a command: what the user asks for |
-//! | [`workspace`], [`platform`] | where things lie, and what the host's binaries are called |
-//! | [`cargo`], [`python`] | the two outside programs that do the work |
-//! | [`portable`], [`binary`] | binaries for other machines, and what they ask of them |
+//! | [`commands`] | one file for each command |
+//! | [`workspace`], [`platform`] | paths of the workspace, and the host's names for binaries |
+//! | [`cargo`], [`python`], [`mdbook`] | the outside programs that do the work |
+//! | [`portable`], [`binary`] | binaries for other machines, and what these need to load them |
 //! | [`archive`], [`licenses`], [`description`], [`image`] | what goes into the FMU beside the binary |
-//! | [`progress`] | what the user sees meanwhile |
+//! | [`links`] | the check of the book's links |
+//! | [`progress`] | headlines and bars on the terminal |
 
 mod archive;
 mod binary;
@@ -16,6 +17,8 @@ mod commands;
 mod description;
 mod image;
 mod licenses;
+mod links;
+mod mdbook;
 mod platform;
 mod portable;
 mod progress;
@@ -29,6 +32,9 @@ use clap::{Parser, Subcommand};
 use crate::workspace::Workspace;
 
 /// Builds, tests, demonstrates and measures PushbeltVariator.fmu.
+///
+/// Times are for two processors. The first command takes three minutes more: it compiles the model and installs the Python
+/// packages for all others.
 #[derive(Parser)]
 #[command(name = "cargo fmu", bin_name = "cargo fmu", version)]
 struct Arguments {
@@ -38,25 +44,27 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Compile the binary and pack target/PushbeltVariator.fmu
+    /// Compile the binary and pack target/PushbeltVariator.fmu (2 minutes; seconds if nothing changed)
     Build(commands::build::Arguments),
-    /// Build the FMU, then run the Rust tests and the Python tests that drive it
+    /// Run the Rust tests, and the Python tests with the FMU (up to 20 minutes)
     Test(commands::test::Arguments),
-    /// Build the FMU, simulate it on published data and write target/demo/report.html
+    /// Simulate published load cases with the FMU and write target/demo/report.html (10 seconds)
     Demo(commands::demo::Arguments),
-    /// Build the FMU, drive a car with it on the WLTC and write target/drive/report.html
+    /// Drive a car with the FMU on the WLTC and write target/drive/report.html (1 minute)
     Drive(commands::drive::Arguments),
-    /// Build the FMU, run the paper's examples with every ring model and write target/paper/report.html
+    /// Run the paper's examples with every ring model and write target/paper/report.html (5 minutes)
     Paper(commands::paper::Arguments),
-    /// Build the FMU, solve for its steady states over a grid, on a cluster if need be, and write
-    /// target/sweep/report.html
+    /// Solve for 2288 steady states with the FMU and write target/sweep/report.html (1 minute)
     Sweep(commands::sweep::Arguments),
-    /// Measure the speed of the model
+    /// Measure the speed of the model (1 minute)
     Bench(commands::bench::Arguments),
-    /// Write A, B, C, D at a steady working point as JSON
+    /// Write the linear model A, B, C, D about a steady working point as JSON (seconds)
     Linearize(commands::linearize::Arguments),
-    /// Write modelDescription.xml and docs/variables.md from the variable table
+    /// Write modelDescription.xml, docs/variables.md and python/pushbelt/_version.py from the variable table (seconds)
     Describe,
+    /// Write the documentation as a book, target/book/index.html, and check its links (2 minutes; seconds if nothing
+    /// changed)
+    Docs,
 }
 
 fn main() -> ExitCode {
@@ -81,6 +89,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),
+        Command::Docs => commands::docs::run(&workspace),
     }
 }
 

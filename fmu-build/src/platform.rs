@@ -1,4 +1,4 @@
-//! What FMI and the operating system call the same binary.
+//! Names that FMI and the operating system give to the same binary.
 
 use anyhow::bail;
 

@@ -1,7 +1,7 @@
-//! Binaries that load on machines other than this one: linux64 with an old glibc, win64.
+//! Binaries for other machines than this one: linux64 with an old glibc, and win64.
 //!
-//! Zig brings linker and C library of both (PyPI package `ziglang`, started by `cargo-zigbuild`), rustup brings Rust's
-//! standard library.
+//! Zig has the linker and the C library of both (PyPI package `ziglang`, started by `cargo-zigbuild`). rustup installs
+//! Rust's standard library.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub const GLIBC: (u32, u32) = (2, 17);
 struct Target {
     platform: Platform,
     triple: &'static str,
-    /// What `cargo zigbuild` takes for it.
+    /// Its name for `cargo zigbuild`.
     zig: &'static str,
 }
 
@@ -38,7 +38,7 @@ const TARGETS: [Target; 2] = [
     },
 ];
 
-/// Compiles the binary for every target that can be had; says in one line which can't.
+/// Compiles the binary for every target whose standard library can be installed, and prints which can't.
 ///
 /// # Errors
 /// The tools can't be installed, a compilation fails, or a binary needs more than it may.
@@ -47,7 +47,7 @@ pub fn build(workspace: &Workspace) -> anyhow::Result<Vec<(Platform, PathBuf)>> 
     let mut binaries = Vec::new();
     for target in &TARGETS {
         let folder = target.platform.folder;
-        if let Err(why) = provide(target.triple) {
+        if let Err(why) = ensure_installed(target.triple) {
             eprintln!("  {folder} is left out: {why:#}");
             continue;
         }
@@ -58,7 +58,7 @@ pub fn build(workspace: &Workspace) -> anyhow::Result<Vec<(Platform, PathBuf)>> 
             .args(["--target", target.zig])
             .env("PATH", tools.path()?)
             .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace));
-        let library = cargo::library(&mut command)?;
+        let library = cargo::build_library_with(&mut command)?;
         check(&library)?;
         binaries.push((target.platform, library));
     }
@@ -66,8 +66,8 @@ pub fn build(workspace: &Workspace) -> anyhow::Result<Vec<(Platform, PathBuf)>> 
     Ok(binaries)
 }
 
-/// Makes sure that Rust's standard library for a target is there.
-fn provide(triple: &str) -> anyhow::Result<()> {
+/// Installs Rust's standard library for a target unless it is there.
+fn ensure_installed(triple: &str) -> anyhow::Result<()> {
     let output = Command::new("rustc")
         .args(["--print", "target-libdir", "--target", triple])
         .output()
@@ -80,9 +80,12 @@ fn provide(triple: &str) -> anyhow::Result<()> {
         .args(["target", "add", triple])
         .output()
         .with_context(|| format!("the Rust target {triple} is not installed, and there is no rustup to install it"))?;
-    let said = String::from_utf8_lossy(&added.stderr);
-    let last = said.trim().lines().last().unwrap_or_default().to_owned();
-    ensure!(added.status.success(), "the Rust target {triple} can't be had: {last}");
+    let messages = String::from_utf8_lossy(&added.stderr);
+    let last = messages.trim().lines().last().unwrap_or_default().to_owned();
+    ensure!(
+        added.status.success(),
+        "the Rust target {triple} can't be installed: {last}"
+    );
     Ok(())
 }
 
@@ -120,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_linker_is_told_the_oldest_glibc() {
+    fn the_linker_gets_the_oldest_glibc() {
         let (major, minor) = GLIBC;
         assert_eq!(TARGETS[0].zig, format!("{}.{major}.{minor}", TARGETS[0].triple));
     }

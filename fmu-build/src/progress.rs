@@ -1,4 +1,4 @@
-//! What the user sees while the tool works. Bars draw on a terminal only; logs stay clean.
+//! Headlines and bars while the tool works. Bars are drawn on a terminal only, so that logs stay clean.
 
 use std::io::IsTerminal as _;
 use std::time::Duration;
@@ -21,7 +21,7 @@ pub fn bar(length: usize, what: &'static str) -> ProgressBar {
     ProgressBar::new(length as u64).with_style(style).with_message(what)
 }
 
-/// A spinner with elapsed time, for work that doesn't tell how far it is.
+/// A spinner with elapsed time, for work of unknown length.
 pub fn spinner(what: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("  {spinner} {msg} ({elapsed})")
         .unwrap_or_else(|_| ProgressStyle::default_spinner());

@@ -19,20 +19,20 @@ pub struct Packages {
     folder: &'static str,
 }
 
-/// What the tests and the demo import.
+/// Imported by the tests and by the programs that run the FMU.
 pub const RUNNING: Packages = Packages {
     lock: "python/requirements.txt",
     folder: "venv",
 };
 
-/// What compiles for other machines.
+/// Needed to compile for other machines.
 pub const BUILDING: Packages = Packages {
     lock: "python/portable-requirements.txt",
     folder: "venv-portable",
 };
 
-/// A copy of the lock file in the environment says what is installed there. It is written last, so a set-up that was
-/// interrupted is not mistaken for a whole one.
+/// A copy of the lock file in the environment names what is installed there. It is written last: an interrupted
+/// installation has none.
 const STAMP: &str = "installed-requirements.txt";
 
 /// A virtual environment below the target directory.
@@ -43,10 +43,10 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// Makes the environment, or takes the one that is there if it matches the lock file.
+    /// Returns the environment that is there if it matches the lock file; otherwise makes it.
     ///
     /// # Errors
-    /// No suitable Python, or pip can't install what is locked.
+    /// No suitable Python, or pip can't install the locked packages.
     pub fn prepare(workspace: &Workspace, packages: &Packages) -> anyhow::Result<Self> {
         let _alone = workspace.lock(packages.folder)?;
         let folder = workspace.target().join(packages.folder);
@@ -80,8 +80,8 @@ impl Environment {
         std::env::join_paths(folders).context("the search path can't be extended")
     }
 
-    /// A Python command in this environment, at the top level of the workspace. The packages below `python/` can be
-    /// imported, and `PUSHBELT_FMU` says where the FMU is.
+    /// A Python command in this environment, at the top level of the workspace. It can import the packages below `python/`
+    /// and finds the FMU by the variable `PUSHBELT_FMU`.
     pub fn command(&self) -> Command {
         let mut command = Command::new(&self.interpreter);
         command

@@ -1,4 +1,4 @@
-//! Where things lie: the source tree and the target directory that cargo uses.
+//! Paths in the source tree and in cargo's target directory.
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
@@ -54,7 +54,7 @@ impl Workspace {
         self.root.join("modelDescription.xml")
     }
 
-    /// Waits until no other run of this tool makes `what` in the target directory, and keeps others waiting until the
+    /// Waits until no other run of this tool writes `what` in the target directory, and lets others wait until the
     /// file is dropped.
     ///
     /// # Errors
@@ -106,16 +106,16 @@ mod tests {
             target: target.clone(),
         };
         let held = workspace.lock("build").expect("a lock");
-        let (say, hear) = mpsc::channel();
+        let (sender, receiver) = mpsc::channel();
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 let _second = workspace.lock("build").expect("the lock, later");
-                say.send(()).expect("a listener");
+                sender.send(()).expect("a receiver");
             });
             workspace.lock("venv").expect("another lock");
-            assert!(hear.recv_timeout(Duration::from_millis(100)).is_err());
+            assert!(receiver.recv_timeout(Duration::from_millis(100)).is_err());
             drop(held);
-            hear.recv().expect("the lock was passed on");
+            receiver.recv().expect("the lock was passed on");
         });
         fs::remove_dir_all(target).expect("the folder goes");
     }

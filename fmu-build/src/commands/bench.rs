@@ -1,15 +1,20 @@
-//! `cargo fmu bench`: runs the programs in `benches/`.
+//! `cargo fmu bench`: measures the speed of the model.
+
+use std::process::Command;
 
 use clap::Args;
 
-use crate::cargo;
+use crate::cargo::{self, Program};
 use crate::progress;
-use crate::workspace::{MODEL_PACKAGE, Workspace};
+use crate::workspace::Workspace;
 
-/// What to measure.
+/// The program in `benches/` that measures the variator.
+const VARIATOR: &str = "variator";
+
+/// Options of the benchmark.
 #[derive(Args)]
 pub struct Arguments {
-    /// Passed on to the programs: `-- --quick` runs everything once
+    /// Passed on to the benchmark: `-- --quick` runs everything once, `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -17,11 +22,10 @@ pub struct Arguments {
 /// Runs the measurements.
 ///
 /// # Errors
-/// A program in `benches/` doesn't compile or fails.
+/// The benchmark doesn't compile or fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    let program = cargo::build_program(workspace, Program::Bench(VARIATOR))?;
     progress::headline("Measuring");
-    let mut bench = cargo::command(workspace);
-    bench.args(["bench", "--package", MODEL_PACKAGE, "--benches"]);
-    bench.arg("--").args(&arguments.passed_on);
-    cargo::run(&mut bench)
+    let mut bench = Command::new(program);
+    cargo::run(bench.current_dir(workspace.root()).args(&arguments.passed_on))
 }

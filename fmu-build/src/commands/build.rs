@@ -13,15 +13,15 @@ use crate::platform::Platform;
 use crate::workspace::{MODEL_IDENTIFIER, Workspace};
 use crate::{binary, cargo, image, licenses, portable, progress};
 
-/// The documentation in the FMU; its marks are filled in from the model description.
+/// The documentation in the FMU; `{{…}}` stand for values from the model description.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 
-/// What to build for.
+/// The machines to build for.
 #[derive(Args, Clone, Copy, Default)]
 #[group(skip)]
 pub struct Arguments {
-    /// For linux64 with glibc 2.17 or newer and for win64, on processors without AVX2 too, instead of for machines like
-    /// this one
+    /// Build for linux64 with glibc 2.17 or newer and for win64, on processors without AVX2 too, instead of for this
+    /// machine (5 minutes)
     #[arg(long)]
     pub portable: bool,
 }
@@ -41,7 +41,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathB
     let archive = collect(workspace, &binaries)?;
 
     let path = workspace.fmu();
-    // Written beside its place and moved there, so that a half-written FMU is never found.
+    // Written to another file that is then renamed: no program reads a half-written FMU.
     let draft = path.with_extension("fmu.part");
     let bar = progress::bar(archive.len(), "packing");
     let output = File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
@@ -60,7 +60,7 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::R
     let mut archive = Archive::default();
     for (platform, library) in binaries {
         let mut bytes = read(library)?;
-        binary::forget_time(&mut bytes);
+        binary::clear_time_stamp(&mut bytes);
         archive.add(platform.binary(MODEL_IDENTIFIER), bytes)?;
     }
     archive.add("model.png", image::variator()?)?;

@@ -3,13 +3,13 @@
 use clap::Args;
 
 use crate::cargo;
-use crate::commands::program;
+use crate::commands::python_program;
 use crate::workspace::Workspace;
 
-/// How to run the demo.
+/// Options of the demo.
 #[derive(Args)]
 pub struct Arguments {
-    /// Passed on to the demo program; `--help` there lists what it takes
+    /// Passed on to the program; `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -19,6 +19,6 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, or the demo fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let mut demo = program(workspace, "pushbelt_demo", "demo", "Simulating")?;
+    let mut demo = python_program(workspace, "pushbelt_demo", "demo", "Simulating")?;
     cargo::run(demo.args(&arguments.passed_on))
 }

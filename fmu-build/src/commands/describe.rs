@@ -1,41 +1,68 @@
-//! `cargo fmu describe`: writes what is generated from the variable table and checked in.
+//! `cargo fmu describe`: writes what is generated from the variable table and the version, and checked in.
 
 use std::fs;
-use std::path::Path;
-use std::process::Stdio;
+use std::path::PathBuf;
 
-use anyhow::{Context, ensure};
+use anyhow::Context;
 
 use crate::cargo;
 use crate::description::Description;
 use crate::progress;
 use crate::workspace::Workspace;
 
-/// Writes `modelDescription.xml` and `docs/variables.md`.
+/// Version of crate, FMU and Python package, from the workspace's manifest.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Writes `modelDescription.xml` and what is made from it.
 ///
 /// # Errors
 /// The model doesn't compile, or a file can't be written.
 pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     progress::headline("Reading the variable table");
-    // A program of its own, because this tool doesn't link the model. It compiles as the tests do.
-    let output = cargo::command(workspace)
-        .args(["run", "--quiet", "--package", env!("CARGO_PKG_NAME")])
-        .args(["--features", "model", "--bin", "model-description"])
-        .stderr(Stdio::inherit())
-        .output()
-        .context("can't start cargo")?;
-    ensure!(output.status.success(), "the variable table can't be read");
-    let xml = String::from_utf8(output.stdout).context("the model description is not UTF-8")?;
-    let description = Description::parse(&xml)?;
-    write(&workspace.model_description(), &xml)?;
-    let page = workspace.root().join("docs").join("variables.md");
-    write(&page, &description.to_markdown())
+    let xml = cargo::example_output(workspace, cargo::DESCRIPTION_EXAMPLE, &[])?;
+    let derived = derived(workspace, &xml)?;
+    for (path, text) in std::iter::once((workspace.model_description(), xml)).chain(derived) {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
+        }
+        fs::write(&path, text).with_context(|| format!("can't write {}", path.display()))?;
+        println!("{}", path.display());
+    }
+    Ok(())
 }
 
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    fs::write(path, text).with_context(|| format!("can't write {}", path.display()))?;
-    println!("{}", path.display());
-    Ok(())
+/// Files that differ from what `modelDescription.xml` and the version give. Whether `modelDescription.xml` is what the
+/// variable table gives is a test of the model: this tool doesn't link it.
+///
+/// # Errors
+/// `modelDescription.xml` can't be read.
+pub fn outdated(workspace: &Workspace) -> anyhow::Result<Vec<String>> {
+    let path = workspace.model_description();
+    let xml = fs::read_to_string(&path).with_context(|| format!("can't read {}", path.display()))?;
+    let mut outdated = Vec::new();
+    if Description::parse(&xml)?.version != VERSION {
+        outdated.push(path);
+    }
+    for (path, text) in derived(workspace, &xml)? {
+        if fs::read_to_string(&path).ok() != Some(text) {
+            outdated.push(path);
+        }
+    }
+    Ok(outdated.iter().map(|path| path.display().to_string()).collect())
+}
+
+/// The other files with their contents.
+fn derived(workspace: &Workspace, xml: &str) -> anyhow::Result<[(PathBuf, String); 2]> {
+    let page = workspace.root().join("docs").join("variables.md");
+    let python = workspace.root().join("python").join("pushbelt").join("_version.py");
+    Ok([
+        (page, Description::parse(xml)?.to_markdown()),
+        (python, version_module(VERSION)),
+    ])
+}
+
+fn version_module(version: &str) -> String {
+    format!("\"\"\"Written by cargo fmu describe.\"\"\"\n\n__version__ = \"{version}\"\n")
 }
 
 #[cfg(test)]
@@ -43,11 +70,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_checked_in_page_is_what_the_model_description_says() {
-        let workspace = Workspace::find().unwrap();
-        let xml = fs::read_to_string(workspace.model_description()).unwrap();
-        let page = fs::read_to_string(workspace.root().join("docs").join("variables.md")).unwrap();
-        let generated = Description::parse(&xml).unwrap().to_markdown();
-        assert_eq!(page, generated, "rewrite docs/variables.md by `cargo fmu describe`");
+    fn checked_in_files_are_up_to_date() {
+        let outdated = outdated(&Workspace::find().unwrap()).unwrap();
+        assert!(outdated.is_empty(), "write {outdated:?} anew by `cargo fmu describe`");
+    }
+
+    #[test]
+    fn the_version_is_a_python_module() {
+        let expected = "\"\"\"Written by cargo fmu describe.\"\"\"\n\n__version__ = \"1.2.3\"\n";
+        assert_eq!(version_module("1.2.3"), expected);
     }
 }

@@ -3,19 +3,20 @@
 use clap::Args;
 
 use crate::cargo;
-use crate::commands::program;
+use crate::commands::python_program;
 use crate::workspace::Workspace;
 
-/// How to drive.
+/// Options of the drive.
 #[derive(Args)]
 pub struct Arguments {
-    /// 30 s of the cycle instead of all 1800 s
+    /// Drive 30 s of the cycle instead of all 1800 s (15 seconds)
     #[arg(long)]
     short: bool,
-    /// Couple variator, vehicle and control as FMUs in other masters, by an SSP package, and compare with the drive
+    /// Run vehicle and control as FMUs too, coupled by an SSP package in ecos and libcosim, and compare with the drive
+    /// (20 seconds)
     #[arg(long)]
     cosim: bool,
-    /// Passed on to the program; `-- --help` lists what it takes
+    /// Passed on to the program; `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -30,7 +31,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         "pushbelt_drive"
     };
-    let mut drive = program(workspace, module, "drive", "Driving")?;
+    let mut drive = python_program(workspace, module, "drive", "Driving")?;
     if arguments.short {
         drive.arg("--short");
     }

@@ -2,22 +2,21 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::Stdio;
 
-use anyhow::{Context, ensure};
+use anyhow::Context;
 use clap::Args;
 
 use crate::cargo;
 use crate::progress;
 use crate::workspace::Workspace;
 
-/// Which working point.
+/// The working point.
 #[derive(Args)]
 pub struct Arguments {
-    /// States are the modes below this frequency, Hz
+    /// Keep the modes below this frequency, Hz, as states
     #[arg(long, default_value_t = 50.0)]
     frequency: f64,
-    /// Where the JSON goes [default: target/linear-model.json]
+    /// File that is written [default: target/linear-model.json]
     #[arg(long)]
     output: Option<PathBuf>,
     /// Parameters and inputs of the working point, e.g. initial.ratio=2.2 secondary.clampingForce=15000
@@ -31,20 +30,16 @@ pub struct Arguments {
 /// There is no steady state at this working point, or the file can't be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     progress::headline("Finding the steady state and its modes");
-    let output = cargo::command(workspace)
-        .args(["run", "--quiet", "--release", "--package", env!("CARGO_PKG_NAME")])
-        .args(["--features", "model", "--bin", "linear-model", "--"])
-        .arg(arguments.frequency.to_string())
-        .args(&arguments.settings)
-        .stderr(Stdio::inherit())
-        .output()
-        .context("can't start cargo")?;
-    ensure!(output.status.success(), "there is no linear model");
+    let frequency = arguments.frequency.to_string();
+    let words: Vec<String> = std::iter::once(frequency)
+        .chain(arguments.settings.iter().cloned())
+        .collect();
+    let model = cargo::example_output(workspace, "linear_model", &words).context("there is no linear model")?;
     let path = arguments
         .output
         .clone()
         .unwrap_or_else(|| workspace.target().join("linear-model.json"));
-    fs::write(&path, output.stdout).with_context(|| format!("can't write {}", path.display()))?;
+    fs::write(&path, model).with_context(|| format!("can't write {}", path.display()))?;
     println!("{}", path.display());
     Ok(())
 }

@@ -2,20 +2,20 @@
 
 use clap::Args;
 
-use crate::cargo;
-use crate::commands::program;
+use crate::cargo::{self, Program};
+use crate::commands::python_program;
 use crate::workspace::Workspace;
 
 /// The example that runs the tests of rings alone.
 const RINGS: &str = "paper_rings";
 
-/// How much of it.
+/// Options of the paper's examples.
 #[derive(Args)]
 pub struct Arguments {
-    /// Two load cases and coarse tests of rings, in less than a minute
+    /// Run two load cases and coarse tests of rings (less than a minute)
     #[arg(long)]
     short: bool,
-    /// Passed on to the program; `-- --help` lists what it takes
+    /// Passed on to the program; `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -25,8 +25,8 @@ pub struct Arguments {
 /// # Errors
 /// The FMU or the example doesn't build, or the simulation fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let rings = cargo::example(workspace, RINGS)?;
-    let mut paper = program(workspace, "pushbelt_paper", "paper", "Running the paper's examples")?;
+    let rings = cargo::build_program(workspace, Program::Example(RINGS))?;
+    let mut paper = python_program(workspace, "pushbelt_paper", "paper", "Running the paper's examples")?;
     paper.arg("--rings").arg(rings);
     if arguments.short {
         paper.arg("--short");

@@ -3,28 +3,28 @@
 use clap::Args;
 
 use crate::cargo;
-use crate::commands::program;
+use crate::commands::python_program;
 use crate::workspace::Workspace;
 
-/// Which study, and where.
+/// Options of the study.
 #[derive(Args)]
 pub struct Arguments {
-    /// 60 points instead of 2288
+    /// Solve for 60 points instead of 2288 (some seconds)
     #[arg(long)]
     short: bool,
-    /// A dask scheduler, tcp://host:port; without it a cluster of this machine's own
+    /// Address of a dask scheduler, tcp://host:port [default: a cluster on this machine]
     #[arg(long, value_name = "ADDRESS", conflicts_with = "workers")]
     scheduler: Option<String>,
-    /// Processes of the machine's own cluster; as many as processors unless told
+    /// Processes of the cluster on this machine [default: one for each processor]
     #[arg(long, value_name = "N")]
     workers: Option<u32>,
     /// Ring model
     #[arg(long, value_parser = ["ALE", "ALE0"])]
     model: Option<String>,
-    /// Measure points per second on one worker and on two instead
+    /// Measure points per second with one worker and with two, instead of the study
     #[arg(long)]
     measure: bool,
-    /// Passed on to the program, such as --ratio 0.5,1,2 or --set belt.play=3e-4; `-- --help` lists what it takes
+    /// Passed on to the program, such as --ratio 0.5,1,2 or --set belt.play=3e-4; `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -34,7 +34,7 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, the cluster can't be reached, or no point has a steady state.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let mut sweep = program(workspace, "pushbelt_sweep", "sweep", "Solving")?;
+    let mut sweep = python_program(workspace, "pushbelt_sweep", "sweep", "Solving")?;
     for (flag, set) in [("--short", arguments.short), ("--measure", arguments.measure)] {
         if set {
             sweep.arg(flag);

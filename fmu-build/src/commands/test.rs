@@ -11,13 +11,13 @@ use crate::progress;
 use crate::python::{Environment, RUNNING};
 use crate::workspace::Workspace;
 
-/// What to test.
+/// Options of the tests.
 #[derive(Args)]
 pub struct Arguments {
-    /// Only the Rust tests
+    /// Run only the Rust tests
     #[arg(long, conflicts_with = "python")]
     rust: bool,
-    /// Only the Python tests
+    /// Run only the Python tests
     #[arg(long)]
     python: bool,
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub struct Arguments {
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     ensure!(
         arguments.passed_on.is_empty() || arguments.rust || arguments.python,
-        "say with --rust or --python where `{}` is to go",
+        "`{}` needs --rust or --python beside it: cargo test or pytest gets it",
         arguments.passed_on.join(" ")
     );
     // The FMU and the packages are ready by the time the Rust tests are through: these compile one crate after the

@@ -1,5 +1,5 @@
-//! Prints the linear model about a steady working point as JSON: `linear-model FREQUENCY [NAME=VALUE …]`, with names
-//! and values of parameters and inputs.
+//! Prints the linear model about a steady working point as JSON: `linear_model FREQUENCY [NAME=VALUE …]`, with names
+//! and values of parameters and inputs. `cargo fmu linearize` runs it.
 
 use std::process::ExitCode;
 

@@ -1,5 +1,0 @@
-//! Prints the model description that the variable table gives.
-
-fn main() {
-    print!("{}", pushbelt::unit::model_description());
-}
