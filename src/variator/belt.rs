@@ -3,7 +3,7 @@
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::solver::View;
-use crate::variator::cell::place::{CellLaw, SheavePlane};
+use crate::variator::law::place::{CellLaw, SheavePlane};
 use crate::variator::mesh::belt_mesh::BeltMesh;
 use crate::variator::mesh::layout::{Layout, RingUnknowns};
 use crate::variator::mesh::order;

@@ -1,6 +1,6 @@
 //! The variator: what is set and read, the equations of the belt and of the pulleys, steady states, runs, linear models.
 //!
-//! Rooms from the ground up, each of which uses only those before it: `settings`, `mesh`, `cell`, `belt`, `assembly`,
+//! Rooms from the ground up, each of which uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`, `belt`, `assembly`,
 //! `travelling`, `pulleys`, `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and
 //! [`linear`].
 
@@ -11,11 +11,14 @@ pub(crate) mod assembly;
 pub mod belt;
 #[doc(hidden)]
 pub mod cell;
+#[doc(hidden)]
+pub mod law;
 pub mod linear;
 #[doc(hidden)]
 pub mod mesh;
 #[doc(hidden)]
 pub mod pulleys;
+pub(crate) mod rings;
 pub mod run;
 pub mod settings;
 #[doc(hidden)]

@@ -4,11 +4,11 @@ use super::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use super::settings::parameters::{Parameters, RingModel};
 use super::steady::start::{Start, kinematic_state};
 use super::system::VariatorSystem;
-use crate::noise::noise;
 use crate::pulley::PerPulley;
 use crate::solver::arrow::Arrow;
 use crate::solver::differences::compare;
 use crate::solver::{State, System};
+use pushbelt_lab::noise;
 
 /// The loads do not depend on it.
 const TIME: f64 = 0.0;

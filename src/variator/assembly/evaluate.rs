@@ -8,10 +8,10 @@ use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
 use crate::variator::belt::Belt;
 use crate::variator::cell::balance::balance;
-use crate::variator::cell::place::CellBalance;
-use crate::variator::cell::ring::{EulerianRing, RingForces};
 use crate::variator::cell::sample::{Probe, Sample, Sampler};
 use crate::variator::cell::state::Given;
+use crate::variator::law::place::CellBalance;
+use crate::variator::rings::ring::{EulerianRing, RingForces};
 use num_traits::Zero;
 
 /// The frame of the curve at a state.

@@ -11,11 +11,11 @@ use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, RotatingRing};
-use crate::variator::cell::place::CellBalance;
-use crate::variator::cell::ring::VaryingRing;
 use crate::variator::cell::sample::NoProbe;
 use crate::variator::cell::state::Given;
 use crate::variator::cell::variation::Linearised;
+use crate::variator::law::place::CellBalance;
+use crate::variator::rings::ring::VaryingRing;
 use num_traits::Zero;
 
 /// Directions differentiated in one pass over a pack of cells.

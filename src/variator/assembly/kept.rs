@@ -11,9 +11,9 @@ use crate::scalar::{Lanes, Real};
 use crate::tape::Tape;
 use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::cell::directions::{Directions, MOST};
-use crate::variator::cell::place::CellLaw;
-use crate::variator::cell::ring_friction::{pressing, ring_load};
 use crate::variator::cell::sample::Sample;
+use crate::variator::law::place::CellLaw;
+use crate::variator::law::ring_friction::{pressing, ring_load};
 use crate::variator::mesh::belt_mesh::STATIONS;
 
 /// Change of a figure at which the derivatives are no longer good, relative to its size and that of the inertia.

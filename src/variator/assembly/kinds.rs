@@ -5,12 +5,12 @@ use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::Real;
 use crate::variator::assembly::unknowns::{ReadUnknowns, nodes, tensions};
-use crate::variator::cell::deflecting::Deflecting;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, RotatingRing};
-use crate::variator::cell::guided::Guided;
-use crate::variator::cell::place::Place;
-use crate::variator::cell::ring::EulerianRing;
-use crate::variator::cell::rotating::Rotating;
+use crate::variator::law::place::Place;
+use crate::variator::rings::deflecting::Deflecting;
+use crate::variator::rings::guided::Guided;
+use crate::variator::rings::ring::EulerianRing;
+use crate::variator::rings::rotating::Rotating;
 
 /// The reference curve as a mesh stands on it.
 pub(crate) trait Standing: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {

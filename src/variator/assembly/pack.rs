@@ -11,7 +11,7 @@ use crate::variator::assembly::kinds::Standing;
 use crate::variator::assembly::unknowns::{Part, ReadUnknowns, Unknowns};
 use crate::variator::belt::Belt;
 use crate::variator::cell::directions::{Directions, MOST};
-use crate::variator::cell::place::Place;
+use crate::variator::law::place::Place;
 use crate::variator::mesh::belt_mesh::{Group, Station};
 use num_traits::Zero;
 use std::sync::Arc;

@@ -19,8 +19,8 @@ use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::belt::Belt;
 use crate::variator::cell::directions::MOST;
-use crate::variator::cell::place::CellBalance;
 use crate::variator::cell::sample::{NoProbe, Sample};
+use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
 use std::marker::PhantomData;
 

@@ -1,7 +1,7 @@
 //! What the belt does to a pulley: sums over its cells.
 
 use crate::scalar::{Lanes, Real};
-use crate::variator::cell::place::CellBalance;
+use crate::variator::law::place::CellBalance;
 
 /// Load of the belt on a pulley.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,8 +3,8 @@
 use crate::ring::kinematics::{Motion, Node};
 use crate::scalar::Real;
 use crate::variator::cell::directions::{Directions, MOST};
-use crate::variator::cell::place::{CellBalance, CellMotion};
-use crate::variator::cell::ring::RingForces;
+use crate::variator::law::place::{CellBalance, CellMotion};
+use crate::variator::rings::ring::RingForces;
 use nalgebra::SVector;
 
 /// Positions, values and rates of the unknowns of a cell, or of one in each lane.

@@ -11,10 +11,10 @@ use crate::chain::{Stack, Transport};
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::in_plane;
 use crate::scalar::Real;
-use crate::variator::cell::place::CellBalance;
-use crate::variator::cell::ring::{Action, CellRing};
 use crate::variator::cell::sample::{Probe, Sample};
 use crate::variator::cell::state::{CellState, Given, Station, StationForces};
+use crate::variator::law::place::CellBalance;
+use crate::variator::rings::ring::{Action, CellRing};
 use nalgebra::Vector2;
 
 /// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference

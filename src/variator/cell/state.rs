@@ -5,11 +5,11 @@ use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, RingPoint, embed, in_plane};
 use crate::scalar::Real;
-use crate::variator::cell::flanks::{Approach, BothFlanks};
-use crate::variator::cell::place::{CellLaw, CellMotion, Place, between};
-use crate::variator::cell::ring::CellRing;
-use crate::variator::cell::ring_friction::{pressing, ring_friction};
+use crate::variator::law::flanks::{Approach, BothFlanks};
+use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
+use crate::variator::law::ring_friction::{pressing, ring_friction};
 use crate::variator::mesh::belt_mesh::STATIONS;
+use crate::variator::rings::ring::CellRing;
 use nalgebra::SVector;
 
 /// What a cell is given: constants, friction, place and motion.

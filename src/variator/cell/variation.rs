@@ -13,12 +13,12 @@ use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, zero_vector};
 use crate::variator::cell::directions::Direction;
-use crate::variator::cell::flanks::{Approach, FlankLoads};
-use crate::variator::cell::place::{CellBalance, CellLaw, between, share};
-use crate::variator::cell::ring::{Action, RingForces, VaryingRing};
-use crate::variator::cell::ring_friction::ring_friction;
 use crate::variator::cell::state::{CellState, Given, Station, StationForces};
+use crate::variator::law::flanks::{Approach, FlankLoads};
+use crate::variator::law::place::{CellBalance, CellLaw, between, share};
+use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
+use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
 use nalgebra::SVector;
 use num_traits::Zero;
 

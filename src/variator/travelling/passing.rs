@@ -22,10 +22,10 @@ use crate::ring::model::NODAL;
 use crate::ring::particle::{Particle, ParticleLoad};
 use crate::scalar::Real;
 use crate::variator::belt::{Belt, HOLD};
-use crate::variator::cell::place::CellBalance;
-use crate::variator::cell::ring::{Action, CellRing, RingDensity};
+use crate::variator::law::place::CellBalance;
 use crate::variator::mesh::belt_mesh::SLOTS;
 use crate::variator::mesh::layout::Layout;
+use crate::variator::rings::ring::{Action, CellRing, RingDensity};
 use std::ops::Mul;
 
 /// Time τ in which the reference curve is drawn to the ring where it is off, s: some passes of an element.

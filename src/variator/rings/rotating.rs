@@ -5,10 +5,10 @@ use crate::ring::Ring;
 use crate::ring::kinematics::{Load, Motion, Node, ReferenceMotion, RingPoint};
 use crate::ring::turning::{TurningElement, rotated_load, rotated_point};
 use crate::scalar::Real;
-use crate::variator::cell::deflecting::Deflecting;
-use crate::variator::cell::place::Place;
-use crate::variator::cell::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces};
+use crate::variator::law::place::Place;
 use crate::variator::mesh::belt_mesh::SLOTS;
+use crate::variator::rings::deflecting::Deflecting;
+use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces};
 
 /// `ALE` whose deflection is counted in directions that turn with the reference curve.
 pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {

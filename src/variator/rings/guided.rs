@@ -6,8 +6,8 @@ use crate::ring::kinematics::{
 };
 use crate::ring::{Ring, ale};
 use crate::scalar::{Real, zero_vector};
-use crate::variator::cell::place::{Place, between, share};
-use crate::variator::cell::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
+use crate::variator::law::place::{Place, between, share};
+use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
 
 /// `ALE0`: the ring keeps to the reference curve; its tension is an unknown at the faces.
 #[derive(Debug)]

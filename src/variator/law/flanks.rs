@@ -3,7 +3,7 @@
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::Real;
-use crate::variator::cell::place::{CellLaw, PulleyMotion};
+use crate::variator::law::place::{CellLaw, PulleyMotion};
 use nalgebra::{SVector, Vector2};
 
 /// What flanks do to an element, per ring length.
@@ -119,7 +119,7 @@ impl<T: Real> Approach<T> {
     }
 
     /// Loads of the two flanks of an element whose ring moves with v_e. In the plane they are alike; in space the
-    /// element may be off the middle. `plane` is that of [`Place::plane`](crate::variator::cell::place::Place::plane).
+    /// element may be off the middle. `plane` is that of [`Place::plane`](crate::variator::law::place::Place::plane).
     #[inline(always)]
     pub fn both_flanks<const D: usize>(
         &self,

@@ -6,8 +6,8 @@ use crate::ring::kinematics::{
 };
 use crate::ring::{Ring, ale};
 use crate::scalar::Real;
-use crate::variator::cell::place::Place;
-use crate::variator::cell::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
+use crate::variator::law::place::Place;
+use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
 
 /// `ALE`: the ring deflects from the reference curve, in D components.
 #[derive(Debug)]
