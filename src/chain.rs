@@ -20,7 +20,7 @@
 //! shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
 //! outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
 //!
-//! A ring in space has two normals, n̂ and b̂: what is said of n̂ holds of both, and their contributions add up.
+//! A ring in space has two normals, n̂ and b̂. Every equation with n̂ holds for both, and their contributions add up.
 //!
 //! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙ + Ω(V − t̂·ṙ), where
 //! Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's path.
@@ -57,8 +57,8 @@ pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 /// Difference of V across a cell over which it goes from opening to closing, m/s. Where gaps close it is some 0.1 m/s.
 pub const CLOSING_SMOOTHING: f64 = 1.0e-2;
 
-/// Flow below which [`collision_force`] no longer falls, m/s: at standstill the oil squeezed between elements takes
-/// over.
+/// Flow below which [`collision_force`] no longer falls, m/s. At standstill the oil that is squeezed
+/// between elements acts in place of collisions.
 pub const SQUEEZE_SPEED: f64 = 1.0;
 
 /// Flow far above which elements that part are not affected by their neighbours' speed, m/s.
@@ -352,7 +352,7 @@ pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
 ///
 /// Elements that fly freely through gaps carry their speed along, and a faster one is stopped by the one that it hits.
 /// Central differences of J V′ alone would leave a sawtooth of V there; with this force the convection of V is upwind.
-/// Its power, ½ m_e ν |J| ΔV², is what inelastic collisions take; it vanishes with the square of the cell length in a
+/// Its power, ½ m_e ν |J| ΔV², is that of inelastic collisions; it vanishes with the square of the cell length in a
 /// smooth field. Elements that part don't touch, so nothing opposes them.
 #[inline(always)]
 pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwinding: T) -> T {

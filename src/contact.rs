@@ -10,7 +10,7 @@
 //! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with the closing speed of
 //!   the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a tilted sheave that turns closes and opens,
 //! - friction −μ p_el (v_t, v_f)/√(v_t² + v_f² + v₀²), p_el the elastic part of p, which is never negative: friction
-//!   always takes energy.
+//!   always dissipates.
 //!
 //! A belt that is off the middle of its pulley by δ, towards the movable sheave, presses on that one with g + δ and on
 //! the other with g − δ; δ moves as the element does along the axis, which enters closing and sliding in the same way.

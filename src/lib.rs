@@ -10,11 +10,11 @@
 //! | [`ring`] | beam kinematics, elastic energy, inertia; the ring alone as a system |
 //! | [`chain`], [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::instance::Variator`] |
-//! | [`solver`] | Newton, time integration, continuation, the arrow matrix: knows no belt |
+//! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
-//! | [`tape`] | values to bytes and back: stored states |
-//! | [`mod@unit`] | the variable table that binds the variator to its FMU |
-//! | [`fmi2`] | FMI 2.0 state machine and C functions: knows no physics |
+//! | [`tape`] | values to bytes and back, for stored states |
+//! | [`mod@unit`] | the variator as an FMU: its variable table and the exported C functions |
+//! | [`fmi2`] | FMI 2.0 state machine and C functions for any model; independent of the physics |
 //!
 //! ```
 //! use pushbelt::variator::{instance::Variator, parameters::Parameters, signals::Inputs};

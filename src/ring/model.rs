@@ -140,7 +140,7 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
     /// Energies of an element.
     fn energy(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy;
 
-    /// Power that damping takes in an element, W.
+    /// Power that damping dissipates in an element, W.
     fn dissipation(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> f64;
 
     /// Indices of the vector of the unknowns that an element depends on.
