@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`reference_curve`] | the belt's closed curve r(ξ, Θ) and its derivatives |
 //! | [`ring`] | beam kinematics, elastic energy, inertia; the ring alone as a system |
-//! | [`chain`], [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
+//! | `chain`, [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::instance::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
@@ -37,7 +37,7 @@ compile_error!(
      with RUSTFLAGS=\"-C target-cpu=x86-64-v3\", or without RUSTFLAGS"
 );
 
-pub mod chain;
+mod chain;
 pub mod contact;
 pub mod fmi2;
 #[cfg(test)]

@@ -30,9 +30,9 @@ impl Unknowns<14> for Deflection<3> {}
 /// Form in which the inertia is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
-    /// [`ale::add_conservative_inertia`].
+    /// It keeps energy and drift momentum of the discrete ring exactly (`ale::add_conservative_inertia`).
     Conservative,
-    /// [`ale::add_inertia`].
+    /// It has the force of inertia at each point (`ale::add_inertia`).
     Pointwise,
 }
 

@@ -3,10 +3,10 @@
 
 #![forbid(unsafe_code)]
 
-pub mod ale;
+pub(crate) mod ale;
 pub mod ale_ring;
 pub mod ancf;
-pub mod beam;
+pub(crate) mod beam;
 pub mod kinematics;
 pub mod lagrangian;
 pub mod mesh;
@@ -14,7 +14,7 @@ pub mod model;
 pub mod particle;
 pub mod rcm;
 pub mod system;
-pub mod turning;
+pub(crate) mod turning;
 
 /// The ring sets, as one beam.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,7 +16,7 @@
 //! - the deflection shortens its projection: u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²] keeps |r'| even to the order of w'⁴,
 //! - r = r₁ + g (x̄ + u) + g⊥ w.
 //!
-//! Angles enter by sine and cosine of φ only, so the ring may turn without end. Energy is that of [`super::beam`] with
+//! Angles enter by sine and cosine of φ only, so the ring may turn without end. Energy is that of `beam.rs` with
 //! the mean strain of the element: the deflection of an inextensible arc then costs no membrane energy (no locking).
 //! Limits: an element may turn by less than about 1 rad; inside an element the stretch is even up to w'⁴/8.
 

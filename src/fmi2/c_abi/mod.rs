@@ -1,7 +1,7 @@
-//! The C functions of FMI 2.0 for co-simulation, and the only `unsafe` code of the project.
+//! The C functions of FMI 2.0 for co-simulation. They are the only `unsafe` code of the project.
 //!
 //! Here raw pointers become references and slices, and nothing else happens: the calls themselves are in
-//! [`slave`](super::slave). Each function here is generic over the unit. [`export!`](exports) gives them the standard's names and
+//! [`slave`](super::slave). Each function here is generic over the unit. `export!` gives them the standard's names and
 //! signatures (`fmi2FunctionTypes.h`) for one unit. No panic leaves a function. The caller of a function grants, beyond
 //! what the function itself asks for:
 //!
