@@ -150,10 +150,10 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         let mut across = [T::zero(); 2];
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
             let normal = &self.normals[k];
-            let turning = normal.dot(&point.slope_dot);
-            let omega = turning * point.inverse_stretch + c * self.curvature[k];
+            let slope_rate = normal.dot(&point.slope_dot);
+            let omega = slope_rate * point.inverse_stretch + c * self.curvature[k];
             along -= omega * self.normal_speed[k];
-            *across = normal.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
+            *across = normal.dot(&point.r_ddot) + c * slope_rate + omega * (self.speed - point.t.dot(&point.r_dot));
         }
         (along, across)
     }
@@ -207,29 +207,29 @@ impl<T: Real> ChainVariation<T> {
     }
 }
 
-/// What [`ChainPoint::acceleration`] is made of, for its variation.
+/// Terms of [`ChainPoint::acceleration`] that its variation needs.
 #[derive(Clone, Copy, Debug)]
-pub struct Turn<T: Real> {
+pub struct AccelerationTerms<T: Real> {
     /// t̂·ṙ, m/s.
     pub along: T,
     /// n̂·(r')˙, 1/s.
-    pub turning: [T; 2],
+    pub slope_rate: [T; 2],
     /// Ω, rad/s.
     pub omega: [T; 2],
 }
 
 impl<T: Real, const D: usize> ChainPoint<T, D> {
-    /// What its variation needs besides.
+    /// Terms of the acceleration that its variation needs.
     #[inline(always)]
-    pub fn turn(&self, point: &RingPoint<T, D>) -> Turn<T> {
-        let (mut turning, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
+    pub fn acceleration_terms(&self, point: &RingPoint<T, D>) -> AccelerationTerms<T> {
+        let (mut slope_rate, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
-            turning[k] = self.normals[k].dot(&point.slope_dot);
-            omega[k] = turning[k] * point.inverse_stretch + self.c * self.curvature[k];
+            slope_rate[k] = self.normals[k].dot(&point.slope_dot);
+            omega[k] = slope_rate[k] * point.inverse_stretch + self.c * self.curvature[k];
         }
-        Turn {
+        AccelerationTerms {
             along: point.t.dot(&point.r_dot),
-            turning,
+            slope_rate,
             omega,
         }
     }
@@ -262,7 +262,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
     pub fn vary_acceleration(
         &self,
         point: &RingPoint<T, D>,
-        turn: &Turn<T>,
+        terms: &AccelerationTerms<T>,
         (by, chain): (&RingVariation<T, D>, &ChainVariation<T>),
         speed_dot: T,
         [speed_gradient, gradient]: [T; 2],
@@ -272,17 +272,17 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         let mut across = [T::zero(); 2];
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
             let (normal, varied) = (&self.normals[k], &by.normals[k]);
-            let (turning, omega) = (turn.turning[k], turn.omega[k]);
-            let turning_by = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
-            let omega_by = (turning_by - turning * point.inverse_stretch * by.stretch) * point.inverse_stretch
+            let (slope_rate, omega) = (terms.slope_rate[k], terms.omega[k]);
+            let slope_rate_by = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
+            let omega_by = (slope_rate_by - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch
                 + chain.c * self.curvature[k]
                 + c * chain.curvature[k];
             along -= omega_by * self.normal_speed[k] + omega * chain.normal_speed[k];
             *across = varied.dot(&point.r_ddot)
                 + normal.dot(&by.r_ddot)
-                + chain.c * turning
-                + c * turning_by
-                + omega_by * (self.speed - turn.along)
+                + chain.c * slope_rate
+                + c * slope_rate_by
+                + omega_by * (self.speed - terms.along)
                 + omega * (chain.speed - chain.along);
         }
         (along, across)

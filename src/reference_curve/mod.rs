@@ -3,7 +3,7 @@
 //!
 //! A mesh point η is a segment and a fraction f ∈ [0, 1] of it; ξ(η, Θ) moves with Θ while the point stays on its own
 //! arc or strand. Derivatives with respect to Θ are taken at fixed η. The curve runs clockwise: tangent
-//! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), turning angle χ growing, t' = κ n, n' = −κ t.
+//! t = (sin χ, cos χ), inward normal n = (cos χ, −sin χ), tangent angle χ growing, t' = κ n, n' = −κ t.
 
 #![forbid(unsafe_code)]
 
@@ -132,16 +132,16 @@ impl<T: Real> ReferencePoint<T> {
     }
 }
 
-/// How the tangent of the reference curve turns with Θ.
+/// The tangent angle of the reference curve and its rate along ξ, each with its derivatives with respect to Θ.
 #[derive(Clone, Copy, Debug)]
-pub struct Turning<T> {
-    /// Turning angle χ at fixed η, rad.
+pub struct TangentAngle<T> {
+    /// Tangent angle χ at fixed η, rad.
     pub chi: Jet<T>,
     /// Curvature κ at fixed η, 1/m.
     pub kappa: Jet<T>,
 }
 
-impl<T: Real> Turning<T> {
+impl<T: Real> TangentAngle<T> {
     /// The pack whose `lane` is that of `other`.
     fn with_lane(self, lane: usize, other: Self) -> Self {
         Self {
@@ -176,8 +176,8 @@ pub trait ReferenceCurve: Clone + Send + 'static {
     /// The curve at fraction `fraction` of `segment`.
     fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T>;
 
-    /// Turning angle and curvature there with two derivatives.
-    fn turning<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> Turning<T>;
+    /// Tangent angle and curvature there.
+    fn tangent_angle<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T>;
 
     /// Segment and fraction at the place ξ, m, taken around the loop.
     fn locate(&self, frame: &Self::Frame<f64>, xi: f64) -> (usize, f64) {

@@ -44,7 +44,7 @@ impl LagrangianElement for AncfElement {
         Hermite::at(x)
     }
 
-    fn lay(_length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
+    fn place_on(_length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
         let [r, slope] = shape(start);
         block.copy_from_slice(&[r.x, slope.x, r.y, slope.y]);
     }

@@ -13,8 +13,8 @@ pub mod mesh;
 pub mod model;
 pub mod particle;
 pub mod rcm;
+pub(crate) mod rotated;
 pub mod system;
-pub(crate) mod turning;
 
 /// The ring sets, as one beam.
 #[derive(Clone, Debug, PartialEq)]

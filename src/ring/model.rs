@@ -99,10 +99,10 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
     fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> (usize, f64);
 
     /// Sets the unknowns `q` so that the nodes of a ring that has not drifted are on a shape; `q[Θ]` is given.
-    fn lay(&self, shape: Shape<'_, D>, q: &mut [f64]);
+    fn place_on(&self, shape: Shape<'_, D>, q: &mut [f64]);
 
     /// Sets the unknowns `q` so that the nodes are on the reference curve; `q[Θ]` is given.
-    fn lay_on_curve(&self, q: &mut [f64]);
+    fn place_on_curve(&self, q: &mut [f64]);
 
     /// The particle at the local coordinate x of an element, and the unstretched length dξ per dx there, m.
     fn particle<T: Real<Constant = f64>>(

@@ -168,7 +168,7 @@ impl LagrangianElement for RcmElement {
         }
     }
 
-    fn lay(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
+    fn place_on(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
         let [r, slope] = shape(start);
         let g = (shape(start + length)[0] - r) / length;
         let deflection = |x: f64| (shape(start + x * length)[0] - r).dot(&turn_right(g)) / g.norm_squared();

@@ -127,7 +127,7 @@ impl VariatorSystem {
         }
         let nodes = nodes(unknowns, slopes, &seed);
         if KIND == TURNING {
-            let curve = |fraction| C::turning(frame, pack.segment, fraction);
+            let curve = |fraction| C::tangent_angle(frame, pack.segment, fraction);
             let [start, share] = pack.of_segment;
             let ends = [start, start + share];
             let mut ring = Turning::new(ring, &place, &motion.reference, nodes, ends, curve);

@@ -50,7 +50,7 @@ impl VariatorSystem {
                 let p = shape.particle(xi);
                 [p.r + p.velocity * time, p.slope + p.velocity_slope * time]
             };
-            with_ring!(&**ring, ring => ring.lay(&at, &mut q));
+            with_ring!(&**ring, ring => ring.place_on(&at, &mut q));
             q
         };
         let [before, now, after] = [-MOMENT, 0.0, MOMENT].map(lay);

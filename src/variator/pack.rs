@@ -246,7 +246,7 @@ impl Standing for TwoPulley {
 /// Elements stand still.
 impl Standing for Unaligned<TwoPulley> {
     fn stand<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T> {
-        Self::seen(curve, frame)
+        Self::frame_of(curve, frame)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::reference_curve::{self, Jet, ReferencePoint};
 use crate::ring::kinematics::{
     ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
 };
-use crate::ring::turning::{TurningElement, rotated_load, rotated_point};
+use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::ring::{Ring, ale};
 use crate::scalar::{Real, zero_vector};
 
@@ -252,8 +252,8 @@ fn node_direction<const D: usize>(own: usize) -> (usize, usize, bool) {
 /// `ALE` whose deflection is counted in directions that turn with the reference curve.
 pub struct Turning<'a, T: Real, const D: usize = 2> {
     ring: Deflecting<'a, T, D>,
-    ends: TurningElement<T>,
-    curve: [reference_curve::Turning<T>; SLOTS],
+    ends: RotatedElement<T>,
+    curve: [reference_curve::TangentAngle<T>; SLOTS],
 }
 
 impl<'a, T: Real, const D: usize> Turning<'a, T, D> {
@@ -266,10 +266,10 @@ impl<'a, T: Real, const D: usize> Turning<'a, T, D> {
         motion: &'a ReferenceMotion<T>,
         mut nodes: [Motion<Node<T, D>>; 2],
         ends: [T::Constant; 2],
-        curve: impl Fn(T::Constant) -> reference_curve::Turning<T>,
+        curve: impl Fn(T::Constant) -> reference_curve::TangentAngle<T>,
     ) -> Self {
         let curvature: [Jet<T>; 2] = ends.map(|fraction| curve(fraction).kappa);
-        let ends = TurningElement::new(curvature, &motion.theta, &mut nodes);
+        let ends = RotatedElement::new(curvature, &motion.theta, &mut nodes);
         Self {
             ring: Deflecting::new(ring, place, motion, &nodes),
             ends,

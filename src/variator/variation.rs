@@ -10,7 +10,7 @@
 use super::cell::{CellBalance, CellLaw, CellMotion, Place, STATIONS, share};
 use super::flanks::{Approach, FlankLoads};
 use super::ring::{Action, RingForces, VaryingRing};
-use crate::chain::{ChainPoint, ChainVariation, Stack, Transport, Turn};
+use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation, Stack, Transport};
 use crate::contact::{FlankForce, FlankMotion, flank_force};
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
@@ -149,7 +149,7 @@ impl FlankVariation {
 struct Point<const D: usize> {
     ring: RingPoint<Lanes, D>,
     chain: ChainPoint<Lanes, D>,
-    turn: Turn<Lanes>,
+    turn: AccelerationTerms<Lanes>,
     weight: Lanes,
     right: Lanes,
     own_load: Load<Lanes, D>,
@@ -317,7 +317,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             inward,
             tangential: at_ring_line.dot(&ring.t) - friction[0],
             friction,
-            turn: chain.turn(&ring),
+            turn: chain.acceleration_terms(&ring),
             ring,
             chain,
         }
