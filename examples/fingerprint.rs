@@ -9,9 +9,8 @@ use std::error::Error;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::{Parameters, RingModel};
 use pushbelt::variator::signals::{Inputs, Outputs, Profile, PulleyOutputs};
+use pushbelt_lab::manoeuvre::Manoeuvre;
 
-/// The manoeuvre that the FMU carries: time, torques and clamping forces.
-const MANOEUVRE: &str = include_str!("../resources/manoeuvre.csv");
 /// Communication step, s.
 const STEP: f64 = 1e-3;
 
@@ -91,44 +90,6 @@ impl Hash {
     }
 }
 
-/// Torques and clamping forces every millisecond.
-fn inputs() -> Result<Vec<Inputs>, Box<dyn Error>> {
-    let mut lines = MANOEUVRE.lines().filter(|line| !line.starts_with('#'));
-    let names: Vec<&str> = lines.next().ok_or("an empty manoeuvre")?.split(',').collect();
-    let column = |name: &str| {
-        let found = names.iter().position(|n| n.trim().trim_matches('"') == name);
-        found.ok_or_else(|| format!("no column {name}"))
-    };
-    let [time, tp, ts, fp, fs] = [
-        column("time")?,
-        column("primary.torque")?,
-        column("secondary.torque")?,
-        column("primary.clampingForce")?,
-        column("secondary.clampingForce")?,
-    ];
-    let rows: Vec<Vec<f64>> = lines
-        .map(|line| line.split(',').map(|word| word.trim().parse()).collect())
-        .collect::<Result<_, _>>()?;
-    let end = rows.last().ok_or("no rows")?[time];
-    let count = (end / STEP).round() as usize;
-    let mut row = 0;
-    Ok((0..count)
-        .map(|k| {
-            let t = k as f64 * STEP;
-            while row + 2 < rows.len() && rows[row + 1][time] <= t {
-                row += 1;
-            }
-            let (a, b) = (&rows[row], &rows[row + 1]);
-            let share = ((t - a[time]) / (b[time] - a[time])).clamp(0.0, 1.0);
-            let at = |column: usize| a[column] + share * (b[column] - a[column]);
-            let mut inputs = Inputs::default();
-            (inputs.primary.torque, inputs.secondary.torque) = (at(tp), at(ts));
-            (inputs.primary.clamping_force, inputs.secondary.clamping_force) = (at(fp), at(fs));
-            inputs
-        })
-        .collect())
-}
-
 /// Runs `steps` of the manoeuvre and prints the line of the case.
 fn run(name: &str, parameters: Parameters, trace: &[Inputs], steps: usize) -> Result<(), Box<dyn Error>> {
     let mut hash = Hash(0xcbf2_9ce4_8422_2325);
@@ -145,20 +106,13 @@ fn run(name: &str, parameters: Parameters, trace: &[Inputs], steps: usize) -> Re
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let trace = inputs()?;
+    let trace = Manoeuvre::read().trace(STEP);
     let with = |change: &dyn Fn(&mut Parameters)| {
         let mut parameters = Parameters::default();
         change(&mut parameters);
         parameters
     };
-    // A vehicle's inertia on the secondary shaft, at a standstill in underdrive: what the manoeuvre is made for.
-    let launch = |model: RingModel| {
-        with(&|p| {
-            p.ring_model = model;
-            p.secondary.inertia = 4.0;
-            (p.initial.ratio, p.initial.primary_speed) = (2.2, 0.0);
-        })
-    };
+    let launch = |model: RingModel| Manoeuvre::variator(with(&|p| p.ring_model = model));
     let all = trace.len();
     run("ALE", launch(RingModel::Ale), &trace, all)?;
     run(

@@ -40,8 +40,6 @@ compile_error!(
 mod chain;
 pub mod contact;
 pub mod fmi2;
-#[cfg(test)]
-mod noise;
 pub mod pulley;
 pub mod reference_curve;
 pub mod ring;

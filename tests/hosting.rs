@@ -4,12 +4,9 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-#[allow(dead_code, reason = "each test needs a part of it")]
-mod library;
-
 use std::path::Path;
 
-use library::{Functions, Library, count};
+use pushbelt_lab::shared_library::{Functions, Library, OK, count, path};
 
 /// Bytes of memory of this process that are in use.
 fn resident() -> u64 {
@@ -38,11 +35,13 @@ fn assert_steady(what: &str, before: u64) {
 
 fn cycle(f: &Functions, steps: u32) {
     let c = f.instantiate();
-    f.make_cheap(c);
-    f.start(c);
-    f.run(c, 1.0, steps);
-    // SAFETY: the instance is not used any more.
-    unsafe { (f.fmi2FreeInstance)(c) };
+    // SAFETY: an instance, not used any more when it is freed.
+    unsafe {
+        f.make_cheap(c);
+        f.start(c);
+        f.run(c, 1.0, steps);
+        (f.fmi2FreeInstance)(c);
+    }
 }
 
 /// One test, for memory is that of the process.
@@ -59,15 +58,18 @@ fn neither_instances_nor_steps_nor_loading_leave_anything() {
     assert_steady("instances", before);
 
     let c = f.instantiate();
-    f.make_cheap(c);
-    f.start(c);
-    f.run(c, 0.0, 1);
+    // SAFETY: an instance.
+    unsafe {
+        f.make_cheap(c);
+        f.start(c);
+        f.run(c, 0.0, 1);
+    }
     let mut done = 1_u32;
     let mut go_on = |count: u32| {
         for _ in 0..count {
             // SAFETY: an instance.
             let status = unsafe { (f.fmi2DoStep)(c, f64::from(done) * 1e-3, 1e-3, 1) };
-            assert_eq!(status, library::OK);
+            assert_eq!(status, OK);
             done += 1;
         }
     };
@@ -78,7 +80,7 @@ fn neither_instances_nor_steps_nor_loading_leave_anything() {
     // SAFETY: the instance is not used any more.
     unsafe { (f.fmi2FreeInstance)(c) };
 
-    let path = library::path();
+    let path = path();
     assert!(is_mapped(&path));
     drop(library);
     let reload = || {

@@ -1,13 +1,12 @@
 //! The linear model against the variator itself: small steps of each load.
 
-mod common;
-
 use nalgebra::DMatrix;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise, modes};
 use pushbelt::variator::mesh::P;
 use pushbelt::variator::parameters::{Mesh, Parameters, RingModel};
 use pushbelt::variator::signals::{Inputs, Outputs};
+use pushbelt_lab::variators::inputs;
 
 type Read = fn(&Outputs) -> f64;
 
@@ -199,7 +198,7 @@ fn no_mode_of_a_steady_state_grows() {
             let mut parameters = Parameters::default();
             parameters.initial.ratio = ratio;
             parameters.ring.damping *= damping;
-            let inputs = common::inputs((torque, 12.0e3), (-torque * ratio, 12.0e3));
+            let inputs = inputs((torque, 12.0e3), (-torque * ratio, 12.0e3));
             let modes = modes(&parameters, &inputs, 2.0e4).expect("a steady state");
             let most = modes[0];
             println!(

@@ -6,13 +6,9 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-#[allow(dead_code, reason = "each test needs a part of it")]
-mod library;
-
 use std::ffi::{c_char, c_int};
 use std::ptr::{null, null_mut};
 
-use library::{DISCARD, ERROR, Functions, Library, OK, count, reference};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -20,6 +16,7 @@ use pushbelt::fmi2::Unit;
 use pushbelt::fmi2::c_abi::{Component, FmuState};
 use pushbelt::fmi2::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
+use pushbelt_lab::shared_library::{DISCARD, ERROR, Functions, Library, OK, count, reference};
 
 /// States of the standard's state machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -325,7 +322,8 @@ impl Master<'_> {
     fn after_reset(&mut self) {
         self.model = FRESH;
         if self.cheap {
-            self.f.make_cheap(self.c);
+            // SAFETY: an instance.
+            unsafe { self.f.make_cheap(self.c) };
         }
     }
 

@@ -2,12 +2,9 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-#[allow(dead_code, reason = "each test needs a part of it")]
-mod library;
-
 use std::thread;
 
-use library::Library;
+use pushbelt_lab::shared_library::Library;
 
 #[test]
 fn sixteen_instances_on_eight_threads_give_the_sequential_bits() {
@@ -15,12 +12,14 @@ fn sixteen_instances_on_eight_threads_give_the_sequential_bits() {
     let f = library.functions;
     let run = move |number: u32| {
         let c = f.instantiate();
-        f.make_cheap(c);
-        f.start(c);
-        let result = f.run(c, f64::from(number), 40);
-        // SAFETY: the instance is not used any more.
-        unsafe { (f.fmi2FreeInstance)(c) };
-        result
+        // SAFETY: an instance, not used any more when it is freed.
+        unsafe {
+            f.make_cheap(c);
+            f.start(c);
+            let result = f.run(c, f64::from(number), 40);
+            (f.fmi2FreeInstance)(c);
+            result
+        }
     };
     let alone: Vec<_> = (0..16).map(run).collect();
     assert_ne!(alone[0], alone[1], "the instances differ");

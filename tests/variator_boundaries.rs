@@ -1,10 +1,10 @@
 //! Whatever a master connects to shafts and sheaves, and whatever it does with them, the run goes on.
 
-mod common;
-
-use common::{MODELS, Run, SPEED, assert_close, coarse, inputs, variator};
 use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
 use pushbelt::variator::signals::{Inputs, Outputs, StartState};
+use pushbelt_lab::checks::assert_close;
+use pushbelt_lab::run::Run;
+use pushbelt_lab::variators::{MODELS, SPEED, coarse, inputs, variator};
 
 /// At a standstill, at a ratio, with a flywheel on the secondary shaft.
 fn at_rest(model: RingModel, ratio: f64) -> Parameters {

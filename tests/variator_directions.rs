@@ -1,10 +1,11 @@
 //! The overlay in directions that turn with the reference curve, A_i = [t, n, b]_ref in (10), instead of fixed ones:
 //! the same belt in other coordinates.
 
-mod common;
-
-use common::{LoadCase, Run, inputs, load_case, variator};
 use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
+use pushbelt_lab::load_cases::LoadCase;
+use pushbelt_lab::run::Run;
+use pushbelt_lab::steady::load_case;
+use pushbelt_lab::variators::{inputs, variator};
 
 fn turning(parameters: &Parameters) -> Parameters {
     Parameters {

@@ -1,11 +1,12 @@
 //! Elements evenly spaced along the belt, as the paper's: the same laws hold, and what it costs that arc borders move
 //! through them.
 
-mod common;
-
-use common::{LoadCase, Run, SPEED, inputs, load_case, ratio, variator};
 use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
 use pushbelt::variator::signals::Outputs;
+use pushbelt_lab::load_cases::{LoadCase, ratio};
+use pushbelt_lab::run::Run;
+use pushbelt_lab::steady::load_case;
+use pushbelt_lab::variators::{SPEED, inputs, variator};
 
 fn on(mut parameters: Parameters, aligned: bool) -> Parameters {
     parameters.mesh.aligned = aligned;

@@ -1,15 +1,16 @@
 //! Rings that travel with their mesh, inside the variator: they start where ALE is steady, run on near it, keep the
 //! books and go on from a stored state bit for bit.
 
-mod common;
-
-use common::{LoadCase, Run, SPEED, inputs, ratio, variator};
 use pushbelt::tape::Tape;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::layout::Global;
 use pushbelt::variator::linear::{LinearError, linearise};
 use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
 use pushbelt::variator::signals::Inputs;
+use pushbelt_lab::checks::assert_pinned;
+use pushbelt_lab::load_cases::{LoadCase, ratio};
+use pushbelt_lab::run::Run;
+use pushbelt_lab::variators::{SPEED, inputs, variator};
 
 const TRAVELLING: [RingModel; 2] = [RingModel::Rcm, RingModel::Ancf];
 
@@ -152,8 +153,8 @@ fn a_millisecond_takes_its_usual_work() {
         run.go(1e-3, 1e-3);
         let counts = run.variator.counts();
         println!("{model:?}: {counts:?}");
-        common::assert_pinned(counts.steps, steps, "steps");
-        common::assert_pinned(counts.residuals, residuals, "residuals");
-        common::assert_pinned(counts.factorizations, factorizations, "factorizations");
+        assert_pinned(counts.steps, steps, "steps");
+        assert_pinned(counts.residuals, residuals, "residuals");
+        assert_pinned(counts.factorizations, factorizations, "factorizations");
     }
 }

@@ -1,11 +1,13 @@
 //! Limits in which the variator obeys a closed law: no friction, full slip, small steps of the clamping force.
 
-mod common;
-
-use common::{MODELS, Run, SPEED, assert_close, coarse, full_slip_torque, given, inputs, rigid, steady, variator};
 use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::parameters::{Axial, Drive, RingModel};
 use pushbelt::variator::signals::Outputs;
+use pushbelt_lab::checks::assert_close;
+use pushbelt_lab::load_cases::given;
+use pushbelt_lab::run::Run;
+use pushbelt_lab::steady::steady;
+use pushbelt_lab::variators::{MODELS, SPEED, coarse, full_slip_torque, inputs, rigid, variator};
 
 /// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
 /// (F − σV²)α/(2 tan β).

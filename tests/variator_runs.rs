@@ -1,11 +1,12 @@
 //! Runs of the variator: the manoeuvre's books, tolerance, communication steps, repeatability, counts.
 
-mod common;
-
-use common::{MODELS, Manoeuvre, Run, assert_close, assert_pinned, coarse, inputs, rigid, variator};
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
 use pushbelt::variator::signals::{Inputs, Outputs};
+use pushbelt_lab::checks::{assert_close, assert_pinned};
+use pushbelt_lab::manoeuvre::Manoeuvre;
+use pushbelt_lab::run::Run;
+use pushbelt_lab::variators::{MODELS, coarse, inputs, rigid, variator};
 
 /// Communication step of the manoeuvre, s.
 const STEP: f64 = 1e-3;

@@ -1,16 +1,14 @@
 //! Steady states of the variator: load cases, power balance, symmetry, what mesh and regularisation are worth.
 
-mod common;
-
-use common::{
-    At, LoadCase, MODELS, SPEED, Steady, assert_close, assert_pinned, coarse, given, load_case, mesh, ratio, steady,
-    variator,
-};
 use pushbelt::variator::boundary::SpeedMode;
 use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::parameters::{Parameters, RingModel};
 use pushbelt::variator::sample::Sample;
 use pushbelt::variator::steady::SteadyTask;
+use pushbelt_lab::checks::{assert_close, assert_pinned};
+use pushbelt_lab::load_cases::{LoadCase, given, ratio};
+use pushbelt_lab::steady::{At, Steady, load_case, steady};
+use pushbelt_lab::variators::{MODELS, SPEED, coarse, mesh, variator};
 
 /// Smallest and largest.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {

@@ -12,9 +12,9 @@ use pushbelt::solver::newton::Counts;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
 use pushbelt::variator::signals::{Inputs, PulleyInputs};
+use pushbelt_lab::variators::variator;
 use serde_json::json;
 
-use crate::common;
 use crate::{Table, numbers, text};
 
 /// Communication step, s.
@@ -146,12 +146,12 @@ fn ride(mut parameters: Parameters) -> Ride {
 
 /// Both ring models on the cycle, and `ALE` with one cell in an element.
 pub fn rides(table: &mut Table) {
-    let mut single = common::variator(RingModel::Ale);
+    let mut single = variator(RingModel::Ale);
     single.mesh.cells_per_element = 1;
     let rides = [
-        ("Ale0", common::variator(RingModel::Ale0)),
+        ("Ale0", variator(RingModel::Ale0)),
         ("Ale, one cell an element", single),
-        ("Ale", common::variator(RingModel::Ale)),
+        ("Ale", variator(RingModel::Ale)),
     ];
     for (name, parameters) in rides {
         let Ride {

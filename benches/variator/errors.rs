@@ -5,9 +5,10 @@
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::signals::{Inputs, Outputs};
+use pushbelt_lab::manoeuvre::Manoeuvre;
+use pushbelt_lab::variators::variator;
 use serde_json::json;
 
-use crate::common::{self, Manoeuvre};
 use crate::{STEP, Table, nine_steady_states};
 
 const FINER: i32 = 10;
@@ -103,7 +104,7 @@ fn range(rows: &[Vec<f64>], k: usize) -> f64 {
 }
 
 fn traced(model: RingModel, trace: &[Inputs], factor: i32, tolerance: f64, reads: &[(&str, Read)]) -> Vec<Vec<f64>> {
-    let mut parameters = Manoeuvre::variator(common::variator(model));
+    let mut parameters = Manoeuvre::variator(variator(model));
     parameters.mesh = parameters.mesh.refined(factor);
     parameters.solver.tolerance *= tolerance;
     let mut variator = Variator::new(parameters).expect("valid parameters");

@@ -12,8 +12,6 @@
 //! - `--rings` adds the ring models beside each other (a minute),
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
 mod cycle;
 mod errors;
 mod picture;
@@ -25,7 +23,6 @@ use std::hint::black_box;
 use std::path::PathBuf;
 
 use clap::Parser;
-use common::{LoadCase, Manoeuvre, SPEED};
 use cpu_time::ThreadTime;
 use pushbelt::contact::full_slip_torque;
 use pushbelt::scalar::LANES;
@@ -40,6 +37,9 @@ use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::start::{Start, kinematic_state};
 use pushbelt::variator::steady::{SteadyTask, solve};
 use pushbelt::variator::system::VariatorSystem;
+use pushbelt_lab::load_cases::{LoadCase, given};
+use pushbelt_lab::manoeuvre::Manoeuvre;
+use pushbelt_lab::variators::{SPEED, variator};
 use serde_json::{Value, json};
 
 /// Points of the steady map.
@@ -100,7 +100,7 @@ fn main() {
         LANES.to_string(),
         json!(LANES),
     );
-    let trace = manoeuvre_inputs();
+    let trace = Manoeuvre::read().trace(STEP);
     let costs = manoeuvres(&mut table, &trace, &options);
     steady_states(&mut table, &options);
     let growth = pieces_and_memory(&mut table, &trace);
@@ -141,10 +141,10 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
     let costs = MODELS.map(|model| {
         let runs = if options.quick { 1 } else { 5 };
         // A look at the clock takes 4 % of a step of ALE0.
-        let (time, counts) = best(runs, || manoeuvre(common::variator(model), trace, |advance| advance()));
+        let (time, counts) = best(runs, || manoeuvre(variator(model), trace, |advance| advance()));
         let (_, each) = best(runs, || {
             let mut each = Vec::with_capacity(trace.len());
-            let (time, _) = manoeuvre(common::variator(model), trace, |advance| {
+            let (time, _) = manoeuvre(variator(model), trace, |advance| {
                 let start = ThreadTime::now();
                 advance();
                 each.push(start.elapsed().as_secs_f64());
@@ -226,7 +226,7 @@ fn steady_states(table: &mut Table, options: &Options) {
 /// Cost of what a step is made of, on three meshes, of both ring models.
 fn pieces_and_memory(table: &mut Table, trace: &[Inputs]) -> [[Pieces; 3]; 2] {
     MODELS.map(|model| {
-        let pieces = [1, 2, 4].map(|factor| pieces(common::variator(model), factor));
+        let pieces = [1, 2, 4].map(|factor| pieces(variator(model), factor));
         for p in &pieces {
             pieces_row(table, &format!("{model:?}"), p);
         }
@@ -285,7 +285,7 @@ fn reference_directions(table: &mut Table, trace: &[Inputs]) {
     const NAME: &str = "Ale, A_i = [t, n]";
     let parameters = || Parameters {
         reference_directions: true,
-        ..common::variator(RingModel::Ale)
+        ..variator(RingModel::Ale)
     };
     let (time, counts) = manoeuvre(parameters(), trace, |advance| advance());
     manoeuvre_row(table, NAME, trace, time, &counts);
@@ -301,13 +301,6 @@ fn pieces_row(table: &mut Table, name: &str, pieces: &Pieces) {
         pieces.seconds.map(|t| format!("{:.1} us", 1e6 * t)).join(", "),
         json!({"elements": pieces.elements, "seconds": pieces.seconds}),
     );
-}
-
-/// Inputs at every communication step.
-fn manoeuvre_inputs() -> Vec<Inputs> {
-    let manoeuvre = Manoeuvre::read();
-    let count = (manoeuvre.end() / STEP).round() as usize;
-    (0..count).map(|k| manoeuvre.at(k as f64 * STEP)).collect()
 }
 
 /// Time and work; `around` is called with each communication step.
@@ -327,7 +320,7 @@ fn manoeuvre(parameters: Parameters, trace: &[Inputs], mut around: impl FnMut(&m
 /// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P, primary speed
 /// given, belt torque 30, 50, 100 N·m. Time, work, and the thrust ratios that were found.
 fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, (Counts, Vec<Option<f64>>)) {
-    let mut parameters = common::variator(model);
+    let mut parameters = variator(model);
     parameters.mesh = parameters.mesh.refined(refinement);
     let start = ThreadTime::now();
     let mut total = Counts::default();
@@ -368,7 +361,7 @@ struct Map {
 /// first torque of a ratio starts from the kinematic state, each other one from its neighbour's state, or where that
 /// leads nowhere from the kinematic one.
 fn steady_map(model: RingModel) -> Map {
-    let parameters = common::variator(model);
+    let parameters = variator(model);
     let (mut solved, mut warm, mut warm_time) = (0, 0, 0.0);
     let start = ThreadTime::now();
     let mut system = VariatorSystem::new(&parameters);
@@ -387,7 +380,7 @@ fn steady_map(model: RingModel) -> Map {
             let share = 0.05 + 0.6 * k as f64 / (MAP_TORQUES - 1) as f64;
             let task = SteadyTask {
                 speed: [SpeedMode::Transmit(share * capacity), SpeedMode::Fixed],
-                ..common::given(ratio, P, MAP_FORCE, 0.01)
+                ..given(ratio, P, MAP_FORCE, 0.01)
             };
             let cold = Start {
                 ratio,
@@ -421,7 +414,7 @@ fn steady_map(model: RingModel) -> Map {
 
 fn steady_start(model: RingModel) -> (f64, ()) {
     let start = ThreadTime::now();
-    let mut variator = Variator::new(common::variator(model)).expect("valid parameters");
+    let mut variator = Variator::new(variator(model)).expect("valid parameters");
     variator.initialise(0.0, &Inputs::default()).expect("a start");
     variator.advance(STEP, &Inputs::default()).expect("a step");
     black_box(variator.outputs());
@@ -456,10 +449,10 @@ fn pieces(mut parameters: Parameters, factor: i32) -> Pieces {
     let mut matrix = Arrow::new(system.shape());
     let mut factors = ArrowLu::new(system.shape());
     let mut residual = vec![0.0; state.y.len()];
-    system.jacobian(state.view(), 1e4, 1e-4, &mut matrix);
+    system.jacobian(0.0, state.view(), 1e4, 1e-4, &mut matrix);
     let seconds = [
-        least(|| system.residual(state.view(), black_box(&mut residual))),
-        least(|| system.jacobian(state.view(), 1e4, 1e-4, black_box(&mut matrix))),
+        least(|| system.residual(0.0, state.view(), black_box(&mut residual))),
+        least(|| system.jacobian(0.0, state.view(), 1e4, 1e-4, black_box(&mut matrix))),
         least(|| factors.factor(black_box(&matrix)).expect("a regular matrix")),
         least(|| factors.solve(black_box(&mut residual))),
     ];
@@ -487,7 +480,7 @@ fn least(mut call: impl FnMut()) -> f64 {
 fn memory(model: RingModel, trace: &[Inputs]) -> (u64, u64) {
     let mut instance = None;
     let held = allocation_counter::measure(|| {
-        let mut variator = Variator::new(Manoeuvre::variator(common::variator(model))).expect("valid parameters");
+        let mut variator = Variator::new(Manoeuvre::variator(variator(model))).expect("valid parameters");
         variator.initialise(0.0, &trace[0]).expect("a start");
         instance = Some(variator);
     });

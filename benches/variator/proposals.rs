@@ -10,9 +10,12 @@ use pushbelt::variator::layout::Global;
 use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::signals::Inputs;
 use pushbelt::variator::system::VariatorSystem;
+use pushbelt_lab::load_cases::LoadCase;
+use pushbelt_lab::manoeuvre::Manoeuvre;
+use pushbelt_lab::steady::load_case;
+use pushbelt_lab::variators::variator;
 use serde_json::json;
 
-use crate::common::{self, LoadCase, Manoeuvre};
 use crate::{STEP, Table, quantiles};
 
 /// Both measurements, of `ALE`.
@@ -28,9 +31,9 @@ const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 /// Gauss-Seidel), in the steady state medium, 50 N·m: the spectral radius of J₁₁⁻¹ J₁₂ J₂₂⁻¹ J₂₁. Above 1 the iteration
 /// diverges, and integration of one part with the other's last values is unstable.
 fn separated(table: &mut Table) {
-    let parameters = common::variator(RingModel::Ale);
+    let parameters = variator(RingModel::Ale);
     let [_, medium, _] = LoadCase::three(&parameters, 50.0);
-    let mut steady = common::load_case(&parameters, &medium);
+    let mut steady = load_case(&parameters, &medium);
     let layout = steady.system.layout;
     let n = layout.len();
     let reference = [Global::Drift, Global::Theta].map(|global| layout.global(global, 0));
@@ -72,7 +75,7 @@ fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
 fn dense(system: &mut VariatorSystem, state: &State, alpha: f64) -> DMatrix<f64> {
     let n = state.y.len();
     let mut arrow = Arrow::new(system.shape());
-    system.jacobian(state.view(), alpha, 1.0 / alpha, &mut arrow);
+    system.jacobian(0.0, state.view(), alpha, 1.0 / alpha, &mut arrow);
     let (mut matrix, mut unit) = (DMatrix::zeros(n, n), vec![0.0; n]);
     for (k, mut column) in matrix.column_iter_mut().enumerate() {
         unit[k] = 1.0;
@@ -91,7 +94,7 @@ const EVERY: usize = 10;
 /// are put on them: the largest change of ring tension, as a share of the mean tension, in the median state and in the
 /// worst one of ten.
 fn modes(table: &mut Table, trace: &[Inputs]) {
-    let parameters = Manoeuvre::variator(common::variator(RingModel::Ale));
+    let parameters = Manoeuvre::variator(variator(RingModel::Ale));
     let mut variator = Variator::new(parameters).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
     let layout = variator.system().layout;

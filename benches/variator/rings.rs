@@ -1,21 +1,15 @@
 //! The ring models beside each other: in the variator, and alone.
 
-#[path = "../../tests/ring/common.rs"]
-#[allow(dead_code, reason = "tests use the rest")]
-mod common;
-#[path = "../../tests/ring/measure.rs"]
-#[allow(dead_code, reason = "tests use the rest")]
-mod measure;
-
-use common::{AbsoluteNodal, fixed_steps, run};
 use cpu_time::ThreadTime;
-use measure::swinging_band;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::{Axial, Drive, RingModel};
 use pushbelt::variator::signals::Outputs;
+use pushbelt_lab::load_cases::{LoadCase, ratio};
+use pushbelt_lab::ring::{AbsoluteNodal, fixed_steps, run, swinging_band};
+use pushbelt_lab::steady::load_case;
+use pushbelt_lab::variators::{SPEED, inputs, variator};
 use serde_json::json;
 
-use crate::common::{LoadCase, SPEED, inputs, load_case, ratio, variator};
 use crate::{STEP, Table, best, numbers, quantiles, text};
 
 /// Revolutions of the belt that are run, as in `cargo fmu paper`.

@@ -7,9 +7,9 @@ use cpu_time::ThreadTime;
 use pushbelt::variator::instance::Variator;
 use pushbelt::variator::parameters::RingModel;
 use pushbelt::variator::signals::Inputs;
+use pushbelt_lab::variators::{inputs, variator};
 use serde_json::json;
 
-use crate::common::{inputs, variator};
 use crate::{MODELS, STEP, Table, numbers, text};
 
 /// Time that is run, s.

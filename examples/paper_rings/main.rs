@@ -2,21 +2,13 @@
 //!
 //! `cargo run --release --example paper_rings -- --output target/paper/rings`
 //!
-//! It measures with the functions that the tests of the ring judge by (`tests/ring`). A line of the output says what
+//! It measures with the functions that the tests of the ring judge by (`pushbelt_lab::ring`). A line of the output says what
 //! has been done: its number, how many there are, and a name.
 
-#[path = "../../tests/ring/common.rs"]
-#[allow(dead_code, reason = "tests use the rest")]
-mod common;
-#[path = "../../tests/ring/measure.rs"]
-#[allow(dead_code, reason = "tests use the rest")]
-mod measure;
 mod tables;
 
 use clap::Parser;
-use common::*;
 use cpu_time::ProcessTime;
-use measure::*;
 use nalgebra::SymmetricEigen;
 use pushbelt::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
 use pushbelt::ring::ale_ring::AleRing;
@@ -25,6 +17,8 @@ use pushbelt::ring::model::RingModel;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
+use pushbelt_lab::checks::orders;
+use pushbelt_lab::ring::*;
 use std::f64::consts::TAU;
 use std::fmt::Debug;
 use std::fs;

@@ -608,7 +608,7 @@ impl ArrowLu {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::noise;
+    use pushbelt_lab::noise;
 
     #[test]
     fn solves_what_it_multiplies() {

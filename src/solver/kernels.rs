@@ -105,7 +105,7 @@ pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::noise;
+    use pushbelt_lab::noise;
 
     #[test]
     fn an_inverse_is_one() {

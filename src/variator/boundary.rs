@@ -118,7 +118,6 @@ impl VariatorSystem {
             rates,
         };
         self.course = (rates != LoadRates::default()).then_some(course);
-        self.clock = time;
         self.change_boundary(self.course.map_or(boundary, |course| course.at(time)), y_dot);
     }
 
@@ -146,13 +145,7 @@ impl VariatorSystem {
     pub fn move_loads(&mut self, time: f64) {
         if let Some(course) = &self.course {
             self.boundary = course.at(time);
-            self.clock = time;
         }
-    }
-
-    /// Time for which the loads stand while they change, s.
-    pub(super) fn load_time(&self) -> f64 {
-        self.clock
     }
 
     /// Puts `boundary` in force, and makes the rates jump that jump with the loads.

@@ -6,7 +6,7 @@ use super::layout::Global;
 use super::mesh::{P, S};
 use super::system::VariatorSystem;
 use crate::solver::View;
-use crate::solver::sdirk::Evolution;
+use crate::solver::sdirk::{Evolution, Interval};
 
 /// Energies since the start, J, and what the last accepted step showed.
 #[derive(Clone, Debug, Default)]
@@ -79,12 +79,7 @@ impl Evolution for VariatorSystem {
         way / drift
     }
 
-    fn set_time(&mut self, time: f64) {
-        self.move_loads(time);
-    }
-
-    fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64) {
-        let end = self.load_time();
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, Interval { end, length: h }: Interval) {
         self.move_loads(end - h);
         let first = self.rates(before, &self.ledger.last.sums);
         let first_force = self.external_forces();

@@ -300,10 +300,10 @@ fn hold(
     load(system, boundary);
     let n = system.layout.len();
     let mut residual = vec![0.0; n];
-    system.residual(state.view(), &mut residual);
+    system.residual(0.0, state.view(), &mut residual);
     // As Newton's method would correct it over a second.
     let mut matrix = Arrow::new(system.shape());
-    system.jacobian(state.view(), 1.0, 1.0, &mut matrix);
+    system.jacobian(0.0, state.view(), 1.0, 1.0, &mut matrix);
     let mut factors = ArrowLu::new(system.shape());
     let singular = |error: Singular| LinearError::Unsteady(error.to_string());
     factors.factor(&matrix).map_err(singular)?;
@@ -346,7 +346,7 @@ fn descriptor(system: &mut VariatorSystem, state: &State) -> (Mat<f64>, Mat<f64>
     let columns: Vec<usize> = (0..n).filter(|&i| system.has_position()[i] && i != drift).collect();
     let mut dense = |alpha: f64, beta: f64| {
         let mut arrow = Arrow::new(system.shape());
-        system.jacobian(state.view(), alpha, beta, &mut arrow);
+        system.jacobian(0.0, state.view(), alpha, beta, &mut arrow);
         let (mut unit, mut image) = (vec![0.0; n], vec![0.0; n]);
         let mut matrix = Mat::<f64>::zeros(n, n);
         for j in 0..n {

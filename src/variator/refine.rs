@@ -217,7 +217,7 @@ mod tests {
     use super::super::parameters::RingModel;
     use super::super::start::{Start, kinematic_state};
     use super::*;
-    use crate::noise::noise;
+    use pushbelt_lab::noise;
 
     const START: Start = Start {
         ratio: 1.7,

@@ -161,6 +161,7 @@ fn solve_from(
     let mut control = Control::new(system, state, task);
     system.boundary = control.boundary();
     let settings = Settling {
+        time: 0.0,
         first_step: if task.warm { WARM_STEP } else { COLD_STEP },
         last_step: LAST_STEP,
         max_solves,
@@ -276,6 +277,7 @@ fn rest_at_stop(
     task: &SteadyTask,
 ) -> Result<Settled, Settled> {
     let settings = Settling {
+        time: 0.0,
         first_step: STOP_STEP,
         last_step: LAST_STEP,
         max_solves: EQUILIBRIUM_SOLVES,

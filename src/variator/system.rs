@@ -37,8 +37,6 @@ pub struct VariatorSystem {
     pub boundary: Boundary,
     /// What they follow while loads change.
     pub(super) course: Option<Course>,
-    /// Time of the boundary conditions while loads change, s.
-    pub(super) clock: f64,
     /// Factor on the pulleys' inertia, 1 in a run. A steady solution takes more, so that speeds follow the belt instead
     /// of running ahead of it.
     pub inertia_factor: f64,
@@ -175,7 +173,6 @@ impl VariatorSystem {
                 speed: [SpeedMode::Fixed; 2],
             },
             course: None,
-            clock: 0.0,
             inertia_factor: 1.0,
             ledger: Ledger::default(),
             has_position,
@@ -292,7 +289,8 @@ impl System for VariatorSystem {
         &self.has_position
     }
 
-    fn residual(&mut self, view: View<'_>, out: &mut [f64]) {
+    fn residual(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
+        self.move_loads(time);
         out.fill(0.0);
         self.sums = [PulleySum::default(); 2];
         if let Some(travelling) = self.travelling.clone() {
@@ -309,12 +307,13 @@ impl System for VariatorSystem {
         }
     }
 
-    fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+    fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         self.forget_derivatives();
-        self.renew_jacobian(view, alpha, beta, out);
+        self.renew_jacobian(time, view, alpha, beta, out);
     }
 
-    fn renew_jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.move_loads(time);
         out.clear();
         if let Some(travelling) = self.travelling.clone() {
             with_ring!(&*travelling, ring => self.travelling_jacobian(ring, view, alpha, beta, out));
@@ -381,9 +380,9 @@ impl System for VariatorSystem {
 mod tests {
     use super::super::start::{Start, kinematic_state};
     use super::*;
-    use crate::noise::noise;
     use crate::solver::State;
     use crate::solver::differences::compare;
+    use pushbelt_lab::noise;
 
     /// A small variator with this ring, in the plane, on the aligned mesh.
     fn small(ring_model: RingModel) -> Parameters {
@@ -461,7 +460,7 @@ mod tests {
             })
             .collect();
         let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
-        compare(&mut system, &state, [alpha, beta], h, |entry| {
+        compare(&mut system, 0.0, &state, [alpha, beta], h, |entry| {
             let noise = 1e-15 * (entry.rounded + 1e3 / h(entry.column));
             let allowed = 2e-4 * entry.exact.abs() + 2e-7 * entry.largest + 20.0 * noise;
             assert!(
@@ -501,7 +500,7 @@ mod tests {
         let shape = system.shape();
         let renewed = |system: &mut VariatorSystem, state: &State, alpha: f64| {
             let (before, mut matrix) = (system.differentiations(), Arrow::new(shape));
-            system.renew_jacobian(state.view(), alpha, 1.0 / alpha, &mut matrix);
+            system.renew_jacobian(0.0, state.view(), alpha, 1.0 / alpha, &mut matrix);
             (system.differentiations() - before, matrix)
         };
         let x = vec![1.0; shape.len()];
@@ -521,7 +520,7 @@ mod tests {
         let (some, changed) = renewed(&mut system, &state, 1.0e4);
         assert!((1..=2).contains(&some), "{some} of {packs}");
         let mut exact = Arrow::new(shape);
-        system.jacobian(state.view(), 1.0e4, 1.0e-4, &mut exact);
+        system.jacobian(0.0, state.view(), 1.0e4, 1.0e-4, &mut exact);
         assert_ne!(product(&first)[face], product(&changed)[face]);
         assert_eq!(product(&exact)[face], product(&changed)[face]);
         assert_eq!(renewed(&mut system, &state, 2.0e4).0, packs);
@@ -555,8 +554,8 @@ mod tests {
                 other.q[layout.global(Global::Drift, 0)] -= travelling.length;
             }
             let mut residuals = [vec![0.0; n], vec![0.0; n]];
-            system.residual(state.view(), &mut residuals[0]);
-            system.residual(other.view(), &mut residuals[1]);
+            system.residual(0.0, state.view(), &mut residuals[0]);
+            system.residual(0.0, other.view(), &mut residuals[1]);
             let largest = residuals[0].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
             for i in 0..n {
                 let [one, two] = [residuals[0][i], residuals[1][counted_on(i)]];
@@ -649,8 +648,8 @@ mod tests {
             }
         }
         let (mut rows, mut reflected) = (vec![0.0; size.len()], vec![0.0; size.len()]);
-        system.residual(state.view(), &mut rows);
-        other.residual(mirrored.view(), &mut reflected);
+        system.residual(0.0, state.view(), &mut rows);
+        other.residual(0.0, mirrored.view(), &mut reflected);
         for &i in &places {
             reflected[i] = -reflected[i];
         }

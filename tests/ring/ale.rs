@@ -1,8 +1,6 @@
 //! What only the Eulerian ring has: forms of its inertia, the reference motion, the choice of directions and of the
 //! mesh.
 
-use crate::common::*;
-use crate::measure::*;
 use nalgebra::DVector;
 use pushbelt::reference_curve::{ReferenceCurve, Unaligned};
 use pushbelt::ring::ale_ring::{AleRing, Inertia};
@@ -13,6 +11,8 @@ use pushbelt::ring::particle::Particle;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
+use pushbelt_lab::checks::{assert_order, list};
+use pushbelt_lab::ring::*;
 use std::f64::consts::TAU;
 
 /// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With `amplitude` 0 the state

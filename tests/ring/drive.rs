@@ -1,6 +1,5 @@
 //! Another belt system through the same ring code: three pulleys, one of them a back-side idler (paper section 7).
 
-use crate::common::*;
 use pushbelt::reference_curve::{Drive, Pulley, ReferenceCurve, Tensioner};
 use pushbelt::ring::Ring;
 use pushbelt::ring::ale_ring::AleRing;
@@ -8,6 +7,7 @@ use pushbelt::ring::mesh::RingMesh;
 use pushbelt::ring::model::RingModel;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::sdirk::Sdirk;
+use pushbelt_lab::ring::*;
 
 fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
     Pulley { center: [x, y], radius }

@@ -1,7 +1,5 @@
 //! One suite for all ring models.
 
-use crate::common::*;
-use crate::measure::*;
 use nalgebra::{SVector, Vector2};
 use num_dual::Dual64;
 use pushbelt::reference_curve::ReferenceCurve;
@@ -13,6 +11,9 @@ use pushbelt::ring::model::RingModel;
 use pushbelt::ring::particle::ParticleLoad;
 use pushbelt::ring::rcm::RcmElement;
 use pushbelt::ring::system::RingSystem;
+use pushbelt_lab::checks::{assert_order, list, orders};
+use pushbelt_lab::noise;
+use pushbelt_lab::ring::*;
 use std::f64::consts::TAU;
 
 /// P (12) is the velocity.
@@ -390,6 +391,6 @@ macro_rules! suite {
         }
     )*};
 }
-suite!(plane: ale: crate::common::Ale, ale_turning: crate::common::AleTurning, ancf: crate::common::AbsoluteNodal,
-    rcm: crate::common::CoRotational;
-    space: ale_spatial: crate::common::AleSpatial, ale_spatial_turning: crate::common::AleSpatialTurning);
+suite!(plane: ale: pushbelt_lab::ring::Ale, ale_turning: pushbelt_lab::ring::AleTurning, ancf: pushbelt_lab::ring::AbsoluteNodal,
+    rcm: pushbelt_lab::ring::CoRotational;
+    space: ale_spatial: pushbelt_lab::ring::AleSpatial, ale_spatial_turning: pushbelt_lab::ring::AleSpatialTurning);

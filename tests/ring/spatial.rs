@@ -1,6 +1,5 @@
 //! The ring in space: a deflection w along z, the binormal of the drive, beside that in the plane.
 
-use crate::common::*;
 use nalgebra::{Complex, DMatrix, Rotation3, Vector2, Vector3};
 use num_dual::Dual64;
 use pushbelt::reference_curve::{ReferenceCurve, TwoPulley};
@@ -12,6 +11,9 @@ use pushbelt::ring::model::RingModel;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
+use pushbelt_lab::checks::{assert_order, list};
+use pushbelt_lab::noise;
+use pushbelt_lab::ring::*;
 use std::f64::consts::{PI, TAU};
 
 type Spatial<C> = RingSystem<AleRing<C, 3>, 3, 14>;

@@ -5,7 +5,7 @@ use super::packs::shape;
 use crate::ring::model::RingModel;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape as MatrixShape};
-use crate::solver::sdirk::Evolution;
+use crate::solver::sdirk::{Evolution, Interval};
 use crate::solver::{System, View};
 use nalgebra::SVector;
 use num_dual::{Derivative, DualSVec64};
@@ -24,7 +24,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M
         &self.has_position
     }
 
-    fn residual(&mut self, view: View<'_>, out: &mut [f64]) {
+    fn residual(&mut self, _time: f64, view: View<'_>, out: &mut [f64]) {
         out.fill(0.0);
         let frame = self.frame(view);
         for pack in &self.packs {
@@ -48,7 +48,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M
         }
     }
 
-    fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+    fn jacobian(&mut self, _time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
         out.clear();
         let slopes = [alpha, beta];
         let seed = |value: f64, direction: usize, slope: f64| {
@@ -101,10 +101,10 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> Evolution for RingSyste
         (sum / q_error.len() as f64).sqrt() / self.tolerance
     }
 
-    fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64) {
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
         if self.model.ring().damping != 0.0 {
             for view in [before, after] {
-                self.dissipated += 0.5 * h * self.dissipation(view);
+                self.dissipated += 0.5 * interval.length * self.dissipation(view);
             }
         }
     }
@@ -139,6 +139,7 @@ mod tests {
         }
         compare(
             &mut system,
+            0.0,
             &state,
             [300.0, 0.01],
             |_| 1.0e-4,
@@ -192,7 +193,7 @@ mod tests {
             state.y_dot[i] = random();
         }
         let (mut packed, mut summed) = (vec![0.0; state.y.len()], vec![0.0; state.y.len()]);
-        system.residual(state.view(), &mut packed);
+        system.residual(0.0, state.view(), &mut packed);
         for element in 0..11 {
             let rows = system
                 .model

@@ -39,7 +39,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     ) -> Result<(), Singular> {
         state.y.fill(0.0);
         let mut mass = Arrow::new(self.shape());
-        self.jacobian(state.view(), 1.0, 0.0, &mut mass);
+        self.jacobian(0.0, state.view(), 1.0, 0.0, &mut mass);
         let mut factors = ArrowLu::new(self.shape());
         factors.factor(&mass)?;
         let frame = self.frame(state.view());

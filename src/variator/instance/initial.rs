@@ -119,6 +119,8 @@ impl Variator {
         (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         self.soft_start = SoftStart::NONE;
         self.soften();
+        // A steady state knows no time: loads of an earlier run don't change any more.
+        self.system.course = None;
         self.integrator = integrator(&self.system, &self.parameters);
         self.system.forget_derivatives();
         if self.parameters.ring_model.travels() {

@@ -1,5 +1,7 @@
 //! The shared library that cargo has built beside these tests, loaded as an importer loads it.
 
+#![allow(unsafe_code, reason = "it calls the C functions")]
+
 use std::ffi::{CString, c_char, c_int};
 use std::path::PathBuf;
 use std::ptr::null;
@@ -117,10 +119,13 @@ impl Functions {
     }
 
     /// A coarse reference ring that starts unloaded, to be set before the start.
-    pub fn make_cheap(&self, c: Component) {
+    ///
+    /// # Safety
+    /// `c` is an instance that has not been freed.
+    pub unsafe fn make_cheap(&self, c: Component) {
         let integers = ["ring.model", "mesh.primaryArc", "mesh.secondaryArc", "mesh.strand"].map(reference);
         let steady = reference("initial.steady");
-        // SAFETY: an instance, and as many values as references.
+        // SAFETY: `c` is an instance, and there are as many values as references.
         unsafe {
             assert_eq!(
                 (self.fmi2SetInteger)(c, integers.as_ptr(), 4, [1, 4, 4, 4].as_ptr()),
@@ -131,8 +136,11 @@ impl Functions {
     }
 
     /// From instantiated to step mode.
-    pub fn start(&self, c: Component) {
-        // SAFETY: an instance.
+    ///
+    /// # Safety
+    /// `c` is an instance that has not been freed.
+    pub unsafe fn start(&self, c: Component) {
+        // SAFETY: `c` is an instance.
         unsafe {
             assert_eq!((self.fmi2SetupExperiment)(c, 0, 0.0, 0.0, 0, 0.0), OK);
             assert_eq!((self.fmi2EnterInitializationMode)(c), OK);
@@ -141,12 +149,15 @@ impl Functions {
     }
 
     /// `count` steps of 1 ms with a load that swings; the bits of some outputs after each.
-    pub fn run(&self, c: Component, load: f64, count: u32) -> Vec<[u64; 3]> {
+    ///
+    /// # Safety
+    /// `c` is an instance that has not been freed.
+    pub unsafe fn run(&self, c: Component, load: f64, count: u32) -> Vec<[u64; 3]> {
         let torque = reference("secondary.torque");
         let outputs = ["thrustRatio", "belt.speed", "energy.residual"].map(reference);
         let step = |k: u32| {
             let mut values = [0.0; 3];
-            // SAFETY: an instance, and as many values as references.
+            // SAFETY: `c` is an instance, and there are as many values as references.
             unsafe {
                 let load = -49.0 + load * f64::from(k % 7);
                 assert_eq!((self.fmi2SetReal)(c, &torque, 1, &load), OK);

@@ -1,7 +1,5 @@
 //! Numbers without a pattern, for tests: the same ones in every run.
 
-#![forbid(unsafe_code)]
-
 /// Positive and negative numbers within ±0.5 (linear congruences, Knuth's constants).
 pub fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;

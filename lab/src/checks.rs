@@ -1,0 +1,40 @@
+//! Assertions, and figures in a line.
+
+/// `found` is `expected` within a relative bound.
+#[track_caller]
+pub fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
+    assert!(
+        (found / expected - 1.0).abs() <= relative,
+        "{what}: {found} against {expected}, off by {:.2e}",
+        found / expected - 1.0
+    );
+}
+
+/// `found` lies within a quarter of `pinned`, up or down.
+#[track_caller]
+pub fn assert_pinned(found: u64, pinned: u64, what: &str) {
+    assert!(
+        4 * found >= 3 * pinned && 4 * found <= 5 * pinned,
+        "{what}: {found}, pinned at {pinned} ± 25 %: if the change is meant, pin the new count"
+    );
+}
+
+/// Numbers in a line.
+pub fn list(numbers: &[f64]) -> String {
+    numbers.iter().map(|x| format!(" {x:.2e}")).collect()
+}
+
+/// Orders between the errors of a ladder whose rungs differ by `ratio`.
+pub fn orders(errors: &[f64], ratio: f64) -> Vec<f64> {
+    errors.windows(2).map(|e| (e[0] / e[1]).ln() / ratio.ln()).collect()
+}
+
+/// Asserts `≈ order ± 0.2` on a ladder of halved steps or element lengths.
+pub fn assert_order(name: &str, errors: &[f64], expected: f64) {
+    let observed = orders(errors, 2.0);
+    println!("{name}: errors {}, orders {observed:.2?}", list(errors));
+    assert!(
+        observed.iter().all(|order| (order - expected).abs() < 0.2),
+        "{name}: {observed:?}"
+    );
+}

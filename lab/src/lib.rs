@@ -1,0 +1,13 @@
+//! What the tests, benchmarks and examples of `pushbelt` share. It is a development dependency and not published.
+
+pub mod checks;
+pub mod load_cases;
+pub mod manoeuvre;
+mod noise;
+pub mod ring;
+pub mod run;
+pub mod shared_library;
+pub mod steady;
+pub mod variators;
+
+pub use noise::noise;

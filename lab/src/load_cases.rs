@@ -1,0 +1,70 @@
+//! The nine load cases of steady states.
+
+use pushbelt::contact;
+use pushbelt::variator::boundary::SpeedMode;
+use pushbelt::variator::mesh::P;
+use pushbelt::variator::parameters::Parameters;
+use pushbelt::variator::steady::SteadyTask;
+use pushbelt::variator::system::VariatorSystem;
+
+/// One of the nine cases: 2000 rpm, the ratio held by the primary sheave, the secondary clamped 1.3 times as hard as
+/// full tangential slip needs.
+#[derive(Clone, Copy, Debug)]
+pub struct LoadCase {
+    /// Ratio by name.
+    pub name: &'static str,
+    /// Θ.
+    pub theta: f64,
+    /// Torque the belt takes from the primary shaft, N·m.
+    pub torque: f64,
+    /// F_S, N.
+    pub clamping: f64,
+}
+
+impl LoadCase {
+    /// The case of Θ and torque.
+    pub fn new(parameters: &Parameters, name: &'static str, theta: f64, torque: f64) -> Self {
+        let system = VariatorSystem::new(parameters);
+        let (primary, _) = system.curve.radii(ratio(theta)).expect("the belt closes");
+        let radius = primary - parameters.belt.pitch_offset;
+        let cos_beta = parameters.geometry.wedge_angle.cos();
+        let per_force = contact::full_slip_torque(&parameters.friction, cos_beta, 1.0, radius);
+        Self {
+            name,
+            theta,
+            torque,
+            clamping: (1.3 * torque / per_force).max(6000.0),
+        }
+    }
+
+    /// Underdrive, medium, overdrive at one torque.
+    pub fn three(parameters: &Parameters, torque: f64) -> [Self; 3] {
+        [("underdrive", -0.4), ("medium", 0.0), ("overdrive", 0.4)]
+            .map(|(name, theta)| Self::new(parameters, name, theta, torque))
+    }
+
+    /// What the steady solver is asked for.
+    pub fn task(&self) -> SteadyTask {
+        SteadyTask {
+            speed: [SpeedMode::Transmit(self.torque), SpeedMode::Fixed],
+            ..given(ratio(self.theta), P, self.clamping, 0.01)
+        }
+    }
+}
+
+/// i_g of Θ.
+pub fn ratio(theta: f64) -> f64 {
+    (1.0 - theta) / (1.0 + theta)
+}
+
+/// A task at a given ratio and given speeds; `reaction` is the pulley whose sheave holds the ratio.
+pub fn given(ratio: f64, reaction: usize, clamping: f64, slip: f64) -> SteadyTask {
+    SteadyTask {
+        ratio,
+        reaction,
+        clamping: [clamping; 2],
+        speed: [SpeedMode::Fixed; 2],
+        slip,
+        warm: false,
+    }
+}

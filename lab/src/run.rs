@@ -1,0 +1,145 @@
+//! Runs that keep the books of energy and of the element amount.
+
+use pushbelt::variator::instance::{Message, Variator};
+use pushbelt::variator::parameters::Parameters;
+use pushbelt::variator::signals::{Inputs, Outputs, PulleyInputs};
+
+/// A run that keeps its books: energy and element amount at every output point.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The variator.
+    pub variator: Variator,
+    /// Inputs, constant until changed.
+    pub inputs: Inputs,
+    /// Largest |energy residual| over what is allowed, 2e-3·∫|power| dt + 1e-3·(largest stored energy).
+    pub residual: f64,
+    /// Largest relative change of the element amount.
+    pub amount_change: f64,
+    /// What the variator said.
+    pub messages: Vec<Message>,
+    largest_energy: f64,
+    amount: f64,
+}
+
+impl Run {
+    /// Initialises.
+    pub fn new(parameters: Parameters, inputs: Inputs) -> Self {
+        let mut variator = Variator::new(parameters).expect("valid parameters");
+        variator.initialise(0.0, &inputs).expect("a state to start from");
+        let mut run = Self {
+            amount: amount(&variator),
+            variator,
+            inputs,
+            residual: 0.0,
+            amount_change: 0.0,
+            messages: Vec::new(),
+            largest_energy: 0.0,
+        };
+        run.look();
+        run
+    }
+
+    fn look(&mut self) {
+        let moved = self.variator.system().ledger.moved;
+        let time = self.variator.time();
+        let o = self.variator.outputs();
+        for (value, name) in [
+            (o.thrust_ratio, "thrust ratio"),
+            (o.slip, "slip"),
+            (o.primary.speed, "primary speed"),
+            (o.secondary.speed, "secondary speed"),
+            (o.push_force_max, "push force"),
+            (o.ring_tension_max, "ring tension"),
+        ] {
+            assert!(value.is_finite(), "{name} = {value} at {time} s");
+        }
+        self.largest_energy = self.largest_energy.max(o.stored_energy);
+        let allowed = 2.0e-3 * moved + 1.0e-3 * self.largest_energy;
+        self.residual = self.residual.max(o.energy_residual.abs() / allowed);
+        let change = (amount(&self.variator) / self.amount - 1.0).abs();
+        self.amount_change = self.amount_change.max(change);
+        self.messages.extend(self.variator.take_messages());
+    }
+
+    /// Advances by `span` in communication steps of `step`; `see` is called after each.
+    pub fn watch(&mut self, span: f64, step: f64, mut see: impl FnMut(f64, &Outputs)) {
+        let from = self.variator.time();
+        let steps = (span / step).round().max(1.0) as u32;
+        for k in 1..=steps {
+            let to = from + span * f64::from(k) / f64::from(steps);
+            self.variator.advance(to, &self.inputs).expect("the run goes on");
+            self.look();
+            see(to, self.variator.outputs());
+        }
+    }
+
+    /// Advances by `span` in communication steps of `step`; the outputs at the end.
+    pub fn go(&mut self, span: f64, step: f64) -> Outputs {
+        self.watch(span, step, |_, _| {});
+        self.variator.outputs().clone()
+    }
+
+    /// Advances by `span` in communication steps of `step` with inputs that change at `rates`.
+    pub fn ramp(&mut self, span: f64, step: f64, rates: &Inputs) {
+        let from = self.variator.time();
+        let steps = (span / step).round().max(1.0) as u32;
+        let start = self.inputs;
+        let after = |time: f64| {
+            let moved = |value: &PulleyInputs, rate: &PulleyInputs| PulleyInputs {
+                torque: value.torque + time * rate.torque,
+                clamping_force: value.clamping_force + time * rate.clamping_force,
+                speed_setpoint: value.speed_setpoint + time * rate.speed_setpoint,
+            };
+            Inputs {
+                primary: moved(&start.primary, &rates.primary),
+                secondary: moved(&start.secondary, &rates.secondary),
+            }
+        };
+        for k in 0..steps {
+            let at = |k: u32| span * f64::from(k) / f64::from(steps);
+            self.variator
+                .advance_along(from + at(k + 1), &after(at(k)), rates)
+                .expect("the run goes on");
+            self.look();
+        }
+        self.inputs = after(span);
+    }
+
+    /// Whether a warning contains `text`.
+    pub fn warned(&self, text: &str) -> bool {
+        self.messages.iter().any(|m| m.warning && m.text.contains(text))
+    }
+
+    /// Whether a message contains `text`, be it a warning or a remark.
+    pub fn told(&self, text: &str) -> bool {
+        self.messages.iter().any(|m| m.text.contains(text))
+    }
+
+    /// The books of energy and of the element amount, at every output point so far.
+    #[track_caller]
+    pub fn assert_books(&self) {
+        self.assert_amount();
+        assert!(
+            self.residual <= 1.0,
+            "energy residual {:.2} times what is allowed, up to {} s",
+            self.residual,
+            self.variator.time()
+        );
+    }
+
+    /// No element is lost.
+    #[track_caller]
+    pub fn assert_amount(&self) {
+        assert!(
+            self.amount_change <= 1.0e-10,
+            "the amount of elements changed by {:e}",
+            self.amount_change
+        );
+    }
+}
+
+/// Element amount Σ N, m.
+fn amount(v: &Variator) -> f64 {
+    let layout = v.system().layout;
+    (0..layout.cells()).map(|i| v.state().y[layout.amount(i)]).sum()
+}

@@ -1,0 +1,65 @@
+//! Variators and inputs that the tests share.
+
+use pushbelt::contact;
+use pushbelt::variator::parameters::{Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel};
+use pushbelt::variator::signals::{Inputs, PulleyInputs, PulleyOutputs};
+
+/// 2000 rpm, rad/s.
+pub const SPEED: f64 = 209.44;
+
+/// Both levels of detail.
+pub const MODELS: [RingModel; 2] = [RingModel::Ale0, RingModel::Ale];
+
+/// Elements on each arc and each strand, in `ALE` two cells in each.
+pub fn mesh(arc: i32, strand: i32) -> Mesh {
+    Mesh {
+        aligned: true,
+        primary_arc: arc,
+        secondary_arc: arc,
+        strand,
+        cells_per_element: 2,
+    }
+}
+
+/// The laboratory variator with one of the ring models.
+pub fn variator(model: RingModel) -> Parameters {
+    Parameters {
+        ring_model: model,
+        ..Parameters::default()
+    }
+}
+
+/// The same on a mesh that is enough for a law and too coarse for a claim about accuracy.
+pub fn coarse(model: RingModel) -> Parameters {
+    let factor = if model == RingModel::Ale0 { 2 } else { 1 };
+    Parameters {
+        mesh: mesh(8, 6).refined(factor),
+        ..variator(model)
+    }
+}
+
+/// Sheaves that do not tilt.
+pub fn rigid(mut parameters: Parameters) -> Parameters {
+    parameters.primary.tilt_stiffness = RIGID_TILT_STIFFNESS;
+    parameters.secondary.tilt_stiffness = RIGID_TILT_STIFFNESS;
+    parameters
+}
+
+/// Inputs of torque and clamping force over pulleys, and speed set points of 2000 rpm.
+pub fn inputs(primary: (f64, f64), secondary: (f64, f64)) -> Inputs {
+    let pulley = |(torque, clamping_force)| PulleyInputs {
+        torque,
+        clamping_force,
+        speed_setpoint: SPEED,
+    };
+    Inputs {
+        primary: pulley(primary),
+        secondary: pulley(secondary),
+    }
+}
+
+/// Torque at which a pulley under its axial force slips tangentially all around, N·m.
+pub fn full_slip_torque(parameters: &Parameters, pulley: &PulleyOutputs) -> f64 {
+    let cos_beta = parameters.geometry.wedge_angle.cos();
+    contact::full_slip_torque(&parameters.friction, cos_beta, pulley.axial_force, pulley.radius)
+}
