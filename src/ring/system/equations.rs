@@ -113,7 +113,6 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> Evolution for RingSyste
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::noise;
     use crate::reference_curve::TwoPulley;
     use crate::ring::Ring;
     use crate::ring::ale_ring::{AleRing, Directions};
@@ -121,6 +120,7 @@ mod tests {
     use crate::ring::mesh::RingMesh;
     use crate::ring::rcm::Rcm;
     use crate::solver::differences::compare;
+    use pushbelt_lab::noise;
 
     fn jacobian_matches_differences<const D: usize, const N: usize>(model: impl RingModel<D, N>) {
         let mut system = RingSystem::new(model);
