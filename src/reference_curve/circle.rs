@@ -1,6 +1,7 @@
 //! A fixed circle: the reference curve of a free or spinning ring. Θ has no effect.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
+use super::jet::Jet;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;

@@ -5,7 +5,8 @@
 //! φ_P = φ + ξ_P/r_P; (29) mirrors at L − ξ. Written with the tangent angle χ the whole loop is one formula:
 //! arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on P, 2π−φ to 2π on S.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
+use super::jet::Jet;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};

@@ -5,7 +5,8 @@
 //! curvature of an arc does not depend on ξ, so κ_Θ is the same. What is lost is what the paper's (18) loses: when a
 //! border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature misses ½EI\[κ²\] dξ_k/dΘ.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
+use super::jet::Jet;
 use crate::scalar::Real;
 
 /// `curve` as one segment.

@@ -26,8 +26,8 @@
 //! so a damping that follows every particle drives waves as short as an element (at 57 m/s they grew by a factor of four
 //! in a millisecond). The mean is of second order, and still dissipates in every motion.
 
-use super::Ring;
 use super::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
+use super::parameters::Ring;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 

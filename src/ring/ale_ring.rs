@@ -7,11 +7,11 @@
 //!
 //! In space (D = 3) nodes deflect along z too. Nothing is locked there: s and Θ don't move along z.
 
-use super::Ring;
 use super::ale;
 use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane};
 use super::mesh::{self, RingMesh, Station};
 use super::model::{Coordinates, DIRECTIONS, Energy, RingModel, Shape};
+use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
 use super::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};

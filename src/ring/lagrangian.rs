@@ -4,11 +4,12 @@
 //! particle at ξ is the one at x̄ = ξ − s (1). s follows from the mean drift, ṡ = ∮v·r' dx̄ / ∮r'·r' dx̄, which leaves as
 //! little as possible of v for the rest. Θ only places stations on the reference curve and is held.
 
+use super::beam;
 use super::kinematics::Motion;
 use super::mesh::gauss;
 use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingModel, Shape};
+use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
-use super::{Ring, beam};
 use crate::reference_curve::ReferenceCurve;
 use crate::scalar::{Lanes, Real};
 use std::ops::Mul;

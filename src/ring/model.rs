@@ -13,8 +13,8 @@
 //! | [`Ancf`](super::ancf::Ancf) | travels with the ring | x, x', y, y' | follows: mean drift | held |
 //! | [`Rcm`](super::rcm::Rcm) | travels with the ring | x, y, φ, c_L, c_R | follows: mean drift | held |
 
-use super::Ring;
 use super::kinematics::Motion;
+use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
 use crate::scalar::{Lanes, Real};
 use nalgebra::SVector;

@@ -1,5 +1,6 @@
 //! The calls that lead from the FMI layer to the variator and back.
 
+use super::settings::Settings;
 use super::table;
 use crate::fmi2::Table;
 use crate::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
@@ -8,15 +9,6 @@ use crate::variator::instance::{StepError, Variator};
 use crate::variator::parameters::Parameters;
 use crate::variator::signals::{Inputs, Readings};
 use crate::variator::validation;
-
-/// The values that a master sets. The default is the variator of the default experiment.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Settings {
-    /// Parameters of the variator.
-    pub parameters: Parameters,
-    /// Inputs of the variator.
-    pub inputs: Inputs,
-}
 
 /// A variator behind the FMI layer.
 #[derive(Clone, Debug)]

@@ -1,0 +1,13 @@
+//! The values that a master sets.
+
+use crate::variator::parameters::Parameters;
+use crate::variator::signals::Inputs;
+
+/// The values that a master sets. The default is the variator of the default experiment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// Parameters of the variator.
+    pub parameters: Parameters,
+    /// Inputs of the variator.
+    pub inputs: Inputs,
+}
