@@ -1,8 +1,8 @@
 //! Elements evenly spaced along the belt, as the paper's: the same laws hold, and what it costs that arc borders move
 //! through them.
 
-use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
-use pushbelt::variator::signals::Outputs;
+use pushbelt::variator::settings::Outputs;
+use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt_lab::load_cases::{LoadCase, ratio};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::steady::load_case;

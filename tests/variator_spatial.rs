@@ -3,7 +3,7 @@
 use pushbelt::solver::System;
 use pushbelt::variator::layout::{Global, Layout};
 use pushbelt::variator::mesh::P;
-use pushbelt::variator::parameters::{Parameters, RingModel};
+use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::load_cases::given;
 use pushbelt_lab::run::Run;

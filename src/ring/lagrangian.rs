@@ -15,7 +15,7 @@ use crate::scalar::{Lanes, Real};
 use std::ops::Mul;
 
 /// A Lagrangian beam element of unstretched length l.
-pub trait LagrangianElement: Clone + std::fmt::Debug + 'static {
+pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     /// Unknowns in a block.
     const BLOCK: usize;
 
@@ -23,7 +23,7 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + 'static {
     const MEAN_STRAIN: bool;
 
     /// Shape functions at a place. `W` is a mesh constant, or the scalar itself where the mesh moves under the place.
-    type Shape<W: Real>: Clone + std::fmt::Debug;
+    type Shape<W: Real>: Clone + std::fmt::Debug + Send + Sync;
 
     /// Motion of an element.
     type Motion<T: Real>;

@@ -9,6 +9,8 @@ pub trait Real:
     Copy
     + std::fmt::Debug
     + PartialEq
+    + Send
+    + Sync
     + 'static
     + Zero
     + One

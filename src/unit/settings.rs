@@ -1,7 +1,6 @@
 //! The values that a master sets.
 
-use crate::variator::parameters::Parameters;
-use crate::variator::signals::Inputs;
+use crate::variator::settings::{Inputs, Parameters};
 
 /// The values that a master sets. The default is the variator of the default experiment.
 #[derive(Clone, Debug, Default, PartialEq)]

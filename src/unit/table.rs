@@ -17,9 +17,7 @@
 use super::settings::Settings;
 use super::types::{AXIAL, DRIVE, ENUMERATIONS, RING_MODEL, START_STATE, UNITS};
 use crate::fmi2::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
-use crate::variator::parameters::{Axial, Drive, RingModel};
-use crate::variator::signals::{PROFILE_POINTS, Readings};
-use crate::variator::validation::range_of;
+use crate::variator::settings::{Axial, Drive, PROFILE_POINTS, Readings, RingModel, range_of};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
 
@@ -43,7 +41,7 @@ macro_rules! choose {
     };
 }
 
-/// Binds to a field of [`Outputs`](crate::variator::signals::Outputs).
+/// Binds to a field of [`Outputs`](crate::variator::settings::Outputs).
 macro_rules! read {
     ($($field:ident).+) => {
         Access::Reading(|readings| readings.outputs.$($field).+)

@@ -5,10 +5,8 @@ use super::table;
 use crate::fmi2::Table;
 use crate::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
-use crate::variator::instance::{StepError, Variator};
-use crate::variator::parameters::Parameters;
-use crate::variator::signals::{Inputs, Readings};
-use crate::variator::validation;
+use crate::variator::run::{StepError, Variator};
+use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
 
 /// A variator behind the FMI layer.
 #[derive(Clone, Debug)]
@@ -137,7 +135,7 @@ fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) 
         }
         return parameter;
     }
-    let (min, max) = validation::range_of("solver.tolerance").unwrap_or((0.0, 1.0));
+    let (min, max) = range_of("solver.tolerance").unwrap_or((0.0, 1.0));
     let tolerance = experiment.clamp(min, max);
     if tolerance != experiment {
         let text =
