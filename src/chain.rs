@@ -20,7 +20,7 @@
 //! shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
 //! outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
 //!
-//! A ring in space has two normals, n̂ and b̂: what is said of n̂ holds of both, and their contributions add up.
+//! A ring in space has two normals, n̂ and b̂. Every equation with n̂ holds for both, and their contributions add up.
 //!
 //! Inertia: mass m_e νλ per dξ moves with v_p; a·t̂ = V̇ + cV' − Ω n̂·ṙ, a·n̂ = n̂·r̈ + c n̂·(r')˙ + Ω(V − t̂·ṙ), where
 //! Ω = n̂·((r')˙ + c r'')/|r'| is the turning rate of t̂ along an element's path.
@@ -57,8 +57,8 @@ pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 /// Difference of V across a cell over which it goes from opening to closing, m/s. Where gaps close it is some 0.1 m/s.
 pub const CLOSING_SMOOTHING: f64 = 1.0e-2;
 
-/// Flow below which [`collision_force`] no longer falls, m/s: at standstill the oil squeezed between elements takes
-/// over.
+/// Flow below which [`collision_force`] no longer falls, m/s. At standstill the oil that is squeezed
+/// between elements acts in place of collisions.
 pub const SQUEEZE_SPEED: f64 = 1.0;
 
 /// Flow far above which elements that part are not affected by their neighbours' speed, m/s.
@@ -150,10 +150,10 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         let mut across = [T::zero(); 2];
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
             let normal = &self.normals[k];
-            let turning = normal.dot(&point.slope_dot);
-            let omega = turning * point.inverse_stretch + c * self.curvature[k];
+            let slope_rate = normal.dot(&point.slope_dot);
+            let omega = slope_rate * point.inverse_stretch + c * self.curvature[k];
             along -= omega * self.normal_speed[k];
-            *across = normal.dot(&point.r_ddot) + c * turning + omega * (self.speed - point.t.dot(&point.r_dot));
+            *across = normal.dot(&point.r_ddot) + c * slope_rate + omega * (self.speed - point.t.dot(&point.r_dot));
         }
         (along, across)
     }
@@ -207,29 +207,29 @@ impl<T: Real> ChainVariation<T> {
     }
 }
 
-/// What [`ChainPoint::acceleration`] is made of, for its variation.
+/// Terms of [`ChainPoint::acceleration`] that its variation needs.
 #[derive(Clone, Copy, Debug)]
-pub struct Turn<T: Real> {
+pub struct AccelerationTerms<T: Real> {
     /// t̂·ṙ, m/s.
     pub along: T,
     /// n̂·(r')˙, 1/s.
-    pub turning: [T; 2],
+    pub slope_rate: [T; 2],
     /// Ω, rad/s.
     pub omega: [T; 2],
 }
 
 impl<T: Real, const D: usize> ChainPoint<T, D> {
-    /// What its variation needs besides.
+    /// Terms of the acceleration that its variation needs.
     #[inline(always)]
-    pub fn turn(&self, point: &RingPoint<T, D>) -> Turn<T> {
-        let (mut turning, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
+    pub fn acceleration_terms(&self, point: &RingPoint<T, D>) -> AccelerationTerms<T> {
+        let (mut slope_rate, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
         for k in 0..D - 1 {
-            turning[k] = self.normals[k].dot(&point.slope_dot);
-            omega[k] = turning[k] * point.inverse_stretch + self.c * self.curvature[k];
+            slope_rate[k] = self.normals[k].dot(&point.slope_dot);
+            omega[k] = slope_rate[k] * point.inverse_stretch + self.c * self.curvature[k];
         }
-        Turn {
+        AccelerationTerms {
             along: point.t.dot(&point.r_dot),
-            turning,
+            slope_rate,
             omega,
         }
     }
@@ -262,7 +262,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
     pub fn vary_acceleration(
         &self,
         point: &RingPoint<T, D>,
-        turn: &Turn<T>,
+        terms: &AccelerationTerms<T>,
         (by, chain): (&RingVariation<T, D>, &ChainVariation<T>),
         speed_dot: T,
         [speed_gradient, gradient]: [T; 2],
@@ -272,17 +272,17 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         let mut across = [T::zero(); 2];
         for (k, across) in across.iter_mut().enumerate().take(D - 1) {
             let (normal, varied) = (&self.normals[k], &by.normals[k]);
-            let (turning, omega) = (turn.turning[k], turn.omega[k]);
-            let turning_by = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
-            let omega_by = (turning_by - turning * point.inverse_stretch * by.stretch) * point.inverse_stretch
+            let (slope_rate, omega) = (terms.slope_rate[k], terms.omega[k]);
+            let slope_rate_by = varied.dot(&point.slope_dot) + normal.dot(&by.slope_dot);
+            let omega_by = (slope_rate_by - slope_rate * point.inverse_stretch * by.stretch) * point.inverse_stretch
                 + chain.c * self.curvature[k]
                 + c * chain.curvature[k];
             along -= omega_by * self.normal_speed[k] + omega * chain.normal_speed[k];
             *across = varied.dot(&point.r_ddot)
                 + normal.dot(&by.r_ddot)
-                + chain.c * turning
-                + c * turning_by
-                + omega_by * (self.speed - turn.along)
+                + chain.c * slope_rate
+                + c * slope_rate_by
+                + omega_by * (self.speed - terms.along)
                 + omega * (chain.speed - chain.along);
         }
         (along, across)
@@ -352,7 +352,7 @@ pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
 ///
 /// Elements that fly freely through gaps carry their speed along, and a faster one is stopped by the one that it hits.
 /// Central differences of J V′ alone would leave a sawtooth of V there; with this force the convection of V is upwind.
-/// Its power, ½ m_e ν |J| ΔV², is what inelastic collisions take; it vanishes with the square of the cell length in a
+/// Its power, ½ m_e ν |J| ΔV², is that of inelastic collisions; it vanishes with the square of the cell length in a
 /// smooth field. Elements that part don't touch, so nothing opposes them.
 #[inline(always)]
 pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwinding: T) -> T {

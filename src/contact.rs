@@ -10,7 +10,7 @@
 //! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with the closing speed of
 //!   the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a tilted sheave that turns closes and opens,
 //! - friction −μ p_el (v_t, v_f)/√(v_t² + v_f² + v₀²), p_el the elastic part of p, which is never negative: friction
-//!   always takes energy.
+//!   always dissipates.
 //!
 //! A belt that is off the middle of its pulley by δ, towards the movable sheave, presses on that one with g + δ and on
 //! the other with g − δ; δ moves as the element does along the axis, which enters closing and sliding in the same way.
@@ -43,11 +43,11 @@ pub struct Friction {
 }
 
 /// Smoothing width of the penetration, m: small against a working penetration of 10 to 40 µm.
-pub const PENETRATION_SMOOTHING: f64 = 0.5e-6;
+pub(crate) const PENETRATION_SMOOTHING: f64 = 0.5e-6;
 
 /// Motion of a flank relative to its sheave.
 #[derive(Clone, Copy, Debug)]
-pub struct FlankMotion<T> {
+pub(crate) struct FlankMotion<T> {
     /// g, m.
     pub penetration: T,
     /// Dg/Dt along the element's path, m/s.
@@ -75,7 +75,7 @@ impl<T: Real> FlankMotion<T> {
 
 /// Forces on the element per flank and pitch-line length, N/m.
 #[derive(Clone, Copy, Debug)]
-pub struct FlankForce<T> {
+pub(crate) struct FlankForce<T> {
     /// p, normal to the flank, damping included.
     pub normal: T,
     /// Damping part of p.
@@ -88,7 +88,7 @@ pub struct FlankForce<T> {
 
 /// Forces on an element that moves like this; `cos_beta` = cos β.
 #[inline(always)]
-pub fn flank_force<T: Real>(
+pub(crate) fn flank_force<T: Real>(
     contact: &Contact,
     friction: &Friction,
     cos_beta: f64,
@@ -123,7 +123,7 @@ const WIDEST_CLEARANCE: f64 = 1.0;
 /// Elastic energy of a flank per pitch-line length, J/m.
 #[inline(always)]
 #[must_use]
-pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
+pub(crate) fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
     crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, WIDEST_CLEARANCE) * stiffness
 }

@@ -8,13 +8,13 @@
 //! |---|---|
 //! | [`reference_curve`] | the belt's closed curve r(ξ, Θ) and its derivatives |
 //! | [`ring`] | beam kinematics, elastic energy, inertia; the ring alone as a system |
-//! | [`chain`], [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
+//! | `chain`, [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::run::Variator`] |
-//! | [`solver`] | Newton, time integration, continuation, the arrow matrix: knows no belt |
+//! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
-//! | [`tape`] | values to bytes and back: stored states |
-//! | [`mod@unit`] | the variable table that binds the variator to its FMU |
-//! | [`fmi2`] | FMI 2.0 state machine and C functions: knows no physics |
+//! | [`tape`] | values to bytes and back, for stored states |
+//! | [`mod@unit`] | the variator as an FMU: its variable table and the exported C functions |
+//! | [`fmi2`] | FMI 2.0 state machine and C functions for any model; independent of the physics |
 //!
 //! ```
 //! use pushbelt::variator::{Variator, settings::{Inputs, Parameters}};
@@ -37,7 +37,7 @@ compile_error!(
      with RUSTFLAGS=\"-C target-cpu=x86-64-v3\", or without RUSTFLAGS"
 );
 
-pub mod chain;
+mod chain;
 pub mod contact;
 pub mod fmi2;
 pub mod pulley;

@@ -5,7 +5,7 @@
 //! 8 bytes     4        16         8                      length             16
 //! ```
 //! Numbers are little-endian. The GUID stands for the variable table and so for the meaning of the settings. The
-//! checksum is over all before it. Whatever does not fit is refused with a sentence that says what.
+//! checksum is over all before it. Bytes that do not fit are refused with a sentence that names the reason.
 
 use super::hash::Fnv;
 

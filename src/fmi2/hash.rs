@@ -1,4 +1,4 @@
-//! A hash that tells texts and stored states apart.
+//! A hash of texts and stored states.
 
 use std::io::{self, Write};
 

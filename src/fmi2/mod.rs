@@ -1,6 +1,6 @@
 //! An FMI 2.0 co-simulation slave around any model: C functions, state machine, variable table, snapshots, log, description.
 //!
-//! Nothing here knows what is modelled. A model is a [`Unit`]: settings that the master writes (parameters and
+//! Nothing here depends on what is modelled. A model is a [`Unit`]: settings that the master writes (parameters and
 //! inputs), readings that it reads, a start and a step; and one [`Table`] that binds each variable's name to its
 //! field. From the table come both the answers to `fmi2Get…`/`fmi2Set…` and `modelDescription.xml`.
 //!

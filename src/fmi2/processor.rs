@@ -11,8 +11,8 @@ pub const OBJECTION: &CStr = c"fmi2Instantiate: this processor lacks AVX2, which
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 #[must_use]
 pub fn suffices() -> bool {
-    // Of AVX2 itself the standard library takes the compiler's word. No processor has FMA and BMI2 but not AVX2, and of
-    // these it asks processor and operating system.
+    // Where the compiler may use AVX2, the standard library does not ask the processor for it. It does ask processor and
+    // operating system for FMA and BMI2, and no processor has these two without AVX2.
     std::arch::is_x86_feature_detected!("fma") && std::arch::is_x86_feature_detected!("bmi2")
 }
 

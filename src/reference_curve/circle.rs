@@ -1,6 +1,7 @@
 //! A fixed circle: the reference curve of a free or spinning ring. Θ has no effect.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
+use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
+use super::jet::Jet;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -54,8 +55,8 @@ impl ReferenceCurve for Circle {
         }
     }
 
-    fn turning<T: Real>(radius: &f64, _segment: usize, fraction: T::Constant) -> Turning<T> {
-        Turning {
+    fn tangent_angle<T: Real>(radius: &f64, _segment: usize, fraction: T::Constant) -> TangentAngle<T> {
+        TangentAngle {
             chi: Jet {
                 v: T::constant(fraction * TAU),
                 ..Jet::constant(0.0)

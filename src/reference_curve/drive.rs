@@ -14,7 +14,8 @@
 //! one pulley on an arm about a pivot; Θ is the arm's angle, and the arm's length a(Θ) keeps the belt's length, as
 //! r_P(Θ) does in a variator.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
+use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
+use super::jet::Jet;
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
@@ -91,7 +92,7 @@ fn direction<D: DualNum<Primitive = f64> + Copy>(x: D, y: D) -> D {
     ((x * cos - y * sin) / (x * sin + y * cos)).atan() + value
 }
 
-/// χ of the strand behind each pulley, turning on along the belt, and its length b.
+/// χ of the strand behind each pulley, counted on along the belt, and its length b.
 fn strands<D: DualNum<Primitive = f64> + Copy, const N: usize>(
     pulleys: &[Pulley; N],
     centers: &Centers<D, N>,
@@ -234,7 +235,7 @@ struct Segment<T> {
     length: Jet<T>,
     /// χ at its start.
     chi: Jet<T>,
-    /// Turning along it.
+    /// Change of χ along it.
     sweep: Jet<T>,
     /// Signed radius; infinite on a strand.
     radius: f64,
@@ -367,9 +368,9 @@ impl<const N: usize> ReferenceCurve for Drive<N> {
         }
     }
 
-    fn turning<T: Real>(frame: &DriveFrame<T, N>, segment: usize, fraction: T::Constant) -> Turning<T> {
+    fn tangent_angle<T: Real>(frame: &DriveFrame<T, N>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
         let s = frame.segment(segment);
-        Turning {
+        TangentAngle {
             chi: s.chi.plus_scaled(s.sweep, fraction),
             kappa: Jet::constant(s.radius.recip()),
         }
@@ -437,7 +438,7 @@ mod tests {
                 );
                 assert!(Drive::<3>::segment_length(&frame, k).v > 0.0);
             }
-            assert!((Drive::<3>::turning::<f64>(&frame, count - 1, 1.0).chi.v - TAU).abs() < 1e-14);
+            assert!((Drive::<3>::tangent_angle::<f64>(&frame, count - 1, 1.0).chi.v - TAU).abs() < 1e-14);
             // The idler bends the belt backwards.
             assert!(Drive::<3>::point::<f64>(&frame, 4, 0.5).kappa < 0.0);
         }
@@ -456,15 +457,15 @@ mod tests {
             for segment in 0..drive.segments() {
                 for f in [0.0, 0.3, 1.0] {
                     let at = |theta: f64, f: f64| Drive::<3>::point::<f64>(&drive.frame(theta), segment, f);
-                    let turning = |theta: f64| Drive::<3>::turning::<f64>(&drive.frame(theta), segment, f).chi;
+                    let angle = |theta: f64| Drive::<3>::tangent_angle::<f64>(&drive.frame(theta), segment, f).chi;
                     let (p, plus, minus) = (at(theta, f), at(theta + h, f), at(theta - h, f));
                     close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
                     close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-6);
                     close(p.n * p.chi_theta, (plus.t - minus.t) / (2.0 * h), 1e-8);
                     assert!((p.xi.d - (plus.xi.v - minus.xi.v) / (2.0 * h)).abs() < 1e-8);
                     assert!((p.xi.dd - (plus.xi.d - minus.xi.d) / (2.0 * h)).abs() < 1e-6);
-                    let chi_dd = (turning(theta + h).d - turning(theta - h).d) / (2.0 * h);
-                    assert!((turning(theta).dd - chi_dd).abs() < 1e-6);
+                    let chi_dd = (angle(theta + h).d - angle(theta - h).d) / (2.0 * h);
+                    assert!((angle(theta).dd - chi_dd).abs() < 1e-6);
                     if f == 0.3 {
                         let (a, b) = (at(theta, f - h), at(theta, f + h));
                         let dxi = b.xi.v - a.xi.v;

@@ -2,10 +2,11 @@
 //!
 //! With i_g = (1−Θ)/(1+Θ), r_S = i_g r_P, φ = arccos((r_P−r_S)/d_A), b = √(d_A² − (r_P−r_S)²) the closure (27)
 //! L = 2b + 2 r_P(π−φ) + 2 r_S φ gives r_P(Θ). The printed (28) has misprints: ξ_P = ξ − r_Sφ − b and
-//! φ_P = φ + ξ_P/r_P; (29) mirrors at L − ξ. Written with the turning angle χ the whole loop is one formula:
+//! φ_P = φ + ξ_P/r_P; (29) mirrors at L − ξ. Written with the tangent angle χ the whole loop is one formula:
 //! arc points O + r(−cos χ, sin χ) with χ from 0 to φ on S, φ to 2π−φ on P, 2π−φ to 2π on S.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
+use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
+use super::jet::Jet;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
@@ -338,10 +339,10 @@ impl ReferenceCurve for TwoPulley {
         }
     }
 
-    fn turning<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> Turning<T> {
+    fn tangent_angle<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
         let end = Jet::constant(2.0 * PI).plus_scaled(frame.phi, -1.0);
         if segment == 1 || segment == 3 {
-            return Turning {
+            return TangentAngle {
                 chi: if segment == 1 { frame.phi } else { end },
                 kappa: Jet::constant(0.0),
             };
@@ -349,7 +350,7 @@ impl ReferenceCurve for TwoPulley {
         let (pulley, start, sweep) = arc_angles(segment);
         let mut chi = Jet::constant(0.0).plus_scaled(frame.phi, fraction * sweep[1] + start[1]);
         chi.v += T::constant(fraction * sweep[0] + start[0]);
-        Turning {
+        TangentAngle {
             chi,
             kappa: frame.radius[pulley].recip(),
         }

@@ -5,7 +5,8 @@
 //! curvature of an arc does not depend on ξ, so κ_Θ is the same. What is lost is what the paper's (18) loses: when a
 //! border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature misses ½EI\[κ²\] dξ_k/dΘ.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, Turning};
+use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
+use super::jet::Jet;
 use crate::scalar::Real;
 
 /// `curve` as one segment.
@@ -26,7 +27,7 @@ pub struct UnalignedFrame<F> {
 impl<C: ReferenceCurve> Unaligned<C> {
     /// What `frame` of `curve` is to a mesh that does not follow its arcs.
     #[must_use]
-    pub fn seen<T: Real>(curve: &C, frame: C::Frame<T>) -> UnalignedFrame<C::Frame<T>> {
+    pub fn frame_of<T: Real>(curve: &C, frame: C::Frame<T>) -> UnalignedFrame<C::Frame<T>> {
         UnalignedFrame {
             frame,
             length: curve.length(),
@@ -82,7 +83,7 @@ impl<C: ReferenceCurve> Unaligned<C> {
     ) -> ReferencePoint<T> {
         let (f, df) = Self::within(frame, segment, fraction);
         let p = C::point(&frame.frame, segment, f);
-        let chi = C::turning(&frame.frame, segment, f).chi;
+        let chi = C::tangent_angle(&frame.frame, segment, f).chi;
         let length = C::segment_length(&frame.frame, segment);
         // To the place itself, df away: derivatives along the segment at fixed η.
         let step = length.v * df;
@@ -111,9 +112,13 @@ impl<C: ReferenceCurve> Unaligned<C> {
         }
     }
 
-    fn turning_in<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, segment: usize, fraction: T::Constant) -> Turning<T> {
+    fn tangent_angle_in<T: Real>(
+        frame: &UnalignedFrame<C::Frame<T>>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> TangentAngle<T> {
         let (f, df) = Self::within(frame, segment, fraction);
-        let Turning { chi, kappa } = C::turning(&frame.frame, segment, f);
+        let TangentAngle { chi, kappa } = C::tangent_angle(&frame.frame, segment, f);
         let length = C::segment_length(&frame.frame, segment);
         let place = C::point(&frame.frame, segment, f).xi;
         let (along, along2) = (place.d + length.d * df, place.dd + length.dd * df);
@@ -124,7 +129,7 @@ impl<C: ReferenceCurve> Unaligned<C> {
         ];
         let d = chi.d + by_fraction[1] * df - along * kappa.v;
         let dd = chi.dd + by_fraction[2] * df - along * kappa.d * 2.0 - along2 * kappa.v;
-        Turning {
+        TangentAngle {
             chi: Jet {
                 v: chi.v + by_fraction[0] * df,
                 d,
@@ -153,7 +158,7 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
     }
 
     fn frame<T: Real>(&self, theta: T) -> Self::Frame<T> {
-        Self::seen(&self.curve, self.curve.frame(theta))
+        Self::frame_of(&self.curve, self.curve.frame(theta))
     }
 
     fn segment_length<T: Real>(frame: &Self::Frame<T>, _segment: usize) -> Jet<T> {
@@ -165,9 +170,9 @@ impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
         Self::gather::<T, _>(frame, fraction, of, ReferencePoint::with_lane)
     }
 
-    fn turning<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> Turning<T> {
-        let of = |segment| Self::turning_in(frame, segment, fraction);
-        Self::gather::<T, _>(frame, fraction, of, Turning::with_lane)
+    fn tangent_angle<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> TangentAngle<T> {
+        let of = |segment| Self::tangent_angle_in(frame, segment, fraction);
+        Self::gather::<T, _>(frame, fraction, of, TangentAngle::with_lane)
     }
 }
 
@@ -191,9 +196,9 @@ mod tests {
         for k in 0..40 {
             let f = (f64::from(k) + 0.35) / 40.0;
             let at = |theta: f64| Unaligned::<TwoPulley>::point::<f64>(&curve.frame(theta), 0, f);
-            let turning = |theta: f64| Unaligned::<TwoPulley>::turning::<f64>(&curve.frame(theta), 0, f);
+            let angle = |theta: f64| Unaligned::<TwoPulley>::tangent_angle::<f64>(&curve.frame(theta), 0, f);
             let (p, plus, minus) = (at(theta), at(theta + h), at(theta - h));
-            let (chi, chi_plus, chi_minus) = (turning(theta).chi, turning(theta + h).chi, turning(theta - h).chi);
+            let (chi, chi_plus, chi_minus) = (angle(theta).chi, angle(theta + h).chi, angle(theta - h).chi);
             assert!((p.xi.v - f * 0.703).abs() < 1e-15);
             close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
             close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-7);
@@ -214,7 +219,7 @@ mod tests {
     fn lanes_of_a_pack_stand_where_they_stand_alone() {
         let pulleys = TwoPulley::new(0.168, 0.703);
         let theta = -0.35;
-        let pack = Unaligned::seen(
+        let pack = Unaligned::frame_of(
             &pulleys,
             pulleys.shape(theta).frame(Tangent::<2>::seed(Lanes::from(0.0), 1, 1.0)),
         );

@@ -8,7 +8,7 @@
 //! In space ½∫EI_b κ_b² dξ comes in, κ_b = b_refᵀ r'' = w'' (24), with w the deflection along z, and γ contains w'.
 //! b_ref is constant, so w bends, and is carried along, as a straight beam's deflection is; plane and binormal meet in
 //! |r'| alone. What (24) leaves out is the twist φ of the sections: with it, on an arc, κ_b = w'' + κ_ref φ and the
-//! torsion is φ' − κ_ref w'. φ = 0 says that sections stay upright, as elements between two flanks hold them; on
+//! torsion is φ' − κ_ref w'. φ = 0 means that sections stay upright, as elements between two flanks hold them. On
 //! strands (κ_ref = 0) nothing is left out, and the torsional stiffness of a thin band is small (G t³/3 against E
 //! w³/12·t). So a shift along z costs nothing, but a tilt of a whole free circle by ψ costs ½ EI_b ∮w''² dξ = ½π EI_b
 //! ψ²/R: its sections are not allowed to tilt with it.
@@ -16,18 +16,18 @@
 //! V is differentiated at fixed η, dξ = ξ_η dη included. That contains the border terms ½EI\[κ²\] dξ_k/dΘ that the
 //! paper's (18), (23b) lose where κ_ref jumps at a moving arc border.
 //!
-//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric. Two forms of it stand here,
-//! equal up to ∮∂(m_r w v·δr)/∂ξ dξ = 0, which a quadrature integrates inexactly: [`add_inertia`] knows the force at
-//! each point, [`add_conservative_inertia`] keeps energy and drift momentum of the discrete ring exactly.
+//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric. There are two forms of it
+//! here. They are equal up to ∮∂(m_r w v·δr)/∂ξ dξ = 0, which a quadrature integrates inexactly: [`add_inertia`] has the
+//! force at each point, [`add_conservative_inertia`] keeps energy and drift momentum of the discrete ring exactly.
 //!
 //! Kelvin–Voigt damping acts on the material strain rate: T = EA (γ + η Dγ/Dt), with the virtual power of Dγ/Dt, so it
-//! takes exactly ∫EA η (Dγ/Dt)² dξ. In Dγ/Dt = γ̇ + w γ', γ' is its mean over a cell of the mesh. A cubic element on an
+//! dissipates exactly ∫EA η (Dγ/Dt)² dξ. In Dγ/Dt = γ̇ + w γ', γ' is its mean over a cell of the mesh. A cubic element on an
 //! arc stretches and shortens within itself where it deflects; that ripple stands still while the ring runs through it,
 //! so a damping that follows every particle drives waves as short as an element (at 57 m/s they grew by a factor of four
 //! in a millisecond). The mean is of second order, and still dissipates in every motion.
 
-use super::Ring;
 use super::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
+use super::parameters::Ring;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 
@@ -87,7 +87,7 @@ pub fn kinetic_energy_density<T: Real, const D: usize>(ring: &Ring, point: &Ring
     velocity.dot(&velocity) * (0.5 * ring.mass_per_length)
 }
 
-/// Power that damping takes per length, W/m.
+/// Power that damping dissipates per length, W/m.
 #[inline(always)]
 pub fn dissipation_density<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>) -> T {
     let rate = point.strain_rate();

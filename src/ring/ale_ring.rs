@@ -7,13 +7,13 @@
 //!
 //! In space (D = 3) nodes deflect along z too. Nothing is locked there: s and Θ don't move along z.
 
-use super::Ring;
 use super::ale;
 use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane};
 use super::mesh::{self, RingMesh, Station};
 use super::model::{Coordinates, DIRECTIONS, Energy, RingModel, Shape};
+use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
-use super::turning::{TurningElement, rotated_load, rotated_point};
+use super::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
 use crate::scalar::Real;
 use nalgebra::{SVector, Vector2};
@@ -30,9 +30,9 @@ impl Unknowns<14> for Deflection<3> {}
 /// Form in which the inertia is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
-    /// [`ale::add_conservative_inertia`].
+    /// It keeps energy and drift momentum of the discrete ring exactly (`ale::add_conservative_inertia`).
     Conservative,
-    /// [`ale::add_inertia`].
+    /// It has the force of inertia at each point (`ale::add_inertia`).
     Pointwise,
 }
 
@@ -70,7 +70,7 @@ struct Parts<T: Real, const D: usize> {
     element: ElementMotion<T, D>,
     reference: ReferenceMotion<T>,
     /// Ends of an element with [`Directions::Reference`].
-    rotated: Option<TurningElement<T>>,
+    rotated: Option<RotatedElement<T>>,
 }
 
 impl<C: ReferenceCurve> AleRing<C> {
@@ -139,8 +139,8 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
             Directions::Fixed => None,
             Directions::Reference => {
                 let curvature = [place.start, place.start + place.share]
-                    .map(|fraction| C::turning(frame, place.segment, fraction).kappa);
-                Some(TurningElement::new(curvature, &reference.theta, &mut nodes))
+                    .map(|fraction| C::tangent_angle(frame, place.segment, fraction).kappa);
+                Some(RotatedElement::new(curvature, &reference.theta, &mut nodes))
             }
         };
         Parts {
@@ -171,8 +171,8 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
             return RingPoint::new(reference, &station.shape, &parts.element, &parts.reference);
         }
         let segment = self.mesh.elements[element].segment;
-        let turning = C::turning(frame, segment, station.fraction);
-        rotated_point(reference, &turning, &station.shape, &parts.element, &parts.reference)
+        let angle = C::tangent_angle(frame, segment, station.fraction);
+        rotated_point(reference, &angle, &station.shape, &parts.element, &parts.reference)
     }
 
     /// γ' that damping acts on: its mean over an element, 1/m. Zero where nothing damps.
@@ -322,7 +322,7 @@ where
         (element, 2.0 * along - 1.0)
     }
 
-    fn lay(&self, shape: Shape<'_, D>, q: &mut [f64]) {
+    fn place_on(&self, shape: Shape<'_, D>, q: &mut [f64]) {
         let frame = self.curve.frame(q[self.elements() * Self::BLOCK + 1]);
         for (block, element) in q.chunks_exact_mut(Self::BLOCK).zip(&self.mesh.elements) {
             let point = C::point::<f64>(&frame, element.segment, element.start);
@@ -340,7 +340,7 @@ where
         }
     }
 
-    fn lay_on_curve(&self, q: &mut [f64]) {
+    fn place_on_curve(&self, q: &mut [f64]) {
         q[..self.elements() * Self::BLOCK].fill(0.0);
     }
 

@@ -3,7 +3,7 @@
 //!
 //! The unknowns of a node are its position and its gradient r' = ∂r/∂x̄; cubic Hermite functions in between, as for the
 //! overlay of the ALE ring (paper 5.2). So r is linear in the unknowns and the mass matrix constant. Strain and
-//! curvature are those of [`super::beam`], the membrane strain of each quadrature point: cubic position and pointwise
+//! curvature are those of `beam.rs`, the membrane strain of each quadrature point: cubic position and pointwise
 //! strain make the membrane of a thin curved element too stiff (locking), the stiffness that the paper's 5.4 observes.
 
 use super::kinematics::{Hermite, Motion, combine};
@@ -44,7 +44,7 @@ impl LagrangianElement for AncfElement {
         Hermite::at(x)
     }
 
-    fn lay(_length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
+    fn place_on(_length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
         let [r, slope] = shape(start);
         block.copy_from_slice(&[r.x, slope.x, r.y, slope.y]);
     }

@@ -8,7 +8,7 @@
 //!
 //! Damping as in [`super::ale`]: T = EA (γ + η Dγ/Dt).
 
-use super::Ring;
+use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
 use crate::scalar::{Real, turn_right};
 

@@ -4,11 +4,12 @@
 //! particle at ξ is the one at x̄ = ξ − s (1). s follows from the mean drift, ṡ = ∮v·r' dx̄ / ∮r'·r' dx̄, which leaves as
 //! little as possible of v for the rest. Θ only places stations on the reference curve and is held.
 
+use super::beam;
 use super::kinematics::Motion;
 use super::mesh::gauss;
 use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingModel, Shape};
+use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
-use super::{Ring, beam};
 use crate::reference_curve::ReferenceCurve;
 use crate::scalar::{Lanes, Real};
 use std::ops::Mul;
@@ -37,7 +38,7 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     fn shape<W: Real>(x: W) -> Self::Shape<W>;
 
     /// Sets the unknowns of the `block` of an element that begins at x̄ = `start` and is on `shape`.
-    fn lay(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]);
+    fn place_on(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]);
 
     /// Motion of an element from its unknowns.
     fn motion<T: Real>(length: f64, unknowns: &[Motion<T>]) -> Self::Motion<T>;
@@ -233,16 +234,16 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for La
         (element, 2.0 * (place - element as f64) - 1.0)
     }
 
-    fn lay(&self, shape: Shape<'_>, q: &mut [f64]) {
+    fn place_on(&self, shape: Shape<'_>, q: &mut [f64]) {
         let length = self.element_length();
         for (element, block) in q.chunks_exact_mut(E::BLOCK).take(self.elements).enumerate() {
-            E::lay(length, element as f64 * length, shape, block);
+            E::place_on(length, element as f64 * length, shape, block);
         }
     }
 
-    fn lay_on_curve(&self, q: &mut [f64]) {
+    fn place_on_curve(&self, q: &mut [f64]) {
         let frame = self.curve.frame(q[self.elements * E::BLOCK + 1]);
-        self.lay(
+        self.place_on(
             &|xi| {
                 let point = self.curve.at(&frame, xi);
                 [point.r, point.t]

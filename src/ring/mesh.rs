@@ -45,7 +45,7 @@ impl Element {
 
 /// The element in which `fraction` of a segment lies, and how far along it, from 0 to 1.
 #[must_use]
-pub fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64) {
+pub(crate) fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64) {
     let after = elements.partition_point(|e| e.segment < segment || e.segment == segment && e.start <= fraction);
     let element = after.saturating_sub(1);
     let Element { start, share, .. } = elements[element];
@@ -80,7 +80,7 @@ impl Spacing {
 }
 
 /// Divides a segment into `count` elements.
-pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<Item = Element> {
+pub(crate) fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<Item = Element> {
     let border = move |k: usize| spacing.border(k as f64 / count as f64);
     (0..count).map(move |k| Element {
         segment,
@@ -91,7 +91,7 @@ pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<I
 
 /// Nodes and weights of Gauss's rule on [−1, 1] with 2 to 5 points.
 #[must_use]
-pub fn gauss(points: usize) -> &'static [(f64, f64)] {
+pub(crate) fn gauss(points: usize) -> &'static [(f64, f64)] {
     const TWO: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
     const THREE: [(f64, f64); 3] = [
         (-0.774_596_669_241_483_4, 5.0 / 9.0),
@@ -121,7 +121,7 @@ pub fn gauss(points: usize) -> &'static [(f64, f64)] {
 
 /// Divides an element into parts with Gauss points: the left face and the stations of each part.
 #[must_use]
-pub fn parts(element: &Element, count: usize, points: usize) -> Vec<(Station, Vec<Station>)> {
+pub(crate) fn parts(element: &Element, count: usize, points: usize) -> Vec<(Station, Vec<Station>)> {
     let width = 1.0 / count as f64;
     (0..count)
         .map(|c| {

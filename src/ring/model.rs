@@ -13,8 +13,8 @@
 //! | [`Ancf`](super::ancf::Ancf) | travels with the ring | x, x', y, y' | follows: mean drift | held |
 //! | [`Rcm`](super::rcm::Rcm) | travels with the ring | x, y, φ, c_L, c_R | follows: mean drift | held |
 
-use super::Ring;
 use super::kinematics::Motion;
+use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
 use crate::scalar::{Lanes, Real};
 use nalgebra::SVector;
@@ -99,10 +99,10 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
     fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> (usize, f64);
 
     /// Sets the unknowns `q` so that the nodes of a ring that has not drifted are on a shape; `q[Θ]` is given.
-    fn lay(&self, shape: Shape<'_, D>, q: &mut [f64]);
+    fn place_on(&self, shape: Shape<'_, D>, q: &mut [f64]);
 
     /// Sets the unknowns `q` so that the nodes are on the reference curve; `q[Θ]` is given.
-    fn lay_on_curve(&self, q: &mut [f64]);
+    fn place_on_curve(&self, q: &mut [f64]);
 
     /// The particle at the local coordinate x of an element, and the unstretched length dξ per dx there, m.
     fn particle<T: Real<Constant = f64>>(
@@ -140,7 +140,7 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
     /// Energies of an element.
     fn energy(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy;
 
-    /// Power that damping takes in an element, W.
+    /// Power that damping dissipates in an element, W.
     fn dissipation(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> f64;
 
     /// Indices of the vector of the unknowns that an element depends on.

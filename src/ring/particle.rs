@@ -122,7 +122,7 @@ impl<T: Real, const D: usize> ParticleLoad<T, D> {
 
 impl<T: Real, const D: usize> Load<T, D> {
     /// A load on the particle that passes a mesh point: virtual displacements at fixed x̄ are δr|_η + r' δσ, δσ the
-    /// drift through the mesh. Of a load k on r'' the part in δσ is left out: a mesh point does not know r'''.
+    /// drift through the mesh. Of a load k on r'' the part in δσ is left out, because it needs r'''.
     #[inline(always)]
     pub fn of_particle(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> Self {
         Self {

@@ -16,7 +16,7 @@
 //! - the deflection shortens its projection: u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²] keeps |r'| even to the order of w'⁴,
 //! - r = r₁ + g (x̄ + u) + g⊥ w.
 //!
-//! Angles enter by sine and cosine of φ only, so the ring may turn without end. Energy is that of [`super::beam`] with
+//! Angles enter by sine and cosine of φ only, so the ring may turn without end. Energy is that of `beam.rs` with
 //! the mean strain of the element: the deflection of an inextensible arc then costs no membrane energy (no locking).
 //! Limits: an element may turn by less than about 1 rad; inside an element the stretch is even up to w'⁴/8.
 
@@ -168,7 +168,7 @@ impl LagrangianElement for RcmElement {
         }
     }
 
-    fn lay(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
+    fn place_on(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
         let [r, slope] = shape(start);
         let g = (shape(start + length)[0] - r) / length;
         let deflection = |x: f64| (shape(start + x * length)[0] - r).dot(&turn_right(g)) / g.norm_squared();

@@ -1,6 +1,6 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
-use super::Real;
+use super::real::Real;
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 #[cfg(not(target_feature = "avx"))]

@@ -1,6 +1,7 @@
 //! Numbers with N slopes, packed or one at a time: forward differentiation.
 
-use super::{Lanes, Real};
+use super::lanes::Lanes;
+use super::real::Real;
 use num_traits::{One, Zero};
 use std::array::from_fn;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};

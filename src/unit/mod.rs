@@ -4,10 +4,13 @@
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi;
 #[forbid(unsafe_code)]
+mod settings;
+#[forbid(unsafe_code)]
 mod table;
 #[forbid(unsafe_code)]
 mod types;
 #[forbid(unsafe_code)]
 mod variator_unit;
 
-pub use variator_unit::{Settings, VariatorUnit, model_description};
+pub use settings::Settings;
+pub use variator_unit::{VariatorUnit, model_description};

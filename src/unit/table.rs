@@ -14,12 +14,10 @@
 //! | 1001 to 1999 | parameters of the whole variator |
 //! | 10001 + 100·j to 10072 + 100·j | field j of the profile along the belt |
 
-use super::Settings;
+use super::settings::Settings;
 use super::types::{AXIAL, DRIVE, ENUMERATIONS, RING_MODEL, START_STATE, UNITS};
 use crate::fmi2::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
-use crate::variator::settings::range_of;
-use crate::variator::settings::{Axial, Drive, RingModel};
-use crate::variator::settings::{PROFILE_POINTS, Readings};
+use crate::variator::settings::{Axial, Drive, PROFILE_POINTS, Readings, RingModel, range_of};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
 

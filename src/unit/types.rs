@@ -1,8 +1,7 @@
 //! Units and enumerations of the interface.
 
 use crate::fmi2::table::{Enumeration, Item, UnitDefinition};
-use crate::variator::settings::StartState;
-use crate::variator::settings::{Axial, Drive, RingModel};
+use crate::variator::settings::{Axial, Drive, RingModel, StartState};
 
 const fn unit(name: &'static str, exponents: &'static [(&'static str, i32)]) -> UnitDefinition {
     UnitDefinition {

@@ -1,21 +1,12 @@
 //! The calls that lead from the FMI layer to the variator and back.
 
+use super::settings::Settings;
 use super::table;
 use crate::fmi2::Table;
 use crate::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
 use crate::variator::run::{StepError, Variator};
-use crate::variator::settings::Parameters;
-use crate::variator::settings::{Inputs, Readings, range_of};
-
-/// The values that a master sets. The default is the variator of the default experiment.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Settings {
-    /// Parameters of the variator.
-    pub parameters: Parameters,
-    /// Inputs of the variator.
-    pub inputs: Inputs,
-}
+use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
 
 /// A variator behind the FMI layer.
 #[derive(Clone, Debug)]

@@ -40,7 +40,7 @@ impl Sink for Importer {
     }
 }
 
-/// `fmi2Instantiate`: Creates an instance; null if the arguments don't fit this FMU.
+/// `fmi2Instantiate`: creates an instance; null if the arguments don't fit this FMU.
 ///
 /// # Safety
 /// The strings and `functions` are null or valid during the call; the logger in it can be called, with the environment
@@ -150,7 +150,7 @@ fn objection<U: Unit>(name: Option<&str>, fmu_type: c_int, guid: Option<&str>) -
     })
 }
 
-/// `fmi2FreeInstance`: Frees an instance; null is legal.
+/// `fmi2FreeInstance`: frees an instance; null is legal.
 ///
 /// # Safety
 /// `c` is null or an instance, which is not used any more.

@@ -7,10 +7,10 @@ use super::types::Component;
 use crate::fmi2::log::Status;
 use crate::fmi2::unit::Unit;
 
-/// `fmi2GetDirectionalDerivative`: Not offered.
+/// `fmi2GetDirectionalDerivative`: not offered.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_directional_derivative<U: Unit>(
     c: Component,
     _unknown: *const c_uint,
@@ -26,10 +26,10 @@ pub(crate) unsafe fn get_directional_derivative<U: Unit>(
     unsafe { with::<U>(c, |slave| slave.not_offered("fmi2GetDirectionalDerivative", why)) }
 }
 
-/// `fmi2SetRealInputDerivatives`: Lets inputs change in proportion to time during the next step.
+/// `fmi2SetRealInputDerivatives`: lets inputs change in proportion to time during the next step.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn set_real_input_derivatives<U: Unit>(
     c: Component,
     vr: *const c_uint,
@@ -50,10 +50,10 @@ pub(crate) unsafe fn set_real_input_derivatives<U: Unit>(
     }
 }
 
-/// `fmi2GetRealOutputDerivatives`: Time derivatives of outputs.
+/// `fmi2GetRealOutputDerivatives`: time derivatives of outputs.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_real_output_derivatives<U: Unit>(
     c: Component,
     vr: *const c_uint,

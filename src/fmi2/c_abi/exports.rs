@@ -108,7 +108,7 @@ macro_rules! forward {
         /// The standard's function of this name.
         ///
         /// # Safety
-        /// As [`c_abi`](crate::fmi2::c_abi) asks of the caller.
+        /// The caller grants what [`c_abi`](crate::fmi2::c_abi) lists.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
             // SAFETY: the caller grants what the function that is called asks for.

@@ -1,13 +1,13 @@
-//! The C functions of FMI 2.0 for co-simulation, and the only `unsafe` code of the project.
+//! The C functions of FMI 2.0 for co-simulation. They are the only `unsafe` code of the project.
 //!
-//! Here raw pointers become references and slices, and nothing else happens: [`slave`](super::slave) says what a call
-//! does. Each function here is generic over the unit. [`export!`](exports) gives them the standard's names and
+//! Here raw pointers become references and slices, and nothing else happens: the calls themselves are in
+//! [`slave`](super::slave). Each function here is generic over the unit. `export!` gives them the standard's names and
 //! signatures (`fmi2FunctionTypes.h`) for one unit. No panic leaves a function. The caller of a function grants, beyond
-//! what the function itself says:
+//! what the function itself asks for:
 //!
 //! - a component comes from `fmi2Instantiate`, has not been freed, and is used by one call at a time
 //!   (not from within its own logger callback either);
-//! - an array argument is null or points to as many elements as its count says; a string is null or ends with a zero;
+//! - an array argument is null or points to as many elements as its count; a string is null or ends with a zero;
 //! - a pointer for a result is null or points to writable memory;
 //! - a pointer is aligned for its type, and memory that comes from beyond the boundary holds some value or other.
 //!

@@ -8,10 +8,10 @@ use crate::fmi2::log::Status;
 use crate::fmi2::slave::Slave;
 use crate::fmi2::unit::{Experiment, Unit};
 
-/// `fmi2SetDebugLogging`: Chooses what is logged.
+/// `fmi2SetDebugLogging`: chooses what is logged.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn set_debug_logging<U: Unit>(
     c: Component,
     logging_on: c_int,
@@ -35,10 +35,10 @@ pub(crate) unsafe fn set_debug_logging<U: Unit>(
     }
 }
 
-/// `fmi2SetupExperiment`: Tells tolerance, start and stop time.
+/// `fmi2SetupExperiment`: sets tolerance, start and stop time.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn setup_experiment<U: Unit>(
     c: Component,
     tolerance_defined: c_int,
@@ -56,37 +56,37 @@ pub(crate) unsafe fn setup_experiment<U: Unit>(
     unsafe { with::<U>(c, |slave| slave.setup_experiment(experiment)) }
 }
 
-/// `fmi2EnterInitializationMode`: Enters initialisation mode.
+/// `fmi2EnterInitializationMode`: enters initialisation mode.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn enter_initialization_mode<U: Unit>(c: Component) -> Status {
     // SAFETY: as the caller grants.
     unsafe { with::<U>(c, Slave::enter_initialization_mode) }
 }
 
-/// `fmi2ExitInitializationMode`: Leaves initialisation mode.
+/// `fmi2ExitInitializationMode`: leaves initialisation mode.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn exit_initialization_mode<U: Unit>(c: Component) -> Status {
     // SAFETY: as the caller grants.
     unsafe { with::<U>(c, Slave::exit_initialization_mode) }
 }
 
-/// `fmi2Terminate`: Ends the run.
+/// `fmi2Terminate`: ends the run.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn terminate<U: Unit>(c: Component) -> Status {
     // SAFETY: as the caller grants.
     unsafe { with::<U>(c, Slave::terminate) }
 }
 
-/// `fmi2Reset`: Brings the instance back to where it was instantiated.
+/// `fmi2Reset`: brings the instance back to where it was instantiated.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn reset<U: Unit>(c: Component) -> Status {
     // SAFETY: as the caller grants.
     unsafe { with::<U>(c, Slave::reset) }

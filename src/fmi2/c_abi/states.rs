@@ -10,7 +10,7 @@ use crate::fmi2::log::Status;
 use crate::fmi2::snapshot::Snapshot;
 use crate::fmi2::unit::Unit;
 
-/// `fmi2GetFMUstate`: Stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
+/// `fmi2GetFMUstate`: stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
 ///
 /// # Safety
 /// `*state` is null or a state from this function that has not been freed.
@@ -33,7 +33,7 @@ pub(crate) unsafe fn get_fmu_state<U: Unit>(c: Component, state: *mut FmuState) 
     }
 }
 
-/// `fmi2SetFMUstate`: Goes back to a stored state, which stays as it is.
+/// `fmi2SetFMUstate`: goes back to a stored state, which stays as it is.
 ///
 /// # Safety
 /// `state` is null or a state from [`get_fmu_state`] that has not been freed.
@@ -47,7 +47,7 @@ pub(crate) unsafe fn set_fmu_state<U: Unit>(c: Component, state: FmuState) -> St
     }
 }
 
-/// `fmi2FreeFMUstate`: Frees a stored state and sets it to null; null is legal.
+/// `fmi2FreeFMUstate`: frees a stored state and sets it to null; null is legal.
 ///
 /// # Safety
 /// `*state` is null or a state from [`get_fmu_state`] that has not been freed.
@@ -68,7 +68,7 @@ pub(crate) unsafe fn free_fmu_state<U: Unit>(c: Component, state: *mut FmuState)
 
 const NULL_STATE: &str = "the state is null";
 
-/// `fmi2SerializedFMUstateSize`: Number of bytes that a stored state takes.
+/// `fmi2SerializedFMUstateSize`: number of bytes of a stored state.
 ///
 /// # Safety
 /// `state` is null or a state from [`get_fmu_state`] or [`deserialize_fmu_state`] that has not been freed.
@@ -92,7 +92,7 @@ pub(crate) unsafe fn serialized_fmu_state_size<U: Unit>(c: Component, state: Fmu
     }
 }
 
-/// `fmi2SerializeFMUstate`: Writes a stored state as bytes, `size` of them as [`serialized_fmu_state_size`] has told.
+/// `fmi2SerializeFMUstate`: writes a stored state as bytes, `size` of them as [`serialized_fmu_state_size`] counts them.
 ///
 /// # Safety
 /// As for [`serialized_fmu_state_size`]; `bytes` is null or points to `size` bytes.
@@ -126,7 +126,7 @@ pub(crate) unsafe fn serialize_fmu_state<U: Unit>(
     }
 }
 
-/// `fmi2DeSerializeFMUstate`: Makes a stored state of bytes. What `*state` was before does not matter: it is not freed.
+/// `fmi2DeSerializeFMUstate`: makes a stored state of bytes. What `*state` was before does not matter: it is not freed.
 ///
 /// # Safety
 /// `bytes` is null or points to `size` bytes.

@@ -8,11 +8,11 @@ use crate::fmi2::log::Status;
 use crate::fmi2::slave::{Slave, StatusKind};
 use crate::fmi2::unit::Unit;
 
-/// `fmi2DoStep`: Advances by one communication step. Whether the master will come back before this point does not matter here:
+/// `fmi2DoStep`: advances by one communication step. Whether the master will come back before this point does not matter here:
 /// states are stored on request only.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn do_step<U: Unit>(
     c: Component,
     current_communication_point: f64,
@@ -27,10 +27,10 @@ pub(crate) unsafe fn do_step<U: Unit>(
     }
 }
 
-/// `fmi2CancelStep`: Refused: no step is ever pending.
+/// `fmi2CancelStep`: refused: no step is ever pending.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn cancel_step<U: Unit>(c: Component) -> Status {
     // SAFETY: as the caller grants.
     unsafe { with::<U>(c, Slave::cancel_step) }
@@ -48,10 +48,10 @@ fn status_kind(kind: c_int) -> Option<StatusKind> {
 
 const UNKNOWN_KIND: &str = "the kind of status is not one of the standard's";
 
-/// `fmi2GetStatus`: How the last step ended.
+/// `fmi2GetStatus`: how the last step ended.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_status<U: Unit>(c: Component, kind: c_int, value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -63,10 +63,10 @@ pub(crate) unsafe fn get_status<U: Unit>(c: Component, kind: c_int, value: *mut 
     }
 }
 
-/// `fmi2GetRealStatus`: The last successful time.
+/// `fmi2GetRealStatus`: the last successful time.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_real_status<U: Unit>(c: Component, kind: c_int, value: *mut f64) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -78,10 +78,10 @@ pub(crate) unsafe fn get_real_status<U: Unit>(c: Component, kind: c_int, value: 
     }
 }
 
-/// `fmi2GetIntegerStatus`: Nothing can be asked as an integer.
+/// `fmi2GetIntegerStatus`: nothing can be asked as an integer.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_integer_status<U: Unit>(c: Component, kind: c_int, _value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -92,10 +92,10 @@ pub(crate) unsafe fn get_integer_status<U: Unit>(c: Component, kind: c_int, _val
     }
 }
 
-/// `fmi2GetBooleanStatus`: Whether the slave wants the run to end.
+/// `fmi2GetBooleanStatus`: whether the slave wants the run to end.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_boolean_status<U: Unit>(c: Component, kind: c_int, value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -107,10 +107,10 @@ pub(crate) unsafe fn get_boolean_status<U: Unit>(c: Component, kind: c_int, valu
     }
 }
 
-/// `fmi2GetStringStatus`: Nothing can be asked as a string.
+/// `fmi2GetStringStatus`: nothing can be asked as a string.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_string_status<U: Unit>(c: Component, kind: c_int, _value: *mut *const c_char) -> Status {
     // SAFETY: as the caller grants.
     unsafe {

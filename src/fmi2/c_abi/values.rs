@@ -8,10 +8,10 @@ use crate::fmi2::log::Status;
 use crate::fmi2::state::Call;
 use crate::fmi2::unit::Unit;
 
-/// `fmi2GetReal`: Reads reals.
+/// `fmi2GetReal`: reads reals.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_real<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *mut f64) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -22,10 +22,10 @@ pub(crate) unsafe fn get_real<U: Unit>(c: Component, vr: *const c_uint, nvr: siz
     }
 }
 
-/// `fmi2GetInteger`: Reads integers and enumerations.
+/// `fmi2GetInteger`: reads integers and enumerations.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_integer<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -36,10 +36,10 @@ pub(crate) unsafe fn get_integer<U: Unit>(c: Component, vr: *const c_uint, nvr: 
     }
 }
 
-/// `fmi2GetBoolean`: Reads Booleans.
+/// `fmi2GetBoolean`: reads Booleans.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_boolean<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *mut c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -50,10 +50,10 @@ pub(crate) unsafe fn get_boolean<U: Unit>(c: Component, vr: *const c_uint, nvr: 
     }
 }
 
-/// `fmi2GetString`: Reads strings; there are none.
+/// `fmi2GetString`: reads strings; there are none.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn get_string<U: Unit>(
     c: Component,
     vr: *const c_uint,
@@ -69,10 +69,10 @@ pub(crate) unsafe fn get_string<U: Unit>(
     }
 }
 
-/// `fmi2SetReal`: Writes reals.
+/// `fmi2SetReal`: writes reals.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn set_real<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *const f64) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -83,10 +83,10 @@ pub(crate) unsafe fn set_real<U: Unit>(c: Component, vr: *const c_uint, nvr: siz
     }
 }
 
-/// `fmi2SetInteger`: Writes integers and enumerations.
+/// `fmi2SetInteger`: writes integers and enumerations.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn set_integer<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *const c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -97,10 +97,10 @@ pub(crate) unsafe fn set_integer<U: Unit>(c: Component, vr: *const c_uint, nvr: 
     }
 }
 
-/// `fmi2SetBoolean`: Writes Booleans.
+/// `fmi2SetBoolean`: writes Booleans.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn set_boolean<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *const c_int) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
@@ -111,10 +111,10 @@ pub(crate) unsafe fn set_boolean<U: Unit>(c: Component, vr: *const c_uint, nvr: 
     }
 }
 
-/// `fmi2SetString`: Writes strings; there are none.
+/// `fmi2SetString`: writes strings; there are none.
 ///
 /// # Safety
-/// As the head of [this room](super) says.
+/// The caller grants what [the head of this room](super) lists.
 pub(crate) unsafe fn set_string<U: Unit>(
     c: Component,
     vr: *const c_uint,

@@ -48,7 +48,7 @@ impl<U: Unit> Slave<U> {
         self.now.state
     }
 
-    /// A call that this slave does not offer, as its capability flags say.
+    /// Refuses a call that the capability flags exclude.
     pub fn not_offered(&mut self, function: &'static str, why: &str) -> Status {
         self.refuse(function, &format!("not offered: {why}"))
     }

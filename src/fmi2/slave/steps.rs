@@ -152,7 +152,7 @@ const LARGEST_ROUNDING: f64 = 1e-3;
 fn same_time(a: f64, b: f64, step: f64) -> bool {
     let size = a.abs().max(b.abs());
     let rounding = (ROUNDING_OF_TIME * size).clamp(LEAST_ROUNDING * step, LARGEST_ROUNDING * step);
-    // A step that is short against the time is not told more exactly than the time itself.
+    // A time is never more exact than its own rounding.
     (a - b).abs() <= rounding.max(4.0 * f64::EPSILON * size)
 }
 
@@ -160,8 +160,8 @@ fn same_time(a: f64, b: f64, step: f64) -> bool {
 const EXACT_POWERS_OF_TEN: f64 = 22.0;
 
 /// The end of a step on a decimal grid of about a millionth of the step. Masters come to the same point by different
-/// sums, off by some 1e-12; where a belt slips through that grows to differences that a user sees, unless all masters
-/// get the same bits.
+/// sums, off by some 1e-12; where a belt slips through, that grows to differences that a user sees. On the grid all
+/// masters get the same bits.
 fn communication_point(time: f64, step: f64) -> f64 {
     let digits = -(LEAST_ROUNDING * step).log10().floor();
     if digits > EXACT_POWERS_OF_TEN {

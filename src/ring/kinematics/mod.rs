@@ -29,8 +29,9 @@ mod vectors;
 
 pub use hermite::Hermite;
 pub(crate) use hermite::combine;
-pub use load::{ElementLoad, Load};
-pub use motion::{ElementMotion, Motion, Node, ReferenceMotion};
+pub(crate) use load::{ElementLoad, Load};
+pub(crate) use motion::{ElementMotion, Node};
+pub use motion::{Motion, ReferenceMotion};
 pub use point::RingPoint;
-pub use variation::RingVariation;
-pub use vectors::{embed, in_plane, inward_normal};
+pub(crate) use variation::RingVariation;
+pub(crate) use vectors::{embed, in_plane, inward_normal};

@@ -36,7 +36,7 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
     pub w: T,
     /// ẇ at fixed η, m/s².
     pub w_dot: T,
-    /// γ' that damping acts on, 1/m: that of the point, until a mean replaces it (see [`ale`](crate::ring::ale)).
+    /// γ' that damping acts on, 1/m: that of the point, until a mean replaces it (see `ale.rs`).
     pub strain_gradient: T,
 }
 

@@ -18,7 +18,7 @@ pub struct RingSystem<M, const D: usize = 2, const N: usize = DIRECTIONS> {
     pub tolerance: f64,
     /// Unknowns held at zero rate.
     pub held: Vec<usize>,
-    /// Energy that damping took since the start, J.
+    /// Energy that damping has dissipated since the start, J.
     pub dissipated: f64,
     pub(super) has_position: Vec<bool>,
     pub(super) packs: Vec<Pack<N>>,

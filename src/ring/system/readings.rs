@@ -46,7 +46,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
         sum
     }
 
-    /// Power that damping takes, W.
+    /// Power that damping dissipates, W.
     #[must_use]
     pub fn dissipation(&self, view: View<'_>) -> f64 {
         let frame = self.frame(view);

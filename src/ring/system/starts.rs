@@ -12,13 +12,13 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     /// At rest on the reference curve at Θ.
     #[must_use]
     pub fn rest(&self, theta: f64) -> State {
-        self.at_rest(theta, |model, q| model.lay_on_curve(q))
+        self.at_rest(theta, |model, q| model.place_on_curve(q))
     }
 
     /// At rest on a shape: (r, r') at ξ. Nodes are on it exactly, and the rest of an element as closely as it can.
     #[must_use]
     pub fn rest_on(&self, theta: f64, shape: Shape<'_, D>) -> State {
-        self.at_rest(theta, |model, q| model.lay(shape, q))
+        self.at_rest(theta, |model, q| model.place_on(shape, q))
     }
 
     fn at_rest(&self, theta: f64, lay: impl Fn(&M, &mut [f64])) -> State {

@@ -29,7 +29,7 @@ impl Standing for TwoPulley {
 /// Elements stand still.
 impl Standing for Unaligned<TwoPulley> {
     fn stand<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T> {
-        Self::seen(curve, frame)
+        Self::frame_of(curve, frame)
     }
 }
 
@@ -95,7 +95,7 @@ impl<const D: usize> RingKind<D> for RotatingRing<D> {
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Rotating<'a, T, D> {
         let [start, share] = place.of_segment;
-        let curve = |fraction| C::turning(frame, segment, fraction);
+        let curve = |fraction| C::tangent_angle(frame, segment, fraction);
         let nodes = nodes(unknowns, slopes, seed);
         Rotating::new(ring, place, motion, nodes, [start, start + share], curve)
     }

@@ -7,7 +7,7 @@
 //! time, to the same digits (a test of [`super::system`] holds both against each other). Θ moves everything and stays
 //! with forward differentiation.
 
-use crate::chain::{ChainPoint, ChainVariation, Stack, Transport, Turn};
+use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation, Stack, Transport};
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
@@ -133,7 +133,7 @@ impl FlankVariation {
 struct Point<const D: usize> {
     ring: RingPoint<Lanes, D>,
     chain: ChainPoint<Lanes, D>,
-    turn: Turn<Lanes>,
+    terms: AccelerationTerms<Lanes>,
     weight: Lanes,
     right: Lanes,
     forces: StationForces<Lanes, D>,
@@ -161,7 +161,7 @@ impl<const D: usize> Point<D> {
             Tangent::seed(forces.sliding, 1, 1.0),
         );
         Self {
-            turn: chain.turn(&ring),
+            terms: chain.acceleration_terms(&ring),
             weight,
             right: given.place.stations[i].right,
             crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
@@ -335,7 +335,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let mass = (density * chain.lambda + self.cell.density * by.stretch) * self.given.law.chain.mass_per_length;
             let speed_dot = chain_by.speed * alpha;
             let gradients = [gradient, difference * self.cell.inverse_length];
-            let (a_t, a_n) = chain.vary_acceleration(ring, &point.turn, (by, chain_by), speed_dot, gradients);
+            let (a_t, a_n) = chain.vary_acceleration(ring, &point.terms, (by, chain_by), speed_dot, gradients);
             let (base_t, base_n) = point.forces.acceleration;
             let mut inward = [zero; 2];
             for k in 0..D - 1 {

@@ -3,7 +3,7 @@
 use crate::reference_curve::{self, Jet, ReferencePoint};
 use crate::ring::Ring;
 use crate::ring::kinematics::{Load, Motion, Node, ReferenceMotion, RingPoint};
-use crate::ring::turning::{TurningElement, rotated_load, rotated_point};
+use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::scalar::Real;
 use crate::variator::law::place::Place;
 use crate::variator::mesh::belt_mesh::SLOTS;
@@ -13,8 +13,8 @@ use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, 
 /// `ALE` whose deflection is counted in directions that turn with the reference curve.
 pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
     ring: Deflecting<'a, T, D>,
-    ends: TurningElement<T>,
-    curve: [reference_curve::Turning<T>; SLOTS],
+    ends: RotatedElement<T>,
+    curve: [reference_curve::TangentAngle<T>; SLOTS],
 }
 
 impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
@@ -27,10 +27,10 @@ impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
         motion: &'a ReferenceMotion<T>,
         mut nodes: [Motion<Node<T, D>>; 2],
         ends: [T::Constant; 2],
-        curve: impl Fn(T::Constant) -> reference_curve::Turning<T>,
+        curve: impl Fn(T::Constant) -> reference_curve::TangentAngle<T>,
     ) -> Self {
         let curvature: [Jet<T>; 2] = ends.map(|fraction| curve(fraction).kappa);
-        let ends = TurningElement::new(curvature, &motion.theta, &mut nodes);
+        let ends = RotatedElement::new(curvature, &motion.theta, &mut nodes);
         Self {
             ring: Deflecting::new(ring, place, motion, &nodes),
             ends,

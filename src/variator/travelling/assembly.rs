@@ -519,7 +519,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
 
     fn placed_on(&self, shape: Shape<'_>) -> Option<Vec<f64>> {
         let mut q = vec![0.0; self.ring.elements() * E::BLOCK + 2];
-        self.ring.lay(shape, &mut q);
+        self.ring.place_on(shape, &mut q);
         Some(q)
     }
 }

@@ -13,17 +13,17 @@
 use super::kinematics::{
     ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane, inward_normal,
 };
-use crate::reference_curve::{Jet, ReferencePoint, Turning};
+use crate::reference_curve::{Jet, ReferencePoint, TangentAngle};
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::{SVector, Vector2};
 
 /// What an element needs to change between the slopes e of its nodes and its own d'.
-pub struct TurningElement<T: Real> {
+pub struct RotatedElement<T: Real> {
     curvature: [Jet<T>; 2],
     deflection: [Vector2<T>; 2],
 }
 
-impl<T: Real> TurningElement<T> {
+impl<T: Real> RotatedElement<T> {
     /// Changes the slopes of `nodes` from e to d'; `curvature` of the reference curve at the two ends.
     pub fn new<const D: usize>(curvature: [Jet<T>; 2], theta: &Motion<T>, nodes: &mut [Motion<Node<T, D>>; 2]) -> Self {
         let deflection = [in_plane(&nodes[0].value.a), in_plane(&nodes[1].value.a)];
@@ -81,15 +81,15 @@ fn turned<T: Real, const D: usize>(in_plane: Vector2<T>, v: &SVector<T, D>) -> S
 /// Kinematics at `shape` of an element whose overlay is d.
 pub fn rotated_point<T: Real, const D: usize>(
     reference: ReferencePoint<T>,
-    turning: &Turning<T>,
+    angle: &TangentAngle<T>,
     shape: &Hermite<T::Constant>,
     element: &ElementMotion<T, D>,
     motion: &ReferenceMotion<T>,
 ) -> RingPoint<T, D> {
     let d = deflection(&reference, shape, element, motion);
     let theta = &motion.theta;
-    let chi_dot = turning.chi.d * theta.rate;
-    let chi_ddot = turning.chi.dd * theta.rate * theta.rate + turning.chi.d * theta.acceleration;
+    let chi_dot = angle.chi.d * theta.rate;
+    let chi_ddot = angle.chi.dd * theta.rate * theta.rate + angle.chi.d * theta.acceleration;
     let kappa = reference.kappa;
     let kappa_dot = reference.kappa_theta * theta.rate;
     let [r, r_dot, r_ddot] = [d.r, d.r_dot, d.r_ddot].map(|v| in_plane(&v));

@@ -1,0 +1,114 @@
+//! What a reference curve is, and its geometry at a mesh point.
+
+use super::jet::Jet;
+use crate::scalar::Real;
+use nalgebra::Vector2;
+
+/// The reference curve at a mesh point.
+#[derive(Clone, Copy, Debug)]
+pub struct ReferencePoint<T: Real> {
+    /// Position, m.
+    pub r: Vector2<T>,
+    /// ∂r/∂Θ at fixed η, m.
+    pub r_theta: Vector2<T>,
+    /// ∂²r/∂Θ² at fixed η, m.
+    pub r_theta2: Vector2<T>,
+    /// Unit tangent, = r'.
+    pub t: Vector2<T>,
+    /// Unit inward normal.
+    pub n: Vector2<T>,
+    /// ∂χ/∂Θ at fixed η, rad.
+    pub chi_theta: T,
+    /// Curvature κ, 1/m.
+    pub kappa: T,
+    /// ∂κ/∂Θ at fixed η, 1/m.
+    pub kappa_theta: T,
+    /// Place ξ(η, Θ) on the curve, m.
+    pub xi: Jet<T>,
+}
+
+impl<T: Real> ReferencePoint<T> {
+    /// The pack whose `lane` is that of `other`.
+    pub(super) fn with_lane(self, lane: usize, other: Self) -> Self {
+        let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
+        Self {
+            r: vector(self.r, other.r),
+            r_theta: vector(self.r_theta, other.r_theta),
+            r_theta2: vector(self.r_theta2, other.r_theta2),
+            t: vector(self.t, other.t),
+            n: vector(self.n, other.n),
+            chi_theta: self.chi_theta.with_lane(lane, other.chi_theta),
+            kappa: self.kappa.with_lane(lane, other.kappa),
+            kappa_theta: self.kappa_theta.with_lane(lane, other.kappa_theta),
+            xi: self.xi.with_lane(lane, other.xi),
+        }
+    }
+}
+
+/// The tangent angle of the reference curve and its rate along ξ, each with its derivatives with respect to Θ.
+#[derive(Clone, Copy, Debug)]
+pub struct TangentAngle<T> {
+    /// Tangent angle χ at fixed η, rad.
+    pub chi: Jet<T>,
+    /// Curvature κ at fixed η, 1/m.
+    pub kappa: Jet<T>,
+}
+
+impl<T: Real> TangentAngle<T> {
+    /// The pack whose `lane` is that of `other`.
+    pub(super) fn with_lane(self, lane: usize, other: Self) -> Self {
+        Self {
+            chi: self.chi.with_lane(lane, other.chi),
+            kappa: self.kappa.with_lane(lane, other.kappa),
+        }
+    }
+}
+
+/// A closed curve with one ratio coordinate. Another belt system is another implementation (paper section 7).
+pub trait ReferenceCurve: Clone + Send + 'static {
+    /// Everything that depends on Θ alone, computed once for all mesh points.
+    type Frame<T: Real>: Clone;
+
+    /// Length L of the curve, the same for every Θ, m.
+    fn length(&self) -> f64;
+
+    /// How many segments the curve has.
+    fn segments(&self) -> usize;
+
+    /// Whether Θ changes the curve at all. If not, it is no degree of freedom.
+    fn has_ratio(&self) -> bool {
+        true
+    }
+
+    /// Geometry at Θ. Outside the admissible range of Θ the frame holds NaN.
+    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
+
+    /// Length of a segment, m.
+    fn segment_length<T: Real>(frame: &Self::Frame<T>, segment: usize) -> Jet<T>;
+
+    /// The curve at fraction `fraction` of `segment`.
+    fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T>;
+
+    /// Tangent angle and curvature there.
+    fn tangent_angle<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T>;
+
+    /// Segment and fraction at the place ξ, m, taken around the loop.
+    fn locate(&self, frame: &Self::Frame<f64>, xi: f64) -> (usize, f64) {
+        let mut rest = xi.rem_euclid(self.length());
+        let last = self.segments() - 1;
+        for segment in 0..last {
+            let length = Self::segment_length(frame, segment).v;
+            if rest < length {
+                return (segment, rest / length);
+            }
+            rest -= length;
+        }
+        (last, (rest / Self::segment_length(frame, last).v).min(1.0))
+    }
+
+    /// The curve at the place ξ, m, taken around the loop.
+    fn at(&self, frame: &Self::Frame<f64>, xi: f64) -> ReferencePoint<f64> {
+        let (segment, fraction) = self.locate(frame, xi);
+        Self::point(frame, segment, fraction)
+    }
+}
