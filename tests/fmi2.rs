@@ -632,12 +632,14 @@ fn input_derivatives_raise_the_order_on_a_ramp() {
 /// moves.
 #[test]
 fn output_derivatives_are_the_slopes_of_the_outputs() {
-    for model in [1, 2] {
-        check_output_derivatives(model);
-    }
+    // In ALE0 the ring tension and what hangs on it turn within a few steps: up to 4 % of the way, and 25 outputs of 35
+    // agree. In ALE it is half a per cent, and 30 agree.
+    check_output_derivatives(1, 0.05, 24);
+    check_output_derivatives(2, 0.01, 29);
 }
 
-fn check_output_derivatives(model: c_int) {
+/// No output is off by more than `share` of the way that it goes, and so many that move are off by at most 2 %.
+fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
     let importer = Importer::new(c"slopes");
     importer.make_cheap();
     assert_eq!(importer.set_integer("ring.model", model), Ok);
@@ -690,13 +692,13 @@ fn check_output_derivatives(model: c_int) {
         let uncertain = 3e-6 * last[i].abs() + 1e-12;
         exact += u32::from(error < 0.02 * travel[i] && travel[i] > 20.0 * uncertain);
         assert!(
-            error < 0.3 * travel[i] + uncertain,
+            error < share * travel[i] + uncertain,
             "{name}, ring model {model}: {} against {found}, travelled {}",
             change[i],
             travel[i]
         );
     }
-    assert!(exact >= 12, "{exact} outputs agree within 2 %");
+    assert!(exact >= agreeing, "{exact} outputs agree within 2 %");
 }
 
 /// Every load at the end of its range at once, with the tightest tolerance and the sharpest friction: too much for the
