@@ -6,9 +6,9 @@
 use std::error::Error;
 use std::io::Write;
 
-use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::Parameters;
-use pushbelt::variator::signals::{Inputs, Outputs};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Parameters;
+use pushbelt::variator::settings::{Inputs, Outputs};
 
 type Column = (&'static str, fn(&Outputs) -> f64);
 

@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 
 use clap::Parser;
 use pushbelt::variator::linear::{LinearError, modes};
-use pushbelt::variator::parameters::{Parameters, RIGID_TILT_STIFFNESS, RingModel};
-use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::{Parameters, RIGID_TILT_STIFFNESS, RingModel};
 
 const RATIOS: [f64; 7] = [0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2];
 /// N·m.

@@ -10,10 +10,10 @@
 use std::error::Error;
 
 use plotters::prelude::*;
-use pushbelt::variator::instance::Variator;
 use pushbelt::variator::linear::modes;
-use pushbelt::variator::parameters::{Axial, Drive, Parameters};
-use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::{Axial, Drive, Parameters};
 
 /// Where a belt runs: the primary sheave is held, the secondary shaft at its speed.
 #[derive(Clone, Copy)]

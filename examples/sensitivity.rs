@@ -6,9 +6,9 @@
 
 use std::error::Error;
 
-use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::{Axial, Drive, Parameters};
-use pushbelt::variator::signals::{Inputs, StartState};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Axial, Drive, Parameters};
+use pushbelt::variator::settings::{Inputs, StartState};
 
 /// A working point.
 struct Case {

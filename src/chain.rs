@@ -29,8 +29,27 @@
 
 use crate::ring::kinematics::{RingPoint, RingVariation};
 use crate::scalar::{Real, Tangent, smooth_plus};
-use crate::variator::parameters::Belt;
 use nalgebra::SVector;
+
+/// Parameters of the push elements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belt {
+    /// Distance e of the rocking edge (pitch line) inside the ring centre line, m.
+    pub pitch_offset: f64,
+    /// End play: pitch-line length of the unstretched ring less the stacked thickness of all elements, m.
+    pub play: f64,
+    /// Mass m_e of the elements alone per pitch-line length, kg/m.
+    pub mass_per_length: f64,
+    /// Push stiffness k_e (force per strain of the stack), N.
+    pub push_stiffness: f64,
+    /// Damping time of the stack, acting in contact only, s.
+    pub damping: f64,
+    /// Strain of the stack over which neighbouring elements come into contact: the push force is k_e⟨ν − 1⟩₊ smoothed
+    /// with this width. Rough faces touch at their summits first and close over a distance like the deviation of their
+    /// heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm of ground steel: 1e-4 to 3e-4 of elements 1.5 mm thick.
+    /// It decides how elements leave a pulley; below 5e-5 slip and thrust ratio depend on it (`docs/sensitivity.md`).
+    pub contact_strain: f64,
+}
 
 /// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
 pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
@@ -42,7 +61,7 @@ pub const CLOSING_SMOOTHING: f64 = 1.0e-2;
 /// over.
 pub const SQUEEZE_SPEED: f64 = 1.0;
 
-/// Flow far above which elements that part carry nothing of their neighbours' speed, m/s.
+/// Flow far above which elements that part are not affected by their neighbours' speed, m/s.
 pub const FREE_FLOW: f64 = 3.0;
 
 /// The chain at a mesh point.
@@ -69,7 +88,7 @@ pub struct ChainPoint<T: Real, const D: usize = 2> {
 }
 
 impl<T: Real, const D: usize> ChainPoint<T, D> {
-    /// Kinematics on a ring point at element speed `speed`.
+    /// The chain on a ring point, at the element speed `speed`.
     #[inline(always)]
     pub fn new(pitch_offset: f64, point: &RingPoint<T, D>, theta_dot: T, speed: T) -> Self {
         let reference = &point.reference;
@@ -113,7 +132,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         self.speed * self.lead
     }
 
-    /// As fast as `along` along t̂ and as the ring across it, m/s.
+    /// The velocity that has the component `along` along t̂, and those of the ring across it, m/s.
     #[inline(always)]
     fn velocity(&self, point: &RingPoint<T, D>, along: T) -> SVector<T, D> {
         let mut velocity = point.t * along;
@@ -161,7 +180,7 @@ pub struct ChainVariation<T: Real> {
 }
 
 impl<T: Real> ChainVariation<T> {
-    /// None.
+    /// The variation of a point that does not vary.
     #[inline(always)]
     pub fn none() -> Self {
         let zero = T::zero();
@@ -176,7 +195,7 @@ impl<T: Real> ChainVariation<T> {
         }
     }
 
-    /// Where V varies by `speed` and the ring doesn't.
+    /// The variation where V varies by `speed` and the ring doesn't.
     #[inline(always)]
     pub fn of_speed<const D: usize>(chain: &ChainPoint<T, D>, speed: T) -> Self {
         Self {
@@ -215,7 +234,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         }
     }
 
-    /// Its variation where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
+    /// The variation of the point where the ring varies by `by` and V by `speed`. λ varies as |r'| does.
     #[inline(always)]
     pub fn vary(&self, point: &RingPoint<T, D>, by: &RingVariation<T, D>, speed: T) -> ChainVariation<T> {
         let (mut normal_speed, mut curvature) = ([T::zero(); 2], [T::zero(); 2]);
@@ -296,7 +315,7 @@ impl<T: Real> Stack<T> {
     }
 }
 
-/// Push force of a cell, N, and the power its damping takes per rate of shortening.
+/// Push force of a cell, and what of it is damping.
 #[derive(Clone, Copy, Debug)]
 pub struct Push<T> {
     /// Q, N.
@@ -341,15 +360,18 @@ pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwi
     nu * size * difference * upwinding * (0.5 * belt.mass_per_length)
 }
 
+/// Share of gaps 1 − ν at which the elastic energy is counted as zero: the play of a belt leaves fewer.
+const WIDEST_GAPS: f64 = 0.1;
+
 /// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' = k_e⟨ν−1⟩₊/ν².
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(belt: &Belt, nu: T) -> T {
     // 1/ν² is expanded about contact: ν − 1 is below 1e-2 wherever force acts.
-    crate::scalar::smooth_plus_energy(nu - 1.0, belt.contact_strain, 0.1) * belt.push_stiffness
+    crate::scalar::smooth_plus_energy(nu - 1.0, belt.contact_strain, WIDEST_GAPS) * belt.push_stiffness
 }
 
-/// What the balance of the amounts needs of a cell.
+/// The quantities of a cell from which the flux of elements follows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Transport<T> {
     /// J at its left face, m/s.
@@ -361,7 +383,7 @@ pub struct Transport<T> {
 }
 
 impl<T> Transport<T> {
-    /// The same of each figure.
+    /// The function of each quantity.
     pub fn map<U>(self, f: impl Fn(T) -> U) -> Transport<U> {
         Transport {
             flow: f(self.flow),
@@ -370,19 +392,20 @@ impl<T> Transport<T> {
         }
     }
 
-    /// Its figures.
+    /// The quantities.
     pub fn each(&self) -> [&T; 3] {
         [&self.flow, &self.density, &self.lag]
     }
 
-    /// Its figures, to write to.
+    /// The quantities, to write to.
     pub fn each_mut(&mut self) -> [&mut T; 3] {
         [&mut self.flow, &mut self.density, &mut self.lag]
     }
 }
 
 impl Transport<f64> {
-    /// Slope in direction `k` of what has these derivatives with respect to the figures, whose own slopes are `slopes`.
+    /// Slope in direction `k` of a function that has these derivatives with respect to the quantities, where `slopes` are
+    /// the slopes of the quantities.
     #[inline]
     #[must_use]
     pub fn along<const N: usize>(&self, slopes: &Transport<[f64; N]>, k: usize) -> f64 {
@@ -394,10 +417,10 @@ impl Transport<f64> {
 /// than at its left.
 ///
 /// In a steady state J ν is the same all around. With J at the face downstream, ν belongs half a cell upstream of its
-/// middle. That counts where elements leave a pulley: within 3 mm the push force falls to its last newtons, ν passes
-/// where the flow is as fast as waves in the stack, and what is left sets the gaps in the strand. With J of the middle
-/// it is of second order there. In contact, and with the weight of [`upwinding`], the face stays: with the middle alone
-/// a sawtooth of V would leave all amounts as they are.
+/// middle. That matters where elements leave a pulley. There the push force falls to a few newtons within 3 mm, ν passes
+/// the point where the flow is as fast as waves in the stack, and the rest of the force sets the gaps in the strand.
+/// With J of the middle, ν is of second order there. In contact, and with the weight of [`upwinding`], J of the face is
+/// used: with the middle alone a sawtooth of V would leave all amounts as they are.
 #[inline(always)]
 pub fn lag<T: Real>(difference: T, contact: T, upwinding: T) -> T {
     (-contact + 1.0) * (-upwinding + 1.0) * difference * 0.5
@@ -410,7 +433,7 @@ pub fn flux<T: Real>(before: &Transport<T>, after: &Transport<T>) -> T {
     forward * before.density - backward * after.density
 }
 
-/// Derivatives of [`flux`] with respect to what it needs of both cells.
+/// Derivatives of [`flux`] with respect to the quantities of both cells.
 #[must_use]
 pub fn flux_slopes(before: &Transport<f64>, after: &Transport<f64>) -> [Transport<f64>; 2] {
     let seeded = |cell: &Transport<f64>, first: usize| -> Transport<Tangent<6, f64>> {

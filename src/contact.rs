@@ -21,7 +21,26 @@
 #![forbid(unsafe_code)]
 
 use crate::scalar::{Real, smooth_plus};
-use crate::variator::parameters::{Contact, Friction};
+
+/// Parameters of the contact between element flank and sheave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Stiffness k_c per flank and pitch-line length, N/m².
+    pub stiffness: f64,
+    /// Damping time of the penetration, s.
+    pub damping: f64,
+}
+
+/// Friction coefficients and their regularisation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Friction {
+    /// Coefficient μ between element flank and sheave.
+    pub pulley: f64,
+    /// Coefficient μ_r between ring and element saddle.
+    pub ring: f64,
+    /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
+    pub velocity: f64,
+}
 
 /// Smoothing width of the penetration, m: small against a working penetration of 10 to 40 µm.
 pub const PENETRATION_SMOOTHING: f64 = 0.5e-6;
@@ -40,8 +59,8 @@ pub struct FlankMotion<T> {
 }
 
 impl<T: Real> FlankMotion<T> {
-    /// Of the flank towards which an element is off the middle by `offset`, m, and moves at `speed`, m/s; for the other
-    /// flank both are the opposite.
+    /// The motion of a flank whose element is off the middle towards it by `offset`, m, and moves towards it at `speed`,
+    /// m/s. For the other flank both have the opposite sign.
     #[inline(always)]
     #[must_use]
     pub fn shifted(&self, offset: T, speed: T, sin_beta: f64) -> Self {
@@ -67,7 +86,7 @@ pub struct FlankForce<T> {
     pub along_flank: T,
 }
 
-/// The law; `cos_beta` = cos β.
+/// Forces on an element that moves like this; `cos_beta` = cos β.
 #[inline(always)]
 pub fn flank_force<T: Real>(
     contact: &Contact,
@@ -98,12 +117,15 @@ pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: 
     2.0 * friction.pulley * force * radius / cos_beta
 }
 
+/// Clearance at which the elastic energy is counted as zero, m: no flank is that far from its sheave.
+const WIDEST_CLEARANCE: f64 = 1.0;
+
 /// Elastic energy of a flank per pitch-line length, J/m.
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
-    crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, 1.0) * stiffness
+    crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, WIDEST_CLEARANCE) * stiffness
 }
 
 #[cfg(test)]
@@ -112,8 +134,16 @@ mod tests {
     use num_dual::Dual64;
 
     fn setting() -> (Contact, Friction) {
-        let p = crate::variator::parameters::Parameters::default();
-        (p.contact, p.friction)
+        let contact = Contact {
+            stiffness: 5.0e9,
+            damping: 1.0e-6,
+        };
+        let friction = Friction {
+            pulley: 0.09,
+            ring: 0.05,
+            velocity: 5.0e-4,
+        };
+        (contact, friction)
     }
 
     /// Sticking, sliding, breaking contact: derivatives in each direction against differences.

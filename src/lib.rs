@@ -9,7 +9,7 @@
 //! | [`reference_curve`] | the belt's closed curve r(ξ, Θ) and its derivatives |
 //! | [`ring`] | beam kinematics, elastic energy, inertia; the ring alone as a system |
 //! | [`chain`], [`contact`], [`pulley`] | push elements, flank contact with friction, sheaves: pure laws |
-//! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::instance::Variator`] |
+//! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::run::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix: knows no belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
 //! | [`tape`] | values to bytes and back: stored states |
@@ -17,7 +17,7 @@
 //! | [`fmi2`] | FMI 2.0 state machine and C functions: knows no physics |
 //!
 //! ```
-//! use pushbelt::variator::{instance::Variator, parameters::Parameters, signals::Inputs};
+//! use pushbelt::variator::{Variator, settings::{Inputs, Parameters}};
 //!
 //! let mut variator = Variator::new(Parameters::default())?;
 //! let inputs = Inputs::default();

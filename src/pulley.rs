@@ -1,9 +1,104 @@
-//! End stops of the movable sheaves. The pulleys' equations of motion are rows of `variator/boundary.rs`.
+//! The two pulleys, values for each, and the end stops of the movable sheaves. Their equations of motion stand in
+//! `variator/pulleys/`.
 
 #![forbid(unsafe_code)]
 
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
-use crate::variator::parameters::Pulley;
+use std::ops::{Index, IndexMut};
+
+/// A pulley of the variator, in the order in which the belt meets them from ξ = 0 on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Pulley {
+    /// The driven one, at the origin.
+    Secondary,
+    /// The driving one, at (d_A, 0).
+    Primary,
+}
+
+impl Pulley {
+    /// Both, in the order along ξ.
+    pub const BOTH: [Self; 2] = [Self::Secondary, Self::Primary];
+
+    /// The pulley across the belt.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Self::Secondary => Self::Primary,
+            Self::Primary => Self::Secondary,
+        }
+    }
+
+    /// The name that the interface's variables begin with.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Secondary => "secondary",
+            Self::Primary => "primary",
+        }
+    }
+}
+
+/// A value for each pulley.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PerPulley<T> {
+    /// Of the secondary pulley.
+    pub secondary: T,
+    /// Of the primary pulley.
+    pub primary: T,
+}
+
+impl<T> PerPulley<T> {
+    /// The values that `of` gives, the secondary pulley's first.
+    #[inline(always)]
+    pub fn from_fn(mut of: impl FnMut(Pulley) -> T) -> Self {
+        Self {
+            secondary: of(Pulley::Secondary),
+            primary: of(Pulley::Primary),
+        }
+    }
+
+    /// What `f` makes of each value.
+    #[inline(always)]
+    pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> PerPulley<U> {
+        PerPulley {
+            secondary: f(self.secondary),
+            primary: f(self.primary),
+        }
+    }
+
+    /// References to both values, to write to, the secondary pulley's first.
+    #[inline(always)]
+    pub fn each_mut(&mut self) -> [&mut T; 2] {
+        [&mut self.secondary, &mut self.primary]
+    }
+
+    /// The values, the secondary pulley's first.
+    #[inline(always)]
+    pub fn into_array(self) -> [T; 2] {
+        [self.secondary, self.primary]
+    }
+}
+
+impl<T> Index<Pulley> for PerPulley<T> {
+    type Output = T;
+    #[inline(always)]
+    fn index(&self, pulley: Pulley) -> &T {
+        match pulley {
+            Pulley::Secondary => &self.secondary,
+            Pulley::Primary => &self.primary,
+        }
+    }
+}
+
+impl<T> IndexMut<Pulley> for PerPulley<T> {
+    #[inline(always)]
+    fn index_mut(&mut self, pulley: Pulley) -> &mut T {
+        match pulley {
+            Pulley::Secondary => &mut self.secondary,
+            Pulley::Primary => &mut self.primary,
+        }
+    }
+}
 
 /// Stiffness of the end stops, N/m: 20 kN compress a stop by 20 µm.
 pub const STOP_STIFFNESS: f64 = 1.0e9;
@@ -33,12 +128,13 @@ pub struct StopForce<T> {
 }
 
 impl Travel {
-    /// Travel of `pulley` with pitch radius `r0` at ratio 1 and wedge angle β.
+    /// Travel of a pulley between its smallest and largest pitch radius, m. `r0` is the pitch radius at ratio 1, m, and
+    /// `tan_beta` = tan β of the wedge.
     #[must_use]
-    pub fn new(pulley: &Pulley, r0: f64, tan_beta: f64) -> Self {
+    pub fn new((min_radius, max_radius): (f64, f64), r0: f64, tan_beta: f64) -> Self {
         Self {
-            open: 2.0 * (pulley.min_radius - r0) * tan_beta,
-            closed: 2.0 * (pulley.max_radius - r0) * tan_beta,
+            open: 2.0 * (min_radius - r0) * tan_beta,
+            closed: 2.0 * (max_radius - r0) * tan_beta,
         }
     }
 

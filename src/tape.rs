@@ -1,8 +1,8 @@
 //! A row of values that is written once and read back in the same order.
 //!
-//! What has to outlive its process passes all its values by a [`Tape`], in one function for both directions: so reading
-//! can't fall out of step with writing. Numbers keep their bits. Structures are built before they are read into, so
-//! lengths are known, and a tape that doesn't fit is found out.
+//! A structure that is stored writes its values to a [`Tape`] or reads them from one, by one function for both
+//! directions. So values are read in the order in which they were written. Numbers keep their bits. A structure is built
+//! before its values are read, so the lengths are known, and a tape that does not fit is rejected.
 
 #![forbid(unsafe_code)]
 
@@ -68,6 +68,7 @@ impl<'a> Tape<'a> {
         }
     }
 
+    /// Writes `value`, or reads as many bytes; `value` itself if there are too few.
     fn word<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
         match &mut self.0 {
             Mode::Write(bytes) => bytes.extend_from_slice(&value),
@@ -135,6 +136,7 @@ impl<'a> Tape<'a> {
         }
     }
 
+    /// The length of a slice, which a reading tape must repeat.
     fn length(&mut self, length: usize) {
         let mut found = length as u64;
         self.counter(&mut found);

@@ -10,6 +10,7 @@ use pushbelt::fmi2::Unit;
 use pushbelt::fmi2::c_abi::*;
 use pushbelt::fmi2::log::Status::{self, Error, Ok};
 use pushbelt::fmi2::table::{Causality, Kind};
+use pushbelt::unit::c_abi::*;
 use pushbelt::unit::{VariatorUnit, model_description};
 
 /// What a logger was told: instance, status, category, message.

@@ -1,11 +1,11 @@
 //! The linear model against the variator itself: small steps of each load.
 
 use nalgebra::DMatrix;
-use pushbelt::variator::instance::Variator;
 use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise, modes};
 use pushbelt::variator::mesh::P;
-use pushbelt::variator::parameters::{Mesh, Parameters, RingModel};
-use pushbelt::variator::signals::{Inputs, Outputs};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Inputs, Outputs};
+use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
 use pushbelt_lab::variators::inputs;
 
 type Read = fn(&Outputs) -> f64;

@@ -6,7 +6,7 @@ use std::path::Path;
 use pushbelt::fmi2::Unit;
 use pushbelt::fmi2::table::{Access, Causality, Kind};
 use pushbelt::unit::{Settings, VariatorUnit, model_description};
-use pushbelt::variator::validation::range_of;
+use pushbelt::variator::settings::range_of;
 
 #[test]
 fn the_checked_in_file_is_what_the_table_says() {

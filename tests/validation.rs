@@ -1,9 +1,9 @@
 //! Bad parameters and inputs: each is refused by a message that names variable, value and allowed range.
 
-use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::{Parameters, RingModel};
-use pushbelt::variator::signals::Inputs;
-use pushbelt::variator::validation::{ParameterError, Value, range_of};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::{ParameterError, Value, range_of};
+use pushbelt::variator::settings::{Parameters, RingModel};
 
 fn refused(change: impl FnOnce(&mut Parameters)) -> ParameterError {
     let mut parameters = Parameters::default();

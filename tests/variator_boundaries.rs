@@ -1,7 +1,7 @@
 //! Whatever a master connects to shafts and sheaves, and whatever it does with them, the run goes on.
 
-use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
-use pushbelt::variator::signals::{Inputs, Outputs, StartState};
+use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
+use pushbelt::variator::settings::{Inputs, Outputs, StartState};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::run::Run;
 use pushbelt_lab::variators::{MODELS, SPEED, coarse, inputs, variator};

@@ -1,7 +1,7 @@
 //! The overlay in directions that turn with the reference curve, A_i = [t, n, b]_ref in (10), instead of fixed ones:
 //! the same belt in other coordinates.
 
-use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
+use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt_lab::load_cases::LoadCase;
 use pushbelt_lab::run::Run;
 use pushbelt_lab::steady::load_case;
@@ -24,7 +24,7 @@ fn both_choices_find_the_same_steady_states() {
             fixed.mesh = fixed.mesh.refined(refinement);
             let [fixed, turning] = [fixed.clone(), turning(&fixed)].map(|parameters| load_case(&parameters, &case));
             let (f, t) = (&fixed.outputs, &turning.outputs);
-            let off = |of: fn(&pushbelt::variator::signals::Outputs) -> f64| of(t) / of(f) - 1.0;
+            let off = |of: fn(&pushbelt::variator::settings::Outputs) -> f64| of(t) / of(f) - 1.0;
             let off = [off(|o| o.thrust_ratio), off(|o| o.ring_tension_max), off(|o| o.efficiency)];
             println!(
                 "{}, {refinement} times: thrust ratio {:+.2e}, largest tension {:+.2e}, efficiency {:+.2e} off; power defect {:.1e}; {} instead of \

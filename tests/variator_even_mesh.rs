@@ -1,8 +1,7 @@
 //! Elements evenly spaced along the belt, as the paper's: the same laws hold, and what it costs that arc borders move
 //! through them.
 
-use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
-use pushbelt::variator::signals::Outputs;
+use pushbelt::variator::settings::{Drive, Outputs, Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::load_cases::{LoadCase, ratio};
 use pushbelt_lab::run::Run;

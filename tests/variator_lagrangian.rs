@@ -2,11 +2,11 @@
 //! books and go on from a stored state bit for bit.
 
 use pushbelt::tape::Tape;
-use pushbelt::variator::instance::Variator;
 use pushbelt::variator::layout::Global;
 use pushbelt::variator::linear::{LinearError, linearise};
-use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
-use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
 use pushbelt_lab::checks::assert_pinned;
 use pushbelt_lab::load_cases::{LoadCase, ratio};
 use pushbelt_lab::run::Run;

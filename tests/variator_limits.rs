@@ -1,8 +1,8 @@
 //! Limits in which the variator obeys a closed law: no friction, full slip, small steps of the clamping force.
 
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::{Axial, Drive, RingModel};
-use pushbelt::variator::signals::Outputs;
+use pushbelt::variator::settings::Outputs;
+use pushbelt::variator::settings::{Axial, Drive, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::load_cases::given;
 use pushbelt_lab::run::Run;

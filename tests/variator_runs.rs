@@ -1,8 +1,8 @@
 //! Runs of the variator: the manoeuvre's books, tolerance, communication steps, repeatability, counts.
 
-use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::{Axial, Drive, Parameters, RingModel};
-use pushbelt::variator::signals::{Inputs, Outputs};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
+use pushbelt::variator::settings::{Inputs, Outputs};
 use pushbelt_lab::checks::{assert_close, assert_pinned};
 use pushbelt_lab::manoeuvre::Manoeuvre;
 use pushbelt_lab::run::Run;

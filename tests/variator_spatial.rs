@@ -3,7 +3,7 @@
 use pushbelt::solver::System;
 use pushbelt::variator::layout::{Global, Layout};
 use pushbelt::variator::mesh::P;
-use pushbelt::variator::parameters::{Parameters, RingModel};
+use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::load_cases::given;
 use pushbelt_lab::run::Run;
@@ -68,9 +68,10 @@ fn aligned_pulleys_keep_the_belt_in_its_plane() {
         q[space.layout.node(node, 4)] = primary;
     }
     let mut planar = vec![0.0; flat.state.y.len()];
-    flat.system.clone().residual(flat.state.view(), &mut planar);
+    flat.system.clone().residual(0.0, flat.state.view(), &mut planar);
     let mut rows = vec![0.0; n];
     space.residual(
+        0.0,
         pushbelt::solver::View {
             y: &y,
             y_dot: &y_dot,

@@ -1,9 +1,9 @@
 //! Steady states of the variator: load cases, power balance, symmetry, what mesh and regularisation are worth.
 
-use pushbelt::variator::boundary::SpeedMode;
+use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::{Parameters, RingModel};
-use pushbelt::variator::sample::Sample;
+use pushbelt::variator::pulleys::loads::ShaftMode;
+use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::SteadyTask;
 use pushbelt_lab::checks::{assert_close, assert_pinned};
 use pushbelt_lab::load_cases::{LoadCase, given, ratio};
@@ -278,12 +278,12 @@ fn swapped_pulleys_mirror_each_other() {
         parameters.mesh = mesh(12, 8);
         for i in [0.5, ratio(0.2), 1.0, 1.6] {
             let task = SteadyTask {
-                speed: [SpeedMode::Transmit(50.0), SpeedMode::Fixed],
+                speed: [ShaftMode::Transmit(50.0), ShaftMode::Fixed],
                 ..given(i, P, 9000.0, 0.01)
             };
             let direct = steady(&parameters, &task, [SPEED / i, SPEED]).outputs;
             let task = SteadyTask {
-                speed: [SpeedMode::Fixed, SpeedMode::Torque(-direct.secondary.shaft_torque)],
+                speed: [ShaftMode::Fixed, ShaftMode::Torque(-direct.secondary.shaft_torque)],
                 ..given(1.0 / i, S, 9000.0, -0.01)
             };
             let mirrored = steady(&parameters, &task, [SPEED, SPEED * i]).outputs;
@@ -309,7 +309,7 @@ fn equal_pulleys_with_equal_torques_share_the_thrust() {
         let half = -0.5 * (o.primary.shaft_torque + o.secondary.shaft_torque);
         assert!(half > 0.0, "losses must be supplied");
         let task = SteadyTask {
-            speed: [SpeedMode::Transmit(half), SpeedMode::Fixed],
+            speed: [ShaftMode::Transmit(half), ShaftMode::Fixed],
             ..without_slip
         };
         let o = steady(&variator(model), &task, [SPEED; 2]).outputs;
@@ -327,7 +327,7 @@ fn equal_pulleys_with_equal_torques_share_the_thrust() {
 /// A load case at another torque, N·m, and primary speed, rad/s.
 fn carrying(parameters: &Parameters, case: &LoadCase, torque: f64, speed: f64) -> Steady {
     let task = SteadyTask {
-        speed: [SpeedMode::Transmit(torque), SpeedMode::Fixed],
+        speed: [ShaftMode::Transmit(torque), ShaftMode::Fixed],
         slip: 0.01 * (torque * speed).signum(),
         ..case.task()
     };

@@ -9,9 +9,9 @@ use std::hint::black_box;
 use cpu_time::ThreadTime;
 use pushbelt::contact::full_slip_torque;
 use pushbelt::solver::newton::Counts;
-use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::{Drive, Parameters, RingModel};
-use pushbelt::variator::signals::{Inputs, PulleyInputs};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Drive, Parameters, RingModel};
+use pushbelt::variator::settings::{Inputs, PulleyInputs};
 use pushbelt_lab::variators::variator;
 use serde_json::json;
 

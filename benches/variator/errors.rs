@@ -2,9 +2,9 @@
 //! elements and a tenth of the tolerance, because ten times the elements take a quarter of an hour there, and against
 //! ever tighter tolerances on its own mesh.
 
-use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::RingModel;
-use pushbelt::variator::signals::{Inputs, Outputs};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::RingModel;
+use pushbelt::variator::settings::{Inputs, Outputs};
 use pushbelt_lab::manoeuvre::Manoeuvre;
 use pushbelt_lab::variators::variator;
 use serde_json::json;

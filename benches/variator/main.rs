@@ -29,12 +29,12 @@ use pushbelt::scalar::LANES;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::solver::{State, System};
-use pushbelt::variator::boundary::SpeedMode;
-use pushbelt::variator::instance::Variator;
 use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::parameters::{Parameters, RingModel};
-use pushbelt::variator::signals::Inputs;
-use pushbelt::variator::start::{Start, kinematic_state};
+use pushbelt::variator::pulleys::loads::ShaftMode;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::{Parameters, RingModel};
+use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::steady::{SteadyTask, solve};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_lab::load_cases::{LoadCase, given};
@@ -379,7 +379,7 @@ fn steady_map(model: RingModel) -> Map {
         for k in 0..MAP_TORQUES {
             let share = 0.05 + 0.6 * k as f64 / (MAP_TORQUES - 1) as f64;
             let task = SteadyTask {
-                speed: [SpeedMode::Transmit(share * capacity), SpeedMode::Fixed],
+                speed: [ShaftMode::Transmit(share * capacity), ShaftMode::Fixed],
                 ..given(ratio, P, MAP_FORCE, 0.01)
             };
             let cold = Start {
@@ -449,10 +449,10 @@ fn pieces(mut parameters: Parameters, factor: i32) -> Pieces {
     let mut matrix = Arrow::new(system.shape());
     let mut factors = ArrowLu::new(system.shape());
     let mut residual = vec![0.0; state.y.len()];
-    system.jacobian(state.view(), 1e4, 1e-4, &mut matrix);
+    system.jacobian(0.0, state.view(), 1e4, 1e-4, &mut matrix);
     let seconds = [
-        least(|| system.residual(state.view(), black_box(&mut residual))),
-        least(|| system.jacobian(state.view(), 1e4, 1e-4, black_box(&mut matrix))),
+        least(|| system.residual(0.0, state.view(), black_box(&mut residual))),
+        least(|| system.jacobian(0.0, state.view(), 1e4, 1e-4, black_box(&mut matrix))),
         least(|| factors.factor(black_box(&matrix)).expect("a regular matrix")),
         least(|| factors.solve(black_box(&mut residual))),
     ];

@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::sdirk::GAMMA;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::instance::Variator;
 use pushbelt::variator::layout::Global;
-use pushbelt::variator::parameters::RingModel;
-use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::RingModel;
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_lab::load_cases::LoadCase;
 use pushbelt_lab::manoeuvre::Manoeuvre;
@@ -75,7 +75,7 @@ fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
 fn dense(system: &mut VariatorSystem, state: &State, alpha: f64) -> DMatrix<f64> {
     let n = state.y.len();
     let mut arrow = Arrow::new(system.shape());
-    system.jacobian(state.view(), alpha, 1.0 / alpha, &mut arrow);
+    system.jacobian(0.0, state.view(), alpha, 1.0 / alpha, &mut arrow);
     let (mut matrix, mut unit) = (DMatrix::zeros(n, n), vec![0.0; n]);
     for (k, mut column) in matrix.column_iter_mut().enumerate() {
         unit[k] = 1.0;

@@ -1,9 +1,9 @@
 //! The ring models beside each other: in the variator, and alone.
 
 use cpu_time::ThreadTime;
-use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::{Axial, Drive, RingModel};
-use pushbelt::variator::signals::Outputs;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Outputs;
+use pushbelt::variator::settings::{Axial, Drive, RingModel};
 use pushbelt_lab::load_cases::{LoadCase, ratio};
 use pushbelt_lab::ring::{AbsoluteNodal, fixed_steps, run, swinging_band};
 use pushbelt_lab::steady::load_case;

@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 
 use cpu_time::ThreadTime;
-use pushbelt::variator::instance::Variator;
-use pushbelt::variator::parameters::RingModel;
-use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::RingModel;
 use pushbelt_lab::variators::{inputs, variator};
 use serde_json::json;
 

@@ -1,10 +1,11 @@
 //! What the tests of the laws need: the default parameters of each law, and an integral.
 
 pub use pushbelt::pulley::Travel;
-pub use pushbelt::variator::parameters::{Belt, Contact, Friction};
+pub use pushbelt::chain::Belt;
+pub use pushbelt::contact::{Contact, Friction};
 
 use pushbelt::ring::mesh::gauss;
-use pushbelt::variator::parameters::Parameters;
+use pushbelt::variator::settings::Parameters;
 
 /// The push elements of the default variator.
 #[must_use]

@@ -1,10 +1,10 @@
 //! The nine load cases of steady states.
 
 use pushbelt::contact;
-use pushbelt::variator::boundary::SpeedMode;
-use pushbelt::variator::mesh::P;
-use pushbelt::variator::parameters::Parameters;
-use pushbelt::variator::steady::SteadyTask;
+use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::variator::pulleys::loads::{Boundary, ShaftMode};
+use pushbelt::variator::settings::Parameters;
+use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt::variator::system::VariatorSystem;
 
 /// One of the nine cases: 2000 rpm, the ratio held by the primary sheave, the secondary clamped 1.3 times as hard as
@@ -25,7 +25,7 @@ impl LoadCase {
     /// The case of Θ and torque.
     pub fn new(parameters: &Parameters, name: &'static str, theta: f64, torque: f64) -> Self {
         let system = VariatorSystem::new(parameters);
-        let (primary, _) = system.curve.radii(ratio(theta)).expect("the belt closes");
+        let (primary, _) = system.belt.curve.radii(ratio(theta)).expect("the belt closes");
         let radius = primary - parameters.belt.pitch_offset;
         let cos_beta = parameters.geometry.wedge_angle.cos();
         let per_force = contact::full_slip_torque(&parameters.friction, cos_beta, 1.0, radius);
@@ -46,8 +46,11 @@ impl LoadCase {
     /// What the steady solver is asked for.
     pub fn task(&self) -> SteadyTask {
         SteadyTask {
-            speed: [SpeedMode::Transmit(self.torque), SpeedMode::Fixed],
-            ..given(ratio(self.theta), P, self.clamping, 0.01)
+            shaft: PerPulley {
+                secondary: ShaftMode::Transmit(self.torque),
+                primary: ShaftMode::Fixed,
+            },
+            ..given(ratio(self.theta), Pulley::Primary, self.clamping, 0.01)
         }
     }
 }
@@ -58,12 +61,12 @@ pub fn ratio(theta: f64) -> f64 {
 }
 
 /// A task at a given ratio and given speeds; `reaction` is the pulley whose sheave holds the ratio.
-pub fn given(ratio: f64, reaction: usize, clamping: f64, slip: f64) -> SteadyTask {
+pub fn given(ratio: f64, reaction: Pulley, clamping: f64, slip: f64) -> SteadyTask {
     SteadyTask {
         ratio,
         reaction,
-        clamping: [clamping; 2],
-        speed: [SpeedMode::Fixed; 2],
+        clamping: PerPulley::from_fn(|_| clamping),
+        shaft: Boundary::HELD.shaft,
         slip,
         warm: false,
     }

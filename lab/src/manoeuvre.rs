@@ -1,7 +1,7 @@
 //! The manoeuvre that the FMU carries.
 
-use pushbelt::variator::parameters::Parameters;
-use pushbelt::variator::signals::Inputs;
+use pushbelt::variator::settings::Inputs;
+use pushbelt::variator::settings::Parameters;
 
 use crate::variators::inputs;
 

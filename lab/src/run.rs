@@ -1,8 +1,8 @@
 //! Runs that keep the books of energy and of the element amount.
 
-use pushbelt::variator::instance::{Message, Variator};
-use pushbelt::variator::parameters::Parameters;
-use pushbelt::variator::signals::{Inputs, Outputs, PulleyInputs};
+use pushbelt::variator::run::{Message, Variator};
+use pushbelt::variator::settings::Parameters;
+use pushbelt::variator::settings::{Inputs, Outputs, PulleyInputs};
 
 /// A run that keeps its books: energy and element amount at every output point.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ impl Run {
     }
 
     fn look(&mut self) {
-        let moved = self.variator.system().ledger.moved;
+        let moved = self.variator.ledger().moved;
         let time = self.variator.time();
         let o = self.variator.outputs();
         for (value, name) in [
@@ -140,6 +140,5 @@ impl Run {
 
 /// Element amount Σ N, m.
 fn amount(v: &Variator) -> f64 {
-    let layout = v.system().layout;
-    (0..layout.cells()).map(|i| v.state().y[layout.amount(i)]).sum()
+    v.system().belt.cells_at.iter().map(|at| v.state().y[at.amount]).sum()
 }

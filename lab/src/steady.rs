@@ -1,15 +1,14 @@
 //! Steady states, with the fields along the belt.
 
+use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
-use pushbelt::variator::layout::Global;
-use pushbelt::variator::mesh::{P, S};
-use pushbelt::variator::observe::{Context, Observer};
-use pushbelt::variator::parameters::Parameters;
-use pushbelt::variator::sample::Sample;
-use pushbelt::variator::signals::{Outputs, StartState};
-use pushbelt::variator::start::{Start, kinematic_state};
-use pushbelt::variator::steady::{self, SteadyTask};
+use pushbelt::variator::cell::sample::Sample;
+use pushbelt::variator::settings::{Outputs, Parameters, StartState};
+use pushbelt::variator::steady::solve::{SteadyTask, solve};
+use pushbelt::variator::steady::start::{Start, kinematic_state};
+use pushbelt::variator::survey::observe::{Context, Observer};
+use pushbelt::variator::survey::survey::Survey;
 use pushbelt::variator::system::VariatorSystem;
 
 use crate::load_cases::{LoadCase, ratio};
@@ -25,9 +24,9 @@ pub struct Steady {
     pub system: VariatorSystem,
     /// The state.
     pub state: State,
-    /// What it tells.
+    /// Outputs there.
     pub outputs: Outputs,
-    /// What it took.
+    /// Work that it took.
     pub counts: Counts,
 }
 
@@ -45,8 +44,8 @@ pub struct At {
 impl Steady {
     /// Every station around the loop.
     pub fn stations(&self) -> Vec<At> {
-        let mesh = &self.system.mesh;
-        let survey = self.system.surveyed(self.state.view());
+        let mesh = &self.system.belt.mesh;
+        let survey = Survey::of(&self.system, self.state.view());
         survey
             .stations(mesh)
             .map(|(cell, sample)| At {
@@ -64,40 +63,45 @@ impl Steady {
         (o.primary.power + o.secondary.power - o.losses.total()) / driving
     }
 
-    /// Wrap angles α_S, α_P of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched ring is
+    /// Wrap angles of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched ring is
     /// larger than its reference curve.)
-    pub fn wrap(&self) -> [f64; 2] {
+    pub fn wrap(&self) -> PerPulley<f64> {
         let difference = self.outputs.primary.radius - self.outputs.secondary.radius;
-        let half = (difference / self.system.law.parameters.geometry.center_distance).acos();
-        [2.0 * half, std::f64::consts::TAU - 2.0 * half]
+        let half = (difference / self.system.parameters.geometry.center_distance).acos();
+        PerPulley {
+            secondary: 2.0 * half,
+            primary: std::f64::consts::TAU - 2.0 * half,
+        }
     }
 }
 
-/// The steady state of a task. `speeds` are ω_S and ω_P; a speed that the task leaves free is a first guess.
-pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: [f64; 2]) -> Steady {
+/// The steady state of a task. `speeds` are those of the shafts, rad/s; a speed that the task leaves free is a first guess.
+pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>) -> Steady {
     parameters.validate().expect("valid parameters");
     let mut system = VariatorSystem::new(parameters);
     let start = Start {
         ratio: task.ratio,
-        primary_speed: speeds[P],
+        primary_speed: speeds.primary,
         clamping: task.clamping,
     };
-    let mut state = kinematic_state(&system, &start).expect("the belt closes");
-    for j in [S, P] {
-        state.y[system.layout.global(Global::Speed, j)] = speeds[j];
+    let mut state = kinematic_state(&system.belt, &start).expect("the belt closes");
+    for pulley in Pulley::BOTH {
+        state.y[system.belt.layout.shaft_speed(pulley)] = speeds[pulley];
     }
     let mut newton = Newton::new(&system);
-    if let Err(report) = steady::solve(&mut system, &mut newton, &mut state, task, MAX_SOLVES) {
+    if let Err(report) = solve(&mut system, &mut newton, &mut state, task, MAX_SOLVES) {
         panic!("no steady state of {task:?} at {speeds:?} rad/s: {report:?}");
     }
     let context = Context {
-        external_torque: [0.0; 2],
+        external_torque: PerPulley::default(),
         macro_slip: false,
+        supplied: 0.0,
+        lost: 0.0,
         initial_energy: 0.0,
         start_state: StartState::Steady,
     };
     let mut outputs = Outputs::default();
-    let survey = system.surveyed(state.view());
+    let survey = Survey::of(&system, state.view());
     Observer::default().observe(&system, state.view(), &survey, &context, &mut outputs);
     Steady {
         system,
@@ -109,5 +113,9 @@ pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: [f64; 2]) -> S
 
 /// The steady state of a load case.
 pub fn load_case(parameters: &Parameters, case: &LoadCase) -> Steady {
-    steady(parameters, &case.task(), [SPEED / ratio(case.theta), SPEED])
+    let speeds = PerPulley {
+        secondary: SPEED / ratio(case.theta),
+        primary: SPEED,
+    };
+    steady(parameters, &case.task(), speeds)
 }

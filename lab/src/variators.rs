@@ -1,8 +1,8 @@
 //! Variators and inputs that the tests share.
 
 use pushbelt::contact;
-use pushbelt::variator::parameters::{Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel};
-use pushbelt::variator::signals::{Inputs, PulleyInputs, PulleyOutputs};
+use pushbelt::variator::settings::{Inputs, PulleyInputs, PulleyOutputs};
+use pushbelt::variator::settings::{Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel};
 
 /// 2000 rpm, rad/s.
 pub const SPEED: f64 = 209.44;

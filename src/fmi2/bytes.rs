@@ -18,7 +18,7 @@ const HEAD: usize = 8 + 4 + 16 + 8;
 /// Bytes of the checksum.
 const CHECKSUM: usize = 16;
 
-/// Wraps a content.
+/// The content as a stored state of the FMU with this GUID.
 pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEAD + content.len() + CHECKSUM);
     bytes.extend_from_slice(MAGIC);

@@ -9,12 +9,12 @@ use quick_xml::writer::Writer;
 use super::hash::Fnv;
 use super::log::Category;
 use super::table::{Access, Causality, Enumeration, Kind, Table, UnitDefinition, Variable};
-use super::unit::Unit;
+use super::unit::{Identity, Unit};
 
 /// The model description of a unit.
 ///
 /// # Panics
-/// Never: writing to memory does not fail.
+/// It does not panic: writing to memory does not fail.
 #[must_use]
 pub fn model_description<U: Unit>() -> String {
     let table = U::table();
@@ -23,7 +23,7 @@ pub fn model_description<U: Unit>() -> String {
     String::from_utf8(bytes).expect("the writer is given text only")
 }
 
-/// The GUID of a unit: a hash of its description, so that description and binary can't drift apart.
+/// The GUID of a unit: a hash of its description, so that description and binary fit each other.
 #[must_use]
 pub fn guid<U: Unit>() -> String {
     guid_of::<U>(&U::table())
@@ -49,31 +49,8 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid
     let identity = U::IDENTITY;
     let mut xml = Writer::new_with_indent(to, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    let head: Attributes = vec![
-        ("fmiVersion", "2.0".into()),
-        ("modelName", identity.name.into()),
-        ("guid", guid.into()),
-        ("description", identity.description.into()),
-        ("author", identity.author.into()),
-        ("version", identity.version.into()),
-        ("license", identity.license.into()),
-        (
-            "generationTool",
-            format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
-        ),
-        ("variableNamingConvention", "structured".into()),
-    ];
-    parent(&mut xml, "fmiModelDescription", head, |xml| {
-        let capabilities: Attributes = vec![
-            ("modelIdentifier", identity.name.into()),
-            ("canHandleVariableCommunicationStepSize", "true".into()),
-            ("canInterpolateInputs", "true".into()),
-            ("maxOutputDerivativeOrder", "1".into()),
-            ("canNotUseMemoryManagementFunctions", "true".into()),
-            ("canGetAndSetFMUstate", "true".into()),
-            ("canSerializeFMUstate", "true".into()),
-        ];
-        empty(xml, "CoSimulation", capabilities)?;
+    parent(&mut xml, "fmiModelDescription", head(&identity, guid), |xml| {
+        empty(xml, "CoSimulation", capabilities(&identity))?;
         parent(xml, "UnitDefinitions", vec![], |xml| {
             table.units.iter().try_for_each(|unit| unit_definition(xml, unit))
         })?;
@@ -92,13 +69,7 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid
                 empty(xml, "Category", category)
             })
         })?;
-        let experiment: Attributes = vec![
-            ("startTime", "0".into()),
-            ("stopTime", number(identity.stop_time)),
-            ("tolerance", number(identity.tolerance)),
-            ("stepSize", number(identity.step_size)),
-        ];
-        empty(xml, "DefaultExperiment", experiment)?;
+        empty(xml, "DefaultExperiment", default_experiment(&identity))?;
         let settings = U::Settings::default();
         parent(xml, "ModelVariables", vec![], |xml| {
             table
@@ -109,6 +80,44 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid
         parent(xml, "ModelStructure", vec![], |xml| model_structure(xml, table))
     })?;
     xml.get_mut().write_all(b"\n")
+}
+
+fn head(identity: &Identity, guid: &str) -> Attributes {
+    vec![
+        ("fmiVersion", "2.0".into()),
+        ("modelName", identity.name.into()),
+        ("guid", guid.into()),
+        ("description", identity.description.into()),
+        ("author", identity.author.into()),
+        ("version", identity.version.into()),
+        ("license", identity.license.into()),
+        (
+            "generationTool",
+            format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
+        ),
+        ("variableNamingConvention", "structured".into()),
+    ]
+}
+
+fn capabilities(identity: &Identity) -> Attributes {
+    vec![
+        ("modelIdentifier", identity.name.into()),
+        ("canHandleVariableCommunicationStepSize", "true".into()),
+        ("canInterpolateInputs", "true".into()),
+        ("maxOutputDerivativeOrder", "1".into()),
+        ("canNotUseMemoryManagementFunctions", "true".into()),
+        ("canGetAndSetFMUstate", "true".into()),
+        ("canSerializeFMUstate", "true".into()),
+    ]
+}
+
+fn default_experiment(identity: &Identity) -> Attributes {
+    vec![
+        ("startTime", "0".into()),
+        ("stopTime", number(identity.stop_time)),
+        ("tolerance", number(identity.tolerance)),
+        ("stepSize", number(identity.step_size)),
+    ]
 }
 
 fn unit_definition<W: Write>(xml: &mut Writer<W>, unit: &UnitDefinition) -> io::Result<()> {
@@ -145,18 +154,7 @@ fn type_definition<W: Write>(xml: &mut Writer<W>, enumeration: &Enumeration) -> 
 }
 
 fn scalar_variable<W: Write, S, R>(xml: &mut Writer<W>, variable: &Variable<S, R>, settings: &S) -> io::Result<()> {
-    let real = matches!(variable.kind, Kind::Real { .. });
-    let (causality, variability, initial) = match variable.causality {
-        Causality::Parameter => ("parameter", "fixed", Some("exact")),
-        Causality::Tunable => ("parameter", "tunable", Some("exact")),
-        // An input has a start value, but the standard forbids the attribute "initial" for it.
-        Causality::Input if real => ("input", "continuous", None),
-        Causality::Input => ("input", "discrete", None),
-        Causality::Output if real => ("output", "continuous", Some("calculated")),
-        Causality::Output => ("output", "discrete", Some("calculated")),
-        Causality::Local if real => ("local", "continuous", Some("calculated")),
-        Causality::Local => ("local", "discrete", Some("calculated")),
-    };
+    let (causality, variability, initial) = role(variable);
     let mut head: Attributes = vec![
         ("name", variable.name.clone()),
         ("valueReference", variable.reference.to_string()),
@@ -166,42 +164,65 @@ fn scalar_variable<W: Write, S, R>(xml: &mut Writer<W>, variable: &Variable<S, R
     ];
     head.extend(initial.map(|initial| ("initial", initial.to_string())));
     parent(xml, "ScalarVariable", head, |xml| {
-        let mut typed = Attributes::new();
-        let tag = match &variable.kind {
-            Kind::Real {
-                unit,
-                display_unit,
-                range,
-                access,
-            } => {
-                typed.push(("unit", (*unit).into()));
-                typed.extend(display_unit.map(|unit| ("displayUnit", unit.to_string())));
-                typed.extend(range.min.map(|min| ("min", number(min))));
-                typed.extend(range.max.map(|max| ("max", number(max))));
-                typed.extend(range.nominal.map(|nominal| ("nominal", number(nominal))));
-                typed.extend(start(access, settings).map(|start| ("start", number(start))));
-                "Real"
-            }
-            Kind::Integer { range, access } => {
-                typed.extend(range.map(|(min, _)| ("min", min.to_string())));
-                typed.extend(range.map(|(_, max)| ("max", max.to_string())));
-                typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
-                "Integer"
-            }
-            Kind::Boolean { access } => {
-                typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
-                "Boolean"
-            }
-            Kind::Enumeration { of, access } => {
-                typed.push(("declaredType", of.name.into()));
-                typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
-                "Enumeration"
-            }
-        };
+        let (tag, typed) = type_of(&variable.kind, settings);
         empty(xml, tag, typed)
     })
 }
 
+/// The attributes `causality`, `variability` and `initial` of a variable.
+fn role<S, R>(variable: &Variable<S, R>) -> (&'static str, &'static str, Option<&'static str>) {
+    let real = matches!(variable.kind, Kind::Real { .. });
+    match variable.causality {
+        Causality::Parameter => ("parameter", "fixed", Some("exact")),
+        Causality::Tunable => ("parameter", "tunable", Some("exact")),
+        // An input has a start value, but the standard forbids the attribute "initial" for it.
+        Causality::Input if real => ("input", "continuous", None),
+        Causality::Input => ("input", "discrete", None),
+        Causality::Output if real => ("output", "continuous", Some("calculated")),
+        Causality::Output => ("output", "discrete", Some("calculated")),
+        Causality::Local if real => ("local", "continuous", Some("calculated")),
+        Causality::Local => ("local", "discrete", Some("calculated")),
+    }
+}
+
+/// The element that states a variable's type, and its attributes.
+fn type_of<S, R>(kind: &Kind<S, R>, settings: &S) -> (&'static str, Attributes) {
+    let mut typed = Attributes::new();
+    let tag = match kind {
+        Kind::Real {
+            unit,
+            display_unit,
+            range,
+            access,
+        } => {
+            typed.push(("unit", (*unit).into()));
+            typed.extend(display_unit.map(|unit| ("displayUnit", unit.to_string())));
+            typed.extend(range.min.map(|min| ("min", number(min))));
+            typed.extend(range.max.map(|max| ("max", number(max))));
+            typed.extend(range.nominal.map(|nominal| ("nominal", number(nominal))));
+            typed.extend(start(access, settings).map(|start| ("start", number(start))));
+            "Real"
+        }
+        Kind::Integer { range, access } => {
+            typed.extend(range.map(|(min, _)| ("min", min.to_string())));
+            typed.extend(range.map(|(_, max)| ("max", max.to_string())));
+            typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
+            "Integer"
+        }
+        Kind::Boolean { access } => {
+            typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
+            "Boolean"
+        }
+        Kind::Enumeration { of, access } => {
+            typed.push(("declaredType", of.name.into()));
+            typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
+            "Enumeration"
+        }
+    };
+    (tag, typed)
+}
+
+/// The start value of a setting; readings have none.
 fn start<S, R, T>(access: &Access<S, R, T>, settings: &S) -> Option<T> {
     match access {
         Access::Setting { get, .. } => Some(get(settings)),

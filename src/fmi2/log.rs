@@ -4,11 +4,11 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(i32)]
 pub enum Status {
-    /// All well.
+    /// The call was done.
     Ok = 0,
-    /// Not quite right, the run can go on.
+    /// The call was done, but something looks wrong.
     Warning = 1,
-    /// The call could not be done; something smaller may work.
+    /// The call could not be done; a smaller step may work.
     Discard = 2,
     /// The call failed; the run can't go on without reset or a stored state.
     Error = 3,
@@ -21,13 +21,13 @@ pub enum Status {
 /// Categories of messages, as in the description's `LogCategories`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
-    /// What went wrong.
+    /// Why a call failed.
     Error,
-    /// What looks wrong.
+    /// What looks wrong but lets the run go on.
     Warning,
     /// Why a step was discarded.
     Discard,
-    /// What happened.
+    /// What the unit did.
     Events,
 }
 
@@ -35,7 +35,7 @@ impl Category {
     /// All categories.
     pub const ALL: [Self; 4] = [Self::Error, Self::Warning, Self::Discard, Self::Events];
 
-    /// Name in the log, by the standard's convention.
+    /// Name that the standard suggests for the log.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -57,12 +57,13 @@ impl Category {
         }
     }
 
+    /// The bit that stands for the category in [`Log::enabled`].
     fn bit(self) -> u8 {
         1 << self as u8
     }
 }
 
-/// Takes messages to the importer.
+/// The way of messages to the importer.
 pub trait Sink {
     /// Passes one message on.
     fn send(&self, status: Status, category: Category, text: &str);

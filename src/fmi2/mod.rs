@@ -1,29 +1,32 @@
-//! An FMI 2.0 co-simulation slave around any model: C ABI, state machine, variable table, snapshots, log, description.
+//! An FMI 2.0 co-simulation slave around any model: C functions, state machine, variable table, snapshots, log, description.
 //!
 //! Nothing here knows what is modelled. A model is a [`Unit`]: settings that the master writes (parameters and
 //! inputs), readings that it reads, a start and a step; and one [`Table`] that binds each variable's name to its
 //! field. From the table come both the answers to `fmi2Get…`/`fmi2Set…` and `modelDescription.xml`.
 //!
 //! Read in this order:
-//! - [`table`]: what a variable is; nothing about a variable is said twice;
-//! - [`mod@unit`]: what a model has to offer;
-//! - [`state`]: which function the standard allows in which state (its table 4.2.4);
-//! - [`slave`]: one instance, in the order of that state machine;
-//! - [`snapshot`]: the whole state of an instance, and [`bytes`]: the same with version and checksum;
-//! - [`log`]: messages to the importer;
-//! - [`description`]: the XML and the GUID made from it;
-//! - [`resources`]: the resource location, a URI;
-//! - `processor`: whether it has what the binary is compiled for;
-//! - [`c_abi`]: the exported functions, the only place with `unsafe`.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | [`table`] | what a variable is; each fact about a variable stands there once |
+//! | [`mod@unit`] | what a model has to offer |
+//! | [`state`] | which function the standard allows in which state (its table 4.2.4) |
+//! | [`slave`] | one instance, in the order of that state machine |
+//! | `snapshot`, `bytes` | the whole state of an instance; the same with version and checksum |
+//! | [`log`] | messages to the importer |
+//! | `description` | the XML, and the GUID made from it |
+//! | `resources` | the resource location, a URI |
+//! | `processor` | whether the processor has what the binary is compiled for |
+//! | [`c_abi`] | the C functions for any unit, the only place with `unsafe`; `export!` names them for one unit |
 //!
 //! There are no globals and no threads; every instance owns all it uses.
 
 #[forbid(unsafe_code)]
-pub mod bytes;
-#[allow(unsafe_code, non_snake_case)]
+mod bytes;
+#[allow(unsafe_code)]
 pub mod c_abi;
 #[forbid(unsafe_code)]
-pub mod description;
+mod description;
 #[forbid(unsafe_code)]
 mod hash;
 #[forbid(unsafe_code)]
@@ -31,11 +34,11 @@ pub mod log;
 #[forbid(unsafe_code)]
 mod processor;
 #[forbid(unsafe_code)]
-pub mod resources;
+mod resources;
 #[forbid(unsafe_code)]
 pub mod slave;
 #[forbid(unsafe_code)]
-pub mod snapshot;
+mod snapshot;
 #[forbid(unsafe_code)]
 pub mod state;
 #[forbid(unsafe_code)]
@@ -43,7 +46,9 @@ pub mod table;
 #[forbid(unsafe_code)]
 pub mod unit;
 
+pub(crate) use c_abi::exports::export;
 pub use description::{guid, model_description};
 pub use slave::Slave;
+pub use snapshot::Snapshot;
 pub use table::Table;
 pub use unit::Unit;

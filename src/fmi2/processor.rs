@@ -3,11 +3,11 @@
 
 use std::ffi::CStr;
 
-/// What to say if not.
+/// The message where it has not.
 pub const OBJECTION: &CStr = c"fmi2Instantiate: this processor lacks AVX2, which the FMU's binary was compiled for; \
     one built by `cargo fmu build --portable` does without";
 
-/// Whether it does.
+/// Whether the processor has what the code is compiled for.
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 #[must_use]
 pub fn suffices() -> bool {
@@ -16,7 +16,7 @@ pub fn suffices() -> bool {
     std::arch::is_x86_feature_detected!("fma") && std::arch::is_x86_feature_detected!("bmi2")
 }
 
-/// Whether it does: nothing beyond the architecture's first processors is asked for.
+/// Whether the processor has what the code is compiled for: nothing beyond the architecture's first processors is asked for.
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
 #[must_use]
 pub fn suffices() -> bool {

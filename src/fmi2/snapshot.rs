@@ -1,4 +1,4 @@
-//! The whole dynamic state of an instance: kept, brought back, and turned into bytes.
+//! The whole dynamic state of an instance, and its way into bytes and back.
 
 use super::bytes;
 use super::state::State;
@@ -59,7 +59,7 @@ impl<U: Unit> Snapshot<U> {
         Ok(snapshot)
     }
 
-    /// Passes by a tape everything, on reading into a new snapshot.
+    /// Writes everything to a tape, or reads it from one into a new snapshot.
     fn pass(&mut self, table: &Table<U::Settings, U::Readings>, tape: &mut Tape<'_>) -> Result<(), String> {
         let mut state = self.state as i32;
         tape.integer(&mut state);
@@ -75,10 +75,10 @@ impl<U: Unit> Snapshot<U> {
         pass_settings(table, &mut self.settings, tape, |variable| {
             variable.causality.is_setting()
         });
-        let mut moving = self.rates.is_some();
-        tape.flag(&mut moving);
-        if moving {
-            let rates = self.rates.get_or_insert_with(|| still(table));
+        let mut has_rates = self.rates.is_some();
+        tape.flag(&mut has_rates);
+        if has_rates {
+            let rates = self.rates.get_or_insert_with(|| zero_rates(table));
             pass_settings(table, rates, tape, is_real_input);
         }
         let mut started = self.unit.is_some();
@@ -99,8 +99,8 @@ fn is_real_input<S, R>(variable: &Variable<S, R>) -> bool {
     variable.causality == Causality::Input && matches!(variable.kind, Kind::Real { .. })
 }
 
-/// Settings whose real inputs are zero: rates of inputs that don't change.
-pub(super) fn still<S: Default, R>(table: &Table<S, R>) -> S {
+/// Settings whose real inputs are zero: the time derivatives of inputs that are held.
+pub(super) fn zero_rates<S: Default, R>(table: &Table<S, R>) -> S {
     let mut rates = S::default();
     for variable in table.variables().iter().filter(|variable| is_real_input(variable)) {
         if let Kind::Real {
@@ -114,7 +114,7 @@ pub(super) fn still<S: Default, R>(table: &Table<S, R>) -> S {
     rates
 }
 
-/// Passes by a tape the settings of some variables.
+/// Writes the settings of some variables to a tape, or reads them from one.
 fn pass_settings<S, R>(
     table: &Table<S, R>,
     settings: &mut S,

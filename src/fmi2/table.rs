@@ -1,4 +1,4 @@
-//! The variable table: everything that is known about a variable, beside the field it is bound to.
+//! The variable table: all that is known about a variable, and the field that holds its value.
 
 /// A physical unit: its name and its exponents over the SI base units and the radian.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct UnitDefinition {
 /// One value of an enumeration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
-    /// Name.
+    /// Name that a user interface shows.
     pub name: &'static str,
     /// Number that is exchanged.
     pub value: i32,
@@ -33,7 +33,7 @@ pub struct Enumeration {
     pub items: &'static [Item],
 }
 
-/// Role of a variable. Its variability follows: parameters are fixed or tunable, inputs, outputs and locals are
+/// Who sets a variable, and when. Its variability follows: parameters are fixed or tunable, inputs, outputs and locals are
 /// continuous if real and discrete otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Causality {
@@ -43,9 +43,9 @@ pub enum Causality {
     Tunable,
     /// Set between steps; held over a step, or in proportion to time with an input derivative.
     Input,
-    /// Calculated, to be wired.
+    /// Calculated, and meant to be connected to other models.
     Output,
-    /// Calculated, to be looked at.
+    /// Calculated, and meant for plots and checks.
     Local,
 }
 
@@ -83,36 +83,49 @@ pub struct Range {
     pub nominal: Option<f64>,
 }
 
+impl Range {
+    /// The allowed values for an error text.
+    fn in_words(&self, unit: &str) -> String {
+        let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+        match (self.min, self.max) {
+            (Some(min), Some(max)) => format!("{min} to {max}{unit}"),
+            (Some(min), None) => format!("at least {min}{unit}"),
+            (None, Some(max)) => format!("at most {max}{unit}"),
+            (None, None) => String::new(),
+        }
+    }
+}
+
 /// Type of a variable with what belongs to it.
 pub enum Kind<S, R> {
-    /// Real.
+    /// A real number.
     Real {
         /// Name of a unit of [`Table::units`].
         unit: &'static str,
         /// Name of a display unit of that unit.
         display_unit: Option<&'static str>,
-        /// Limits.
+        /// Limits and size of the value.
         range: Range,
-        /// Field.
+        /// Where the value lives.
         access: Access<S, R, f64>,
     },
-    /// Integer.
+    /// A whole number.
     Integer {
         /// Smallest and largest value allowed.
         range: Option<(i32, i32)>,
-        /// Field.
+        /// Where the value lives.
         access: Access<S, R, i32>,
     },
-    /// Boolean.
+    /// True or false.
     Boolean {
-        /// Field.
+        /// Where the value lives.
         access: Access<S, R, bool>,
     },
     /// Enumeration, exchanged as an integer.
     Enumeration {
-        /// Type.
+        /// The values that the variable can have.
         of: &'static Enumeration,
-        /// Field, as the number of the item.
+        /// Where the number of the value lives.
         access: Access<S, R, i32>,
     },
 }
@@ -123,9 +136,9 @@ pub struct Variable<S, R> {
     pub name: String,
     /// Value reference: the handle of the variable, never changed once given.
     pub reference: u32,
-    /// One phrase.
+    /// What the variable is, in one phrase.
     pub description: String,
-    /// Role.
+    /// Who sets the variable, and when.
     pub causality: Causality,
     /// Type, limits and field.
     pub kind: Kind<S, R>,
@@ -134,28 +147,28 @@ pub struct Variable<S, R> {
 /// Why a value was not accepted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Inadmissible {
-    /// NaN or infinite.
+    /// The value is NaN or infinite.
     #[error("{name} = {value} is not a finite number")]
     NotFinite {
-        /// Variable.
+        /// Name of the variable.
         name: String,
-        /// Value.
+        /// The value that was not accepted.
         value: f64,
     },
-    /// Out of its range.
+    /// The value is out of its range.
     #[error("{name} = {value} is out of range: {range}")]
     OutOfRange {
-        /// Variable.
+        /// Name of the variable.
         name: String,
-        /// Value.
+        /// The value that was not accepted.
         value: f64,
         /// Allowed values in words.
         range: String,
     },
 }
 
-/// How far an input may be beyond a limit, in its unit, and is taken for the limit: where another model ends at zero,
-/// rounding may leave less.
+/// An input that is beyond a limit by less than this, in its unit, is taken for the limit. Another model that ends at
+/// zero may leave a rounding error below it.
 const ROUNDING: f64 = 1.0e-6;
 
 impl<S, R> Variable<S, R> {
@@ -174,32 +187,18 @@ impl<S, R> Variable<S, R> {
             });
         }
         let exceeded = match (range.min, range.max) {
-            (Some(min), _) if value < min => Some(min),
-            (_, Some(max)) if value > max => Some(max),
-            _ => None,
+            (Some(min), _) if value < min => min,
+            (_, Some(max)) if value > max => max,
+            _ => return Ok(value),
         };
-        if let Some(limit) = exceeded {
-            if self.causality == Causality::Input && (value - limit).abs() < ROUNDING {
-                return Ok(limit);
-            }
-            let unit = if *unit == "1" {
-                String::new()
-            } else {
-                format!(" {unit}")
-            };
-            let range = match (range.min, range.max) {
-                (Some(min), Some(max)) => format!("{min} to {max}{unit}"),
-                (Some(min), None) => format!("at least {min}{unit}"),
-                (None, Some(max)) => format!("at most {max}{unit}"),
-                (None, None) => String::new(),
-            };
-            return Err(Inadmissible::OutOfRange {
-                name: self.name.clone(),
-                value,
-                range,
-            });
+        if self.causality == Causality::Input && (value - exceeded).abs() < ROUNDING {
+            return Ok(exceeded);
         }
-        Ok(value)
+        Err(Inadmissible::OutOfRange {
+            name: self.name.clone(),
+            value,
+            range: range.in_words(unit),
+        })
     }
 
     /// Checks an integer or an enumeration value against the limits; the value to be set.
@@ -232,9 +231,9 @@ impl<S, R> Variable<S, R> {
 
 /// All variables of a unit, with the units and enumerations they use.
 pub struct Table<S, R> {
-    /// Units.
+    /// Every unit that a variable uses.
     pub units: &'static [UnitDefinition],
-    /// Enumeration types.
+    /// Every enumeration that a variable uses.
     pub enumerations: &'static [&'static Enumeration],
     variables: Vec<Variable<S, R>>,
     /// (value reference, place in `variables`), sorted. A hash map would draw its seed from the operating system, by a

@@ -3,14 +3,14 @@
 use super::table::Table;
 use crate::tape::Tape;
 
-/// What the master says about the run before it starts.
+/// What the master sets for the run before it starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Experiment {
     /// Relative tolerance, if the master prescribes one.
     pub tolerance: Option<f64>,
     /// Start time, s.
     pub start: f64,
-    /// Time the master will not step beyond, if it says so, s.
+    /// Time beyond which the master will not step, if it gives one, s.
     pub stop: Option<f64>,
 }
 
@@ -24,18 +24,18 @@ impl Default for Experiment {
     }
 }
 
-/// Name and suggestions for the head of the description.
+/// Name of a model, and what its description suggests for an experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct Identity {
     /// Model name and identifier: a C identifier, also the file name of the binary.
     pub name: &'static str,
-    /// One sentence.
+    /// What the model is, in one sentence.
     pub description: &'static str,
     /// Version of the model.
     pub version: &'static str,
-    /// Who wrote it.
+    /// Authors of the model.
     pub author: &'static str,
-    /// Licence.
+    /// Licence of the model.
     pub license: &'static str,
     /// Suggested stop time of an experiment from 0 s, s.
     pub stop_time: f64,
@@ -43,7 +43,7 @@ pub struct Identity {
     pub step_size: f64,
     /// Suggested relative tolerance.
     pub tolerance: f64,
-    /// Longest communication step that is accepted, s: a slip of units should end in a message, not in hours of work.
+    /// Longest communication step that is accepted, s: a mistaken unit should end in a message, not in hours of work.
     pub longest_step: f64,
 }
 
@@ -52,7 +52,7 @@ pub struct Identity {
 pub struct Remark {
     /// Whether the user should act on it.
     pub warning: bool,
-    /// One sentence.
+    /// The remark in one sentence.
     pub text: String,
 }
 
@@ -62,17 +62,17 @@ pub enum StepFailure {
     /// A setting is out of its range; nothing was changed.
     #[error("{0}")]
     Setting(String),
-    /// The step could not be completed. [`Unit::time`] tells how far it came; from there a shorter one may be tried.
+    /// The step was completed in part. It ended at [`Unit::time`], and a shorter step may go on from there.
     #[error("{0}")]
     Discarded(String),
 }
 
-/// Readings a moment before and after the present, if the inputs go on as they did: for time derivatives.
+/// Readings a moment before and a moment after the present, from which time derivatives follow.
 #[derive(Debug)]
 pub struct Moment<R> {
-    /// A moment before.
+    /// Readings a moment before the present.
     pub before: R,
-    /// A moment after.
+    /// Readings a moment after it, with the inputs as they were.
     pub after: R,
     /// Time between the two, s.
     pub span: f64,
@@ -86,10 +86,10 @@ pub trait Unit: Clone + Sized {
     /// Outputs and locals.
     type Readings;
 
-    /// Name and suggestions.
+    /// Name of the model, and what its description suggests.
     const IDENTITY: Identity;
 
-    /// The variable table.
+    /// All variables of the model.
     fn table() -> Table<Self::Settings, Self::Readings>;
 
     /// Checks the settings as a whole.
@@ -123,10 +123,11 @@ pub trait Unit: Clone + Sized {
     /// A sentence that says what is wrong with the settings.
     fn blank(settings: &Self::Settings, experiment: &Experiment) -> Result<Self, String>;
 
-    /// Passes by a tape the whole dynamic state, solver history included: what is read from it continues bit for bit.
+    /// Writes the whole dynamic state to a tape or reads it from one, solver history included. A model that was read
+    /// continues bit for bit.
     fn pass(&mut self, tape: &mut Tape<'_>);
 
-    /// Present time, s.
+    /// The present time, s.
     fn time(&self) -> f64;
 
     /// Readings at the present time; elements of arrays only if they are asked for.

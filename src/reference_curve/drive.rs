@@ -21,7 +21,7 @@ use num_dual::{Dual3_64, DualNum};
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
-/// A pulley, as the belt's centre line sees it.
+/// A pulley with the radius of the belt's centre line on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pulley {
     /// Axis, m.
@@ -33,7 +33,7 @@ pub struct Pulley {
 /// An arm that carries a pulley.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tensioner {
-    /// Which pulley; not 0. Its axis says where the arm stands for Θ = 0.
+    /// Index of the pulley; not 0. The arm points to its axis for Θ = 0.
     pub pulley: usize,
     /// Pivot of the arm, m.
     pub pivot: [f64; 2],
@@ -64,6 +64,14 @@ pub struct Drive<const N: usize> {
     tensioner: Option<Arm>,
 }
 
+/// Most Newton steps for the length of an arm.
+const NEWTON_STEPS: usize = 50;
+/// Newton's last step as a share of the belt's length. It is below rounding, so that the length is as exact as it can be.
+const LAST_STEP: f64 = 1e-16;
+/// Largest arc of a pulley, rad: three quarters of a turn. A larger one comes from a strand on the wrong side.
+const LARGEST_WRAP: f64 = 0.75 * TAU;
+
+/// The arm of a [`Tensioner`] with the length that it has for Θ = 0.
 #[derive(Clone, Copy, Debug)]
 struct Arm {
     pulley: usize,
@@ -96,7 +104,7 @@ fn strands<D: DualNum<Primitive = f64> + Copy, const N: usize>(
         let square = dx * dx + dy * dy;
         let b = (square - difference * difference).sqrt();
         let chi = direction(dx, dy) - (square.sqrt().recip() * difference).asin();
-        // The sense of a pulley says which way the belt turns from strand to strand.
+        // On a pulley of positive radius χ grows, on one of negative radius it falls.
         let least = match before {
             None => 0.0,
             Some(before) if pulleys[j].radius > 0.0 => before,
@@ -145,7 +153,7 @@ impl<const N: usize> Drive<N> {
             return Err(DriveError::Start);
         }
         for j in 1..N {
-            if (strands[j].0 - strands[j - 1].0).abs() > 0.75 * TAU {
+            if (strands[j].0 - strands[j - 1].0).abs() > LARGEST_WRAP {
                 return Err(DriveError::Wrap(j));
             }
         }
@@ -201,12 +209,12 @@ impl<const N: usize> Drive<N> {
         };
         let mut a = arm.length;
         let mut slope = f64::NAN;
-        for _ in 0..50 {
+        for _ in 0..NEWTON_STEPS {
             let (off, by_arm) = fit(theta, a);
             slope = by_arm;
             let step = off / by_arm;
             a -= step;
-            if step.abs() < 1e-16 * self.length {
+            if step.abs() < LAST_STEP * self.length {
                 break;
             }
         }

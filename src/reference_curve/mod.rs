@@ -25,7 +25,7 @@ use std::ops::Mul;
 /// A quantity and its first and second derivative with respect to Θ at fixed η.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet<T> {
-    /// Value.
+    /// The quantity itself.
     pub v: T,
     /// ∂/∂Θ.
     pub d: T,
@@ -159,7 +159,7 @@ pub trait ReferenceCurve: Clone + Send + 'static {
     /// Length L of the curve, the same for every Θ, m.
     fn length(&self) -> f64;
 
-    /// Number of segments.
+    /// How many segments the curve has.
     fn segments(&self) -> usize;
 
     /// Whether Θ changes the curve at all. If not, it is no degree of freedom.

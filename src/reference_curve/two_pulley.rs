@@ -11,8 +11,22 @@ use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
 use std::f64::consts::PI;
 
-/// Segments of the curve in the order of ξ.
+/// Number of segments: half the secondary arc, strand, primary arc, strand, half the secondary arc.
 pub const SEGMENTS: usize = 5;
+
+/// Most Newton steps for a radius. The default variator takes one or two at every ratio; a curve that does not close
+/// may take all.
+const NEWTON_STEPS: usize = 50;
+/// Newton's last step as a share of L. The error that it leaves is of the order of its square, which is rounding.
+const LAST_STEP: f64 = 1e-8;
+/// Excess of length, as a share of L, up to which a curve counts as closed: some thousand times the rounding.
+const CLOSED: f64 = 1e-12;
+/// Largest r_P to start from, as a share of that with r_P − r_S = d_A. There φ and its derivatives end.
+const LARGEST_START: f64 = 0.999;
+/// Largest r_P that Newton may reach, as the same share.
+const LARGEST_ITERATE: f64 = 0.9999;
+/// Least |1 − i_g| for the limit of r_P: at ratio 1 there is none.
+const LEAST_DIFFERENCE: f64 = 1e-9;
 
 /// The curve around two pulleys: S at the origin, P at (d_A, 0).
 #[derive(Clone, Debug)]
@@ -82,8 +96,8 @@ impl TwoPulley {
 
     /// r_P at ratio `ratio`, NaN where there is none, m.
     fn primary_radius(&self, ratio: f64) -> f64 {
-        // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A: from the quadratic, then with
-        // the next two terms as it tells them.
+        // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A. The start solves the quadratic,
+        // and corrects it by the next two terms at that solution.
         let d = self.center_distance;
         let (square, linear) = ((1.0 - ratio) * (1.0 - ratio) / d, PI * (1.0 + ratio));
         let rest = self.length - 2.0 * d;
@@ -92,14 +106,13 @@ impl TwoPulley {
         r_p -= d * x2 * x2 * (1.0 / 12.0 + x2 / 40.0) / (linear + 2.0 * square * r_p);
         // The closure's slope is positive and bounded away from zero, so Newton converges from every start inside the
         // range of φ.
-        let limit = d / (1.0 - ratio).abs().max(1e-9);
-        r_p = r_p.clamp(0.0, 0.999 * limit);
-        for _ in 0..50 {
+        let limit = d / (1.0 - ratio).abs().max(LEAST_DIFFERENCE);
+        r_p = r_p.clamp(0.0, LARGEST_START * limit);
+        for _ in 0..NEWTON_STEPS {
             let (excess, slope) = self.closure_at(r_p, ratio);
             let step = excess / slope;
-            r_p = (r_p - step).min(0.9999 * limit);
-            // What is left is of the order of its square: nothing.
-            if step.abs() < 1e-8 * self.length {
+            r_p = (r_p - step).min(LARGEST_ITERATE * limit);
+            if step.abs() < LAST_STEP * self.length {
                 break;
             }
         }
@@ -113,7 +126,7 @@ impl TwoPulley {
     pub fn radii(&self, ratio: f64) -> Result<(f64, f64), GeometryError> {
         let r_p = self.primary_radius(ratio);
         let r_s = ratio * r_p;
-        let closes = self.closure_at(r_p, ratio).0.abs() < 1e-12 * self.length;
+        let closes = self.closure_at(r_p, ratio).0.abs() < CLOSED * self.length;
         if ratio > 0.0 && closes && r_p > 0.0 && r_s > 0.0 {
             Ok((r_p, r_s))
         } else {

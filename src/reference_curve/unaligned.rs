@@ -1,5 +1,5 @@
-//! A curve seen from a mesh that does not follow its arcs: mesh points stand at fixed ξ, as the paper's elements do,
-//! and arc borders move through them as Θ changes.
+//! A curve for a mesh that does not follow its arcs. Mesh points stand at fixed ξ, as the paper's elements do, and arc
+//! borders move through them as Θ changes.
 //!
 //! With F(ξ, Θ) the curve and ξ(η, Θ) its own mesh: ∂F/∂Θ = ∂r/∂Θ|_η − ξ_Θ t, χ_Θ|_ξ = χ_Θ|_η − ξ_Θ κ, and so on; the
 //! curvature of an arc does not depend on ξ, so κ_Θ is the same. What is lost is what the paper's (18) loses: when a
@@ -11,7 +11,7 @@ use crate::scalar::Real;
 /// `curve` as one segment.
 #[derive(Clone, Debug)]
 pub struct Unaligned<C> {
-    /// The curve.
+    /// The curve whose arcs the mesh does not follow.
     pub curve: C,
 }
 
@@ -45,7 +45,7 @@ impl<C: ReferenceCurve> Unaligned<C> {
             .unwrap_or(frame.segments - 1)
     }
 
-    /// What `of` finds in the segment of each place of a pack, merged by `merge`.
+    /// The results of `of` for the segment of each place in a pack, merged by `merge`.
     fn gather<T: Real, R>(
         frame: &UnalignedFrame<C::Frame<T>>,
         fraction: T::Constant,
@@ -63,7 +63,8 @@ impl<C: ReferenceCurve> Unaligned<C> {
         })
     }
 
-    /// Fraction of a segment at the fraction of the whole curve: its value, and what derivatives of Θ add to it.
+    /// The fraction of `segment` that belongs to a fraction of the whole curve: its value, and a part that is zero but
+    /// carries the derivatives with respect to Θ.
     fn within<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, segment: usize, fraction: T::Constant) -> (T::Constant, T) {
         let mut rest = T::constant(fraction * frame.length);
         for before in 0..segment {
@@ -93,14 +94,14 @@ impl<C: ReferenceCurve> Unaligned<C> {
         let chi_theta = chi.d + (length.d * p.kappa + length.v * p.kappa_theta) * df;
         let (along, along2) = (p.xi.d + length.d * df, p.xi.dd + length.dd * df);
         // From fixed η to fixed ξ.
-        let turn = chi_theta - along * p.kappa;
+        let chi_theta = chi_theta - along * p.kappa;
         ReferencePoint {
             r: p.r + p.t * step,
             r_theta: r_theta - t * along,
-            r_theta2: r_theta2 - n * (along * turn * 2.0) - n * (along * along * p.kappa) - t * along2,
+            r_theta2: r_theta2 - n * (along * chi_theta * 2.0) - n * (along * along * p.kappa) - t * along2,
             t,
             n,
-            chi_theta: turn,
+            chi_theta,
             kappa: p.kappa,
             kappa_theta: p.kappa_theta,
             xi: Jet {

@@ -18,16 +18,16 @@ use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
 use crate::scalar::Real;
 use nalgebra::{SVector, Vector2};
 
-/// Says of a deflection with D components that N = 4D + 2 unknowns tell an element's motion: deflection and slope of
-/// two nodes, s and Θ.
+/// Holds for a deflection with D components and N = 4D + 2: an element's motion has N unknowns, which are deflection and
+/// slope of two nodes, s and Θ.
 pub trait Unknowns<const N: usize> {}
-/// A deflection with D components.
+/// The type that stands for a deflection with D components.
 #[derive(Debug)]
 pub enum Deflection<const D: usize> {}
 impl Unknowns<DIRECTIONS> for Deflection<2> {}
 impl Unknowns<14> for Deflection<3> {}
 
-/// Form of the inertia.
+/// Form in which the inertia is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
     /// [`ale::add_conservative_inertia`].
@@ -51,11 +51,11 @@ pub enum Directions {
 /// A ring in the Eulerian view on a reference curve; its deflection has D components.
 #[derive(Clone, Debug)]
 pub struct AleRing<C, const D: usize = 2> {
-    /// Beam.
+    /// Parameters of the beam.
     pub ring: Ring,
-    /// Reference curve.
+    /// The curve from which the overlay is counted.
     pub curve: C,
-    /// Elements.
+    /// Division of the curve into elements.
     pub mesh: RingMesh,
     /// Form of the inertia; conservative unless changed.
     pub inertia: Inertia,
@@ -64,13 +64,13 @@ pub struct AleRing<C, const D: usize = 2> {
     flexible: bool,
 }
 
-/// Motion of an element.
+/// Motion of an element and of the reference curve.
 struct Parts<T: Real, const D: usize> {
     /// Overlay: in x and y, or along t and n; in space along z too.
     element: ElementMotion<T, D>,
     reference: ReferenceMotion<T>,
-    /// Of [`Directions::Reference`].
-    turning: Option<TurningElement<T>>,
+    /// Ends of an element with [`Directions::Reference`].
+    rotated: Option<TurningElement<T>>,
 }
 
 impl<C: ReferenceCurve> AleRing<C> {
@@ -123,7 +123,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
             return Parts {
                 element: ElementMotion::rigid(length),
                 reference,
-                turning: None,
+                rotated: None,
             };
         }
         let node = |i: usize, of: fn(&Motion<T>) -> T| Node {
@@ -135,7 +135,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
             rate: node(i, |m| m.rate),
             acceleration: node(i, |m| m.acceleration),
         });
-        let turning = match self.directions {
+        let rotated = match self.directions {
             Directions::Fixed => None,
             Directions::Reference => {
                 let curvature = [place.start, place.start + place.share]
@@ -146,7 +146,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         Parts {
             element: ElementMotion::flexible(length, &reference.theta, &nodes),
             reference,
-            turning,
+            rotated,
         }
     }
 
@@ -167,7 +167,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         parts: &Parts<T, D>,
     ) -> RingPoint<T, D> {
         let reference = self.reference_point(frame, element, station);
-        if parts.turning.is_none() {
+        if parts.rotated.is_none() {
             return RingPoint::new(reference, &station.shape, &parts.element, &parts.reference);
         }
         let segment = self.mesh.elements[element].segment;
@@ -175,7 +175,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         rotated_point(reference, &turning, &station.shape, &parts.element, &parts.reference)
     }
 
-    /// γ' as damping takes it: its mean over an element, 1/m. Not looked for where nothing damps.
+    /// γ' that damping acts on: its mean over an element, 1/m. Zero where nothing damps.
     fn strain_gradient<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, parts: &Parts<T, D>) -> T {
         if self.ring.damping == 0.0 {
             return T::zero();
@@ -195,7 +195,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         weight: T,
         sum: &mut ElementLoad<T, D>,
     ) {
-        if parts.turning.is_none() {
+        if parts.rotated.is_none() {
             sum.add(load, point, &station.shape, &parts.element, weight);
         } else {
             rotated_load(
@@ -212,8 +212,8 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
 
     fn rows<T: Real<Constant = f64>, const N: usize>(sum: &ElementLoad<T, D>, parts: &Parts<T, D>) -> [T; N] {
         let ([mut left, mut right], mut theta) = sum.nodes(&parts.element);
-        if let Some(turning) = &parts.turning {
-            turning.nodes([&mut left, &mut right], &mut theta);
+        if let Some(rotated) = &parts.rotated {
+            rotated.nodes([&mut left, &mut right], &mut theta);
         }
         let nodes = [left, right];
         std::array::from_fn(|k| match k.checked_sub(2 * Self::BLOCK) {
@@ -230,7 +230,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         })
     }
 
-    /// The ring at the local coordinate x of an element as its mesh point sees it.
+    /// The ring at the mesh point that is at the local coordinate x of an element.
     #[must_use]
     pub fn mesh_point(
         &self,

@@ -17,7 +17,7 @@ use std::ops::Mul;
 /// A ring of ANCF elements.
 pub type Ancf<C> = LagrangianRing<AncfElement, C>;
 
-/// The element. A block holds x, x', y, y' of its left node.
+/// The ANCF element. A block holds x, x', y, y' of its left node.
 #[derive(Clone, Debug)]
 pub enum AncfElement {}
 

@@ -1,8 +1,8 @@
 //! A ring on a mesh that travels with it: Lagrangian elements of equal unstretched length l = L/n.
 //!
-//! The unknowns are positions, so s and Θ are no part of the motion. s still tells where the mesh has got to: the
-//! particle at ξ is the one at x̄ = ξ − s (1), and s follows from the mean drift, ṡ = ∮v·r' dx̄ / ∮r'·r' dx̄, which
-//! leaves as little as possible of v for the rest. Θ only places stations on the reference curve and is held.
+//! The unknowns are positions, so s and Θ are no part of the motion. s still counts how far the mesh has moved: the
+//! particle at ξ is the one at x̄ = ξ − s (1). s follows from the mean drift, ṡ = ∮v·r' dx̄ / ∮r'·r' dx̄, which leaves as
+//! little as possible of v for the rest. Θ only places stations on the reference curve and is held.
 
 use super::kinematics::Motion;
 use super::mesh::gauss;
@@ -14,7 +14,7 @@ use crate::scalar::{Lanes, Real};
 use std::ops::Mul;
 
 /// A Lagrangian beam element of unstretched length l.
-pub trait LagrangianElement: Clone + std::fmt::Debug + 'static {
+pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     /// Unknowns in a block.
     const BLOCK: usize;
 
@@ -22,7 +22,7 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + 'static {
     const MEAN_STRAIN: bool;
 
     /// Shape functions at a place. `W` is a mesh constant, or the scalar itself where the mesh moves under the place.
-    type Shape<W: Real>: Clone + std::fmt::Debug;
+    type Shape<W: Real>: Clone + std::fmt::Debug + Send + Sync;
 
     /// Motion of an element.
     type Motion<T: Real>;
@@ -36,7 +36,7 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + 'static {
     /// Shape functions at x ∈ [−1, 1].
     fn shape<W: Real>(x: W) -> Self::Shape<W>;
 
-    /// Unknowns of the block of an element that starts at x̄ and lies on `shape`.
+    /// Sets the unknowns of the `block` of an element that begins at x̄ = `start` and is on `shape`.
     fn lay(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]);
 
     /// Motion of an element from its unknowns.
@@ -73,7 +73,7 @@ pub struct LagrangianRing<E: LagrangianElement, C> {
 }
 
 impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
-    /// A ring of `elements` ≥ 3 elements with `points` Gauss points each (2 to 5), to be laid on `curve`.
+    /// A ring of `elements` ≥ 3 elements with `points` Gauss points each (2 to 5), for a reference curve.
     #[must_use]
     pub fn new(ring: Ring, curve: C, elements: usize, points: usize) -> Self {
         let quadrature = gauss(points);
@@ -101,7 +101,7 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     /// The particle at the local coordinate x of an element with these unknowns. x may carry derivatives: a station
     /// that stands in space meets x̄ = ξ(Θ) − s, so x moves with s and Θ.
     #[inline(always)]
-    pub fn passing<T: Real + Mul<W, Output = T>, W: Real>(&self, unknowns: &[Motion<T>], x: W) -> Particle<T> {
+    pub fn particle_at<T: Real + Mul<W, Output = T>, W: Real>(&self, unknowns: &[Motion<T>], x: W) -> Particle<T> {
         E::particle(&self.motion(unknowns), &E::shape(x))
     }
 
@@ -147,7 +147,7 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
         )
     }
 
-    /// A strain rate, where it damps.
+    /// A strain rate, or zero where nothing damps.
     #[inline(always)]
     fn damped<T: Real>(&self, rate: impl FnOnce() -> T) -> T {
         if self.ring.damping == 0.0 { T::zero() } else { rate() }
@@ -258,7 +258,7 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for La
         x: f64,
         motion: &Coordinates<T>,
     ) -> (Particle<T>, T) {
-        (self.passing(motion, x), T::from(0.5 * self.element_length()))
+        (self.particle_at(motion, x), T::from(0.5 * self.element_length()))
     }
 
     fn project<T: Real<Constant = f64>>(

@@ -19,7 +19,7 @@ pub struct Station<L = f64> {
     pub right: L,
 }
 
-/// A ring element.
+/// A ring element as a part of a segment.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     /// Segment of the reference curve.
@@ -142,7 +142,7 @@ pub fn parts(element: &Element, count: usize, points: usize) -> Vec<(Station, Ve
 /// element k; node 0 is at ξ = 0.
 #[derive(Clone, Debug)]
 pub struct RingMesh {
-    /// Elements.
+    /// The elements in the order of ξ.
     pub elements: Vec<Element>,
     /// Quadrature points of each element.
     pub stations: Vec<Vec<Station>>,

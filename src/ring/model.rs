@@ -2,8 +2,8 @@
 //!
 //! Unknowns stand in blocks around the loop, one a ring element: its left node, then what belongs to the element alone.
 //! The border holds the drift s and Θ. An element depends on N of them: those of its own block and the next one's node,
-//! s, and Θ; N = 10 in the plane. A model tells the ring's [`Particle`]s from their motion, takes forces on particles,
-//! and knows its balance of inertia and elasticity. Particles have D = 2 components, or 3 in space.
+//! s, and Θ; N = 10 in the plane. From their motion a model calculates the ring's [`Particle`]s and the balance of inertia
+//! and elasticity, and it maps forces on particles to forces on unknowns. Particles have D = 2 components, or 3 in space.
 //!
 //! | model | mesh | block | s | Θ |
 //! |---|---|---|---|---|
@@ -21,7 +21,7 @@ use nalgebra::SVector;
 
 /// Unknowns that an element of a planar ring depends on: eight of its block and the next node, then s and Θ.
 pub const DIRECTIONS: usize = 10;
-/// Those of blocks.
+/// Those of the [`DIRECTIONS`] that belong to blocks.
 pub const NODAL: usize = 8;
 /// Place of s among the [`DIRECTIONS`].
 pub const DRIFT: usize = 8;
@@ -71,16 +71,16 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
     /// What depends on Θ alone, computed once for all elements.
     type Frame<T: Real>: Clone;
 
-    /// The beam.
+    /// The parameters of the beam.
     fn ring(&self) -> &Ring;
 
-    /// The beam, to be changed.
+    /// The parameters of the beam, to be changed.
     fn ring_mut(&mut self) -> &mut Ring;
 
     /// Unstretched length L, m.
     fn length(&self) -> f64;
 
-    /// Number of elements.
+    /// How many elements the ring has.
     fn elements(&self) -> usize;
 
     /// Quadrature points of an element: local coordinate x ∈ [−1, 1], weight (of sum 2).
@@ -92,16 +92,16 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
     /// Unknowns that are held, as indices of the vector.
     fn held(&self) -> Vec<usize>;
 
-    /// The frame at Θ.
+    /// What depends on Θ alone, at this Θ.
     fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
 
     /// Element and local coordinate x of the particle that is at ξ when the ring has drifted by s.
     fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> (usize, f64);
 
-    /// Lays the nodes of a ring that has not drifted on a shape; `q[Θ]` is given.
+    /// Sets the unknowns `q` so that the nodes of a ring that has not drifted are on a shape; `q[Θ]` is given.
     fn lay(&self, shape: Shape<'_, D>, q: &mut [f64]);
 
-    /// Lays the nodes on the reference curve; `q[Θ]` is given.
+    /// Sets the unknowns `q` so that the nodes are on the reference curve; `q[Θ]` is given.
     fn lay_on_curve(&self, q: &mut [f64]);
 
     /// The particle at the local coordinate x of an element, and the unstretched length dξ per dx there, m.
@@ -131,8 +131,7 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
         motion: &Coordinates<T, N>,
     ) -> [T; N];
 
-    /// [`RingModel::balance`] of an element in each lane, where elements differ in their unknowns only; none where they
-    /// differ in more.
+    /// [`RingModel::balance`] of an element in each lane, if elements differ in their unknowns only; otherwise none.
     #[inline(always)]
     fn balance_of_many<T: Real<Constant = Lanes>>(&self, _motion: &Coordinates<T, N>) -> Option<[T; N]> {
         None

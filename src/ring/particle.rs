@@ -1,13 +1,13 @@
-//! A ring particle: where the ring is at a place and how its material moves there. Every ring model tells this, and
-//! takes forces on it; how the place follows from unknowns is the model's own.
+//! A ring particle: where the ring is at a place, and how its material moves there. Every ring model calculates its
+//! particles from its unknowns, and maps forces on them to forces on its unknowns.
 //!
 //! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and velocities are those of
-//! the material. The mesh of chain and contact stands in space: [`Particle::at_station`] sees the particle that passes
-//! a mesh point η as the [`RingPoint`] which the chain needs,
+//! the material. The mesh of chain and contact stands in space. The chain needs the ring at a mesh point η:
+//! [`Particle::at_station`] makes this [`RingPoint`] from the particle that passes there,
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 
-use super::kinematics::{ReferenceMotion, RingPoint, inward_normal};
+use super::kinematics::{Load, ReferenceMotion, RingPoint, inward_normal};
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
@@ -48,10 +48,10 @@ impl<T: Real, const D: usize> Particle<T, D> {
         self.slope.dot(&self.velocity_slope) * self.stretch().1
     }
 
-    /// As seen at a mesh point that is at `reference` now and follows its curve.
+    /// The ring at a mesh point that is at `reference` now and follows its curve.
     #[inline(always)]
     pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T, D> {
-        let (w, w_dot) = motion.passing(&reference.xi);
+        let (w, w_dot) = motion.material_speed(&reference.xi);
         let slope_dot = self.velocity_slope - self.bend * w;
         let (stretch, inverse_stretch) = self.stretch();
         let t = self.slope * inverse_stretch;
@@ -109,13 +109,28 @@ pub struct ParticleLoad<T: Real, const D: usize = 2> {
 }
 
 impl<T: Real, const D: usize> ParticleLoad<T, D> {
-    /// No load.
+    /// No force.
     #[inline(always)]
     pub fn zero() -> Self {
         Self {
             position: zero_vector(),
             slope: zero_vector(),
             bend: zero_vector(),
+        }
+    }
+}
+
+impl<T: Real, const D: usize> Load<T, D> {
+    /// A load on the particle that passes a mesh point: virtual displacements at fixed x̄ are δr|_η + r' δσ, δσ the
+    /// drift through the mesh. Of a load k on r'' the part in δσ is left out: a mesh point does not know r'''.
+    #[inline(always)]
+    pub fn of_particle(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> Self {
+        Self {
+            position: load.position,
+            slope: load.slope,
+            bend: load.bend,
+            drift: load.position.dot(&point.slope) + load.slope.dot(&point.bend),
+            theta: T::zero(),
         }
     }
 }

@@ -32,7 +32,7 @@ use std::ops::Mul;
 /// A ring of co-rotational elements.
 pub type Rcm<C> = LagrangianRing<RcmElement, C>;
 
-/// The element. A block holds x, y, φ of its left node, c_L and c_R.
+/// The co-rotational element. A block holds x, y, φ of its left node, c_L and c_R.
 #[derive(Clone, Debug)]
 pub enum RcmElement {}
 
@@ -101,7 +101,7 @@ fn dot<T: Real>(a: &[T; 4], b: &[T; 4]) -> T {
 const PRODUCTS: [[[f64; 9]; 4]; 4] = {
     let mut out = [[[0.0; 9]; 4]; 4];
     let mut at = 0;
-    // j, k and the powers of N_j and N_k.
+    // `at` counts j, k and the powers of N_j and N_k.
     while at < 4 * 4 * 5 * 5 {
         let (j, k, a, b) = (at / 100, at / 25 % 4, at / 5 % 5, at % 5);
         let slopes = BENDING[j][a] * (a + 1) as f64 * BENDING[k][b] * (b + 1) as f64;

@@ -18,6 +18,8 @@ pub trait Real:
     Copy
     + std::fmt::Debug
     + PartialEq
+    + Send
+    + Sync
     + 'static
     + Zero
     + One
@@ -205,8 +207,8 @@ pub fn smooth_plus_energy<T: Real>(x: T, delta: f64, reach: f64) -> T {
     let plus = |x: f64| x.smooth_plus(delta)[0];
     let [here, ..] = x.smooth_plus(delta);
     // asinh(x/δ) + asinh(reach/δ), in one logarithm.
-    let turning = (here * (4.0 * plus(reach) / square)).ln();
-    (x * here + turning * (0.5 * square) + reach * plus(-reach)) * 0.5
+    let arsinh = (here * (4.0 * plus(reach) / square)).ln();
+    (x * here + arsinh * (0.5 * square) + reach * plus(-reach)) * 0.5
 }
 
 /// The zero vector. nalgebra's `zeros` goes through an iterator and the stack, which costs a tenth of a residual.

@@ -8,9 +8,9 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 /// Numbers and their slopes in N directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent<const N: usize, L = Lanes> {
-    /// Value.
+    /// The numbers themselves.
     pub re: L,
-    /// Slopes.
+    /// Their slopes, one for each direction.
     pub eps: [L; N],
 }
 

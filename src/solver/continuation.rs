@@ -6,6 +6,8 @@ use super::{State, System, View};
 /// Settings of [`settle`].
 #[derive(Clone, Copy, Debug)]
 pub struct Settling {
+    /// Time at which the system is evaluated throughout, s.
+    pub time: f64,
     /// First pseudo-time step, s.
     pub first_step: f64,
     /// Step at which the state counts as steady, s: far above every time constant.
@@ -61,6 +63,7 @@ pub fn settle<S: System>(
         let last = report.step >= settings.last_step;
         trial.copy_from(state);
         let mut stage = Stage {
+            time: settings.time,
             alpha: 1.0 / report.step,
             base: &state.y,
             position: &state.q,

@@ -17,9 +17,10 @@ pub struct Entry {
     pub rounded: f64,
 }
 
-/// Hands `judge` every entry of ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q; differences in an unknown are over its `step`.
+/// Hands `judge` every entry of ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`; differences in an unknown are over its `step`.
 pub fn compare(
     system: &mut impl System,
+    time: f64,
     state: &State,
     [alpha, beta]: [f64; 2],
     step: impl Fn(usize) -> f64,
@@ -28,8 +29,8 @@ pub fn compare(
     let n = state.y.len();
     let mut matrix = Arrow::new(system.shape());
     // As Newton's method does it: a residual may leave what the Jacobian uses.
-    system.residual(state.view(), &mut vec![0.0; n]);
-    system.jacobian(state.view(), alpha, beta, &mut matrix);
+    system.residual(time, state.view(), &mut vec![0.0; n]);
+    system.jacobian(time, state.view(), alpha, beta, &mut matrix);
     let (mut unit, mut exact) = (vec![0.0; n], vec![0.0; n]);
     for column in 0..n {
         unit[column] = 1.0;
@@ -41,7 +42,7 @@ pub fn compare(
             shifted.y[column] += h;
             shifted.y_dot[column] += alpha * h;
             shifted.q[column] += beta * h;
-            system.residual(shifted.view(), &mut residual);
+            system.residual(time, shifted.view(), &mut residual);
             residual
         });
         let largest = exact.iter().fold(0.0_f64, |most, x| most.max(x.abs()));

@@ -1,6 +1,6 @@
 //! Implicit solution of stiff systems around a loop. Knows no belt.
 //!
-//! A system is F(y, ẏ, q) = 0 with q̇ = y for the unknowns that have a position: velocities of a mechanical system
+//! A system is F(t, y, ẏ, q) = 0 with q̇ = y for the unknowns that have a position: velocities of a mechanical system
 //! and first-order states stand side by side, positions are eliminated, and the Jacobian is an [`arrow::Arrow`].
 
 #![forbid(unsafe_code)]
@@ -75,15 +75,15 @@ pub trait System {
     /// Whether each unknown is the rate of a position.
     fn has_position(&self) -> &[bool];
 
-    /// F(y, ẏ, q).
-    fn residual(&mut self, view: View<'_>, out: &mut [f64]);
+    /// F(t, y, ẏ, q) at `time`, s.
+    fn residual(&mut self, time: f64, view: View<'_>, out: &mut [f64]);
 
-    /// ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q.
-    fn jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow);
+    /// ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`, s.
+    fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow);
 
     /// The Jacobian for Newton's method: derivatives that have hardly changed may be those of an earlier one.
-    fn renew_jacobian(&mut self, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        self.jacobian(view, alpha, beta, out);
+    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.jacobian(time, view, alpha, beta, out);
     }
 
     /// Absolute size of a change of each unknown that does not matter, in a step with dq/dy = β.

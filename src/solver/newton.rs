@@ -98,9 +98,11 @@ pub struct Newton {
     pub counts: Counts,
 }
 
-/// A stage: ẏ = α(y − `base`), q = `position` + y/α.
+/// A stage: F(t, y, ẏ, q) = 0 with ẏ = α(y − `base`), q = `position` + y/α.
 #[derive(Debug)]
 pub struct Stage<'a> {
+    /// t, s.
+    pub time: f64,
     /// 1/(hγ), 1/s.
     pub alpha: f64,
     /// y at which ẏ = 0.
@@ -196,7 +198,13 @@ impl Newton {
 
     fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), NotConverged> {
         self.counts.factorizations += 1;
-        system.renew_jacobian(stage.view(), stage.alpha, 1.0 / stage.alpha, &mut self.matrix);
+        system.renew_jacobian(
+            stage.time,
+            stage.view(),
+            stage.alpha,
+            1.0 / stage.alpha,
+            &mut self.matrix,
+        );
         self.alpha = f64::NAN;
         self.factors.factor(&self.matrix).map_err(|_| NotConverged)?;
         self.alpha = stage.alpha;
@@ -232,7 +240,7 @@ impl Newton {
     /// Newton correction at `stage.y` with the factors at hand, into `self.correction`.
     fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, renew: bool) -> Result<(), NotConverged> {
         stage.complete(system.has_position());
-        system.residual(stage.view(), &mut self.correction);
+        system.residual(stage.time, stage.view(), &mut self.correction);
         self.counts.residuals += 1;
         if renew {
             self.refresh(system, stage)?;

@@ -28,12 +28,17 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
-    /// Called with the time of each stage before it is solved, s: for loads that change within a step.
-    fn set_time(&mut self, _time: f64) {}
+    /// Called for each accepted step: to integrate what is not part of the state.
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval);
+}
 
-    /// Called for each accepted step of size `h`, s: to integrate what is not part of the state, by the trapezoidal
-    /// rule.
-    fn accumulate(&mut self, before: View<'_>, after: View<'_>, h: f64);
+/// The time that an accepted step took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Time at the end, s.
+    pub end: f64,
+    /// Size of the step, s.
+    pub length: f64,
 }
 
 /// The step size fell below the smallest.
@@ -126,13 +131,13 @@ impl Sdirk {
     fn attempt<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<f64> {
         let View { y, y_dot, q } = view;
         self.kept = None;
-        system.set_time(time + GAMMA * h);
         let alpha = 1.0 / (h * GAMMA);
         self.newton.weigh(system, alpha);
         let [first, second] = &mut self.stages;
         move_by(GAMMA * h, &mut first.y, y, &self.slope);
         first.q.copy_from_slice(q);
         let mut stage = Stage {
+            time: time + GAMMA * h,
             alpha,
             base: y,
             position: q,
@@ -147,8 +152,8 @@ impl Sdirk {
         move_by(h * (1.0 - GAMMA), &mut self.position, q, &first.y);
         move_by(h * GAMMA, &mut second.y, &self.base, &first.y_dot);
         second.q.copy_from_slice(q);
-        system.set_time(time + h);
         let mut stage = Stage {
+            time: time + h,
             alpha,
             base: &self.base,
             position: &self.position,
@@ -194,7 +199,11 @@ impl Sdirk {
             match outcome {
                 Some(error) if error <= 1.0 => {
                     let end = &self.stages[1];
-                    system.accumulate(state.view(), end.view(), h);
+                    let interval = Interval {
+                        end: time + done + h,
+                        length: h,
+                    };
+                    system.accumulate(state.view(), end.view(), interval);
                     state.copy_from(end);
                     self.slope.copy_from_slice(&end.y_dot);
                     self.newton.counts.steps += 1;

@@ -17,9 +17,9 @@
 use super::Settings;
 use super::types::{AXIAL, DRIVE, ENUMERATIONS, RING_MODEL, START_STATE, UNITS};
 use crate::fmi2::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
-use crate::variator::parameters::{Axial, Drive, RingModel};
-use crate::variator::signals::{PROFILE_POINTS, Readings};
-use crate::variator::validation::range_of;
+use crate::variator::settings::range_of;
+use crate::variator::settings::{Axial, Drive, RingModel};
+use crate::variator::settings::{PROFILE_POINTS, Readings};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
 
@@ -43,20 +43,20 @@ macro_rules! choose {
     };
 }
 
-/// Binds to a field of [`Outputs`](crate::variator::signals::Outputs).
+/// Binds to a field of [`Outputs`](crate::variator::settings::Outputs).
 macro_rules! read {
     ($($field:ident).+) => {
         Access::Reading(|readings| readings.outputs.$($field).+)
     };
 }
 
-/// Whose variables are listed: the name that stands for `{}` in the rows, and what is added to their references.
+/// The owner of the rows that follow: the name that stands for `{}`, and the number that is added to the references.
 type Owner = (&'static str, u32);
 const WHOLE: Owner = ("", 0);
 const PRIMARY: Owner = ("primary", 100);
 const SECONDARY: Owner = ("secondary", 200);
 
-/// Table under construction.
+/// The rows of the table so far, and the owner of the next ones.
 struct Rows {
     variables: Vec<Variable<Settings, Readings>>,
     owner: Owner,

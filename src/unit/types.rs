@@ -1,8 +1,8 @@
 //! Units and enumerations of the interface.
 
 use crate::fmi2::table::{Enumeration, Item, UnitDefinition};
-use crate::variator::parameters::{Axial, Drive, RingModel};
-use crate::variator::signals::StartState;
+use crate::variator::settings::StartState;
+use crate::variator::settings::{Axial, Drive, RingModel};
 
 const fn unit(name: &'static str, exponents: &'static [(&'static str, i32)]) -> UnitDefinition {
     UnitDefinition {

@@ -11,18 +11,20 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
 
-use super::boundary::{Boundary, LoadRates, SheaveMode, SpeedMode};
-use super::instance::{InitialisationError, Variator};
-use super::layout::Global;
-use super::mesh::{P, S};
-use super::observe::{Context, Observer};
-use super::parameters::{Axial, Drive, Parameters, SPEED_LAG};
-use super::signals::{Inputs, Outputs, StartState};
-use super::system::VariatorSystem;
-use super::validation::ParameterError;
+use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 use crate::solver::{State, System};
+use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
+use crate::variator::run::variator::{InitialisationError, Variator};
+use crate::variator::settings::parameters::{Axial, Drive, Parameters, SPEED_LAG};
+use crate::variator::settings::signals::{Inputs, Outputs, StartState};
+use crate::variator::settings::validation::ParameterError;
+use crate::variator::survey::observe::{Context, Observer};
+use crate::variator::survey::survey::Survey;
+use crate::variator::system::VariatorSystem;
 
+/// Time at which the loads are taken, s: they do not change.
+const TIME: f64 = 0.0;
 /// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the overlay.
 const NEUTRAL: f64 = 1.0e-3;
 /// Part of the cut-off at which the static gain is taken: it must not meet a neutral mode.
@@ -37,11 +39,11 @@ const STEADY: f64 = 1.0e-4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Load {
     /// Clamping force of a pulley, N.
-    ClampingForce(usize),
+    ClampingForce(Pulley),
     /// External torque on a pulley's shaft, N·m.
-    Torque(usize),
+    Torque(Pulley),
     /// Speed set point of a pulley, rad/s.
-    SpeedSetpoint(usize),
+    SpeedSetpoint(Pulley),
 }
 
 impl Load {
@@ -49,7 +51,10 @@ impl Load {
     pub fn field(self, inputs: &mut Inputs) -> &mut f64 {
         let Inputs { primary, secondary } = inputs;
         let (Self::ClampingForce(j) | Self::Torque(j) | Self::SpeedSetpoint(j)) = self;
-        let pulley = if j == P { primary } else { secondary };
+        let pulley = match j {
+            Pulley::Primary => primary,
+            Pulley::Secondary => secondary,
+        };
         match self {
             Self::ClampingForce(_) => &mut pulley.clamping_force,
             Self::Torque(_) => &mut pulley.torque,
@@ -61,12 +66,12 @@ impl Load {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::ClampingForce(P) => "primary.clampingForce",
-            Self::ClampingForce(_) => "secondary.clampingForce",
-            Self::Torque(P) => "primary.torque",
-            Self::Torque(_) => "secondary.torque",
-            Self::SpeedSetpoint(P) => "primary.speedSetpoint",
-            Self::SpeedSetpoint(_) => "secondary.speedSetpoint",
+            Self::ClampingForce(Pulley::Primary) => "primary.clampingForce",
+            Self::ClampingForce(Pulley::Secondary) => "secondary.clampingForce",
+            Self::Torque(Pulley::Primary) => "primary.torque",
+            Self::Torque(Pulley::Secondary) => "secondary.torque",
+            Self::SpeedSetpoint(Pulley::Primary) => "primary.speedSetpoint",
+            Self::SpeedSetpoint(Pulley::Secondary) => "secondary.speedSetpoint",
         }
     }
 }
@@ -207,7 +212,7 @@ pub fn linearise(
     let a_slow = factor.solve(&left * &a * &right);
     let b_slow = factor.solve(&left * &b);
 
-    let n = system.layout.len();
+    let n = system.belt.layout.len();
     let split = |column: &[f64], rate: &[f64]| Direction {
         y: column[..n].to_vec(),
         y_dot: rate[..n].to_vec(),
@@ -276,39 +281,39 @@ fn hold(
     inputs: &Inputs,
 ) -> Result<Inputs, LinearError> {
     let mut held = *inputs;
-    let sums = system.surveyed(state.view()).sums;
-    let mut boundary = system.boundary;
+    let sums = Survey::of(system, state.view()).sums;
+    let mut boundary = system.loads.at(TIME);
     for (j, pulley, values) in [
-        (P, &parameters.primary, &mut held.primary),
-        (S, &parameters.secondary, &mut held.secondary),
+        (Pulley::Primary, &parameters.primary, &mut held.primary),
+        (Pulley::Secondary, &parameters.secondary, &mut held.secondary),
     ] {
         if pulley.axial == Axial::Force {
-            values.clamping_force = system.holding_force(j, state.view(), sums.axial[j]);
+            values.clamping_force = system.pulleys.holding_force(j, state.view(), sums.axial[j]);
             boundary.sheave[j] = SheaveMode::Force(values.clamping_force);
         }
-        boundary.speed[j] = match pulley.drive {
+        boundary.shaft[j] = match pulley.drive {
             Drive::Torque => {
                 values.torque = -sums.torque[j];
-                SpeedMode::Torque(values.torque)
+                ShaftMode::Torque(values.torque)
             }
             Drive::Speed => {
-                values.speed_setpoint = state.y[system.layout.global(Global::Speed, j)];
-                SpeedMode::Setpoint(values.speed_setpoint)
+                values.speed_setpoint = state.y[system.belt.layout.shaft_speed(j)];
+                ShaftMode::Setpoint(values.speed_setpoint)
             }
         };
     }
     load(system, boundary);
-    let n = system.layout.len();
+    let n = system.belt.layout.len();
     let mut residual = vec![0.0; n];
-    system.residual(state.view(), &mut residual);
+    system.residual(TIME, state.view(), &mut residual);
     // As Newton's method would correct it over a second.
     let mut matrix = Arrow::new(system.shape());
-    system.jacobian(state.view(), 1.0, 1.0, &mut matrix);
+    system.jacobian(TIME, state.view(), 1.0, 1.0, &mut matrix);
     let mut factors = ArrowLu::new(system.shape());
     let singular = |error: Singular| LinearError::Unsteady(error.to_string());
     factors.factor(&matrix).map_err(singular)?;
     factors.solve(&mut residual);
-    let theta = system.layout.global(Global::Theta, 0);
+    let theta = system.belt.layout.theta();
     let drift = residual[theta].abs();
     if drift > STEADY {
         return Err(LinearError::Unsteady(format!(
@@ -319,14 +324,17 @@ fn hold(
 }
 
 fn load(system: &mut VariatorSystem, boundary: Boundary) {
-    let mut rates = vec![0.0; system.layout.len()];
+    let mut rates = vec![0.0; system.belt.layout.len()];
     system.change_loads(0.0, boundary, LoadRates::default(), 0.0, &mut rates);
 }
 
 /// The inputs that are in force.
 fn loads(parameters: &Parameters) -> Vec<Load> {
     let mut loads = Vec::new();
-    for (j, pulley) in [(P, &parameters.primary), (S, &parameters.secondary)] {
+    for (j, pulley) in [
+        (Pulley::Primary, &parameters.primary),
+        (Pulley::Secondary, &parameters.secondary),
+    ] {
         loads.push(match pulley.drive {
             Drive::Torque => Load::Torque(j),
             Drive::Speed => Load::SpeedSetpoint(j),
@@ -341,12 +349,12 @@ fn loads(parameters: &Parameters) -> Vec<Load> {
 /// E, A, and the unknowns whose positions follow the velocities in x. The drift position s stays out: nothing depends
 /// on it.
 fn descriptor(system: &mut VariatorSystem, state: &State) -> (Mat<f64>, Mat<f64>, Vec<usize>) {
-    let n = system.layout.len();
-    let drift = system.layout.global(Global::Drift, 0);
+    let n = system.belt.layout.len();
+    let drift = system.belt.layout.drift();
     let columns: Vec<usize> = (0..n).filter(|&i| system.has_position()[i] && i != drift).collect();
     let mut dense = |alpha: f64, beta: f64| {
         let mut arrow = Arrow::new(system.shape());
-        system.jacobian(state.view(), alpha, beta, &mut arrow);
+        system.jacobian(TIME, state.view(), alpha, beta, &mut arrow);
         let (mut unit, mut image) = (vec![0.0; n], vec![0.0; n]);
         let mut matrix = Mat::<f64>::zeros(n, n);
         for j in 0..n {
@@ -377,13 +385,13 @@ fn descriptor(system: &mut VariatorSystem, state: &State) -> (Mat<f64>, Mat<f64>
     }
     // Elements on the belt are neither gained nor lost: as a constraint in place of one of the balances that together
     // say so. Left among the modes, it would be one with the eigenvalue 0, and rounding mixes it with slow ones.
-    let cells = system.layout.cells();
-    let balance = system.layout.amount(cells - 1);
+    let cells = system.belt.layout.cells();
+    let balance = system.belt.layout.amount(cells - 1);
     for j in 0..size {
         (e[(balance, j)], a[(balance, j)]) = (0.0, 0.0);
     }
     for cell in 0..cells {
-        a[(balance, system.layout.amount(cell))] = 1.0;
+        a[(balance, system.belt.layout.amount(cell))] = 1.0;
     }
     (e, a, columns)
 }
@@ -393,11 +401,11 @@ fn load_columns(system: &VariatorSystem, loads: &[Load], size: usize) -> Mat<f64
     let mut b = Mat::<f64>::zeros(size, loads.len());
     for (l, load) in loads.iter().enumerate() {
         let (row, factor) = match *load {
-            Load::ClampingForce(j) => (system.layout.global(Global::Sheave, j), 1.0),
-            Load::Torque(j) => (system.layout.global(Global::Speed, j), 1.0),
+            Load::ClampingForce(j) => (system.belt.layout.sheave(j), 1.0),
+            Load::Torque(j) => (system.belt.layout.shaft_speed(j), 1.0),
             Load::SpeedSetpoint(j) => (
-                system.layout.global(Global::Speed, j),
-                system.pulley(j).inertia / SPEED_LAG,
+                system.belt.layout.shaft_speed(j),
+                system.pulleys.parameters(j).inertia / SPEED_LAG,
             ),
         };
         b[(row, l)] = factor;
@@ -485,7 +493,7 @@ fn slopes(
     direction: &Direction,
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Vec<f64> {
-    let n = system.layout.len();
+    let n = system.belt.layout.len();
     let (mut velocity, mut place) = (vec![0.0; n], vec![0.0; n]);
     system.newton_scale(1.0e-6, &mut velocity);
     system.newton_scale(1.0, &mut place);
@@ -504,10 +512,15 @@ fn slopes(
             state.y_dot[i] += step * direction.y_dot[i];
             state.q[i] += step * direction.q[i];
         }
-        let survey = system.surveyed(state.view());
+        let survey = Survey::of(system, state.view());
+        let boundary = system.loads.at(TIME);
         let context = Context {
-            external_torque: system.external_torques(state.view(), survey.sums.torque),
+            external_torque: system
+                .pulleys
+                .external_torques(&boundary, state.view(), survey.sums.torque),
             macro_slip: false,
+            supplied: 0.0,
+            lost: 0.0,
             initial_energy: 0.0,
             start_state: StartState::Steady,
         };

@@ -1,33 +1,31 @@
-//! The variator: parameters, state, residual, outputs, energy balance.
+//! The variator: what is set and read, the equations of the belt and of the pulleys, steady states, runs, linear models.
+//!
+//! Rooms from the ground up, each of which uses only those before it: `settings`, `mesh`, `cell`, `belt`, `assembly`,
+//! `travelling`, `pulleys`, `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and
+//! [`linear`].
 
 #![forbid(unsafe_code)]
 
-mod assembly;
-pub mod balance;
-pub mod boundary;
+pub(crate) mod assembly;
+#[doc(hidden)]
+pub mod belt;
+#[doc(hidden)]
 pub mod cell;
-pub mod evolution;
-mod flanks;
-pub mod instance;
-mod jacobian;
-mod kept;
-mod lay;
-pub mod layout;
 pub mod linear;
+#[doc(hidden)]
 pub mod mesh;
-pub mod observe;
-pub mod order;
-mod pack;
-pub mod parameters;
-pub mod refine;
-pub mod ring;
-pub mod sample;
-pub mod signals;
-pub mod soft_start;
-pub mod start;
+#[doc(hidden)]
+pub mod pulleys;
+pub mod run;
+pub mod settings;
+#[doc(hidden)]
 pub mod steady;
+#[doc(hidden)]
+pub mod survey;
+#[doc(hidden)]
 pub mod system;
-mod transports;
-pub mod travelling;
-pub mod validation;
-mod variation;
+#[cfg(test)]
+mod tests;
+pub(crate) mod travelling;
+
+pub use run::Variator;

@@ -348,7 +348,7 @@ fn places_may_carry_derivatives<E: LagrangianElement>() {
             rate: Dual64::from_re(m.rate),
             acceleration: Dual64::from_re(m.acceleration),
         });
-        let p = system.model.passing(&motion, Dual64::new(0.3, 1.0));
+        let p = system.model.particle_at(&motion, Dual64::new(0.3, 1.0));
         let plain = system.particle(state.view(), element, 0.3);
         let (re, eps) = (p.r.map(|v| v.re), p.r.map(|v| v.eps));
         assert!((re - plain.r).norm() < 1e-15 && (eps - plain.slope * scale).norm() < 1e-14);

@@ -7,7 +7,7 @@ use pushbelt::fmi2::Unit as _;
 use pushbelt::fmi2::table::{Access, Causality, Kind, Variable};
 use pushbelt::unit::{Settings, VariatorUnit};
 use pushbelt::variator::linear::linearise;
-use pushbelt::variator::signals::{Outputs, Readings};
+use pushbelt::variator::settings::{Outputs, Readings};
 use serde_json::{Map, Value, json};
 
 fn main() -> ExitCode {

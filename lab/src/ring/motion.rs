@@ -14,7 +14,7 @@ pub fn residual<M: RingModel<D, N>, const D: usize, const N: usize>(
     view: View<'_>,
 ) -> DVector<f64> {
     let mut out = vec![0.0; view.y.len()];
-    system.residual(view, &mut out);
+    system.residual(0.0, view, &mut out);
     DVector::from_vec(out)
 }
 
@@ -57,7 +57,7 @@ pub fn mode<M: RingModel<D, N>, const D: usize, const N: usize>(
     let n = state.y.len();
     let matrix = |system: &mut RingSystem<M, D, N>, alpha: f64, beta: f64| {
         let mut a = Arrow::new(system.shape());
-        system.jacobian(state.view(), alpha, beta, &mut a);
+        system.jacobian(0.0, state.view(), alpha, beta, &mut a);
         a
     };
     let (mass, stiffness) = (matrix(&mut system, 1.0, 0.0), matrix(&mut system, 0.0, 1.0));

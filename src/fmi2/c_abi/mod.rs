@@ -1,0 +1,38 @@
+//! The C functions of FMI 2.0 for co-simulation, and the only `unsafe` code of the project.
+//!
+//! Here raw pointers become references and slices, and nothing else happens: [`slave`](super::slave) says what a call
+//! does. Each function here is generic over the unit. [`export!`](exports) gives them the standard's names and
+//! signatures (`fmi2FunctionTypes.h`) for one unit. No panic leaves a function. The caller of a function grants, beyond
+//! what the function itself says:
+//!
+//! - a component comes from `fmi2Instantiate`, has not been freed, and is used by one call at a time
+//!   (not from within its own logger callback either);
+//! - an array argument is null or points to as many elements as its count says; a string is null or ends with a zero;
+//! - a pointer for a result is null or points to writable memory;
+//! - a pointer is aligned for its type, and memory that comes from beyond the boundary holds some value or other.
+//!
+//! A null pointer where the standard wants a value is answered with an error.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `types` | the standard's types |
+//! | `boundary` | pointers to references, slices and strings; panics to errors |
+//! | `creation` | creation and destruction of an instance |
+//! | `setup` | log, set-up, initialisation, end |
+//! | `values` | reading and writing of variables |
+//! | `states` | stored states and their bytes |
+//! | `derivatives` | derivatives with respect to time |
+//! | `steps` | communication steps, and how the last one ended |
+//! | `exports` | the table of the exported names |
+
+mod boundary;
+pub(crate) mod creation;
+pub(crate) mod derivatives;
+pub(crate) mod exports;
+pub(crate) mod setup;
+pub(crate) mod states;
+pub(crate) mod steps;
+mod types;
+pub(crate) mod values;
+
+pub use types::{CallbackFunctions, Component, FmuState, Logger};

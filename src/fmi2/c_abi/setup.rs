@@ -1,0 +1,93 @@
+//! Calls that lead an instance through its run: log, set-up, initialisation, end.
+
+use libc::{c_char, c_int, size_t};
+
+use super::boundary::{NULL_ARRAY, array, text, with};
+use super::types::Component;
+use crate::fmi2::log::Status;
+use crate::fmi2::slave::Slave;
+use crate::fmi2::unit::{Experiment, Unit};
+
+/// `fmi2SetDebugLogging`: Chooses what is logged.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn set_debug_logging<U: Unit>(
+    c: Component,
+    logging_on: c_int,
+    n_categories: size_t,
+    categories: *const *const c_char,
+) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| {
+            let function = "fmi2SetDebugLogging";
+            let Some(categories) = array(categories, n_categories) else {
+                return slave.refuse(function, NULL_ARRAY);
+            };
+            let names: Option<Vec<String>> = categories.iter().map(|name| text(*name)).collect();
+            let Some(names) = names else {
+                return slave.refuse(function, "a category is null");
+            };
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            slave.set_debug_logging(logging_on != 0, &names)
+        })
+    }
+}
+
+/// `fmi2SetupExperiment`: Tells tolerance, start and stop time.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn setup_experiment<U: Unit>(
+    c: Component,
+    tolerance_defined: c_int,
+    tolerance: f64,
+    start_time: f64,
+    stop_time_defined: c_int,
+    stop_time: f64,
+) -> Status {
+    let experiment = Experiment {
+        tolerance: (tolerance_defined != 0).then_some(tolerance),
+        start: start_time,
+        stop: (stop_time_defined != 0).then_some(stop_time),
+    };
+    // SAFETY: as the caller grants.
+    unsafe { with::<U>(c, |slave| slave.setup_experiment(experiment)) }
+}
+
+/// `fmi2EnterInitializationMode`: Enters initialisation mode.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn enter_initialization_mode<U: Unit>(c: Component) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe { with::<U>(c, Slave::enter_initialization_mode) }
+}
+
+/// `fmi2ExitInitializationMode`: Leaves initialisation mode.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn exit_initialization_mode<U: Unit>(c: Component) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe { with::<U>(c, Slave::exit_initialization_mode) }
+}
+
+/// `fmi2Terminate`: Ends the run.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn terminate<U: Unit>(c: Component) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe { with::<U>(c, Slave::terminate) }
+}
+
+/// `fmi2Reset`: Brings the instance back to where it was instantiated.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn reset<U: Unit>(c: Component) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe { with::<U>(c, Slave::reset) }
+}

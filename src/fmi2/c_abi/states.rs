@@ -1,0 +1,156 @@
+//! Stored states of an instance, and their bytes.
+
+use std::ptr;
+
+use libc::{c_char, size_t};
+
+use super::boundary::{NULL_ARRAY, NULL_RESULT, array, array_mut, with};
+use super::types::{Component, FmuState};
+use crate::fmi2::log::Status;
+use crate::fmi2::snapshot::Snapshot;
+use crate::fmi2::unit::Unit;
+
+/// `fmi2GetFMUstate`: Stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
+///
+/// # Safety
+/// `*state` is null or a state from this function that has not been freed.
+pub(crate) unsafe fn get_fmu_state<U: Unit>(c: Component, state: *mut FmuState) -> Status {
+    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>` released below.
+    unsafe {
+        with::<U>(c, |slave| {
+            let Some(state) = state.as_mut() else {
+                return slave.refuse("fmi2GetFMUstate", NULL_RESULT);
+            };
+            let (status, saved) = slave.save();
+            if let Some(saved) = saved {
+                match state.cast::<Snapshot<U>>().as_mut() {
+                    Some(existing) => *existing = saved,
+                    None => *state = Box::into_raw(Box::new(saved)).cast(),
+                }
+            }
+            status
+        })
+    }
+}
+
+/// `fmi2SetFMUstate`: Goes back to a stored state, which stays as it is.
+///
+/// # Safety
+/// `state` is null or a state from [`get_fmu_state`] that has not been freed.
+pub(crate) unsafe fn set_fmu_state<U: Unit>(c: Component, state: FmuState) -> Status {
+    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`.
+    unsafe {
+        with::<U>(c, |slave| match state.cast::<Snapshot<U>>().as_ref() {
+            Some(snapshot) => slave.restore(snapshot),
+            None => slave.refuse("fmi2SetFMUstate", NULL_STATE),
+        })
+    }
+}
+
+/// `fmi2FreeFMUstate`: Frees a stored state and sets it to null; null is legal.
+///
+/// # Safety
+/// `*state` is null or a state from [`get_fmu_state`] that has not been freed.
+pub(crate) unsafe fn free_fmu_state<U: Unit>(c: Component, state: *mut FmuState) -> Status {
+    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`, which the caller gives back.
+    unsafe {
+        with::<U>(c, |_| {
+            if let Some(state) = state.as_mut()
+                && !state.is_null()
+            {
+                let freed = std::mem::replace(state, ptr::null_mut());
+                drop(Box::from_raw(freed.cast::<Snapshot<U>>()));
+            }
+            Status::Ok
+        })
+    }
+}
+
+const NULL_STATE: &str = "the state is null";
+
+/// `fmi2SerializedFMUstateSize`: Number of bytes that a stored state takes.
+///
+/// # Safety
+/// `state` is null or a state from [`get_fmu_state`] or [`deserialize_fmu_state`] that has not been freed.
+pub(crate) unsafe fn serialized_fmu_state_size<U: Unit>(c: Component, state: FmuState, size: *mut size_t) -> Status {
+    let function = "fmi2SerializedFMUstateSize";
+    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`.
+    unsafe {
+        with::<U>(c, |slave| {
+            let Some(snapshot) = state.cast::<Snapshot<U>>().as_ref() else {
+                return slave.refuse(function, NULL_STATE);
+            };
+            let Some(size) = size.as_mut() else {
+                return slave.refuse(function, NULL_RESULT);
+            };
+            let (status, bytes) = slave.serialize(function, snapshot);
+            if let Some(bytes) = bytes {
+                *size = bytes.len();
+            }
+            status
+        })
+    }
+}
+
+/// `fmi2SerializeFMUstate`: Writes a stored state as bytes, `size` of them as [`serialized_fmu_state_size`] has told.
+///
+/// # Safety
+/// As for [`serialized_fmu_state_size`]; `bytes` is null or points to `size` bytes.
+pub(crate) unsafe fn serialize_fmu_state<U: Unit>(
+    c: Component,
+    state: FmuState,
+    bytes: *mut c_char,
+    size: size_t,
+) -> Status {
+    let function = "fmi2SerializeFMUstate";
+    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`.
+    unsafe {
+        with::<U>(c, |slave| {
+            let Some(snapshot) = state.cast::<Snapshot<U>>().as_ref() else {
+                return slave.refuse(function, NULL_STATE);
+            };
+            let Some(target) = array_mut(bytes.cast::<u8>(), size) else {
+                return slave.refuse(function, NULL_ARRAY);
+            };
+            let (status, bytes) = slave.serialize(function, snapshot);
+            let Some(bytes) = bytes else { return status };
+            match target.get_mut(..bytes.len()) {
+                Some(target) => target.copy_from_slice(&bytes),
+                None => {
+                    let why = format!("the state takes {} bytes, {size} are not enough", bytes.len());
+                    return slave.refuse(function, &why);
+                }
+            }
+            status
+        })
+    }
+}
+
+/// `fmi2DeSerializeFMUstate`: Makes a stored state of bytes. What `*state` was before does not matter: it is not freed.
+///
+/// # Safety
+/// `bytes` is null or points to `size` bytes.
+pub(crate) unsafe fn deserialize_fmu_state<U: Unit>(
+    c: Component,
+    bytes: *const c_char,
+    size: size_t,
+    state: *mut FmuState,
+) -> Status {
+    let function = "fmi2DeSerializeFMUstate";
+    // SAFETY: as the caller grants; the pointer for the result is written, not read.
+    unsafe {
+        with::<U>(c, |slave| {
+            let Some(bytes) = array(bytes.cast::<u8>(), size) else {
+                return slave.refuse(function, NULL_ARRAY);
+            };
+            if state.is_null() {
+                return slave.refuse(function, NULL_RESULT);
+            }
+            let (status, snapshot) = slave.deserialize(bytes);
+            if let Some(snapshot) = snapshot {
+                state.write(Box::into_raw(Box::new(snapshot)).cast());
+            }
+            status
+        })
+    }
+}

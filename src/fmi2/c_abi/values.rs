@@ -1,0 +1,131 @@
+//! Reading and writing of variables.
+
+use libc::{c_char, c_int, c_uint, size_t};
+
+use super::boundary::{NULL_ARRAY, array, array_mut, with};
+use super::types::Component;
+use crate::fmi2::log::Status;
+use crate::fmi2::state::Call;
+use crate::fmi2::unit::Unit;
+
+/// `fmi2GetReal`: Reads reals.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn get_real<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *mut f64) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| match (array(vr, nvr), array_mut(value, nvr)) {
+            (Some(references), Some(values)) => slave.get_real(references, values),
+            _ => slave.refuse("fmi2GetReal", NULL_ARRAY),
+        })
+    }
+}
+
+/// `fmi2GetInteger`: Reads integers and enumerations.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn get_integer<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *mut c_int) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| match (array(vr, nvr), array_mut(value, nvr)) {
+            (Some(references), Some(values)) => slave.get_integer(references, values),
+            _ => slave.refuse("fmi2GetInteger", NULL_ARRAY),
+        })
+    }
+}
+
+/// `fmi2GetBoolean`: Reads Booleans.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn get_boolean<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *mut c_int) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| match (array(vr, nvr), array_mut(value, nvr)) {
+            (Some(references), Some(values)) => slave.get_boolean(references, values),
+            _ => slave.refuse("fmi2GetBoolean", NULL_ARRAY),
+        })
+    }
+}
+
+/// `fmi2GetString`: Reads strings; there are none.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn get_string<U: Unit>(
+    c: Component,
+    vr: *const c_uint,
+    nvr: size_t,
+    _value: *mut *const c_char,
+) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| match array(vr, nvr) {
+            Some(references) => slave.no_strings("fmi2GetString", Call::Get, references),
+            None => slave.refuse("fmi2GetString", NULL_ARRAY),
+        })
+    }
+}
+
+/// `fmi2SetReal`: Writes reals.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn set_real<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *const f64) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| match (array(vr, nvr), array(value, nvr)) {
+            (Some(references), Some(values)) => slave.set_real(references, values),
+            _ => slave.refuse("fmi2SetReal", NULL_ARRAY),
+        })
+    }
+}
+
+/// `fmi2SetInteger`: Writes integers and enumerations.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn set_integer<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *const c_int) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| match (array(vr, nvr), array(value, nvr)) {
+            (Some(references), Some(values)) => slave.set_integer(references, values),
+            _ => slave.refuse("fmi2SetInteger", NULL_ARRAY),
+        })
+    }
+}
+
+/// `fmi2SetBoolean`: Writes Booleans.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn set_boolean<U: Unit>(c: Component, vr: *const c_uint, nvr: size_t, value: *const c_int) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| match (array(vr, nvr), array(value, nvr)) {
+            (Some(references), Some(values)) => slave.set_boolean(references, values),
+            _ => slave.refuse("fmi2SetBoolean", NULL_ARRAY),
+        })
+    }
+}
+
+/// `fmi2SetString`: Writes strings; there are none.
+///
+/// # Safety
+/// As the head of [this room](super) says.
+pub(crate) unsafe fn set_string<U: Unit>(
+    c: Component,
+    vr: *const c_uint,
+    nvr: size_t,
+    _value: *const *const c_char,
+) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        with::<U>(c, |slave| match array(vr, nvr) {
+            Some(references) => slave.no_strings("fmi2SetString", Call::Set, references),
+            None => slave.refuse("fmi2SetString", NULL_ARRAY),
+        })
+    }
+}

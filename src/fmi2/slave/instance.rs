@@ -1,0 +1,131 @@
+//! An instance, and what every call goes through: permission, log, and containment of a panic.
+
+use std::any::Any;
+use std::cell::OnceCell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::outcome::{Outcome, Trouble, refused};
+use crate::fmi2::description::guid;
+use crate::fmi2::log::{Category, Log, Sink, Status};
+use crate::fmi2::snapshot::Snapshot;
+use crate::fmi2::state::{Call, State};
+use crate::fmi2::table::Table;
+use crate::fmi2::unit::{Remark, Unit};
+
+/// An instance of a unit.
+pub struct Slave<U: Unit> {
+    pub(super) table: Table<U::Settings, U::Readings>,
+    pub(super) log: Log,
+    /// Whether the importer asked for debug logging when it created the instance.
+    pub(super) debug: bool,
+    /// Written once: it is a hash of the whole description.
+    guid: OnceCell<String>,
+    /// The whole dynamic state.
+    pub(super) now: Snapshot<U>,
+}
+
+impl<U: Unit> Slave<U> {
+    /// A new instance that logs into `sink`.
+    #[must_use]
+    pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
+        Self {
+            table: U::table(),
+            log: Log::new(sink, debug),
+            debug,
+            guid: OnceCell::new(),
+            now: Snapshot::new(),
+        }
+    }
+
+    /// The GUID of the unit.
+    pub(super) fn guid(&self) -> &str {
+        self.guid.get_or_init(guid::<U>)
+    }
+
+    /// State of the state machine.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.now.state
+    }
+
+    /// A call that this slave does not offer, as its capability flags say.
+    pub fn not_offered(&mut self, function: &'static str, why: &str) -> Status {
+        self.refuse(function, &format!("not offered: {why}"))
+    }
+
+    /// Refuses a call whose arguments can't be used.
+    pub fn refuse(&mut self, function: &'static str, why: &str) -> Status {
+        self.call(function, |_| refused(why))
+    }
+
+    /// Refuses a call that the present state does not allow.
+    pub(super) fn allow(&self, call: Call) -> Outcome {
+        if call.allowed_in(self.now.state) {
+            return Ok(());
+        }
+        let advice = match self.now.state {
+            State::Error => "; reset it or restore a stored state",
+            _ => "",
+        };
+        refused(format!(
+            "not allowed while the instance is {}{advice}",
+            self.now.state.name()
+        ))
+    }
+
+    /// Starts the unit, unless it has been started.
+    pub(super) fn start_unit(&mut self) -> Outcome {
+        if self.now.unit.is_none() {
+            let mut remarks = Vec::new();
+            let started = U::start(&self.now.settings, &self.now.experiment, &mut remarks);
+            self.log_remarks(&remarks);
+            self.now.unit = Some(started.map_err(Trouble::Failed)?);
+            self.now.point = self.now.experiment.start;
+        }
+        Ok(())
+    }
+
+    /// Logs what the unit remarks.
+    pub(super) fn log_remarks(&self, remarks: &[Remark]) {
+        for remark in remarks {
+            let (status, category) = if remark.warning {
+                (Status::Warning, Category::Warning)
+            } else {
+                (Status::Ok, Category::Events)
+            };
+            self.log.send(status, category, &remark.text);
+        }
+    }
+
+    /// Runs a call, logs what went wrong and contains a panic within this instance.
+    pub(super) fn call(&mut self, function: &'static str, body: impl FnOnce(&mut Self) -> Outcome) -> Status {
+        let outcome = catch_unwind(AssertUnwindSafe(|| body(self))).unwrap_or_else(|panic| {
+            // What the panic left behind is not to be trusted.
+            let broken = self.now.unit.take();
+            drop(catch_unwind(AssertUnwindSafe(|| drop(broken))));
+            Err(Trouble::Failed(format!(
+                "internal error, please report: {}",
+                panic_text(panic.as_ref())
+            )))
+        });
+        let (status, category, text) = match outcome {
+            Ok(()) => return Status::Ok,
+            Err(Trouble::Refused(text)) => (Status::Error, Category::Error, text),
+            Err(Trouble::Failed(text)) => {
+                self.now.state = State::Error;
+                (Status::Error, Category::Error, text)
+            }
+            Err(Trouble::Discarded(text)) => (Status::Discard, Category::Discard, text),
+        };
+        self.log.send(status, category, &format!("{function}: {text}"));
+        status
+    }
+}
+
+fn panic_text(panic: &(dyn Any + Send)) -> &str {
+    panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("panic without a message")
+}

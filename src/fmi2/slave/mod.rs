@@ -1,0 +1,27 @@
+//! One instance, in the order of the standard's state machine.
+//!
+//! Every call ends in one of four ways. *Done*. *Refused* (wrong state, unknown value reference, nothing to offer):
+//! an error for the master, and nothing has changed. *Failed* (a value out of range, no initial state, a panic): an
+//! error, after which only [`Slave::reset`], a stored state or the end of the instance go on. *Discarded*: a step
+//! that was completed in part only.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `outcome` | the four ways |
+//! | `instance` | the instance, and what every call goes through |
+//! | `lifecycle` | log, set-up, initialisation, end |
+//! | `values` | reading and writing of variables |
+//! | `derivatives` | derivatives of inputs and outputs with respect to time |
+//! | `states` | stored states |
+//! | `steps` | communication steps, and how the last one ended |
+
+mod derivatives;
+mod instance;
+mod lifecycle;
+mod outcome;
+mod states;
+mod steps;
+mod values;
+
+pub use instance::Slave;
+pub use steps::StatusKind;

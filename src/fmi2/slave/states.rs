@@ -1,0 +1,57 @@
+//! Stored states of an instance.
+
+use super::instance::Slave;
+use super::outcome::Trouble;
+use crate::fmi2::log::Status;
+use crate::fmi2::snapshot::Snapshot;
+use crate::fmi2::state::Call;
+use crate::fmi2::unit::Unit;
+
+impl<U: Unit> Slave<U> {
+    /// `fmi2GetFMUstate`: the state, or `None` with the status if the call failed.
+    pub fn save(&mut self) -> (Status, Option<Snapshot<U>>) {
+        let mut saved = None;
+        let status = self.call("fmi2GetFMUstate", |slave| {
+            slave.allow(Call::Always)?;
+            saved = Some(slave.now.clone());
+            Ok(())
+        });
+        (status, saved)
+    }
+
+    /// `fmi2SetFMUstate`. The state may come from another instance.
+    pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Status {
+        self.call("fmi2SetFMUstate", |slave| {
+            slave.allow(Call::Always)?;
+            slave.now = snapshot.clone();
+            Ok(())
+        })
+    }
+
+    /// `fmi2SerializeFMUstate`, and `fmi2SerializedFMUstateSize` by the length of what comes: the bytes, or `None` with
+    /// the status if the call failed.
+    pub fn serialize(&mut self, function: &'static str, snapshot: &Snapshot<U>) -> (Status, Option<Vec<u8>>) {
+        let mut sealed = None;
+        let status = self.call(function, |slave| {
+            slave.allow(Call::Always)?;
+            sealed = Some(
+                snapshot
+                    .to_bytes(&slave.table, slave.guid())
+                    .map_err(Trouble::Refused)?,
+            );
+            Ok(())
+        });
+        (status, sealed)
+    }
+
+    /// `fmi2DeSerializeFMUstate`: the state, or `None` with the status if the bytes are not one.
+    pub fn deserialize(&mut self, sealed: &[u8]) -> (Status, Option<Snapshot<U>>) {
+        let mut found = None;
+        let status = self.call("fmi2DeSerializeFMUstate", |slave| {
+            slave.allow(Call::Always)?;
+            found = Some(Snapshot::from_bytes(&slave.table, slave.guid(), sealed).map_err(Trouble::Refused)?);
+            Ok(())
+        });
+        (status, found)
+    }
+}

@@ -1,0 +1,133 @@
+//! Forces at a point, and generalised forces of an element.
+
+use super::hermite::Hermite;
+use super::motion::{ElementMotion, Node};
+use super::point::RingPoint;
+use super::variation::RingVariation;
+use super::vectors::{embed, in_plane};
+use crate::scalar::{Real, zero_vector};
+use nalgebra::SVector;
+
+/// Forces per length conjugate to the virtual motions of a mesh point. Sign: residual = inertia − forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Load<T: Real, const D: usize = 2> {
+    /// Conjugate to δr, N/m.
+    pub position: SVector<T, D>,
+    /// Conjugate to δr', N.
+    pub slope: SVector<T, D>,
+    /// Conjugate to δr'', N·m.
+    pub bend: SVector<T, D>,
+    /// Conjugate to δw, N/m.
+    pub drift: T,
+    /// Conjugate to δΘ beyond what the other entries carry, N·m/m.
+    pub theta: T,
+}
+
+impl<T: Real, const D: usize> Load<T, D> {
+    /// No force.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self {
+            position: zero_vector(),
+            slope: zero_vector(),
+            bend: zero_vector(),
+            drift: T::zero(),
+            theta: T::zero(),
+        }
+    }
+}
+
+/// Generalised forces of an element.
+#[derive(Clone, Copy, Debug)]
+pub struct ElementLoad<T: Real, const D: usize = 2> {
+    /// Conjugate to the length-free coordinates d.
+    d: [SVector<T, D>; 4],
+    /// Conjugate to Θ (the part through d excepted until [`ElementLoad::nodes`]).
+    pub theta: T,
+    /// Conjugate to s.
+    pub s: T,
+}
+
+impl<T: Real, const D: usize> ElementLoad<T, D> {
+    /// No force.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self {
+            d: [zero_vector(); 4],
+            theta: T::zero(),
+            s: T::zero(),
+        }
+    }
+
+    /// Adds a load over the length `weight`, m.
+    #[inline(always)]
+    pub fn add(
+        &mut self,
+        load: &Load<T, D>,
+        point: &RingPoint<T, D>,
+        shape: &Hermite<T::Constant>,
+        element: &ElementMotion<T, D>,
+        weight: T,
+    ) {
+        let reference = &point.reference;
+        self.s += load.drift * weight;
+        let bend_theta = reference.n * reference.kappa_theta - reference.t * (reference.kappa * reference.chi_theta);
+        let mut theta = load.theta + in_plane(&load.position).dot(&reference.r_theta) - load.drift * reference.xi.d
+            + in_plane(&load.slope).dot(&reference.n) * reference.chi_theta
+            + in_plane(&load.bend).dot(&bend_theta);
+        if element.overlay.is_some() {
+            let g = element.length.v.recip() * 2.0;
+            let growth = element.length.d * g * 0.5;
+            let u_slope = point.slope - embed(reference.t);
+            let u_bend = point.bend - embed(reference.n * reference.kappa);
+            theta -= (load.slope.dot(&u_slope) + load.bend.dot(&u_bend) * 2.0) * growth;
+            let (f0, f1, f2) = (
+                load.position * weight,
+                load.slope * (g * weight),
+                load.bend * (g * g * weight),
+            );
+            for k in 0..4 {
+                let (n, dn, ddn) = (shape.n[k], shape.dn[k], shape.ddn[k]);
+                for i in 0..D {
+                    self.d[k][i] += f0[i] * n + f1[i] * dn + f2[i] * ddn;
+                }
+            }
+        }
+        self.theta += theta * weight;
+    }
+
+    /// Adds the variation of Θ's force in [`ElementLoad::add`] where the point varies and the load does not.
+    #[inline(always)]
+    pub fn add_varied(
+        &mut self,
+        load: &Load<T, D>,
+        variation: &RingVariation<T, D>,
+        element: &ElementMotion<T, D>,
+        weight: T,
+    ) {
+        let growth = element.length.d * element.length.v.recip();
+        self.theta -= (load.slope.dot(&variation.slope) + load.bend.dot(&variation.bend) * 2.0) * growth * weight;
+    }
+
+    /// The variation of Θ's force in [`ElementLoad::nodes`] where component `k` of a node's slope varies by `by` and the
+    /// loads do not.
+    #[inline(always)]
+    pub fn slope_varied(&self, node: usize, k: usize, by: f64, element: &ElementMotion<T, D>) -> T {
+        self.d[2 * node + 1][k] * element.length.d * by
+    }
+
+    /// Conjugates of the nodal degrees of freedom, and of Θ complete.
+    #[inline(always)]
+    pub fn nodes(&self, element: &ElementMotion<T, D>) -> ([Node<T, D>; 2], T) {
+        let l = element.length;
+        let node = |i: usize| Node {
+            a: self.d[2 * i],
+            b: self.d[2 * i + 1] * l.v,
+        };
+        let mut theta = self.theta;
+        if let Some(overlay) = &element.overlay {
+            theta += (self.d[1].dot(&overlay.slope[0]) + self.d[3].dot(&overlay.slope[1])) * l.d;
+        }
+        ([node(0), node(1)], theta)
+    }
+}

@@ -1,0 +1,102 @@
+//! Motion of nodes, of elements and of the reference degrees of freedom.
+
+use crate::reference_curve::Jet;
+use crate::scalar::{Real, zero_vector};
+use nalgebra::SVector;
+
+/// Deflection and slope of a node, or a time derivative of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Node<T: Real, const D: usize = 2> {
+    /// Deflection, m.
+    pub a: SVector<T, D>,
+    /// Slope ∂/∂ξ of the deflection.
+    pub b: SVector<T, D>,
+}
+
+/// A quantity with its first and second time derivative at fixed η.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<T> {
+    /// The quantity itself.
+    pub value: T,
+    /// Its first time derivative.
+    pub rate: T,
+    /// Its second time derivative.
+    pub acceleration: T,
+}
+
+/// Motion of the reference degrees of freedom.
+#[derive(Clone, Copy, Debug)]
+pub struct ReferenceMotion<T> {
+    /// Θ, Θ̇, Θ̈.
+    pub theta: Motion<T>,
+    /// Drift rate ṡ, m/s.
+    pub s_dot: T,
+    /// s̈, m/s².
+    pub s_ddot: T,
+}
+
+impl<T: Real> ReferenceMotion<T> {
+    /// Speed w = ṡ − ξ_Θ Θ̇ at which the material passes a mesh point, m/s, and its rate, m/s².
+    #[inline(always)]
+    pub fn material_speed(&self, xi: &Jet<T>) -> (T, T) {
+        let (rate, acceleration) = (self.theta.rate, self.theta.acceleration);
+        (
+            self.s_dot - xi.d * rate,
+            self.s_ddot - xi.d * acceleration - xi.dd * rate * rate,
+        )
+    }
+}
+
+/// Motion of an element: its length, and its overlay in the length-free coordinates d. `ALE0` has no overlay.
+#[derive(Clone, Copy, Debug)]
+pub struct ElementMotion<T: Real, const D: usize = 2> {
+    /// Element length l(Θ), m.
+    pub length: Jet<T>,
+    /// Deflection over the reference curve; none where the ring keeps to it.
+    pub(super) overlay: Option<Overlay<T, D>>,
+}
+
+/// The overlay of an element in the coordinates d.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Overlay<T: Real, const D: usize> {
+    pub(super) d: [SVector<T, D>; 4],
+    pub(super) rate: [SVector<T, D>; 4],
+    pub(super) acceleration: [SVector<T, D>; 4],
+    /// Slopes b of the two nodes.
+    pub(super) slope: [SVector<T, D>; 2],
+}
+
+impl<T: Real, const D: usize> ElementMotion<T, D> {
+    /// An element that follows the reference curve.
+    #[inline(always)]
+    pub fn rigid(length: Jet<T>) -> Self {
+        Self { length, overlay: None }
+    }
+
+    /// An element between two nodes.
+    #[inline(always)]
+    pub fn flexible(length: Jet<T>, theta: &Motion<T>, nodes: &[Motion<Node<T, D>>; 2]) -> Self {
+        let l = length.v;
+        let l_dot = length.d * theta.rate;
+        let l_ddot = length.dd * theta.rate * theta.rate + length.d * theta.acceleration;
+        let mut overlay = Overlay {
+            d: [zero_vector(); 4],
+            rate: [zero_vector(); 4],
+            acceleration: [zero_vector(); 4],
+            slope: [nodes[0].value.b, nodes[1].value.b],
+        };
+        for (i, node) in nodes.iter().enumerate() {
+            let (b, b_dot) = (node.value.b, node.rate.b);
+            overlay.d[2 * i] = node.value.a;
+            overlay.d[2 * i + 1] = b * l;
+            overlay.rate[2 * i] = node.rate.a;
+            overlay.rate[2 * i + 1] = b_dot * l + b * l_dot;
+            overlay.acceleration[2 * i] = node.acceleration.a;
+            overlay.acceleration[2 * i + 1] = node.acceleration.b * l + b_dot * (l_dot * 2.0) + b * l_ddot;
+        }
+        Self {
+            length,
+            overlay: Some(overlay),
+        }
+    }
+}

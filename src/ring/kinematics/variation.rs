@@ -1,0 +1,116 @@
+//! The derivatives of a point in one direction.
+
+use super::hermite::Hermite;
+use super::motion::{ElementMotion, Motion, ReferenceMotion};
+use super::point::RingPoint;
+use super::vectors::{cross, embed, in_plane};
+use crate::scalar::{Real, turn_right, zero_vector};
+use nalgebra::SVector;
+
+/// How the ring at a mesh point varies in a direction that leaves the reference curve where it is: the derivatives of a
+/// [`RingPoint`].
+#[derive(Clone, Copy, Debug)]
+pub struct RingVariation<T: Real, const D: usize = 2> {
+    /// δr.
+    pub r: SVector<T, D>,
+    /// δṙ.
+    pub r_dot: SVector<T, D>,
+    /// δr̈.
+    pub r_ddot: SVector<T, D>,
+    /// δr'.
+    pub slope: SVector<T, D>,
+    /// δ(r')˙.
+    pub slope_dot: SVector<T, D>,
+    /// δr''.
+    pub bend: SVector<T, D>,
+    /// δ|r'|.
+    pub stretch: T,
+    /// δt̂.
+    pub t: SVector<T, D>,
+    /// Variations of the [`RingPoint::normals`].
+    pub normals: [SVector<T, D>; 2],
+    /// δw.
+    pub w: T,
+    /// δẇ.
+    pub w_dot: T,
+    /// δγ'.
+    pub strain_gradient: T,
+}
+
+impl<T: Real, const D: usize> RingVariation<T, D> {
+    /// The variation of a point that does not vary.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = zero_vector();
+        Self {
+            r: zero,
+            r_dot: zero,
+            r_ddot: zero,
+            slope: zero,
+            slope_dot: zero,
+            bend: zero,
+            stretch: T::zero(),
+            t: zero,
+            normals: [zero; 2],
+            w: T::zero(),
+            w_dot: T::zero(),
+            strain_gradient: T::zero(),
+        }
+    }
+
+    /// The variation with component `k` of the nodal unknown that has shape function `m`. `alpha` and `beta` are the
+    /// derivatives of its acceleration and its position with respect to its rate.
+    #[inline(always)]
+    pub fn of_node(
+        point: &RingPoint<T, D>,
+        shape: &Hermite<T::Constant>,
+        element: &ElementMotion<T, D>,
+        motion: &ReferenceMotion<T>,
+        [m, k]: [usize; 2],
+        [alpha, beta]: [f64; 2],
+    ) -> Self {
+        let l = element.length;
+        let Motion { rate, acceleration, .. } = motion.theta;
+        // d = b l for the slope of a node, d = a for its deflection.
+        let (d, d_dot, d_ddot) = if m % 2 == 1 {
+            let l_dot = l.d * rate;
+            let l_ddot = l.dd * rate * rate + l.d * acceleration;
+            (
+                l.v * beta,
+                l.v + l_dot * beta,
+                l.v * alpha + l_dot * 2.0 + l_ddot * beta,
+            )
+        } else {
+            (T::from(beta), T::one(), T::from(alpha))
+        };
+        let g = l.v.recip() * 2.0;
+        let (n, dn, ddn) = (shape.n[m], shape.dn[m], shape.ddn[m]);
+        let mut v = Self::none();
+        let slope = d * dn * g;
+        v.r[k] = d * n;
+        v.r_dot[k] = d_dot * n;
+        v.r_ddot[k] = d_ddot * n;
+        v.slope[k] = slope;
+        v.slope_dot[k] = d_dot * dn * g - slope * (l.d * rate * g * 0.5);
+        v.bend[k] = d * ddn * (g * g);
+        v.stretch = point.t[k] * slope;
+        v.t = (v.slope - point.t * v.stretch) * point.inverse_stretch;
+        v.strain_gradient = v.t.dot(&point.bend) + point.t.dot(&v.bend);
+        v.vary_normals(point);
+        v
+    }
+
+    /// Sets the variation of the normals, from that of the tangent.
+    #[inline(always)]
+    fn vary_normals(&mut self, point: &RingPoint<T, D>) {
+        let turned = turn_right(in_plane(&self.t));
+        if D == 2 {
+            self.normals[0] = embed(turned);
+        } else {
+            let (t, n) = (&point.t, in_plane(&point.n));
+            let inverse = in_plane(t).dot(&in_plane(t)).sqrt().recip();
+            self.normals[0] = embed((turned - n * n.dot(&turned)) * inverse);
+            self.normals[1] = cross(&self.t, &point.n) + cross(t, &self.normals[0]);
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! States to start from.
+
+use super::free_ring::RingSystem;
+use crate::ring::model::{RingModel, Shape};
+use crate::ring::particle::ParticleLoad;
+use crate::solver::arrow::{Arrow, ArrowLu, Singular};
+use crate::solver::sdirk::{Sdirk, Stalled};
+use crate::solver::{State, System};
+use nalgebra::SVector;
+
+impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
+    /// At rest on the reference curve at Θ.
+    #[must_use]
+    pub fn rest(&self, theta: f64) -> State {
+        self.at_rest(theta, |model, q| model.lay_on_curve(q))
+    }
+
+    /// At rest on a shape: (r, r') at ξ. Nodes are on it exactly, and the rest of an element as closely as it can.
+    #[must_use]
+    pub fn rest_on(&self, theta: f64, shape: Shape<'_, D>) -> State {
+        self.at_rest(theta, |model, q| model.lay(shape, q))
+    }
+
+    fn at_rest(&self, theta: f64, lay: impl Fn(&M, &mut [f64])) -> State {
+        let mut state = State::zero(self.shape().len());
+        state.q[self.theta()] = theta;
+        lay(&self.model, &mut state.q);
+        state
+    }
+
+    /// Gives a ring the velocities v(ξ), m/s, in the sense of least squares: M q̇ = ∫m_r Pᵀv dξ.
+    ///
+    /// # Errors
+    /// The mass matrix is singular: the ring has no mass, or too few unknowns are held.
+    pub fn set_in_motion(
+        &mut self,
+        state: &mut State,
+        velocity: impl Fn(f64) -> SVector<f64, D>,
+    ) -> Result<(), Singular> {
+        state.y.fill(0.0);
+        let mut mass = Arrow::new(self.shape());
+        self.jacobian(0.0, state.view(), 1.0, 0.0, &mut mass);
+        let mut factors = ArrowLu::new(self.shape());
+        factors.factor(&mass)?;
+        let frame = self.frame(state.view());
+        let density = self.model.ring().mass_per_length;
+        let mut momentum = vec![0.0; state.y.len()];
+        let mut xi = 0.0;
+        for element in 0..self.model.elements() {
+            let motion = self.values(state.view(), element);
+            let mut length = 0.0;
+            for &(x, weight) in self.model.quadrature() {
+                let (_, scale) = self.model.particle(&frame, element, x, &motion);
+                let load = ParticleLoad {
+                    position: velocity(xi + scale * (1.0 + x)) * (density * scale * weight),
+                    ..ParticleLoad::zero()
+                };
+                length += scale * weight;
+                let rows = self.model.project(&frame, element, x, &motion, &load);
+                for (i, row) in self.model.directions(element).into_iter().zip(rows) {
+                    momentum[i] += row;
+                }
+            }
+            xi += length;
+        }
+        self.held.iter().for_each(|&i| momentum[i] = 0.0);
+        factors.solve(&mut momentum);
+        state.y.copy_from_slice(&momentum);
+        Ok(())
+    }
+
+    /// Lets a ring at rest that is nearly in balance find it: `count` implicit steps of size `step`, s, whose
+    /// velocities are set to zero. What is stiff against `step` settles, and what is soft hardly moves. So the stretch
+    /// vanishes that cubic elements have after [`RingSystem::rest_on`].
+    ///
+    /// # Errors
+    /// The step size fell below the integrator's smallest.
+    pub fn settle(&self, state: &mut State, step: f64, count: usize) -> Result<(), Stalled> {
+        let mut system = self.clone();
+        system.tolerance = f64::INFINITY;
+        let mut integrator = Sdirk::new(&system, step, step);
+        for _ in 0..count {
+            integrator.advance(&mut system, state, 0.0, step)?;
+            state.y.fill(0.0);
+            state.y_dot.fill(0.0);
+        }
+        Ok(())
+    }
+}

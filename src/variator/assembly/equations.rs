@@ -1,0 +1,81 @@
+//! What adds up ring, elements and contact to equations: one implementation for rings whose mesh stands still
+//! ([`PackedCells`](crate::variator::assembly::packed::PackedCells)), one for rings that travel with theirs.
+
+use crate::contact::Friction;
+use crate::pulley::PerPulley;
+use crate::ring::model::{Energy, Shape};
+use crate::scalar::Lanes;
+use crate::solver::View;
+use crate::solver::arrow::Arrow;
+use crate::tape::Tape;
+use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::belt::Belt;
+use crate::variator::cell::sample::Sample;
+use std::fmt::Debug;
+
+/// The belt, and the friction that acts on it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InForce<'a> {
+    pub belt: &'a Belt,
+    pub friction: &'a Friction,
+}
+
+/// Equations of ring and elements. What it remembers are derivatives and working memory: results depend on the arguments
+/// alone, those of [`Assembly::jacobian`] on the derivatives that are kept too.
+pub(crate) trait Assembly: Debug + Send + Sync {
+    /// A copy that goes on as the original does.
+    fn boxed(&self) -> Box<dyn Assembly>;
+
+    /// Adds the equations of the belt to `out`; returns its loads on the pulleys.
+    fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
+
+    /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to `out`; returns the loads on the
+    /// pulleys. Derivatives that are still good for Newton's method are those of an earlier call.
+    fn jacobian(
+        &mut self,
+        acting: InForce<'_>,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) -> PerPulley<PulleyLoad>;
+
+    /// Values at the stations of each group of cells.
+    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]);
+
+    /// Energies of a ring that counts them on elements of its own, J, and the power that its damping takes, W.
+    fn ring_energy(&self, _belt: &Belt, _view: View<'_>) -> (Energy, f64) {
+        (Energy::default(), 0.0)
+    }
+
+    /// Places the nodes of a ring that travels with its mesh on `shape`: their unknowns, if it is such a ring.
+    fn placed_on(&self, _shape: Shape<'_>) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Forgets the derivatives that are kept: the next Jacobian takes all anew.
+    fn forget_derivatives(&mut self) {}
+
+    /// Takes the derivatives that are kept once more, after they were read from a tape.
+    fn retake_derivatives(&mut self, _acting: InForce<'_>) {}
+
+    /// Passes by a tape where the derivatives that are kept were taken.
+    fn pass_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
+
+    /// How often packs of cells were differentiated.
+    fn differentiations(&self) -> u64 {
+        0
+    }
+
+    /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry
+    /// of its column.
+    #[cfg(test)]
+    fn worst_derivative(&self, _acting: InForce<'_>, _view: View<'_>, _alpha: f64) -> f64 {
+        f64::NAN
+    }
+}
+
+impl Clone for Box<dyn Assembly> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
+}

@@ -1,0 +1,53 @@
+//! The balance of a pack of cells, with whatever scalar.
+
+use crate::scalar::{Lanes, Real};
+use crate::solver::View;
+use crate::variator::assembly::equations::InForce;
+use crate::variator::assembly::kinds::{RingKind, Standing};
+use crate::variator::assembly::pack::Pack;
+use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
+use crate::variator::belt::Belt;
+use crate::variator::cell::balance::balance;
+use crate::variator::cell::place::CellBalance;
+use crate::variator::cell::ring::{EulerianRing, RingForces};
+use crate::variator::cell::sample::{Probe, Sample, Sampler};
+use num_traits::Zero;
+
+/// The frame of the curve at a state.
+#[inline(always)]
+pub(crate) fn frame<C: Standing>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
+    C::stand(&belt.curve, belt.curve.shape(belt.theta(view)).frame(Lanes::zero()))
+}
+
+/// The balance of a pack of cells while `record` gets the values at every station.
+#[inline(never)]
+pub(crate) fn sampled_balance<K: RingKind<D>, const D: usize, C: Standing>(
+    acting: InForce<'_>,
+    pack: &Pack,
+    frame: &C::Frame<Lanes>,
+    unknowns: &impl ReadUnknowns<Lanes>,
+    record: &mut dyn FnMut(Sample<Lanes>),
+) -> CellBalance<Lanes> {
+    let seed = |value, _, _| value;
+    pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, [0.0; 2], seed, &mut Sampler(record)).0
+}
+
+/// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
+#[inline(always)]
+pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D>, const D: usize, C: Standing>(
+    InForce { belt, friction }: InForce<'_>,
+    pack: &Pack,
+    frame: &C::Frame<T>,
+    unknowns: &impl ReadUnknowns<Lanes>,
+    slopes: [f64; 2],
+    seed: impl Fn(Lanes, usize, f64) -> T,
+    probe: &mut S,
+) -> (CellBalance<T>, RingForces<T, D>) {
+    let motion = motion::<T, K>(unknowns, slopes, &seed);
+    let place = pack.place::<T, C>(frame);
+    let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
+    let at = (frame, pack.segment);
+    let mut ring = K::ring::<T, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
+    let b = balance(&belt.law, friction, &place, &motion, &mut ring, reference, probe);
+    (b, ring.forces())
+}

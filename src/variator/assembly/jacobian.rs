@@ -1,0 +1,273 @@
+//! Derivatives of a pack of cells: by hand where they are known, else by forward differentiation.
+
+use crate::chain::Transport;
+use crate::reference_curve::{TwoPulley, TwoPulleyShape};
+use crate::scalar::{Lanes, Tangent};
+use crate::variator::assembly::equations::InForce;
+use crate::variator::assembly::evaluate::{pack_balance, sampled_balance};
+use crate::variator::assembly::kept::{Kept, Regime, RegimeProbe};
+use crate::variator::assembly::kinds::{RingKind, Standing};
+use crate::variator::assembly::pack::Pack;
+use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
+use crate::variator::cell::balance::balance;
+use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, RotatingRing};
+use crate::variator::cell::place::CellBalance;
+use crate::variator::cell::ring::VaryingRing;
+use crate::variator::cell::sample::NoProbe;
+use crate::variator::cell::variation::Linearised;
+use num_traits::Zero;
+
+/// Directions differentiated in one pass over a pack of cells.
+const PASS: usize = 2;
+
+/// A ring whose cells can be differentiated.
+pub(crate) trait Differentiate<const D: usize>: RingKind<D> {
+    /// Differentiates a pack where `kept` says, by the fastest way that is known.
+    fn differentiate<C: Standing>(
+        acting: InForce<'_>,
+        pack: &Pack,
+        frames: &Frames<C>,
+        kept: &mut Kept,
+        transports: &mut [Transport<[f64; MOST]>],
+    );
+}
+
+impl Differentiate<2> for GuidedRing {
+    fn differentiate<C: Standing>(
+        acting: InForce<'_>,
+        pack: &Pack,
+        frames: &Frames<C>,
+        kept: &mut Kept,
+        transports: &mut [Transport<[f64; MOST]>],
+    ) {
+        by_hand::<Self, 2, C>(acting, pack, frames, kept, transports);
+    }
+}
+
+impl<const D: usize> Differentiate<D> for DeflectingRing<D> {
+    fn differentiate<C: Standing>(
+        acting: InForce<'_>,
+        pack: &Pack,
+        frames: &Frames<C>,
+        kept: &mut Kept,
+        transports: &mut [Transport<[f64; MOST]>],
+    ) {
+        by_hand::<Self, D, C>(acting, pack, frames, kept, transports);
+    }
+}
+
+impl<const D: usize> Differentiate<D> for RotatingRing<D> {
+    fn differentiate<C: Standing>(
+        acting: InForce<'_>,
+        pack: &Pack,
+        frames: &Frames<C>,
+        kept: &mut Kept,
+        transports: &mut [Transport<[f64; MOST]>],
+    ) {
+        forward::<Self, D, C>(acting, pack, frames, kept, transports);
+    }
+}
+
+/// By hand; along Θ by forward differentiation.
+fn by_hand<K: RingKind<D>, const D: usize, C: Standing>(
+    acting: InForce<'_>,
+    pack: &Pack,
+    frames: &Frames<C>,
+    kept: &mut Kept,
+    transports: &mut [Transport<[f64; MOST]>],
+) where
+    for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
+{
+    let (unknowns, slopes, mut columns) = Columns::of::<K>(pack, kept, transports);
+    vary_pack::<K, D, C>(acting, pack, &frames.plain, unknowns, slopes, |k, rows, transport| {
+        columns.record(k, rows, transport);
+    });
+    let (rows, transport) = pack_pass::<1, K, D, C>(acting, pack, &frames.of_theta, unknowns, slopes, K::THETA);
+    columns.record(K::THETA, &rows.map(|row| row.eps[0]), &transport.map(|of| of.eps[0]));
+}
+
+/// By forward differentiation alone.
+fn forward<K: RingKind<D>, const D: usize, C: Standing>(
+    acting: InForce<'_>,
+    pack: &Pack,
+    frames: &Frames<C>,
+    kept: &mut Kept,
+    transports: &mut [Transport<[f64; MOST]>],
+) {
+    let (unknowns, slopes, mut columns) = Columns::of::<K>(pack, kept, transports);
+    for first in (0..K::COUNT).step_by(PASS) {
+        let moving = Tangent::seed(Lanes::zero(), K::THETA.wrapping_sub(first), slopes[1]);
+        let frame = C::stand(&acting.belt.curve, frames.shape.frame(moving));
+        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, unknowns, slopes, first);
+        for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
+            columns.record(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
+        }
+    }
+}
+
+/// One pass over a pack: derivatives in the directions `first` and on.
+#[inline(never)]
+fn pack_pass<const N: usize, K: RingKind<D>, const D: usize, C: Standing>(
+    acting: InForce<'_>,
+    pack: &Pack,
+    frame: &C::Frame<Tangent<N>>,
+    unknowns: &Unknowns<Lanes>,
+    slopes: [f64; 2],
+    first: usize,
+) -> ([Tangent<N>; MOST], Transport<Tangent<N>>) {
+    let seed = |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
+    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, slopes, seed, &mut NoProbe);
+    (rows::<_, K, D>(&b, &ring), b.transport)
+}
+
+/// Hands `record` the derivatives of a pack in all directions but Θ: rows of the balance, and what the balance of the
+/// amounts needs.
+#[inline(never)]
+fn vary_pack<K: RingKind<D>, const D: usize, C: Standing>(
+    InForce { belt, friction }: InForce<'_>,
+    pack: &Pack,
+    frame: &C::Frame<Lanes>,
+    unknowns: &Unknowns<Lanes>,
+    slopes: [f64; 2],
+    mut record: impl FnMut(usize, &[Lanes; MOST], &Transport<Lanes>),
+) where
+    for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
+{
+    let plain = |value, _, _| value;
+    let motion = motion::<Lanes, K>(unknowns, slopes, plain);
+    let place = pack.place::<Lanes, C>(frame);
+    let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
+    let at = (frame, pack.segment);
+    let mut ring = K::ring::<Lanes, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, plain);
+    if <K::Ring<'_, Lanes> as VaryingRing<Lanes, D>>::MOVES {
+        balance(&belt.law, friction, &place, &motion, &mut ring, reference, &mut NoProbe);
+    }
+    let linear = Linearised::new(&belt.law, friction, &place, &motion, &ring, reference, slopes);
+    for k in 0..K::COUNT {
+        if let Some(direction) = K::direction(k) {
+            let (b, ring) = linear.vary(direction);
+            record(k, &rows::<_, K, D>(&b, &ring), &b.transport);
+        }
+    }
+}
+
+/// The regime that a pack is in, and its balance.
+pub(crate) fn look<K: RingKind<D>, const D: usize, C: Standing>(
+    acting: InForce<'_>,
+    pack: &Pack,
+    frame: &C::Frame<Lanes>,
+    unknowns: &Unknowns<Lanes>,
+    alpha: f64,
+) -> (Regime, CellBalance<Lanes>) {
+    let mut regime = Regime::new();
+    let mut probe = RegimeProbe {
+        law: &acting.belt.law,
+        friction: acting.friction,
+        alpha,
+        ring_speed: unknowns.value[K::DRIFT],
+        regime: &mut regime,
+    };
+    let b = sampled_balance::<K, D, C>(acting, pack, frame, unknowns, &mut |sample| probe.record(&sample));
+    let [left, right] = [unknowns.value[K::NODES], unknowns.value[K::NODES + 1]];
+    regime.record_difference(right - left);
+    (regime, b)
+}
+
+/// Largest difference between the derivatives of a pack by hand and by forward differentiation, as a share of the largest
+/// entry of its column, and of all figures that the amounts need (at least 1e-6: they are of the order of 1).
+#[cfg(test)]
+pub(crate) fn worst_of_pack<K: Differentiate<D>, const D: usize, C: Standing>(
+    acting: InForce<'_>,
+    pack: &Pack,
+    frames: &Frames<C>,
+    kept: &Kept,
+    transports: &[Transport<[f64; MOST]>],
+) -> f64 {
+    let count = K::COUNT;
+    let mut worst = 0.0_f64;
+    let mut kept = [kept.clone(), kept.clone()];
+    let mut transports = [transports.to_vec(), transports.to_vec()];
+    K::differentiate(acting, pack, frames, &mut kept[0], &mut transports[0]);
+    forward::<K, D, C>(acting, pack, frames, &mut kept[1], &mut transports[1]);
+    for lane in 0..pack.group.used {
+        let [hand, forward] = kept.each_ref().map(|kept| {
+            let entry = |row: usize, column: usize| kept.block[row * count + column].to_array()[lane];
+            let column = |column| (0..count - 1).map(move |row| entry(row, column)).collect::<Vec<_>>();
+            (0..count).map(column).collect::<Vec<_>>()
+        });
+        let [of_hand, of_forward] = transports
+            .each_ref()
+            .map(|t| t[pack.group.cells[lane]].each().map(|of| of[..count].to_vec()));
+        let pairs = hand.iter().zip(&forward).chain(of_hand.iter().zip(&of_forward));
+        for (hand, forward) in pairs {
+            let scale = forward.iter().fold(1e-6_f64, |most, x| most.max(x.abs()));
+            for (a, b) in hand.iter().zip(forward) {
+                worst = worst.max((a - b).abs() / scale);
+            }
+        }
+    }
+    worst
+}
+
+/// Where the derivatives of a pack go, a direction after the other.
+struct Columns<'a> {
+    pack: &'a Pack,
+    /// Directions, and the one whose row the fluxes fill.
+    count: usize,
+    amount: usize,
+    block: &'a mut [Lanes],
+    transports: &'a mut [Transport<[f64; MOST]>],
+}
+
+impl<'a> Columns<'a> {
+    /// The unknowns and slopes at which a pack is differentiated, and where its columns go.
+    #[inline(always)]
+    fn of<K: Directions>(
+        pack: &'a Pack,
+        kept: &'a mut Kept,
+        transports: &'a mut [Transport<[f64; MOST]>],
+    ) -> (&'a Unknowns<Lanes>, [f64; 2], Self) {
+        let columns = Self {
+            pack,
+            count: K::COUNT,
+            amount: K::AMOUNT,
+            block: &mut kept.block,
+            transports,
+        };
+        (&kept.unknowns, kept.slopes, columns)
+    }
+
+    /// Records the derivatives in a direction: rows of the balance, and what the balance of the amounts needs.
+    #[inline(always)]
+    fn record(&mut self, direction: usize, rows: &[Lanes; MOST], transport: &Transport<Lanes>) {
+        let amount = self.amount;
+        let rows = rows[..self.count].iter().enumerate().filter(|(k, _)| *k != amount);
+        for ((_, row), block) in rows.zip(self.block.chunks_exact_mut(self.count)) {
+            block[direction] = *row;
+        }
+        for (figure, slope) in transport.each().into_iter().enumerate() {
+            for (&cell, slope) in self.pack.cells().iter().zip(slope.to_array()) {
+                self.transports[cell].each_mut()[figure][direction] = slope;
+            }
+        }
+    }
+}
+
+/// The curve as it stands, without derivatives and with that along Θ.
+pub(crate) struct Frames<C: Standing> {
+    shape: TwoPulleyShape,
+    pub plain: C::Frame<Lanes>,
+    of_theta: C::Frame<Tangent<1>>,
+}
+
+impl<C: Standing> Frames<C> {
+    /// Frames at `theta`, whose slope is `beta`.
+    pub fn new(curve: &TwoPulley, theta: f64, beta: f64) -> Self {
+        let shape = curve.shape(theta);
+        Self {
+            plain: C::stand(curve, shape.frame(Lanes::zero())),
+            of_theta: C::stand(curve, shape.frame(Tangent::seed(Lanes::zero(), 0, beta))),
+            shape,
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! Derivatives of cells, kept from one Jacobian to the next.
+//!
+//! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their
+//! regime from one to the next: contact, friction, push, flow. The others' derivatives are still good for Newton's
+//! method, which needs a direction and not a derivative. So each pack of cells remembers where it was differentiated,
+//! and what it was in.
+
+use crate::chain::CLOSING_SMOOTHING;
+use crate::contact::{Friction, PENETRATION_SMOOTHING};
+use crate::scalar::{Lanes, Real};
+use crate::tape::Tape;
+use crate::variator::assembly::unknowns::Unknowns;
+use crate::variator::cell::directions::{Directions, MOST};
+use crate::variator::cell::place::CellLaw;
+use crate::variator::cell::ring_friction::{pressing, ring_load};
+use crate::variator::cell::sample::Sample;
+use crate::variator::mesh::belt_mesh::STATIONS;
+
+/// Change of a figure at which the derivatives are no longer good, relative to its size and that of the inertia.
+const CHANGED: f64 = 0.03;
+/// Factor by which 1/(hγ) may be off.
+const RESCALED: f64 = 1.05;
+/// Angle by which the ring may have turned, rad: EA times this is a fifth of its tension.
+const TURNED: f64 = 1.0e-4;
+
+/// Slopes of the forces at a station, in units of the inertia that resists them in the step.
+#[derive(Clone, Copy, Debug)]
+struct StationRegime {
+    /// Contact of the deeper flank, from 0 (apart) to 1.
+    touching: Lanes,
+    /// The same of the other flank.
+    other_touching: Lanes,
+    /// Direction of sliding where the flank touches.
+    direction: [Lanes; 2],
+    /// Slopes of friction: around, along the flank, and across.
+    friction: [Lanes; 3],
+    /// Slope of the friction between ring and elements.
+    ring_friction: Lanes,
+    /// Cell lengths that pass in the time of the step.
+    convection: Lanes,
+    /// Reference curvature: where arcs move through the mesh it jumps.
+    curvature: Lanes,
+}
+
+/// Figures of a station.
+const OF_STATION: usize = 10;
+
+impl StationRegime {
+    fn none() -> Self {
+        let zero = Lanes::from(0.0);
+        Self {
+            touching: zero,
+            other_touching: zero,
+            direction: [zero; 2],
+            friction: [zero; 3],
+            ring_friction: zero,
+            convection: zero,
+            curvature: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn figures(&self) -> [Lanes; OF_STATION] {
+        let [around, up] = self.direction;
+        let [by_around, by_up, across] = self.friction;
+        [
+            self.touching,
+            around,
+            up,
+            by_around,
+            by_up,
+            across,
+            self.other_touching,
+            self.ring_friction,
+            self.convection,
+            self.curvature,
+        ]
+    }
+}
+
+/// Slopes of the forces in the stack of a cell.
+#[derive(Clone, Copy, Debug)]
+struct StackRegime {
+    /// Contact of neighbouring elements, from 0 (apart) to 1.
+    contact: Lanes,
+    /// How its change bends the damping force.
+    bend: Lanes,
+    /// How far elements close up, from 0 to 1.
+    closing: Lanes,
+    /// How its change bends the force of collisions.
+    closing_bend: Lanes,
+}
+
+impl StackRegime {
+    fn none() -> Self {
+        let zero = Lanes::from(0.0);
+        Self {
+            contact: zero,
+            bend: zero,
+            closing: zero,
+            closing_bend: zero,
+        }
+    }
+
+    #[inline(always)]
+    fn figures(&self) -> [Lanes; 4] {
+        [self.contact, self.bend, self.closing, self.closing_bend]
+    }
+}
+
+/// What the derivatives of a pack of cells depend on besides what changes little.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Regime {
+    stations: [StationRegime; STATIONS],
+    stack: StackRegime,
+    recorded: usize,
+}
+
+/// Whether each of these figures has hardly changed, in every lane.
+#[inline(always)]
+fn alike<const N: usize>(now: [Lanes; N], then: [Lanes; N]) -> bool {
+    now.iter().zip(&then).all(|(&now, &then)| {
+        let off = now - then;
+        let allowed = then * then + 1.0;
+        // |off| < CHANGED·√(1 + then²), in every lane; not so for NaN.
+        let (off, allowed) = ((off * off).to_array(), (allowed * (CHANGED * CHANGED)).to_array());
+        off.iter().zip(&allowed).all(|(off, allowed)| off < allowed)
+    })
+}
+
+impl Regime {
+    pub(crate) fn new() -> Self {
+        Self {
+            stations: [StationRegime::none(); STATIONS],
+            stack: StackRegime::none(),
+            recorded: 0,
+        }
+    }
+
+    /// Records what the `difference` of V across a cell does, m/s.
+    #[inline(always)]
+    pub(crate) fn record_difference(&mut self, difference: Lanes) {
+        let [_, closing, bend] = (-difference).smooth_plus(CLOSING_SMOOTHING);
+        self.stack.closing = closing;
+        self.stack.closing_bend = bend * difference;
+    }
+
+    /// Whether derivatives taken in `earlier` are good here.
+    #[inline(always)]
+    fn is_like(&self, earlier: &Self) -> bool {
+        let stations = self.stations.iter().zip(&earlier.stations);
+        stations
+            .into_iter()
+            .all(|(now, then)| alike(now.figures(), then.figures()))
+            && alike(self.stack.figures(), earlier.stack.figures())
+    }
+}
+
+/// Records the regime at the stations of a pack.
+pub(crate) struct RegimeProbe<'a> {
+    pub law: &'a CellLaw,
+    pub friction: &'a Friction,
+    /// 1/(hγ), 1/s.
+    pub alpha: f64,
+    /// ṡ, m/s.
+    pub ring_speed: Lanes,
+    pub regime: &'a mut Regime,
+}
+
+impl RegimeProbe<'_> {
+    /// Records a station, and the stack of the cell.
+    pub(crate) fn record(&mut self, s: &Sample<Lanes>) {
+        let Self { law, friction, .. } = *self;
+        let inertia = 1.0 / (law.chain.mass_per_length * self.alpha);
+        let v0 = friction.velocity;
+        let station = &mut self.regime.stations[self.regime.recorded];
+        // In space one flank is deeper in than the other.
+        let flank = |depth: Lanes| depth.smooth_plus(PENETRATION_SMOOTHING);
+        let ([deep, touching, _], [flat, other_touching, _]) =
+            (flank(s.penetration + s.offset), flank(s.penetration - s.offset));
+        let square = s.sliding * s.sliding + s.flank_sliding * s.flank_sliding + v0 * v0;
+        let speed = square.sqrt();
+        let drag = (deep + flat) * (friction.pulley * law.contact.stiffness * inertia) / speed;
+        let (u, w) = (s.sliding / speed, s.flank_sliding / speed);
+        station.touching = touching;
+        station.direction = [touching * u, touching * w];
+        station.friction = [drag * (-(u * u) + 1.0), drag * (-(w * w) + 1.0), drag * u * w];
+        station.other_touching = other_touching;
+        let speed = (s.ring_sliding * s.ring_sliding + v0 * v0).sqrt();
+        let side = s.ring_sliding / speed;
+        let load = ring_load(pressing(&law.ring, s.tension, self.ring_speed));
+        station.ring_friction = load * s.curvature[0] * (friction.ring * inertia) * (-(side * side) + 1.0) / speed;
+        station.convection = s.flow / (s.weight * self.alpha);
+        station.curvature = s.curvature[0];
+        let [strain, contact, bend] = (s.density - 1.0).smooth_plus(law.chain.contact_strain);
+        let viscous = (s.push * (1.0 / law.chain.push_stiffness) - strain) / contact;
+        let stack = &mut self.regime.stack;
+        (stack.contact, stack.bend) = (contact, bend * viscous);
+        self.regime.recorded += 1;
+    }
+}
+
+/// Derivatives of a pack of cells, and where they were taken.
+#[derive(Clone, Debug)]
+pub(crate) struct Kept {
+    /// Factors of ẏ and q in the derivatives; NaN where there are none.
+    pub slopes: [f64; 2],
+    pub unknowns: Unknowns<Lanes>,
+    pub regime: Regime,
+    /// Rows of the balance, the amount's left out, a direction after the other.
+    pub block: Vec<Lanes>,
+}
+
+impl Kept {
+    /// Memory for a block of so many entries.
+    pub(crate) fn new(entries: usize) -> Self {
+        let zero = [Lanes::from(0.0); MOST];
+        Self {
+            slopes: [f64::NAN; 2],
+            unknowns: Unknowns {
+                position: zero,
+                value: zero,
+                rate: zero,
+            },
+            regime: Regime::new(),
+            block: vec![Lanes::from(0.0); entries],
+        }
+    }
+
+    pub(crate) fn forget(&mut self) {
+        self.slopes = [f64::NAN; 2];
+    }
+
+    /// Whether they are good in `regime`, where the element of the ring has this `length`.
+    #[inline(always)]
+    pub(crate) fn holds<K: Directions>(
+        &self,
+        regime: &Regime,
+        unknowns: &Unknowns<Lanes>,
+        length: Lanes,
+        alpha: f64,
+    ) -> bool {
+        let ratio = alpha / self.slopes[0];
+        (1.0 / RESCALED..RESCALED).contains(&ratio)
+            && self.turned::<K>(unknowns, length) < TURNED
+            && regime.is_like(&self.regime)
+    }
+
+    /// Largest angle by which the ring has turned, or change of Θ.
+    #[inline(always)]
+    fn turned<K: Directions>(&self, now: &Unknowns<Lanes>, length: Lanes) -> f64 {
+        let components = K::NODES / 4;
+        let moved = |k: usize| now.position[k] - self.unknowns.position[k];
+        let mut most = 0.0_f64;
+        let mut include = |turn: Lanes| most = turn.to_array().into_iter().fold(most, |most, x| most.max(x.abs()));
+        for k in 0..components {
+            let (left, right) = (2 * k, 2 * (components + k));
+            include(moved(left + 1));
+            include(moved(right + 1));
+            include((moved(right) - moved(left)) / length);
+        }
+        include(moved(K::THETA));
+        most
+    }
+
+    /// Passes by a tape where `directions` derivatives were taken; they can be taken there again. Lanes beyond `used`
+    /// repeat the last.
+    pub(crate) fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
+        for slope in &mut self.slopes {
+            tape.real(slope);
+        }
+        let Unknowns { position, value, rate } = &mut self.unknowns;
+        for values in [position, value, rate] {
+            for value in &mut values[..directions] {
+                let mut lanes = value.to_array();
+                for lane in &mut lanes[..used] {
+                    tape.real(lane);
+                }
+                *value = Lanes::new(std::array::from_fn(|lane| lanes[lane.min(used - 1)]));
+            }
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! From unknowns to equations: cells in packs, their balance and its derivatives added up.
+
+pub(crate) mod equations;
+mod evaluate;
+pub(crate) mod jacobian;
+mod kept;
+pub(crate) mod kinds;
+mod pack;
+pub(crate) mod packed;
+pub(crate) mod sums;
+pub(crate) mod transports;
+mod unknowns;

@@ -1,0 +1,224 @@
+//! Cells on a mesh that stands still, in packs, gathered into the residual, and sampled.
+
+use crate::chain::{self, Transport};
+use crate::pulley::PerPulley;
+use crate::scalar::{LANES, Lanes, Real};
+use crate::solver::View;
+use crate::solver::arrow::Arrow;
+use crate::tape::Tape;
+use crate::variator::assembly::equations::{Assembly, InForce};
+use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
+#[cfg(test)]
+use crate::variator::assembly::jacobian::worst_of_pack;
+use crate::variator::assembly::jacobian::{Differentiate, Frames, look};
+use crate::variator::assembly::kept::Kept;
+use crate::variator::assembly::kinds::Standing;
+use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
+use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::assembly::transports::Transports;
+use crate::variator::assembly::unknowns::rows;
+use crate::variator::belt::Belt;
+use crate::variator::cell::directions::MOST;
+use crate::variator::cell::place::CellBalance;
+use crate::variator::cell::sample::{NoProbe, Sample};
+use num_traits::Zero;
+use std::marker::PhantomData;
+
+/// Cells with a ring of kind `K` in D components, whose mesh stands on the curve as `C` says.
+#[derive(Clone, Debug)]
+pub(crate) struct PackedCells<K, const D: usize, C> {
+    pub(crate) packs: Vec<Pack>,
+    /// Derivatives of each pack.
+    pub(crate) kept: Vec<Kept>,
+    /// How often packs were differentiated.
+    pub(crate) differentiations: u64,
+    /// What the balance of the amounts needs of each cell.
+    pub(crate) transports: Transports,
+    /// Its slopes in the cell's directions: kept as those of the packs are.
+    pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
+    pub(crate) flux_entries: Vec<FluxEntries>,
+    kind: PhantomData<(K, C)>,
+}
+
+impl<K: Differentiate<D>, const D: usize, C: Standing> PackedCells<K, D, C> {
+    /// The cells of a belt.
+    pub fn new(belt: &Belt) -> Self {
+        let cells = belt.mesh.cells.len();
+        let packs = packs::<K>(belt);
+        Self {
+            kept: packs.iter().map(|pack| Kept::new(pack.entries.len())).collect(),
+            packs,
+            differentiations: 0,
+            transports: Transports::new(cells),
+            transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
+            flux_entries: flux_entries::<K>(belt),
+            kind: PhantomData,
+        }
+    }
+
+    /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
+    fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
+        let cells = belt.mesh.cells.len();
+        for cell in 0..cells {
+            let row = belt.cells_at[cell].amount;
+            out.add(row, row, alpha);
+            let before = (cell + cells - 1) % cells;
+            let [by_before, by_own] = chain::flux_slopes(&self.transports.get(before), &self.transports.get(cell));
+            let (of_before, of_own) = (&self.transport_slopes[before], &self.transport_slopes[cell]);
+            let [own, other] = &self.flux_entries[cell];
+            for k in 0..K::COUNT {
+                let (slope, slope_before) = (by_own.along(of_own, k), by_before.along(of_before, k));
+                for (entries, slope) in [(own[k], slope), (other[k], slope_before)] {
+                    for (entry, value) in entries.into_iter().zip([slope, -slope]) {
+                        if entry != NOWHERE {
+                            out.add_at(entry, value);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<K, D, C> {
+    fn boxed(&self) -> Box<dyn Assembly> {
+        Box::new(self.clone())
+    }
+
+    fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
+        let belt = acting.belt;
+        let frame = frame::<C>(belt, view);
+        let [mut drift, mut theta] = [Lanes::zero(); 2];
+        let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
+        for pack in &self.packs {
+            let (b, ring) = pack_balance::<_, _, K, D, C>(
+                acting,
+                pack,
+                &frame,
+                &InPlace { pack, view },
+                [0.0; 2],
+                |value, _, _| value,
+                &mut NoProbe,
+            );
+            let rows = rows::<_, K, D>(&b, &ring);
+            pack.scatter::<K, D>(&rows, out);
+            let in_use = pack.group.in_use();
+            drift += rows[K::DRIFT] * in_use;
+            theta += rows[K::THETA] * in_use;
+            add_loads(&mut loads, pack, &b);
+            self.transports.set_pack(pack.group.cells[0], &b.transport);
+        }
+        out[belt.layout.drift()] += drift.sum();
+        out[belt.layout.theta()] += theta.sum();
+        add_fluxes(belt, &mut self.transports, view, out);
+        loads.map(|of| of.sum())
+    }
+
+    fn jacobian(
+        &mut self,
+        acting: InForce<'_>,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) -> PerPulley<PulleyLoad> {
+        let InForce { belt, .. } = acting;
+        let [alpha, beta] = slopes;
+        let frames = Frames::<C>::new(&belt.curve, belt.theta(view), beta);
+        let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
+        for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
+            let unknowns = InPlace { pack, view }.gather(K::COUNT);
+            let (regime, b) = look::<K, D, C>(acting, pack, &frames.plain, &unknowns, alpha);
+            let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
+            if !kept.holds::<K>(&regime, &unknowns, length, alpha) {
+                self.differentiations += 1;
+                (kept.unknowns, kept.regime, kept.slopes) = (unknowns, regime, slopes);
+                K::differentiate(acting, pack, &frames, kept, &mut self.transport_slopes);
+            }
+            for (entry, value) in pack.entries.iter().zip(&kept.block) {
+                let value = value.to_array();
+                for lane in 0..pack.group.used {
+                    out.add_at(entry[lane], value[lane]);
+                }
+            }
+            add_loads(&mut loads, pack, &b);
+            self.transports.set_pack(pack.group.cells[0], &b.transport);
+        }
+        self.add_flux_slopes(belt, alpha, out);
+        loads.map(|of| of.sum())
+    }
+
+    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
+        let frame = frame::<C>(acting.belt, view);
+        let mut places = out.iter_mut();
+        for pack in &self.packs {
+            sampled_balance::<K, D, C>(acting, pack, &frame, &InPlace { pack, view }, &mut |sample| {
+                *places.next().expect("a place for each station") = sample;
+            });
+        }
+    }
+
+    fn forget_derivatives(&mut self) {
+        self.kept.iter_mut().for_each(Kept::forget);
+    }
+
+    fn retake_derivatives(&mut self, acting: InForce<'_>) {
+        for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
+            if !kept.slopes[0].is_nan() {
+                let theta = kept.unknowns.position[K::THETA].re();
+                let frames = Frames::<C>::new(&acting.belt.curve, theta, kept.slopes[1]);
+                (kept.regime, _) = look::<K, D, C>(acting, pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
+                K::differentiate(acting, pack, &frames, kept, &mut self.transport_slopes);
+            }
+        }
+    }
+
+    fn pass_derivatives(&mut self, _belt: &Belt, tape: &mut Tape<'_>) {
+        let mut lanes = LANES as u64;
+        tape.counter(&mut lanes);
+        if lanes != LANES as u64 {
+            tape.reject();
+        }
+        for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
+            kept.pass(tape, K::COUNT, pack.group.used);
+        }
+    }
+
+    fn differentiations(&self) -> u64 {
+        self.differentiations
+    }
+
+    #[cfg(test)]
+    fn worst_derivative(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
+        let frames = Frames::<C>::new(&acting.belt.curve, acting.belt.theta(view), 1.0 / alpha);
+        let of_pack = |(pack, kept): (&Pack, &Kept)| {
+            let mut kept = kept.clone();
+            kept.unknowns = InPlace { pack, view }.gather(K::COUNT);
+            kept.slopes = [alpha, 1.0 / alpha];
+            worst_of_pack::<K, D, C>(acting, pack, &frames, &kept, &self.transport_slopes)
+        };
+        self.packs.iter().zip(&self.kept).map(of_pack).fold(0.0, f64::max)
+    }
+}
+
+/// Adds the loads of a pack on the pulleys.
+#[inline(always)]
+pub(crate) fn add_loads(loads: &mut PerPulley<PulleyLoad<Lanes>>, pack: &Pack, b: &CellBalance<Lanes>) {
+    loads.secondary.add(b, pack.group.on.secondary);
+    loads.primary.add(b, pack.group.on.primary);
+}
+
+/// Adds the balance of the amounts: fluxes through the left faces.
+pub(crate) fn add_fluxes(belt: &Belt, transports: &mut Transports, view: View<'_>, out: &mut [f64]) {
+    transports.close();
+    let cells = belt.mesh.cells.len();
+    let mut from = belt.cells_at[cells - 1].amount;
+    for (pack, at) in belt.cells_at.chunks(LANES).enumerate() {
+        let [before, after] = transports.beside(LANES * pack);
+        for (at, flux) in at.iter().zip(chain::flux(&before, &after).to_array()) {
+            let into = at.amount;
+            out[into] += view.y_dot[into] - flux;
+            out[from] += flux;
+            from = into;
+        }
+    }
+}

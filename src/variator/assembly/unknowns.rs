@@ -1,0 +1,121 @@
+//! The unknowns of a cell by their directions, the motion that they are, and the rows of its balance.
+
+use crate::ring::kinematics::{Motion, Node};
+use crate::scalar::Real;
+use crate::variator::cell::directions::{Directions, MOST};
+use crate::variator::cell::place::{CellBalance, CellMotion};
+use crate::variator::cell::ring::RingForces;
+use nalgebra::SVector;
+
+/// Positions, values and rates of the unknowns of a cell, or of one in each lane.
+#[derive(Clone, Debug)]
+pub(crate) struct Unknowns<L> {
+    pub position: [L; MOST],
+    pub value: [L; MOST],
+    pub rate: [L; MOST],
+}
+
+/// An unknown itself, its position or its rate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Part {
+    Position,
+    Value,
+    Rate,
+}
+
+/// The unknowns of a cell, or of one in each lane, by their directions.
+pub(crate) trait ReadUnknowns<L> {
+    /// The unknown of direction `k`.
+    fn read(&self, part: Part, k: usize) -> L;
+
+    /// Those of a node in D components, whose first direction is `first`.
+    #[inline(always)]
+    fn read_node<const D: usize>(&self, part: Part, first: usize) -> impl Fn(usize) -> L {
+        move |k| self.read(part, first + k)
+    }
+}
+
+impl<L: Copy> ReadUnknowns<L> for Unknowns<L> {
+    #[inline(always)]
+    fn read(&self, part: Part, k: usize) -> L {
+        match part {
+            Part::Position => self.position[k],
+            Part::Value => self.value[k],
+            Part::Rate => self.rate[k],
+        }
+    }
+}
+
+/// Motion of the nodes (`ALE`).
+#[inline(always)]
+pub(crate) fn nodes<T: Real, const D: usize>(
+    unknowns: &impl ReadUnknowns<T::Constant>,
+    [alpha, beta]: [f64; 2],
+    seed: impl Fn(T::Constant, usize, f64) -> T,
+) -> [Motion<Node<T, D>>; 2] {
+    [0, 2 * D].map(|first| {
+        let node = |part: Part, slope: f64| {
+            let value = unknowns.read_node::<D>(part, first);
+            let seeded = |k: usize| seed(value(k), first + k, slope);
+            Node {
+                a: SVector::from_fn(|k, _| seeded(2 * k)),
+                b: SVector::from_fn(|k, _| seeded(2 * k + 1)),
+            }
+        };
+        Motion {
+            value: node(Part::Position, beta),
+            rate: node(Part::Value, 1.0),
+            acceleration: node(Part::Rate, alpha),
+        }
+    })
+}
+
+/// Ring tension at the faces (`ALE0`), N.
+#[inline(always)]
+pub(crate) fn tensions<T: Real>(
+    unknowns: &impl ReadUnknowns<T::Constant>,
+    seed: impl Fn(T::Constant, usize, f64) -> T,
+) -> [T; 2] {
+    [3, 4].map(|k| seed(unknowns.read(Part::Value, k), k, 1.0))
+}
+
+/// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
+#[inline(always)]
+pub(crate) fn motion<T: Real, K: Directions>(
+    unknowns: &impl ReadUnknowns<T::Constant>,
+    [alpha, beta]: [f64; 2],
+    seed: impl Fn(T::Constant, usize, f64) -> T,
+) -> CellMotion<T> {
+    let value = |k: usize| seed(unknowns.read(Part::Value, k), k, 1.0);
+    let rate = |k: usize| seed(unknowns.read(Part::Rate, k), k, alpha);
+    let position = |k: usize| seed(unknowns.read(Part::Position, k), k, beta);
+    CellMotion::of_directions([K::NODES, K::DRIFT], position, value, rate)
+}
+
+/// Rows of the balance in the order of the directions; the amount has its own balance, the flux.
+#[inline(always)]
+pub(crate) fn rows<T: Real, K: Directions, const D: usize>(b: &CellBalance<T>, ring: &RingForces<T, D>) -> [T; MOST] {
+    let mut rows = [T::zero(); MOST];
+    let g = K::DRIFT;
+    if K::TENSIONS == 0 {
+        for (i, node) in ring.nodes.iter().enumerate() {
+            for k in 0..D {
+                rows[2 * (D * i + k)] = node.a[k];
+                rows[2 * (D * i + k) + 1] = node.b[k];
+            }
+        }
+        rows[4 * D] = b.speed[0];
+        rows[4 * D + 1] = b.speed[1];
+    } else {
+        rows[0] = b.speed[0];
+        rows[1] = b.speed[1];
+        rows[3] = ring.tension;
+    }
+    rows[g] = ring.drift;
+    rows[g + 1] = ring.theta;
+    rows[g + 2] = b.axial;
+    rows[g + 3] = -b.tilting[0];
+    rows[g + 4] = -b.tilting[1];
+    rows[g + 5] = -b.torque;
+    rows
+}

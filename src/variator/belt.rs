@@ -1,0 +1,151 @@
+//! What the belt is: constants of its cells, mesh, layout of the unknowns, reference curve. Never changes in a run.
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::reference_curve::{ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
+use crate::solver::View;
+use crate::variator::cell::place::{CellLaw, SheavePlane};
+use crate::variator::mesh::belt_mesh::BeltMesh;
+use crate::variator::mesh::layout::{Layout, RingUnknowns};
+use crate::variator::mesh::order;
+use crate::variator::settings::parameters::Parameters;
+
+/// Scale of rows that hold a quantity: of the order of the other entries of its row.
+pub(crate) const HOLD: f64 = 1.0e6;
+
+/// The belt.
+#[derive(Clone, Debug)]
+pub struct Belt {
+    /// Constants of the cells.
+    pub law: CellLaw,
+    /// Elements and cells along the belt.
+    pub mesh: BeltMesh,
+    /// Where each unknown stands.
+    pub layout: Layout,
+    /// Reference curve.
+    pub curve: TwoPulley,
+    /// Where V at its left face and the amount of each cell stand.
+    pub cells_at: Vec<CellUnknowns>,
+    /// Which unknowns are rates of positions.
+    pub has_position: Vec<bool>,
+}
+
+/// Where the unknowns of a cell's elements stand.
+#[derive(Clone, Copy, Debug)]
+pub struct CellUnknowns {
+    /// Speed V at the left face.
+    pub speed: usize,
+    /// Amount N.
+    pub amount: usize,
+}
+
+impl Belt {
+    /// The belt of a variator.
+    ///
+    /// # Panics
+    /// With parameters that [`Parameters::validate`] rejects.
+    #[must_use]
+    pub fn new(parameters: &Parameters) -> Self {
+        let geometry = &parameters.geometry;
+        let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
+        let (radius, _) = curve.radii(1.0).expect("validated geometry closes at ratio 1");
+        let (sin, cos) = geometry.wedge_angle.sin_cos();
+        let mesh = BeltMesh::new(&parameters.mesh, parameters.ring_model);
+        let mut layout = Layout::new(parameters, &mesh, &curve);
+        if let RingUnknowns::Travelling(mut travelling) = layout.ring {
+            travelling.blocks = order::blocks(&layout, &travelling, &mesh, parameters, &curve);
+            layout.ring = RingUnknowns::Travelling(travelling);
+        }
+        Self {
+            law: CellLaw {
+                chain: parameters.belt.clone(),
+                ring: parameters.ring.clone(),
+                contact: parameters.contact.clone(),
+                wedge: [sin, cos, sin / cos],
+                r0: radius - parameters.belt.pitch_offset,
+                axes: PerPulley {
+                    secondary: 0.0,
+                    primary: geometry.center_distance,
+                },
+                planes: SheavePlane::pair(geometry.pulley_offset),
+                has_lag: mesh.cells_per_element > 1,
+            },
+            cells_at: (0..mesh.cells.len())
+                .map(|cell| CellUnknowns {
+                    speed: layout.belt_speed(cell),
+                    amount: layout.amount(cell),
+                })
+                .collect(),
+            has_position: layout.has_position(),
+            mesh,
+            layout,
+            curve,
+        }
+    }
+
+    /// Θ in a state.
+    #[must_use]
+    pub fn theta(&self, view: View<'_>) -> f64 {
+        view.q[self.layout.theta()]
+    }
+
+    /// Angular speeds of the pulleys, rad/s.
+    #[must_use]
+    pub fn shaft_speeds(&self, view: View<'_>) -> PerPulley<f64> {
+        PerPulley::from_fn(|pulley| view.y[self.layout.shaft_speed(pulley)])
+    }
+
+    /// Middles of the pulleys along z, m.
+    #[must_use]
+    pub fn middles(&self, view: View<'_>) -> PerPulley<f64> {
+        PerPulley::from_fn(|pulley: Pulley| self.law.planes[pulley].middle(view.q[self.layout.sheave(pulley)]))
+    }
+
+    /// Length of an element, m.
+    #[must_use]
+    pub fn element_length(&self, frame: &TwoPulleyFrame<f64>, element: usize) -> f64 {
+        let element = &self.mesh.elements[element];
+        let segment = if self.mesh.aligned {
+            TwoPulley::segment_length(frame, element.segment).v
+        } else {
+            self.curve.length()
+        };
+        segment * element.share
+    }
+
+    /// The reference curve at a fraction of the segment of an element.
+    #[must_use]
+    pub fn reference_point(&self, frame: &TwoPulleyFrame<f64>, element: usize, fraction: f64) -> ReferencePoint<f64> {
+        if self.mesh.aligned {
+            TwoPulley::point(frame, self.mesh.elements[element].segment, fraction)
+        } else {
+            self.curve.at(frame, fraction * self.curve.length())
+        }
+    }
+
+    /// Conditions of the gauge.
+    ///
+    /// s and Θ repeat motions that the overlay can make, so two conditions hold it, with multipliers in the border. They
+    /// are even in the two pulleys, so swapping these is a symmetry of the discrete system: the deflections of node 0 and
+    /// of the node opposite are equal outwards (which fixes what Θ means) and opposite along the curve (which fixes s).
+    /// In directions of the curve these are the same two conditions in the other order: t of node 0 is along y, n along
+    /// x, and opposite both are reversed.
+    pub(crate) fn gauge(&self) -> impl Iterator<Item = GaugeCondition> + use<> {
+        let layout = self.layout;
+        let components = [(0, [1.0, 1.0]), (1, [1.0, -1.0])];
+        components
+            .into_iter()
+            .filter(move |_| layout.components() > 0)
+            .map(move |(k, signs)| GaugeCondition {
+                multiplier: layout.gauge(k),
+                nodes: [0, layout.opposite].map(|node| layout.node(node, 2 * k)),
+                signs,
+            })
+    }
+}
+
+/// A condition on the velocities of two nodes, a·`signs` = 0, with the unknown that is its multiplier.
+pub(crate) struct GaugeCondition {
+    pub multiplier: usize,
+    pub nodes: [usize; 2],
+    pub signs: [f64; 2],
+}

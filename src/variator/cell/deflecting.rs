@@ -1,0 +1,148 @@
+//! `ALE`: the ring deflects from the reference curve.
+
+use crate::reference_curve::ReferencePoint;
+use crate::ring::kinematics::{
+    ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
+};
+use crate::ring::{Ring, ale};
+use crate::scalar::Real;
+use crate::variator::cell::place::Place;
+use crate::variator::cell::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
+
+/// `ALE`: the ring deflects from the reference curve, in D components.
+#[derive(Debug)]
+pub(crate) struct Deflecting<'a, T: Real, const D: usize = 2> {
+    pub(super) ring: &'a Ring,
+    pub(super) place: &'a Place<'a, T>,
+    pub(super) element: ElementMotion<T, D>,
+    pub(super) motion: &'a ReferenceMotion<T>,
+    growth: T,
+    pub(super) sum: ElementLoad<T, D>,
+}
+
+impl<'a, T: Real, const D: usize> Deflecting<'a, T, D> {
+    /// The ring between two nodes.
+    #[inline(always)]
+    pub fn new(
+        ring: &'a Ring,
+        place: &'a Place<'a, T>,
+        motion: &'a ReferenceMotion<T>,
+        nodes: &[Motion<Node<T, D>>; 2],
+    ) -> Self {
+        Self {
+            ring,
+            place,
+            element: ElementMotion::flexible(place.length, &motion.theta, nodes),
+            motion,
+            growth: place.length.d / place.length.v,
+            sum: ElementLoad::zero(),
+        }
+    }
+}
+
+impl<T: Real, const D: usize> EulerianRing<T, D> for Deflecting<'_, T, D> {
+    #[inline(always)]
+    fn forces(&self) -> RingForces<T, D> {
+        let (nodes, theta) = self.sum.nodes(&self.element);
+        RingForces {
+            nodes,
+            tension: T::zero(),
+            drift: self.sum.s,
+            theta,
+        }
+    }
+}
+
+impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
+    #[inline(always)]
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
+        RingPoint::new(reference, &self.place.slot(slot).shape, &self.element, self.motion)
+    }
+
+    #[inline(always)]
+    fn own_load(&self, _slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T {
+        ale::add_inertia(self.ring, point, load);
+        ale::add_elasticity(self.ring, point, self.growth, load)
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
+        let shape = &self.place.slot(slot).shape;
+        self.sum.add(&action.load, point, shape, &self.element, action.weight);
+    }
+
+    #[inline(always)]
+    fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T> {
+        RingDensity {
+            kinetic: ale::kinetic_energy_density(self.ring, point),
+            elastic: ale::energy_density(self.ring, point),
+            viscous: ale::dissipation_density(self.ring, point),
+        }
+    }
+}
+
+impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
+    type Sum = ElementLoad<T, D>;
+
+    const MOVES: bool = true;
+
+    #[inline(always)]
+    fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D> {
+        let shape = &self.place.slot(slot).shape;
+        let (node, k, is_slope) = node_direction::<D>(own);
+        let which = [2 * node + usize::from(is_slope), k];
+        RingVariation::of_node(point, shape, &self.element, self.motion, which, slopes)
+    }
+
+    #[inline(always)]
+    fn vary_own_load(
+        &self,
+        _slot: usize,
+        point: &RingPoint<T, D>,
+        by: &RingVariation<T, D>,
+        _own: Option<usize>,
+        load: &mut Load<T, D>,
+    ) -> T {
+        ale::vary_inertia(self.ring, point, by, load);
+        ale::vary_elasticity(self.ring, point, by, self.growth, load)
+    }
+
+    #[inline(always)]
+    fn empty(&self) -> ElementLoad<T, D> {
+        ElementLoad::zero()
+    }
+
+    #[inline(always)]
+    fn apply_varied(
+        &self,
+        sum: &mut ElementLoad<T, D>,
+        slot: usize,
+        (point, by): (&RingPoint<T, D>, &RingVariation<T, D>),
+        own_load: &Load<T, D>,
+        action: &Action<T, D>,
+    ) {
+        let shape = &self.place.slot(slot).shape;
+        sum.add(&action.load, point, shape, &self.element, action.weight);
+        sum.add_varied(own_load, by, &self.element, action.weight);
+    }
+
+    #[inline(always)]
+    fn varied_forces(&self, sum: &ElementLoad<T, D>, own: Option<usize>, beta: f64) -> RingForces<T, D> {
+        let (nodes, mut theta) = sum.nodes(&self.element);
+        if let Some((node, k, true)) = own.map(node_direction::<D>) {
+            theta += self.sum.slope_varied(node, k, beta, &self.element);
+        }
+        RingForces {
+            nodes,
+            tension: T::zero(),
+            drift: sum.s,
+            theta,
+        }
+    }
+}
+
+/// Node, component, and whether it is the slope, of a direction of a ring that deflects.
+#[inline(always)]
+fn node_direction<const D: usize>(own: usize) -> (usize, usize, bool) {
+    (own / (2 * D), own / 2 % D, own % 2 == 1)
+}

@@ -1,0 +1,194 @@
+//! How a point of the belt stands to its pulley, and what its two flanks do to it.
+
+use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
+use crate::ring::kinematics::{RingPoint, in_plane};
+use crate::scalar::Real;
+use crate::variator::cell::place::{CellLaw, PulleyMotion};
+use nalgebra::{SVector, Vector2};
+
+/// What flanks do to an element, per ring length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FlankLoads<T> {
+    /// Outward, at the ring centre line, N/m.
+    pub radial: T,
+    /// Along e_t, at the pitch line, N/m.
+    pub around: T,
+    /// On the pulley, N.
+    pub torque: T,
+    /// Axial force on the sheave, N/m.
+    pub axial: T,
+    /// Normal force, N/m.
+    pub normal: T,
+    /// Power of friction, W/m.
+    pub loss: T,
+    /// Power of damping, W/m.
+    pub viscous: T,
+}
+
+impl<T: Real> FlankLoads<T> {
+    #[inline(always)]
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self {
+            radial: self.radial + other.radial,
+            around: self.around + other.around,
+            torque: self.torque + other.torque,
+            axial: self.axial + other.axial,
+            normal: self.normal + other.normal,
+            loss: self.loss + other.loss,
+            viscous: self.viscous + other.viscous,
+        }
+    }
+}
+
+/// Loads of both flanks of an element, per dξ.
+pub(super) struct BothFlanks<T> {
+    /// Their sum.
+    pub loads: FlankLoads<T>,
+    /// Axial load on the movable sheave, N/m.
+    pub on_movable: T,
+    /// How far the element is off the middle, towards the movable sheave, m.
+    pub offset: T,
+    /// Lateral load on the ring along z, N/m.
+    pub lateral: T,
+}
+
+/// How a point of the belt stands to its pulley, and how its flanks move on the sheaves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Approach<T: Real> {
+    /// Unit vector from the axis.
+    pub e_r: Vector2<T>,
+    /// Unit vector around it, clockwise.
+    pub e_t: Vector2<T>,
+    /// One by the distance of the ring from the axis, 1/m.
+    pub inverse_distance: T,
+    /// ϱ, m.
+    pub rho: T,
+    /// ∂w/∂ϱ, elastic opening of the sheave per radius.
+    pub opening: T,
+    /// (∂w/∂θ)/ϱ.
+    pub opening_slope: T,
+    /// v_e·e_r, m/s.
+    pub v_r: T,
+    /// v_p·e_t, m/s.
+    pub v_around: T,
+    /// Motion of a flank in the middle of the pulley.
+    pub flank: FlankMotion<T>,
+}
+
+impl<T: Real> Approach<T> {
+    /// At a point of the ring, whose elements move with v_e at the ring centre line and with v_p at the pitch line.
+    #[inline(always)]
+    pub fn new<const D: usize>(
+        law: &CellLaw,
+        axis: T::Constant,
+        pulley: &PulleyMotion<T>,
+        point: &RingPoint<T, D>,
+        [v_e, v_p]: [&SVector<T, D>; 2],
+    ) -> Self {
+        let [sin_beta, cos_beta, tan_beta] = law.wedge;
+        let arm = in_plane(&point.r) - Vector2::new(T::constant(axis), T::zero());
+        let (distance, inverse_distance) = arm.dot(&arm).root_and_inverse();
+        let e_r = arm * inverse_distance;
+        let e_t = Vector2::new(e_r.y, -e_r.x);
+        let rho = distance - law.chain.pitch_offset;
+        let opening = pulley.psi[0] * e_r.x - pulley.psi[1] * e_r.y;
+        let opening_rate = (pulley.psi_dot[0] * e_r.x - pulley.psi_dot[1] * e_r.y) * rho;
+        let opening_slope = pulley.psi[0] * e_r.y + pulley.psi[1] * e_r.x;
+        let (v_r, v_around) = (in_plane(v_e).dot(&e_r), in_plane(v_p).dot(&e_t));
+        let surface = pulley.z_dot * 0.5 - opening_rate;
+        let closing_surface = surface - pulley.omega * rho * opening_slope;
+        Self {
+            e_r,
+            e_t,
+            inverse_distance,
+            rho,
+            opening,
+            opening_slope,
+            v_r,
+            v_around,
+            flank: FlankMotion {
+                penetration: pulley.z * 0.5 - (rho - law.r0) * tan_beta - opening * rho,
+                closing: surface - (opening + tan_beta) * v_r - opening_slope * v_around,
+                tangential: v_around - pulley.omega * rho,
+                along_flank: v_r * cos_beta + closing_surface * sin_beta,
+            },
+        }
+    }
+
+    /// Loads of the two flanks of an element whose ring moves with v_e. In the plane they are alike; in space the
+    /// element may be off the middle. `plane` is that of [`Place::plane`](crate::variator::cell::place::Place::plane).
+    #[inline(always)]
+    pub fn both_flanks<const D: usize>(
+        &self,
+        law: &CellLaw,
+        friction: &Friction,
+        plane: [T::Constant; 2],
+        pulley: &PulleyMotion<T>,
+        point: &RingPoint<T, D>,
+        v_e: &SVector<T, D>,
+        lambda: T,
+    ) -> BothFlanks<T> {
+        let one = |flank: &FlankMotion<T>| {
+            let force = flank_force(&law.contact, friction, law.wedge[1], flank);
+            self.loads(law, lambda, flank, &force)
+        };
+        let (offset, flanks) = self.flanks(law, plane, pulley, point, v_e);
+        let movable = one(&flanks[0]);
+        if D == 2 {
+            return BothFlanks {
+                loads: movable.plus(&movable),
+                on_movable: movable.axial,
+                offset,
+                lateral: T::zero(),
+            };
+        }
+        let fixed = one(&flanks[1]);
+        BothFlanks {
+            loads: movable.plus(&fixed),
+            on_movable: movable.axial,
+            offset,
+            lateral: (movable.axial - fixed.axial) * plane[0],
+        }
+    }
+
+    /// How far an element is off the middle towards the movable sheave, m, and how its flanks move there and on the fixed
+    /// one.
+    #[inline(always)]
+    pub fn flanks<const D: usize>(
+        &self,
+        law: &CellLaw,
+        [side, middle]: [T::Constant; 2],
+        pulley: &PulleyMotion<T>,
+        point: &RingPoint<T, D>,
+        v_e: &SVector<T, D>,
+    ) -> (T, [FlankMotion<T>; 2]) {
+        if D == 2 {
+            return (T::zero(), [self.flank; 2]);
+        }
+        let offset = (point.r[D - 1] - T::constant(middle)) * side + pulley.z * 0.5;
+        let speed = v_e[D - 1] * side + pulley.z_dot * 0.5;
+        let sin_beta = law.wedge[0];
+        let flanks = [
+            self.flank.shifted(offset, speed, sin_beta),
+            self.flank.shifted(-offset, -speed, sin_beta),
+        ];
+        (offset, flanks)
+    }
+
+    /// Loads of a flank that moves like this under `force`.
+    #[inline(always)]
+    pub fn loads(&self, law: &CellLaw, lambda: T, flank: &FlankMotion<T>, force: &FlankForce<T>) -> FlankLoads<T> {
+        let [sin_beta, cos_beta, tan_beta] = law.wedge;
+        let axial_normal = force.normal * cos_beta * lambda;
+        let axial_friction = force.along_flank * lambda * sin_beta;
+        FlankLoads {
+            radial: axial_normal * (self.opening + tan_beta) + force.along_flank * lambda * cos_beta,
+            around: axial_normal * self.opening_slope + force.tangential * lambda,
+            torque: -(force.tangential * lambda + axial_friction * self.opening_slope) * self.rho,
+            axial: axial_normal - axial_friction,
+            normal: force.normal * lambda,
+            loss: lambda * (force.tangential * flank.tangential + force.along_flank * flank.along_flank) * -1.0,
+            viscous: force.viscous * cos_beta * lambda * flank.closing,
+        }
+    }
+}

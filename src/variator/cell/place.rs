@@ -1,0 +1,197 @@
+//! What a cell of the belt is given, and what it answers: constants, place, motion, balance.
+
+use crate::chain::{self, Transport};
+use crate::contact::Contact;
+use crate::pulley::PerPulley;
+use crate::reference_curve::Jet;
+use crate::ring::Ring;
+use crate::ring::kinematics::{Motion, ReferenceMotion};
+use crate::scalar::Real;
+use crate::variator::mesh::belt_mesh::Station;
+
+/// Constants of the cell law.
+#[derive(Clone, Debug)]
+pub struct CellLaw {
+    /// Push elements.
+    pub chain: chain::Belt,
+    /// Ring sets, as one beam.
+    pub ring: Ring,
+    /// Element flank on sheave.
+    pub contact: Contact,
+    /// sin β, cos β, tan β of the wedge angle.
+    pub wedge: [f64; 3],
+    /// Pitch radius of unloaded contact at ratio 1, m.
+    pub r0: f64,
+    /// Pulley axes, x coordinate, m.
+    pub axes: PerPulley<f64>,
+    /// Where the sheaves stand along z.
+    pub planes: PerPulley<SheavePlane>,
+    /// Whether amounts leave with a lag. Not with one cell an element: what it depends on would leave the band of the
+    /// matrix.
+    pub has_lag: bool,
+}
+
+/// The middle of a pulley along z: it moves away from the movable sheave by half of what that closes.
+///
+/// The movable sheaves stand on opposite sides of the belt, so both middles go the same way when the ratio changes.
+/// They part by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii don't change equally.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheavePlane {
+    /// Where the movable sheave stands: +1 or −1 along z.
+    pub side: f64,
+    /// Middle of the pulley at z_j = 0, m.
+    pub middle: f64,
+}
+
+impl SheavePlane {
+    /// Planes that are `offset` apart at ratio 1, m.
+    #[must_use]
+    pub fn pair(offset: f64) -> PerPulley<Self> {
+        PerPulley {
+            secondary: -1.0,
+            primary: 1.0,
+        }
+        .map(|side| Self {
+            side,
+            middle: 0.5 * side * offset,
+        })
+    }
+
+    /// Side and middle.
+    #[must_use]
+    pub fn constants(&self) -> [f64; 2] {
+        [self.side, self.middle]
+    }
+
+    /// Middle of the pulley whose sheave has closed by `z`, m.
+    #[must_use]
+    pub fn middle(&self, z: f64) -> f64 {
+        self.middle - 0.5 * self.side * z
+    }
+}
+
+/// Motion of a pulley.
+#[derive(Clone, Copy, Debug)]
+pub struct PulleyMotion<T> {
+    /// z, m.
+    pub z: T,
+    /// ż, m/s.
+    pub z_dot: T,
+    /// ψ_x, ψ_y, rad.
+    pub psi: [T; 2],
+    /// Their rates, rad/s.
+    pub psi_dot: [T; 2],
+    /// ω, rad/s.
+    pub omega: T,
+}
+
+/// State of a cell, the ring aside.
+#[derive(Clone, Copy, Debug)]
+pub struct CellMotion<T: Real> {
+    /// V at the faces, m/s.
+    pub speed: [T; 2],
+    /// V̇ at the faces, m/s².
+    pub speed_dot: [T; 2],
+    /// Amount N, m.
+    pub amount: T,
+    /// Reference motion.
+    pub reference: ReferenceMotion<T>,
+    /// The pulley this cell can touch.
+    pub pulley: PulleyMotion<T>,
+}
+
+impl<T: Real> CellMotion<T> {
+    /// From the unknowns by their directions: V, V, N are those from `own` on, s, Θ, z, ψ_x, ψ_y, ω those from
+    /// `globals` on.
+    #[inline(always)]
+    pub(crate) fn of_directions(
+        [own, globals]: [usize; 2],
+        position: impl Fn(usize) -> T,
+        value: impl Fn(usize) -> T,
+        rate: impl Fn(usize) -> T,
+    ) -> Self {
+        let [drift, theta, sheave, tilt_x, tilt_y, shaft] = std::array::from_fn(|k| globals + k);
+        Self {
+            speed: [value(own), value(own + 1)],
+            speed_dot: [rate(own), rate(own + 1)],
+            amount: value(own + 2),
+            reference: ReferenceMotion {
+                theta: Motion {
+                    value: position(theta),
+                    rate: value(theta),
+                    acceleration: rate(theta),
+                },
+                s_dot: value(drift),
+                s_ddot: rate(drift),
+            },
+            pulley: PulleyMotion {
+                z: position(sheave),
+                z_dot: value(sheave),
+                psi: [value(tilt_x), value(tilt_y)],
+                psi_dot: [rate(tilt_x), rate(tilt_y)],
+                omega: value(shaft),
+            },
+        }
+    }
+}
+
+/// Generalised residual forces of a cell (inertia − forces), those on the ring aside, and its flow.
+#[derive(Clone, Copy, Debug)]
+pub struct CellBalance<T: Real> {
+    /// Conjugates of V at the faces, N.
+    pub speed: [T; 2],
+    /// Axial belt force on one sheave, N.
+    pub axial: T,
+    /// Moment of the axial force on one sheave, N·m.
+    pub tilting: [T; 2],
+    /// Torque of the belt on the pulley, N·m.
+    pub torque: T,
+    /// What the balance of the amounts needs.
+    pub transport: Transport<T>,
+}
+
+/// Where cells lie: constants of the mesh, and the element at the present Θ.
+#[derive(Debug)]
+pub struct Place<'a, T: Real> {
+    /// Start and length of the element as fractions of the segment.
+    pub of_segment: [T::Constant; 2],
+    /// Left face; its fraction and those of the stations are of the element.
+    pub face: &'a Station<T::Constant>,
+    /// Quadrature points.
+    pub stations: &'a [Station<T::Constant>],
+    /// Pulley axis, x coordinate, m.
+    pub axis: T::Constant,
+    /// Side of the pulley's movable sheave and its middle at z_j = 0, as in [`SheavePlane`].
+    pub plane: [T::Constant; 2],
+    /// Length of the element.
+    pub length: Jet<T>,
+}
+
+impl<T: Real> Place<'_, T> {
+    /// The face (0), or a station (1 and on).
+    #[inline(always)]
+    #[must_use]
+    pub fn slot(&self, slot: usize) -> &Station<T::Constant> {
+        if slot == 0 { self.face } else { &self.stations[slot - 1] }
+    }
+
+    /// Fraction of the segment there.
+    #[inline(always)]
+    #[must_use]
+    pub fn fraction(&self, slot: usize) -> T::Constant {
+        let [start, share] = self.of_segment;
+        start + share * self.slot(slot).fraction
+    }
+}
+
+/// Linear between the two faces of a cell.
+#[inline(always)]
+pub(crate) fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
+    faces[0] * (-right + 1.0) + faces[1] * right
+}
+
+/// Share of a face in [`between`]: 0 the left one, 1 the right one.
+#[inline(always)]
+pub(crate) fn share<T: Real>(face: usize, right: T::Constant) -> T {
+    T::constant(if face == 0 { -right + 1.0 } else { right })
+}

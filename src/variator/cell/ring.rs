@@ -1,0 +1,107 @@
+//! The ring inside a cell: what chain and contact see of a ring model, and where their loads on it go.
+//!
+//! [`balance`](crate::variator::cell::balance) asks any ring the same four questions and doesn't know which one it has.
+
+use crate::reference_curve::ReferencePoint;
+use crate::ring::kinematics::{Load, Node, RingPoint, RingVariation};
+use crate::scalar::Real;
+
+/// What happens at a station, per dξ.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Action<T: Real, const D: usize = 2> {
+    /// Loads on the ring: its own, and those of chain and contact.
+    pub load: Load<T, D>,
+    /// Ring tension T, N.
+    pub tension: T,
+    /// All forces across the ring, inwards, N/m.
+    pub across: T,
+    /// The ring's own forces and the ring friction along it, N/m.
+    pub along: T,
+    /// Length dξ, m.
+    pub weight: T,
+}
+
+/// Energies of the ring per dξ, J/m, and the power that its damping takes, W/m.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RingDensity<T> {
+    /// Kinetic energy.
+    pub kinetic: T,
+    /// Elastic energy.
+    pub elastic: T,
+    /// Power of damping.
+    pub viscous: T,
+}
+
+/// A ring as a cell sees it. Slot 0 is the left face of the cell, the slots from 1 on are its stations.
+pub(crate) trait CellRing<T: Real, const D: usize = 2> {
+    /// The ring where the reference curve is at `reference`.
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D>;
+
+    /// Adds the forces that the ring exerts by itself, inertia included; returns its tension, N. A ring that balances
+    /// these on elements of its own adds nothing.
+    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T;
+
+    /// Applies the loads at a station.
+    fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>);
+
+    /// Energies at a station; none of a ring that counts them on elements of its own.
+    fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T>;
+}
+
+/// A ring whose mesh stands still, as a cell sees it.
+pub(crate) trait EulerianRing<T: Real, const D: usize = 2>: CellRing<T, D> {
+    /// Forces of the loads that were applied.
+    fn forces(&self) -> RingForces<T, D>;
+}
+
+/// A ring whose derivatives are known by hand in directions that leave the reference curve where it is: its own unknowns,
+/// and the drift.
+pub(crate) trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
+    /// Sums of varied loads.
+    type Sum;
+
+    /// Whether the ring moves in its own directions.
+    const MOVES: bool;
+
+    /// How the ring varies at a slot in its own direction `own`; `slopes` are the factors of acceleration and position.
+    fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D>;
+
+    /// Adds how [`CellRing::own_load`] varies; returns how the tension does. `own` as above, if it is such a direction.
+    fn vary_own_load(
+        &self,
+        slot: usize,
+        point: &RingPoint<T, D>,
+        by: &RingVariation<T, D>,
+        own: Option<usize>,
+        load: &mut Load<T, D>,
+    ) -> T;
+
+    /// No loads.
+    fn empty(&self) -> Self::Sum;
+
+    /// Applies the variation of the loads at a station, where the ring's own load is `own_load`.
+    fn apply_varied(
+        &self,
+        sum: &mut Self::Sum,
+        slot: usize,
+        at: (&RingPoint<T, D>, &RingVariation<T, D>),
+        own_load: &Load<T, D>,
+        action: &Action<T, D>,
+    );
+
+    /// How its forces vary. The loads of the cell must have been applied to a ring that moves.
+    fn varied_forces(&self, sum: &Self::Sum, own: Option<usize>, beta: f64) -> RingForces<T, D>;
+}
+
+/// Generalised forces of a cell on an Eulerian ring (inertia − forces).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RingForces<T: Real, const D: usize = 2> {
+    /// Conjugates of the node motions (`ALE`).
+    pub nodes: [Node<T, D>; 2],
+    /// Tension balance along the cell (`ALE0`), N.
+    pub tension: T,
+    /// Conjugate of s; in `ALE0` the normal balance around the loop, N.
+    pub drift: T,
+    /// Conjugate of Θ, N·m.
+    pub theta: T,
+}

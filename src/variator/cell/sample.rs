@@ -1,0 +1,130 @@
+//! Values at a station beside its balance, for outputs, losses and energies, and who records them.
+
+use crate::scalar::{Lanes, Real};
+
+/// Values at a station for outputs, losses and energies: of one cell, or of one in each lane of `L`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sample<L = f64> {
+    /// ξ, m.
+    pub xi: L,
+    /// Reference curvature κ there and at the left face of the cell, 1/m: 0 on a strand.
+    pub curvature: [L; 2],
+    /// Ring length dξ that the station stands for, m.
+    pub weight: L,
+    /// Position of the ring centre line, m.
+    pub r: [L; 2],
+    /// Pitch radius ϱ about the pulley axis, m.
+    pub pitch_radius: L,
+    /// Pitch radius at the left face of the cell, m.
+    pub face_radius: L,
+    /// λ.
+    pub lambda: L,
+    /// ν of the cell.
+    pub density: L,
+    /// Push force Q, N.
+    pub push: L,
+    /// Ring tension T, N.
+    pub tension: L,
+    /// Normal force per flank and ring length, N/m.
+    pub normal: L,
+    /// Axial force on one sheave per ring length, N/m.
+    pub axial: L,
+    /// Torque of the belt on the pulley per ring length, N.
+    pub torque: L,
+    /// Tangential sliding speed, m/s.
+    pub sliding: L,
+    /// Sliding speed along the flank, m/s.
+    pub flank_sliding: L,
+    /// Sliding speed of the ring on the elements, m/s.
+    pub ring_sliding: L,
+    /// Penetration, m.
+    pub penetration: L,
+    /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the plane.
+    pub offset: L,
+    /// Deflection w along z, m, and its slope w'.
+    pub lateral: [L; 2],
+    /// J, m/s.
+    pub flow: L,
+    /// V, m/s.
+    pub speed: L,
+    /// Loss to sheave friction, W/m.
+    pub sheave_loss: L,
+    /// Loss to ring friction, W/m.
+    pub ring_loss: L,
+    /// Loss to structural, chain and contact damping, W/m.
+    pub damping_loss: L,
+    /// Kinetic energy, J/m.
+    pub kinetic: L,
+    /// Elastic energy of the ring, J/m.
+    pub ring_elastic: L,
+    /// Outward deflection from the reference curve, m.
+    pub outward: L,
+}
+
+/// Calls a macro with all figures of a [`Sample`].
+macro_rules! for_each_figure {
+    ($with:ident) => {
+        $with! {
+            xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque,
+            sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, damping_loss,
+            kinetic, ring_elastic, outward
+        }
+    };
+}
+
+impl Sample<Lanes> {
+    /// The sample of the cell in a lane. Inlined, it reads only what is asked of it.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, lane: usize) -> Sample {
+        let mut cell = Sample::default();
+        macro_rules! get {
+            ($($field:ident $([$k:literal])?),*) => {$( cell.$field $([$k])? = self.$field $([$k])?.lane(lane); )*};
+        }
+        for_each_figure!(get);
+        cell
+    }
+
+    /// Writes the sample of the cell in a lane.
+    pub fn set(&mut self, lane: usize, cell: &Sample) {
+        macro_rules! set {
+            ($($field:ident $([$k:literal])?),*) => {$( self.$field $([$k])?.set(lane, cell.$field $([$k])?); )*};
+        }
+        for_each_figure!(set);
+    }
+}
+
+impl Sample {
+    /// Whether the station lies on an arc.
+    #[must_use]
+    pub fn on_arc(&self) -> bool {
+        self.curvature[0] > 0.0
+    }
+}
+
+/// Records every station of a cell as it is evaluated.
+pub trait Probe<T> {
+    /// Whether samples are wanted.
+    const ACTIVE: bool;
+    /// Records a sample.
+    fn record(&mut self, sample: Sample<T>);
+}
+
+/// Wants no samples.
+#[derive(Debug)]
+pub struct NoProbe;
+
+impl<T> Probe<T> for NoProbe {
+    const ACTIVE: bool = false;
+    fn record(&mut self, _sample: Sample<T>) {}
+}
+
+/// Hands samples to a closure.
+pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
+
+impl<T> Probe<T> for Sampler<'_, T> {
+    const ACTIVE: bool = true;
+    fn record(&mut self, sample: Sample<T>) {
+        (self.0)(sample);
+    }
+}

@@ -1,0 +1,249 @@
+//! The mesh: ring elements around the belt, each divided into chain cells.
+//!
+//! It has five segments by default, each divided into elements. Element borders lie on the arc borders for every Θ, so
+//! every quadrature point stays on its own arc or strand and all integrals are smooth in Θ. Elements are graded towards
+//! the arc borders, where the contact begins (pressure rises over about 5 mm) and the ring has its bending boundary
+//! layer (√(EI/T) ≈ 2 mm).
+//!
+//! The other mesh is the paper's: elements evenly spaced along ξ, which stand still while arc borders move through
+//! them. Where a border passes a quadrature point, the reference curvature jumps there. A cell knows its pulley here
+//! too: no arc reaches the quarters of the belt, ξ = L/4 and 3L/4, at any ratio that the stops allow.
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::ring::mesh::{Spacing, divide, parts};
+use crate::scalar::{LANES, Lanes};
+use crate::variator::settings::parameters::{Mesh, RingModel};
+
+pub use crate::ring::mesh::{Element, Station};
+
+/// Most quadrature points of a cell.
+pub const STATIONS: usize = 3;
+/// Its quadrature points, and its left face before them.
+pub const SLOTS: usize = STATIONS + 1;
+
+/// Grading of the arcs: an element at the border has 1 − this of the mean size.
+const ARC_GRADING: f64 = 0.76;
+/// Grading of the strands.
+const STRAND_GRADING: f64 = 0.88;
+
+/// A chain cell.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Ring element it lies in.
+    pub element: usize,
+    /// Pulley whose sheaves it can touch.
+    pub pulley: Pulley,
+    /// Its left face.
+    pub face: Station,
+    /// Quadrature points.
+    pub stations: Vec<Station>,
+    /// Its [`Group`].
+    pub group: usize,
+    /// Its lane there.
+    pub lane: usize,
+}
+
+/// Neighbours on one segment that are evaluated at once, a cell in each lane of a register.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Cells; the last one repeats where there are fewer than lanes.
+    pub cells: [usize; LANES],
+    /// Lanes in use.
+    pub used: usize,
+    /// 1 in the lanes in use whose cell can touch the pulley, else 0.
+    pub on: PerPulley<Lanes>,
+}
+
+impl Group {
+    /// 1 in the lanes in use, else 0.
+    #[inline(always)]
+    #[must_use]
+    pub fn in_use(&self) -> Lanes {
+        self.on.secondary + self.on.primary
+    }
+}
+
+/// Elements and cells around the loop; the first node is at ξ = 0.
+#[derive(Clone, Debug)]
+pub struct BeltMesh {
+    /// Whether element borders follow the arc borders. If not, all elements lie on one segment, the whole curve.
+    pub aligned: bool,
+    /// Ring elements.
+    pub elements: Vec<Element>,
+    /// Chain cells.
+    pub cells: Vec<Cell>,
+    /// Cells that are evaluated at once, around the loop.
+    pub groups: Vec<Group>,
+    /// Cells in each element.
+    pub cells_per_element: usize,
+    /// Quadrature points in each cell.
+    pub points: usize,
+}
+
+/// Number and spacing of the elements on each segment.
+fn segments(mesh: &Mesh) -> Vec<(usize, Spacing)> {
+    let half = (mesh.secondary_arc / 2) as usize;
+    let (strand, arc) = (mesh.strand as usize, mesh.primary_arc as usize);
+    if mesh.aligned {
+        vec![
+            (half, Spacing::End(ARC_GRADING)),
+            (strand, Spacing::Both(STRAND_GRADING)),
+            (arc, Spacing::Both(ARC_GRADING)),
+            (strand, Spacing::Both(STRAND_GRADING)),
+            (half, Spacing::Start(ARC_GRADING)),
+        ]
+    } else {
+        vec![(2 * (half + strand) + arc, Spacing::Even)]
+    }
+}
+
+/// Divides cells into groups, and tells them where they are.
+fn group(cells: &mut [Cell], elements: &[Element]) -> Vec<Group> {
+    let mut groups = Vec::new();
+    for segment in cells.chunk_by_mut(|a, b| elements[a.element].segment == elements[b.element].segment) {
+        for members in segment.chunks_mut(LANES) {
+            let used = members.len();
+            let first = groups.last().map_or(0, |g: &Group| g.cells[0] + g.used);
+            for (lane, cell) in members.iter_mut().enumerate() {
+                (cell.group, cell.lane) = (groups.len(), lane);
+            }
+            let touches = |pulley: Pulley| {
+                std::array::from_fn(|lane| f64::from(members.get(lane).is_some_and(|c| c.pulley == pulley)))
+            };
+            groups.push(Group {
+                cells: std::array::from_fn(|lane| first + lane.min(used - 1)),
+                used,
+                on: PerPulley::from_fn(|pulley| Lanes::new(touches(pulley))),
+            });
+        }
+    }
+    groups
+}
+
+impl BeltMesh {
+    /// Mesh of a belt on two pulleys with this ring model.
+    #[must_use]
+    pub fn new(mesh: &Mesh, ring: RingModel) -> Self {
+        let cells_per_element = if ring == RingModel::Ale0 {
+            1
+        } else {
+            mesh.cells_per_element as usize
+        };
+        let points = match ring {
+            RingModel::Ale0 => 2,
+            // Full integration of the membrane needs three points or more in an element.
+            RingModel::Ale => 2 + usize::from(cells_per_element == 1),
+            // A ring with elements of its own sags between the points that carry it, q d⁴/(384 EI) or 2 µm at the
+            // widest of two points a cell.
+            RingModel::Rcm | RingModel::Ancf => 3,
+        };
+        let elements: Vec<Element> = segments(mesh)
+            .into_iter()
+            .enumerate()
+            .flat_map(|(segment, (count, spacing))| divide(segment, count, spacing))
+            .collect();
+        let mut cells = Vec::new();
+        for (k, element) in elements.iter().enumerate() {
+            for (face, stations) in parts(element, cells_per_element, points) {
+                let middle = 0.5 * (stations[0].fraction + stations[stations.len() - 1].fraction);
+                let touches_primary = match element.segment {
+                    0 if !mesh.aligned => (0.25..0.75).contains(&middle),
+                    1 => middle > 0.5,
+                    2 => true,
+                    3 => middle < 0.5,
+                    _ => false,
+                };
+                cells.push(Cell {
+                    element: k,
+                    pulley: if touches_primary {
+                        Pulley::Primary
+                    } else {
+                        Pulley::Secondary
+                    },
+                    face,
+                    stations,
+                    group: 0,
+                    lane: 0,
+                });
+            }
+        }
+        let groups = group(&mut cells, &elements);
+        Self {
+            aligned: mesh.aligned,
+            elements,
+            cells,
+            groups,
+            cells_per_element,
+            points,
+        }
+    }
+
+    /// Segment of the reference curve, and the fraction of it, at which an element starts.
+    #[must_use]
+    pub fn start(&self, curve: &TwoPulley, frame: &TwoPulleyFrame<f64>, element: usize) -> (usize, f64) {
+        let Element { segment, start, .. } = self.elements[element];
+        if self.aligned {
+            (segment, start)
+        } else {
+            curve.locate(frame, start * curve.length())
+        }
+    }
+
+    /// Node in the middle of the primary arc, opposite to node 0.
+    #[must_use]
+    pub fn opposite(&self) -> usize {
+        if !self.aligned {
+            return self.elements.len() / 2;
+        }
+        let of = |segment| self.elements.iter().filter(move |e| e.segment == segment).count();
+        of(0) + of(1) + of(2) / 2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn evenly_spaced_elements_fill_the_belt_and_halves_touch_one_pulley_each() {
+        let parameters = crate::variator::settings::Parameters::default().mesh;
+        let even = Mesh {
+            aligned: false,
+            ..parameters.clone()
+        };
+        let (even, aligned) = (
+            BeltMesh::new(&even, RingModel::Ale),
+            BeltMesh::new(&parameters, RingModel::Ale),
+        );
+        assert_eq!(even.elements.len(), aligned.elements.len());
+        assert_eq!((even.opposite(), aligned.opposite()), (26, 26));
+        let share = 1.0 / even.elements.len() as f64;
+        assert!(
+            even.elements
+                .iter()
+                .all(|e| e.segment == 0 && (e.share - share).abs() < 1e-15)
+        );
+        let touching = |pulley| even.cells.iter().filter(|c| c.pulley == pulley).count();
+        assert_eq!((touching(Pulley::Secondary), touching(Pulley::Primary)), (52, 52));
+    }
+
+    #[test]
+    fn segments_are_filled_and_weights_sum_to_one() {
+        let mesh = BeltMesh::new(&crate::variator::settings::Parameters::default().mesh, RingModel::Ale);
+        for segment in 0..5 {
+            let sum: f64 = mesh
+                .elements
+                .iter()
+                .filter(|e| e.segment == segment)
+                .map(|e| e.share)
+                .sum();
+            assert!((sum - 1.0).abs() < 1e-14);
+        }
+        for element in 0..mesh.elements.len() {
+            let of_element = mesh.cells.iter().filter(|c| c.element == element);
+            let sum: f64 = of_element.flat_map(|c| &c.stations).map(|s| s.weight).sum();
+            assert!((sum - 1.0).abs() < 1e-14);
+        }
+    }
+}

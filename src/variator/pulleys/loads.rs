@@ -1,0 +1,152 @@
+//! Loads and set points at the pulleys, as functions of time.
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::tape::Tape;
+
+/// How a sheave's axial position is determined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SheaveMode {
+    /// By the clamping force, N.
+    Force(f64),
+    /// It stands still.
+    Held,
+    /// It goes where Θ takes the value `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ), and
+    /// whoever solves for a steady state moves `force` to the reaction.
+    Ratio {
+        /// Θ to go to.
+        theta: f64,
+        /// Force at `theta`, N.
+        force: f64,
+    },
+}
+
+/// Stiffness with which a steady solution is drawn to its ratio, N per unit of Θ: a clamping force of 20 kN is off by no
+/// more than 1e-3 of Θ.
+pub const RATIO_STIFFNESS: f64 = 2.0e7;
+
+/// How a pulley's speed is determined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShaftMode {
+    /// By the external torque, N·m.
+    Torque(f64),
+    /// It follows the set point with a lag, rad/s.
+    Setpoint(f64),
+    /// It stays what it is.
+    Fixed,
+    /// Secondary only: both speeds change in proportion, ω̇_S/ω_S = ω̇_P/ω_P, under the two external torques, N·m.
+    Balanced {
+        /// At the secondary shaft.
+        own: f64,
+        /// At the primary shaft.
+        primary: f64,
+    },
+    /// Secondary only: it goes where the belt takes the given torque from the primary shaft, N·m.
+    Transmit(f64),
+}
+
+/// Boundary conditions at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boundary {
+    /// Of the movable sheaves.
+    pub sheave: PerPulley<SheaveMode>,
+    /// Of the shafts.
+    pub shaft: PerPulley<ShaftMode>,
+}
+
+impl Boundary {
+    /// Sheaves and shafts that stay as they are.
+    pub const HELD: Self = Self {
+        sheave: PerPulley {
+            secondary: SheaveMode::Held,
+            primary: SheaveMode::Held,
+        },
+        shaft: PerPulley {
+            secondary: ShaftMode::Fixed,
+            primary: ShaftMode::Fixed,
+        },
+    };
+
+    /// External forces on the movable sheaves, N; 0 where they are held.
+    #[must_use]
+    pub fn clamping_forces(&self) -> PerPulley<f64> {
+        self.sheave.map(|sheave| match sheave {
+            SheaveMode::Force(force) => force,
+            SheaveMode::Held | SheaveMode::Ratio { .. } => 0.0,
+        })
+    }
+
+    fn pass(&mut self, tape: &mut Tape<'_>) {
+        for sheave in self.sheave.each_mut() {
+            if let SheaveMode::Force(force) = sheave {
+                tape.real(force);
+            }
+        }
+        for shaft in self.shaft.each_mut() {
+            if let ShaftMode::Torque(load) | ShaftMode::Setpoint(load) = shaft {
+                tape.real(load);
+            }
+        }
+    }
+}
+
+/// How fast the loads of a [`Boundary`] change.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LoadRates {
+    /// Of clamping forces, N/s.
+    pub force: PerPulley<f64>,
+    /// Of external torques, N·m/s, or of speed set points, rad/s².
+    pub shaft: PerPulley<f64>,
+}
+
+/// Loads that change in proportion to time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loads {
+    /// Time at which the loads are those of `start`, s.
+    from: f64,
+    start: Boundary,
+    rates: LoadRates,
+}
+
+impl Loads {
+    /// Loads that do not change.
+    #[must_use]
+    pub fn constant(start: Boundary) -> Self {
+        Self::changing(0.0, start, LoadRates::default())
+    }
+
+    /// Loads that are `start` at the time `from`, s, and change at `rates`.
+    #[must_use]
+    pub fn changing(from: f64, start: Boundary, rates: LoadRates) -> Self {
+        Self { from, start, rates }
+    }
+
+    /// The boundary conditions at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
+    #[must_use]
+    pub fn at(&self, time: f64) -> Boundary {
+        let mut boundary = self.start;
+        if self.rates == LoadRates::default() {
+            return boundary;
+        }
+        let after = time - self.from;
+        for pulley in Pulley::BOTH {
+            if let SheaveMode::Force(force) = &mut boundary.sheave[pulley] {
+                *force = (*force + after * self.rates.force[pulley]).max(0.0);
+            }
+            if let ShaftMode::Torque(load) | ShaftMode::Setpoint(load) = &mut boundary.shaft[pulley] {
+                *load += after * self.rates.shaft[pulley];
+            }
+        }
+        boundary
+    }
+
+    /// Passes the loads by a tape. To read, boundary conditions of the same kinds must be in force.
+    pub(crate) fn pass(&mut self, tape: &mut Tape<'_>) {
+        tape.real(&mut self.from);
+        self.start.pass(tape);
+        for rates in [&mut self.rates.force, &mut self.rates.shaft] {
+            for rate in rates.each_mut() {
+                tape.real(rate);
+            }
+        }
+    }
+}

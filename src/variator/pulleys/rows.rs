@@ -1,0 +1,312 @@
+//! Equations of motion of the pulleys:
+//!
+//! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1,
+//! - tilt of one sheave: k (ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ). Its shape is Sattler's trigonometric law with the
+//!   amplitude from moment balance: |ψ| = aΔ tan β, a = (1 + cos²β)/sin 2β, gives the same spread of radius,
+//! - rotation: J ω̇ = T + belt torque, or τ_ω ω̇ = ω_set − ω in speed drive.
+
+use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
+use crate::solver::View;
+use crate::solver::arrow::Arrow;
+use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::belt::{Belt, HOLD};
+use crate::variator::mesh::layout::Layout;
+use crate::variator::pulleys::loads::{Boundary, RATIO_STIFFNESS, ShaftMode, SheaveMode};
+use crate::variator::settings::parameters::{Parameters, PulleyParameters, SPEED_LAG};
+
+/// The two pulleys with their shafts.
+#[derive(Clone, Debug)]
+pub struct Pulleys {
+    layout: Layout,
+    parameters: PerPulley<PulleyParameters>,
+    /// Axial travel.
+    travel: PerPulley<Travel>,
+    /// Factor on the inertias, 1 in a run. A steady solution takes more, so that speeds follow the belt instead of
+    /// running ahead of it.
+    pub inertia_factor: f64,
+}
+
+impl Pulleys {
+    /// The pulleys of a belt.
+    #[must_use]
+    pub fn new(parameters: &Parameters, belt: &Belt) -> Self {
+        let [.., tan_beta] = belt.law.wedge;
+        let travel = |pulley| {
+            let of: &PulleyParameters = parameters.pulley(pulley);
+            Travel::new((of.min_radius, of.max_radius), belt.law.r0, tan_beta)
+        };
+        Self {
+            layout: belt.layout,
+            parameters: PerPulley::from_fn(|pulley| parameters.pulley(pulley).clone()),
+            travel: PerPulley::from_fn(travel),
+            inertia_factor: 1.0,
+        }
+    }
+
+    /// Force of the end stops on a sheave, and its damping part.
+    fn stop(&self, pulley: Pulley, view: View<'_>) -> StopForce<f64> {
+        let z = self.layout.sheave(pulley);
+        self.travel[pulley].stop_force(view.q[z], view.y[z])
+    }
+
+    /// Clamping force under which a sheave stands still, N: the belt's `axial` force on it, less what an end stop
+    /// gives.
+    #[must_use]
+    pub fn holding_force(&self, pulley: Pulley, view: View<'_>, axial: f64) -> f64 {
+        axial - self.stop(pulley, view).force
+    }
+
+    /// Makes the rates `y_dot` jump that jump with the loads, from `before` to `after`: loads act on the pulleys' own
+    /// inertia alone. The integrator's error estimate needs them.
+    pub fn jump(&self, before: &Boundary, after: &Boundary, y_dot: &mut [f64]) {
+        for pulley in Pulley::BOTH {
+            let of = &self.parameters[pulley];
+            if let (SheaveMode::Force(old), SheaveMode::Force(new)) = (before.sheave[pulley], after.sheave[pulley]) {
+                y_dot[self.layout.sheave(pulley)] += (new - old) / of.sheave_mass;
+            }
+            let omega = self.layout.shaft_speed(pulley);
+            match (before.shaft[pulley], after.shaft[pulley]) {
+                (ShaftMode::Torque(old), ShaftMode::Torque(new)) => y_dot[omega] += (new - old) / of.inertia,
+                (ShaftMode::Setpoint(old), ShaftMode::Setpoint(new)) => y_dot[omega] += (new - old) / SPEED_LAG,
+                _ => {}
+            }
+        }
+    }
+
+    /// J_S ω_S/(J_P ω_P): share of the primary's unbalanced torque that the secondary's must be for both speeds to change
+    /// in proportion.
+    fn balanced_factor(&self, view: View<'_>) -> f64 {
+        let omega = |pulley| view.y[self.layout.shaft_speed(pulley)];
+        let primary = self.parameters.primary.inertia * omega(Pulley::Primary);
+        if primary == 0.0 {
+            0.0
+        } else {
+            self.parameters.secondary.inertia * omega(Pulley::Secondary) / primary
+        }
+    }
+
+    /// Writes the pulleys' rows of the residual, under the loads of the belt.
+    pub(crate) fn residual(&self, boundary: &Boundary, loads: &PerPulley<PulleyLoad>, view: View<'_>, out: &mut [f64]) {
+        for pulley in Pulley::BOTH {
+            let z = self.layout.sheave(pulley);
+            out[z] = self.sheave_row(pulley, boundary.sheave[pulley], loads[pulley].axial, view);
+            self.tilt_rows(pulley, &loads[pulley], view, out);
+            let i = self.layout.shaft_speed(pulley);
+            out[i] = self.shaft_row(pulley, boundary.shaft[pulley], loads, view);
+        }
+    }
+
+    fn sheave_row(&self, pulley: Pulley, mode: SheaveMode, axial: f64, view: View<'_>) -> f64 {
+        let of = &self.parameters[pulley];
+        let z = self.layout.sheave(pulley);
+        match mode {
+            SheaveMode::Force(force) => {
+                of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] - force + axial
+                    - self.stop(pulley, view).force
+            }
+            SheaveMode::Held => HOLD * view.y[z],
+            SheaveMode::Ratio { theta, force } => {
+                let off = theta - view.q[self.layout.theta()];
+                of.sheave_mass * view.y_dot[z] + of.sheave_damping * view.y[z] + axial
+                    - force
+                    - closing_sign(pulley) * RATIO_STIFFNESS * off
+                    - self.stop(pulley, view).force
+            }
+        }
+    }
+
+    fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
+        let of = &self.parameters[pulley];
+        for axis in 0..2 {
+            let i = self.layout.tilt(pulley, axis);
+            out[i] = if of.is_rigid() {
+                HOLD * view.y[i]
+            } else {
+                of.tilt_stiffness * (view.y[i] + of.tilt_time * view.y_dot[i]) - load.tilting[axis]
+            };
+        }
+    }
+
+    fn shaft_row(&self, pulley: Pulley, mode: ShaftMode, loads: &PerPulley<PulleyLoad>, view: View<'_>) -> f64 {
+        let of = &self.parameters[pulley];
+        let i = self.layout.shaft_speed(pulley);
+        let inertia = self.inertia_factor * of.inertia * view.y_dot[i];
+        match mode {
+            ShaftMode::Torque(torque) => inertia - torque - loads[pulley].torque,
+            ShaftMode::Setpoint(set) => inertia - self.inertia_factor * of.inertia * (set - view.y[i]) / SPEED_LAG,
+            ShaftMode::Fixed => inertia,
+            ShaftMode::Balanced { own, primary } => {
+                inertia - own - loads[pulley].torque + self.balanced_factor(view) * (primary + loads.primary.torque)
+            }
+            ShaftMode::Transmit(primary) => inertia + primary + loads.primary.torque,
+        }
+    }
+
+    /// Adds the derivatives of the pulleys' rows, with the factors α of ẏ and β of q; the belt's are in `out`.
+    pub(crate) fn jacobian(
+        &self,
+        boundary: &Boundary,
+        loads: &PerPulley<PulleyLoad>,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) {
+        for pulley in Pulley::BOTH {
+            self.sheave_slopes(pulley, boundary.sheave[pulley], view, slopes, out);
+            let of = &self.parameters[pulley];
+            for axis in 0..2 {
+                let i = self.layout.tilt(pulley, axis);
+                if of.is_rigid() {
+                    out.set_unit_row(i, HOLD);
+                } else {
+                    out.add(i, i, of.tilt_stiffness * (1.0 + of.tilt_time * slopes[0]));
+                }
+            }
+        }
+        // Secondary first: its row may need the primary's before that is overwritten.
+        self.couple_secondary(boundary.shaft.secondary, loads.primary.torque, view, out);
+        for pulley in Pulley::BOTH {
+            let i = self.layout.shaft_speed(pulley);
+            let inertia = self.inertia_factor * self.parameters[pulley].inertia;
+            let alpha = slopes[0];
+            match boundary.shaft[pulley] {
+                ShaftMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
+                ShaftMode::Fixed => out.set_unit_row(i, inertia * alpha.max(1.0)),
+                _ => out.add(i, i, inertia * alpha),
+            }
+        }
+    }
+
+    fn sheave_slopes(
+        &self,
+        pulley: Pulley,
+        mode: SheaveMode,
+        view: View<'_>,
+        [alpha, beta]: [f64; 2],
+        out: &mut Arrow,
+    ) {
+        use num_dual::Dual64;
+        let of = &self.parameters[pulley];
+        let z = self.layout.sheave(pulley);
+        match mode {
+            SheaveMode::Force(_) | SheaveMode::Ratio { .. } => {
+                let (q, y) = (Dual64::new(view.q[z], beta), Dual64::new(view.y[z], 1.0));
+                let stop = self.travel[pulley].stop_force(q, y).force.eps;
+                out.add(z, z, of.sheave_mass * alpha + of.sheave_damping - stop);
+                if let SheaveMode::Ratio { .. } = mode {
+                    let theta = self.layout.theta();
+                    out.add(z, theta, closing_sign(pulley) * RATIO_STIFFNESS * beta);
+                }
+            }
+            SheaveMode::Held => out.set_unit_row(z, HOLD),
+        }
+    }
+
+    /// Slopes of a secondary shaft whose row contains that of the primary.
+    fn couple_secondary(&self, mode: ShaftMode, primary_torque: f64, view: View<'_>, out: &mut Arrow) {
+        let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout.shaft_speed(pulley));
+        match mode {
+            ShaftMode::Balanced { primary, .. } => {
+                out.add_row(s, p, -self.balanced_factor(view));
+                let unbalanced = primary + primary_torque;
+                let omega = view.y[p];
+                if omega != 0.0 {
+                    let inertias = self.parameters.primary.inertia * omega;
+                    out.add(s, s, unbalanced * self.parameters.secondary.inertia / inertias);
+                }
+            }
+            ShaftMode::Transmit(_) => {
+                out.set_unit_row(s, 0.0);
+                out.add_row(s, p, -1.0);
+            }
+            ShaftMode::Torque(_) | ShaftMode::Setpoint(_) | ShaftMode::Fixed => {}
+        }
+    }
+
+    /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W.
+    #[must_use]
+    pub fn losses(&self, view: View<'_>) -> f64 {
+        let mut loss = 0.0;
+        for pulley in Pulley::BOTH {
+            let of = &self.parameters[pulley];
+            let rate = view.y[self.layout.sheave(pulley)];
+            loss += of.sheave_damping * rate * rate - self.stop(pulley, view).viscous * rate;
+            if !of.is_rigid() {
+                for axis in 0..2 {
+                    let rate = view.y_dot[self.layout.tilt(pulley, axis)];
+                    loss += 2.0 * of.tilt_stiffness * of.tilt_time * rate * rate;
+                }
+            }
+        }
+        loss
+    }
+
+    /// Energy of the pulleys: rotation, axial motion, tilt, end stops, J.
+    #[must_use]
+    pub fn energy(&self, view: View<'_>) -> f64 {
+        let mut energy = 0.0;
+        for pulley in Pulley::BOTH {
+            let of = &self.parameters[pulley];
+            let z = self.layout.sheave(pulley);
+            let omega = view.y[self.layout.shaft_speed(pulley)];
+            energy += 0.5 * of.inertia * omega * omega
+                + 0.5 * of.sheave_mass * view.y[z] * view.y[z]
+                + self.travel[pulley].energy(view.q[z]);
+            if !of.is_rigid() {
+                for axis in 0..2 {
+                    let psi = view.y[self.layout.tilt(pulley, axis)];
+                    energy += of.tilt_stiffness * psi * psi;
+                }
+            }
+        }
+        energy
+    }
+
+    /// External torque at a shaft, N·m, without what accelerates it towards a set point; `torque` is the belt's.
+    fn torque_supplied(mode: ShaftMode, torque: f64) -> f64 {
+        match mode {
+            ShaftMode::Torque(external) | ShaftMode::Balanced { own: external, .. } => external,
+            ShaftMode::Setpoint(_) | ShaftMode::Fixed | ShaftMode::Transmit(_) => -torque,
+        }
+    }
+
+    /// External torques at the shafts, N·m; `torques` are the belt's on the pulleys.
+    #[must_use]
+    pub fn external_torques(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> PerPulley<f64> {
+        PerPulley::from_fn(|pulley| {
+            let omega = view.y[self.layout.shaft_speed(pulley)];
+            let accelerating = match boundary.shaft[pulley] {
+                ShaftMode::Setpoint(set) => self.parameters[pulley].inertia * (set - omega) / SPEED_LAG,
+                _ => 0.0,
+            };
+            Self::torque_supplied(boundary.shaft[pulley], torques[pulley]) + accelerating
+        })
+    }
+
+    /// Power supplied at the shafts, W, without what accelerates a pulley in speed drive; `torques` are the belt's on
+    /// the pulleys.
+    #[must_use]
+    pub fn shaft_power(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> f64 {
+        PerPulley::from_fn(|pulley| {
+            let torque = Self::torque_supplied(boundary.shaft[pulley], torques[pulley]);
+            torque * view.y[self.layout.shaft_speed(pulley)]
+        })
+        .into_array()
+        .iter()
+        .sum()
+    }
+
+    /// Parameters of a pulley.
+    #[must_use]
+    pub fn parameters(&self, pulley: Pulley) -> &PulleyParameters {
+        &self.parameters[pulley]
+    }
+}
+
+/// Sign of the change of Θ when a pulley closes: the primary raises r_P, and Θ with it.
+fn closing_sign(pulley: Pulley) -> f64 {
+    match pulley {
+        Pulley::Primary => 1.0,
+        Pulley::Secondary => -1.0,
+    }
+}

@@ -1,0 +1,379 @@
+//! The state that a run starts from: unloaded, steady, or the nearest to what was asked for that there is.
+
+use crate::contact::full_slip_torque;
+use crate::pulley::{PerPulley, Pulley};
+use crate::solver::continuation::Settled;
+use crate::solver::newton::Newton;
+use crate::variator::pulleys::loads::{Boundary, ShaftMode};
+use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
+use crate::variator::run::variator::{Held, InitialisationError, Variator, integrator};
+use crate::variator::settings::parameters::{Axial, Drive, Parameters, RingModel};
+use crate::variator::settings::signals::{Inputs, StartState};
+use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
+use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio};
+use crate::variator::steady::start::{Start, kinematic_state};
+use crate::variator::survey::ledger::Ledger;
+use crate::variator::survey::observe::macro_slip;
+use crate::variator::survey::survey::{NO_FORCE, Survey};
+
+/// First step from a steady state, s.
+const WARM_STEP: f64 = 1.0e-4;
+
+/// Most Newton solves for a steady state.
+const STEADY_SOLVES: usize = 400;
+
+/// Share of the torques below which no smaller one is tried, and the factor to which the largest is found.
+const LEAST_SHARE: f64 = 0.05;
+const CLOSE_SHARE: f64 = 1.05;
+
+/// Share of full slip up to which a torque isn't beyond capacity: braking in underdrive it is, from 0.57 on.
+const CARRIED_AT_LEAST: f64 = 0.5;
+
+/// Slip of a pushbelt at capacity, as a first guess: measured variators begin to slip through between 1 and 3 %.
+const SLIP_AT_CAPACITY: f64 = 0.015;
+
+/// Pitch radius on the primary pulley as a share of the distance of the axes, for a first guess: 0.35 at ratio 1, 0.2 in
+/// underdrive.
+const USUAL_RADIUS: f64 = 0.3;
+
+/// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
+const STANDSTILL: f64 = 1.0e-3;
+
+impl Variator {
+    /// Finds the state to start from at `time`.
+    ///
+    /// What can't be solved starts from the nearest state, with a warning that says what and why.
+    ///
+    /// # Errors
+    /// Inputs out of range, or no state found.
+    pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
+        inputs.validate()?;
+        let (lowest, highest) = self.system.parameters.ratio_range();
+        let asked = self.system.parameters.initial.ratio;
+        let ratio = asked.clamp(lowest, highest);
+        if ratio != asked {
+            self.system.parameters.initial.ratio = ratio;
+            self.log(
+                false,
+                format!(
+                    "initial.ratio = {asked} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
+                ),
+            );
+        }
+        let parameters = self.system.parameters.clone();
+        let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
+            (Drive::Speed, _) => inputs.primary.speed_setpoint,
+            (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * parameters.initial.ratio,
+            (Drive::Torque, Drive::Torque) => parameters.initial.primary_speed,
+        };
+        if primary_speed != parameters.initial.primary_speed {
+            self.log(
+                false,
+                format!(
+                    "a shaft follows its set point: the run starts near {primary_speed} rad/s at the primary pulley, not at \
+                     initial.primarySpeed = {} rad/s",
+                    parameters.initial.primary_speed
+                ),
+            );
+        }
+        let start = Start {
+            ratio: parameters.initial.ratio,
+            primary_speed,
+            clamping: clamping(inputs),
+        };
+        self.start_state = self.find_state(time, inputs, &start)?;
+        if parameters.primary.axial == Axial::Held && parameters.secondary.axial == Axial::Held {
+            let text = if self.start_state == StartState::Steady || self.start_state == StartState::ReducedTorque {
+                "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
+                 forces are ignored"
+            } else {
+                "both sheaves are held in a start without load: the belt has no tension and carries next to nothing, clamping \
+                 forces are ignored"
+            };
+            self.log(true, text.into());
+        }
+        self.state.y_dot.fill(0.0);
+        self.held = Held {
+            from: time,
+            inputs: *inputs,
+            rates: Inputs::ZERO,
+        };
+        self.apply();
+        self.ledger = Ledger::open(&self.system, self.state.view());
+        self.macro_slip = macro_slip(&self.system, self.state.view(), &self.ledger.last.sums, false);
+        if self.macro_slip {
+            let speeds = self.system.belt.shaft_speeds(self.state.view());
+            self.log(
+                true,
+                format!(
+                    "the belt slips through (macro-slip) in the state that the run starts from: {:.4} rad/s at the primary \
+                     pulley, {:.4} rad/s at the secondary, geometric ratio {:.4}",
+                    speeds.primary,
+                    speeds.secondary,
+                    geometric_ratio(&self.system, self.state.view())
+                ),
+            );
+        }
+        self.hold_external();
+        self.initial_energy =
+            self.ledger.last.belt_energy(&self.system.belt) + self.system.pulleys.energy(self.state.view());
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Puts the state in force that a run starts from.
+    fn find_state(&mut self, time: f64, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
+        self.time = time;
+        (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.soft_start = SoftStart::NONE;
+        self.soften();
+        self.integrator = integrator(&self.system);
+        self.system.forget_derivatives();
+        if self.system.parameters.ring_model.travels() {
+            self.lay_on_ale(inputs, start)
+        } else if self.system.parameters.initial.steady && start.primary_speed.abs() > STANDSTILL {
+            self.start_cold(inputs, start)?;
+            self.solve_steady(inputs, start)
+        } else {
+            self.start_unloaded(inputs, start)?;
+            Ok(StartState::Unloaded)
+        }
+    }
+
+    /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
+    fn start_cold(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
+        self.state =
+            kinematic_state(&self.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))?;
+        if self.system.parameters.secondary.drive == Drive::Speed {
+            let i = self.system.belt.layout.shaft_speed(Pulley::Secondary);
+            self.state.y[i] = inputs.secondary.speed_setpoint;
+        }
+        Ok(())
+    }
+
+    /// Starts unloaded; loads and friction come in softly.
+    fn start_unloaded(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
+        let unloaded = Start {
+            clamping: PerPulley::default(),
+            ..*start
+        };
+        self.start_cold(inputs, &unloaded)?;
+        self.soft_start = SoftStart { from: self.time };
+        Ok(())
+    }
+
+    /// Starts as `ALE` would: a ring that travels is laid on it.
+    fn lay_on_ale(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
+        let mut ale = Self::new(Parameters {
+            ring_model: RingModel::Ale,
+            ..self.system.parameters.clone()
+        })?;
+        let found = ale.find_state(self.time, inputs, start)?;
+        self.messages.append(&mut ale.messages);
+        self.soft_start = ale.soft_start;
+        self.state = self.system.state_on_ale(&ale.system, &ale.state);
+        Ok(found)
+    }
+
+    fn steady_task(&self, inputs: &Inputs, torque_share: f64) -> SteadyTask {
+        let p = &self.system.parameters;
+        let own = inputs.secondary.torque * torque_share;
+        let primary = inputs.primary.torque * torque_share;
+        let (of_secondary, of_primary) = match (p.secondary.drive, p.primary.drive) {
+            (Drive::Speed, Drive::Speed) => (ShaftMode::Fixed, ShaftMode::Fixed),
+            (Drive::Speed, Drive::Torque) => (ShaftMode::Fixed, ShaftMode::Torque(primary)),
+            (Drive::Torque, Drive::Speed) => (ShaftMode::Torque(own), ShaftMode::Fixed),
+            (Drive::Torque, Drive::Torque) => (ShaftMode::Balanced { own, primary }, ShaftMode::Fixed),
+        };
+        let reaction = if p.secondary.axial == Axial::Held && p.primary.axial == Axial::Force {
+            Pulley::Secondary
+        } else {
+            Pulley::Primary
+        };
+        SteadyTask {
+            ratio: p.initial.ratio,
+            reaction,
+            clamping: clamping(inputs),
+            shaft: PerPulley {
+                secondary: of_secondary,
+                primary: of_primary,
+            },
+            slip: self.slip_guess(inputs, torque_share),
+            warm: false,
+        }
+    }
+
+    /// Slip in the direction of the power, in proportion to the torque.
+    fn slip_guess(&self, inputs: &Inputs, torque_share: f64) -> f64 {
+        let direction = self.system.belt.shaft_speeds(self.state.view()).primary.signum();
+        SLIP_AT_CAPACITY * direction * (torque_share * self.of_full_slip(inputs)).clamp(-1.0, 1.0)
+    }
+
+    /// The torque at the primary pulley as a share of about what the secondary clamping force carries in full slip.
+    fn of_full_slip(&self, inputs: &Inputs) -> f64 {
+        let p = &self.system.parameters;
+        let torque = match p.primary.drive {
+            Drive::Torque => inputs.primary.torque,
+            Drive::Speed => -inputs.secondary.torque / p.initial.ratio,
+        };
+        let (force, radius) = (
+            inputs.secondary.clamping_force,
+            USUAL_RADIUS * p.geometry.center_distance,
+        );
+        torque / full_slip_torque(&p.friction, self.system.belt.law.wedge[1], force, radius).max(1.0e-6)
+    }
+
+    /// Solves for the steady state that was asked for, or for the nearest one; says which.
+    fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
+        let mut newton = Newton::new(&self.system);
+        let task = self.steady_task(inputs, 1.0);
+        let clamped = task.reaction.other();
+        if task.clamping[clamped] < NO_FORCE {
+            let name = clamped.name();
+            self.log(
+                true,
+                format!(
+                    "no steady state without a clamping force ({name}.clampingForce = {} N): the run starts unloaded and the \
+                     loads ramp in over {LOAD_RAMP} s",
+                    task.clamping[clamped]
+                ),
+            );
+            self.start_unloaded(inputs, start)?;
+            return Ok(StartState::NotFound);
+        }
+        let found = match self.carry(&mut newton, inputs) {
+            Ok(1.0) => StartState::Steady,
+            Ok(share) => {
+                self.log(
+                    true,
+                    format!(
+                        "no steady state at the given torques{}: the run starts from the steady state at {:.0} % of them",
+                        if self.of_full_slip(inputs).abs() > CARRIED_AT_LEAST {
+                            " (beyond the capacity of the clamping forces)"
+                        } else {
+                            " was found"
+                        },
+                        100.0 * share
+                    ),
+                );
+                StartState::ReducedTorque
+            }
+            Err(report) => {
+                self.log(
+                    true,
+                    format!(
+                        "no steady state was found (pseudo-time step {:.1e} s after {} solves): the run starts unloaded and \
+                         the loads ramp in over {LOAD_RAMP} s",
+                        report.step, report.solves
+                    ),
+                );
+                self.start_unloaded(inputs, start)?;
+                return Ok(StartState::NotFound);
+            }
+        };
+        self.integrator.step = WARM_STEP;
+        let p = &self.system.parameters;
+        let free = p.primary.axial == Axial::Force && p.secondary.axial == Axial::Force;
+        let found = if p.initial.equilibrium && free {
+            self.balance_forces(&mut newton, inputs, found)
+        } else {
+            found
+        };
+        if free {
+            let axial = Survey::of(&self.system, self.state.view()).sums.axial.primary;
+            self.log(
+                false,
+                format!(
+                    "steady start: primary clamping force less axial belt force is {:.1} N",
+                    inputs.primary.clamping_force - axial
+                ),
+            );
+        }
+        Ok(found)
+    }
+
+    /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque
+    /// beyond capacity has none. The share, or how far the last attempt came.
+    fn carry(&mut self, newton: &mut Newton, inputs: &Inputs) -> Result<f64, Settled> {
+        let cold = self.state.clone();
+        let (mut share, mut beyond) = (1.0, 1.0);
+        loop {
+            let task = self.steady_task(inputs, share);
+            match solve::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES) {
+                // Beyond capacity a pulley that slips for ever may be steady too.
+                Ok(_) if share == 1.0 || share <= LEAST_SHARE || !self.slips() => break,
+                Err(report) if share <= LEAST_SHARE || task.shaft == Boundary::HELD.shaft => return Err(report),
+                _ => (beyond, share) = (share, 0.7 * share),
+            }
+            self.state.clone_from(&cold);
+        }
+        while beyond > CLOSE_SHARE * share {
+            let middle = (share * beyond).sqrt();
+            let task = SteadyTask {
+                warm: true,
+                ..self.steady_task(inputs, middle)
+            };
+            let carried = self.state.clone();
+            let solved = solve::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES / 4);
+            if solved.is_ok() && !self.slips() {
+                share = middle;
+            } else {
+                beyond = middle;
+                self.state = carried;
+            }
+        }
+        Ok(share)
+    }
+
+    /// Whether the belt slips through, from the state alone.
+    fn slips(&self) -> bool {
+        let view = self.state.view();
+        macro_slip(&self.system, view, &Survey::of(&self.system, view).sums, false)
+    }
+
+    /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
+    fn balance_forces(&mut self, newton: &mut Newton, inputs: &Inputs, found: StartState) -> StartState {
+        let task = self.steady_task(inputs, 1.0);
+        let holding = solve::reaction(&self.system, self.state.view(), Pulley::Primary);
+        let at_ratio = self.state.clone();
+        let range = self.system.parameters.ratio_range();
+        match solve_equilibrium(&mut self.system, newton, &mut self.state, &task, range) {
+            Ok(Equilibrium { ratio, at_stop: true }) => {
+                self.log(
+                    true,
+                    format!(
+                        "the clamping forces drive the variator to an end stop: the run starts at the ratio {ratio:.4}"
+                    ),
+                );
+                StartState::Steady
+            }
+            Ok(Equilibrium { ratio, .. }) => {
+                self.log(
+                    false,
+                    format!("equilibrium of the clamping forces at the ratio {ratio:.6}"),
+                );
+                StartState::Steady
+            }
+            Err(_) => {
+                self.state = at_ratio;
+                self.log(
+                    true,
+                    format!(
+                        "no equilibrium of the two clamping forces was found: the run starts from the steady state at the \
+                         initial ratio, where the primary force would have to be {holding:.1} N"
+                    ),
+                );
+                if found == StartState::Steady {
+                    StartState::NoEquilibrium
+                } else {
+                    found
+                }
+            }
+        }
+    }
+}
+
+/// Clamping forces among the inputs, N.
+fn clamping(inputs: &Inputs) -> PerPulley<f64> {
+    PerPulley::from_fn(|pulley| inputs.pulley(pulley).clamping_force)
+}

@@ -1,0 +1,286 @@
+//! What a user sets before a run. One struct a group, one field a parameter of the interface; SI units, angles in rad.
+
+pub use crate::chain::Belt;
+pub use crate::contact::{Contact, Friction};
+use crate::pulley::Pulley;
+pub use crate::ring::Ring;
+
+/// Which ring stands inside the variator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum RingModel {
+    /// Reference motion only (`q_f` = 0): drift, ratio and a ring tension carried along by friction.
+    Ale0 = 1,
+    /// Reference motion with overlaid deflection: bending, stretch, spiral running.
+    Ale = 2,
+    /// Co-rotational elements that travel with the ring.
+    Rcm = 3,
+    /// Absolute nodal coordinates that travel with the ring.
+    Ancf = 4,
+}
+
+impl RingModel {
+    /// Whether its mesh travels with the ring.
+    #[must_use]
+    pub fn travels(self) -> bool {
+        matches!(self, Self::Rcm | Self::Ancf)
+    }
+}
+
+/// What drives the shaft of a pulley.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Drive {
+    /// The shaft torque is the input; the speed follows from `J ω̇ = T + belt torque`.
+    Torque = 1,
+    /// The speed follows its set point with a lag of [`SPEED_LAG`]; the torque this takes is an output.
+    Speed = 2,
+}
+
+/// What holds the movable sheave of a pulley.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Axial {
+    /// The clamping force is the input.
+    Force = 1,
+    /// The sheave is held where the geometric ratio is the initial ratio.
+    Held = 2,
+}
+
+/// Lag of a pulley's speed behind its set point in [`Drive::Speed`], s.
+pub const SPEED_LAG: f64 = 1e-3;
+
+/// Tilt stiffness from which a sheave counts as rigid, N·m/rad.
+pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
+
+/// All parameters of a variator. [`Default`] is the laboratory variator `bench168`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters {
+    /// Level of detail of the ring.
+    pub ring_model: RingModel,
+    /// Whether the ring deflects along z too, out of the plane of the drive (`ALE`).
+    pub spatial: bool,
+    /// Whether the deflection is counted along tangent, normal and binormal of the reference curve, A_i = [t, n, b]_ref
+    /// in (10), instead of along x, y, z, A_i = identity (`ALE` on the aligned mesh).
+    pub reference_directions: bool,
+    /// Elements of a ring that travels with its mesh (`RCM`, `ANCF`); 0 stands for the paper's 160 degrees of freedom,
+    /// 32 and 40. The stations of the cells carry the ring, which sags in between where its elements can follow: more
+    /// elements, or a coarser mesh than the default, let it swing as the stations pass.
+    pub ring_elements: i32,
+    /// Pulley distance, belt length, wedge angle.
+    pub geometry: Geometry,
+    /// The steel elements.
+    pub belt: Belt,
+    /// The two ring sets, as one beam.
+    pub ring: Ring,
+    /// Friction coefficients and their regularisation.
+    pub friction: Friction,
+    /// Element flank on sheave.
+    pub contact: Contact,
+    /// Primary pulley (driver, at (d_A, 0)).
+    pub primary: PulleyParameters,
+    /// Secondary pulley (driven, at the origin).
+    pub secondary: PulleyParameters,
+    /// Discretisation along the belt.
+    pub mesh: Mesh,
+    /// Time integration.
+    pub solver: Solver,
+    /// The state the run starts from.
+    pub initial: Initial,
+}
+
+/// Geometry of the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    /// Distance of the pulley axes d_A, m.
+    pub center_distance: f64,
+    /// Length L of the unstretched ring centre line, m.
+    pub belt_length: f64,
+    /// Half wedge angle β of the sheaves, rad.
+    pub wedge_angle: f64,
+    /// Axial offset at ratio 1 of the primary pulley's belt plane from the secondary's, along z, where the movable
+    /// primary sheave stands, m. Felt by a ring in space.
+    pub pulley_offset: f64,
+}
+
+/// One pulley.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PulleyParameters {
+    /// What drives the shaft.
+    pub drive: Drive,
+    /// What holds the movable sheave.
+    pub axial: Axial,
+    /// Moment of inertia J of the pulley and what is rigidly connected to it, kg·m².
+    pub inertia: f64,
+    /// Mass m_z of the movable sheave, kg.
+    pub sheave_mass: f64,
+    /// Viscous damping d_z of the sheave's axial motion, N·s/m.
+    pub sheave_damping: f64,
+    /// Tilt stiffness k_tilt of one sheave, N·m/rad; from [`RIGID_TILT_STIFFNESS`] on it is rigid.
+    pub tilt_stiffness: f64,
+    /// Relaxation time of the tilt, s.
+    pub tilt_time: f64,
+    /// Pitch radius at the opening stop, m.
+    pub min_radius: f64,
+    /// Pitch radius at the closing stop, m.
+    pub max_radius: f64,
+}
+
+/// Elements along the belt: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary
+/// arc).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Whether element borders lie on the arc borders and move with them. If not, as many elements stand evenly spaced
+    /// at fixed ξ, as the paper's do, and arc borders move through them (`ALE0`, `ALE`).
+    pub aligned: bool,
+    /// Ring elements on the primary arc.
+    pub primary_arc: i32,
+    /// Ring elements on the secondary arc; even, since ξ = 0 divides it in two.
+    pub secondary_arc: i32,
+    /// Ring elements on each strand.
+    pub strand: i32,
+    /// Chain cells in each ring element; in `ALE0`, whose ring has no elements of its own, it is one.
+    pub cells_per_element: i32,
+}
+
+impl Mesh {
+    /// Every element divided by `factor`.
+    #[must_use]
+    pub fn refined(&self, factor: i32) -> Self {
+        Self {
+            aligned: self.aligned,
+            primary_arc: factor * self.primary_arc,
+            secondary_arc: factor * self.secondary_arc,
+            strand: factor * self.strand,
+            cells_per_element: self.cells_per_element,
+        }
+    }
+}
+
+/// Time integration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solver {
+    /// Relative tolerance of the error control.
+    pub tolerance: f64,
+    /// Longest internal step, s.
+    pub max_step: f64,
+}
+
+/// Start of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Initial {
+    /// Geometric ratio i_g = r_S/r_P at the start.
+    pub ratio: f64,
+    /// Speed ω_P of the primary pulley at the start, rad/s. 0 is a standstill, negative runs in reverse.
+    pub primary_speed: f64,
+    /// Start from the steady state at this ratio and speed.
+    pub steady: bool,
+    /// With `steady`: solve for the ratio too, from the two clamping forces.
+    pub equilibrium: bool,
+}
+
+impl PulleyParameters {
+    /// Whether the sheaves count as rigid.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        self.tilt_stiffness >= RIGID_TILT_STIFFNESS
+    }
+}
+
+impl Parameters {
+    /// Parameters of a pulley.
+    #[must_use]
+    pub fn pulley(&self, pulley: Pulley) -> &PulleyParameters {
+        match pulley {
+            Pulley::Secondary => &self.secondary,
+            Pulley::Primary => &self.primary,
+        }
+    }
+
+    /// Number of elements of the ring, if it travels with its mesh.
+    #[must_use]
+    pub fn travelling_elements(&self) -> Option<usize> {
+        let usual = match self.ring_model {
+            RingModel::Ale0 | RingModel::Ale => return None,
+            RingModel::Rcm => 32,
+            RingModel::Ancf => 40,
+        };
+        Some(
+            usize::try_from(self.ring_elements)
+                .ok()
+                .filter(|&n| n > 0)
+                .unwrap_or(usual),
+        )
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        let pulley = PulleyParameters {
+            drive: Drive::Torque,
+            axial: Axial::Force,
+            inertia: 0.03,
+            sheave_mass: 2.0,
+            sheave_damping: 3.0e4,
+            tilt_stiffness: 7.0e5,
+            tilt_time: 2.0e-3,
+            min_radius: 0.030,
+            max_radius: 0.082,
+        };
+        Self {
+            ring_model: RingModel::Ale,
+            spatial: false,
+            reference_directions: false,
+            ring_elements: 0,
+            geometry: Geometry {
+                center_distance: 0.168,
+                belt_length: 0.703,
+                wedge_angle: 11.0_f64.to_radians(),
+                pulley_offset: 0.0,
+            },
+            belt: Belt {
+                pitch_offset: 1.0e-3,
+                play: 4.0e-4,
+                mass_per_length: 1.33,
+                push_stiffness: 1.0e7,
+                damping: 5.0e-6,
+                contact_strain: 1.0e-4,
+            },
+            ring: Ring {
+                mass_per_length: 0.24,
+                axial_stiffness: 5.57e6,
+                bending_stiffness: 0.0159,
+                lateral_bending_stiffness: 37.6,
+                damping: 2.0e-5,
+            },
+            friction: Friction {
+                pulley: 0.09,
+                ring: 0.05,
+                velocity: 5.0e-4,
+            },
+            contact: Contact {
+                stiffness: 5.0e9,
+                damping: 1.0e-6,
+            },
+            primary: pulley.clone(),
+            secondary: pulley,
+            mesh: Mesh {
+                aligned: true,
+                primary_arc: 16,
+                secondary_arc: 16,
+                strand: 10,
+                cells_per_element: 2,
+            },
+            solver: Solver {
+                tolerance: 1.0e-4,
+                max_step: 1.0e-2,
+            },
+            initial: Initial {
+                ratio: 1.0,
+                primary_speed: 209.44,
+                steady: true,
+                equilibrium: false,
+            },
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! What goes into a variator at every communication step, and what comes out.
+
+use crate::pulley::Pulley;
+
+/// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
+pub const PROFILE_POINTS: usize = 72;
+
+/// Inputs of one pulley.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PulleyInputs {
+    /// External shaft torque, positive in the direction of positive speed, N·m.
+    pub torque: f64,
+    /// Closing force on the movable sheave, ≥ 0, N.
+    pub clamping_force: f64,
+    /// Speed set point, used in speed drive only, rad/s.
+    pub speed_setpoint: f64,
+}
+
+/// Inputs of the variator: held over a communication step, or in proportion to time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inputs {
+    /// Primary pulley.
+    pub primary: PulleyInputs,
+    /// Secondary pulley.
+    pub secondary: PulleyInputs,
+}
+
+impl Inputs {
+    /// No load at all; as rates: nothing changes.
+    pub const ZERO: Self = {
+        let none = PulleyInputs {
+            torque: 0.0,
+            clamping_force: 0.0,
+            speed_setpoint: 0.0,
+        };
+        Self {
+            primary: none,
+            secondary: none,
+        }
+    };
+
+    /// Inputs of a pulley.
+    #[must_use]
+    pub fn pulley(&self, pulley: Pulley) -> &PulleyInputs {
+        match pulley {
+            Pulley::Secondary => &self.secondary,
+            Pulley::Primary => &self.primary,
+        }
+    }
+}
+
+impl Default for Inputs {
+    fn default() -> Self {
+        let pulley = |torque, clamping_force| PulleyInputs {
+            torque,
+            clamping_force,
+            speed_setpoint: 209.44,
+        };
+        Self {
+            primary: pulley(50.0, 13_000.0),
+            secondary: pulley(-49.0, 10_000.0),
+        }
+    }
+}
+
+/// Outputs of one pulley.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PulleyOutputs {
+    /// Angular speed ω, rad/s.
+    pub speed: f64,
+    /// Pressure-weighted mean pitch radius of the arc, m.
+    pub radius: f64,
+    /// Movable-sheave displacement, closing positive, 0 at ratio 1, m.
+    pub position: f64,
+    /// Axial belt force on one sheave, N.
+    pub axial_force: f64,
+    /// Torque of the belt on the pulley, N·m.
+    pub shaft_torque: f64,
+    /// External torque at the shaft: the input, or the reaction in speed drive, N·m.
+    pub external_torque: f64,
+    /// −shaft_torque·ω, power into the variator, W.
+    pub power: f64,
+    /// Spread of the running radius within the arc, m.
+    pub spiral: f64,
+}
+
+/// Losses, each from its own law, W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Losses<L = f64> {
+    /// Friction between element flanks and sheaves.
+    pub sheaves: L,
+    /// Friction between ring and elements.
+    pub ring: L,
+    /// Sheave damper, tilt relaxation, chain, structural and contact damping, end stops.
+    pub other: L,
+}
+
+impl Losses {
+    /// All losses, W.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.sheaves + self.ring + self.other
+    }
+}
+
+/// Fields along the belt at ξ_k = (k−1)L/[`PROFILE_POINTS`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Place ξ_k, m.
+    pub position: [f64; PROFILE_POINTS],
+    /// Push force Q between the elements, N.
+    pub push_force: [f64; PROFILE_POINTS],
+    /// Ring tension T, N.
+    pub ring_tension: [f64; PROFILE_POINTS],
+    /// Normal force per flank and length, N/m.
+    pub normal_force: [f64; PROFILE_POINTS],
+    /// Radius less the arc's mean radius; on strands the normal distance from the tangent line (outward positive), m.
+    pub radial_deviation: [f64; PROFILE_POINTS],
+    /// Tangential sliding speed of the flanks on the nearer pulley; 0 where there is no contact, m/s.
+    pub sliding_speed: [f64; PROFILE_POINTS],
+    /// Deflection w along z from the middle between the two belt planes, m; 0 of a planar ring.
+    pub lateral_deflection: [f64; PROFILE_POINTS],
+}
+
+impl Default for Profile {
+    fn default() -> Self {
+        let zero = [0.0; PROFILE_POINTS];
+        Self {
+            position: zero,
+            push_force: zero,
+            ring_tension: zero,
+            normal_force: zero,
+            radial_deviation: zero,
+            sliding_speed: zero,
+            lateral_deflection: zero,
+        }
+    }
+}
+
+/// What a run started from. The numbers are those of the FMU.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StartState {
+    /// The unloaded kinematic state that was asked for: `initial.steady` is false, or the primary pulley stands still.
+    #[default]
+    Unloaded = 1,
+    /// The steady state that was asked for; with `initial.equilibrium` the ratio too, or an end stop.
+    Steady = 2,
+    /// A steady state at part of the torques: the belt doesn't carry them.
+    ReducedTorque = 3,
+    /// A steady state at `initial.ratio`: the equilibrium of the clamping forces was not found.
+    NoEquilibrium = 4,
+    /// The unloaded kinematic state: no steady state was found.
+    NotFound = 5,
+}
+
+impl StartState {
+    /// The item of a number.
+    #[must_use]
+    pub fn from_number(number: i32) -> Option<Self> {
+        [
+            Self::Unloaded,
+            Self::Steady,
+            Self::ReducedTorque,
+            Self::NoEquilibrium,
+            Self::NotFound,
+        ]
+        .into_iter()
+        .find(|item| *item as i32 == number)
+    }
+}
+
+/// Everything a variator tells about its present state. No entry depends on the present inputs
+/// (a torque drive's `external_torque` aside, which is the input as held over the last step).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outputs {
+    /// Primary pulley.
+    pub primary: PulleyOutputs,
+    /// Secondary pulley.
+    pub secondary: PulleyOutputs,
+    /// Axial belt force primary / secondary; 0 where the secondary force is below 1 N, at most 100.
+    pub thrust_ratio: f64,
+    /// Mean pitch-line speed of the elements, m/s.
+    pub belt_speed: f64,
+    /// Drift rate ṡ of the ring, m/s.
+    pub ring_speed: f64,
+    /// ω_P/ω_S, 0 at standstill.
+    pub ratio_speed: f64,
+    /// r_S/r_P of the pressure-weighted radii.
+    pub ratio_geometric: f64,
+    /// Θ, the ratio coordinate of the reference curve.
+    pub reference_theta: f64,
+    /// 1 − (ω_S/ω_P)·ratio_geometric; 0 near standstill, clamped to ±2.
+    pub slip: f64,
+    /// Losses.
+    pub losses: Losses,
+    /// Driven power / driving power, 0 where no power flows.
+    pub efficiency: f64,
+    /// abs(belt torque on P) cosβ/(2 μ F_S r_P), at most 10.
+    pub torque_utilisation: f64,
+    /// All loaded cells of a pulley slide one way.
+    pub macro_slip: bool,
+    /// Largest push force, N.
+    pub push_force_max: f64,
+    /// Largest ring tension, N.
+    pub ring_tension_max: f64,
+    /// Smallest ring tension, N.
+    pub ring_tension_min: f64,
+    /// Middle of the primary pulley less that of the secondary along z, m.
+    pub misalignment: f64,
+    /// Largest lateral deflection from the middle between the two belt planes, either way, m; 0 of a planar ring.
+    pub lateral_max: f64,
+    /// Mean inclination w' of the strands from S to P, rad; 0 of a planar ring.
+    pub skew: f64,
+    /// Stored energy, J.
+    pub stored_energy: f64,
+    /// Energy balance since the start: supplied − lost − stored, J.
+    pub energy_residual: f64,
+    /// What the run started from.
+    pub start_state: StartState,
+}
+
+/// All that a variator tells.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Readings {
+    /// Outputs.
+    pub outputs: Outputs,
+    /// Fields along the belt.
+    pub profile: Profile,
+}
+
+/// Readings without a profile.
+impl From<Outputs> for Readings {
+    fn from(outputs: Outputs) -> Self {
+        Self {
+            outputs,
+            profile: Profile::default(),
+        }
+    }
+}

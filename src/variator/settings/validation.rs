@@ -1,0 +1,405 @@
+//! Ranges of parameters and inputs, and the one error that says which value left its range.
+//!
+//! Two kinds of rule: each value has a range of its own, which [`range_of`] also tells the outside; and values must fit
+//! each other (the belt around the pulleys, the stops, the wedge above the friction angle). The ranges only shut out
+//! what can't be meant, so they are wide: a limit case of theory is a legal variator.
+
+use crate::reference_curve::{ReferenceCurve, TwoPulley, ratio_of_theta};
+use crate::variator::settings::parameters::{Parameters, PulleyParameters, RingModel};
+use crate::variator::settings::signals::{Inputs, PulleyInputs};
+use std::f64::consts::PI;
+
+/// Factor by which an initial ratio may lie beyond an end stop: a loaded belt rests there, and a run may go on from it.
+const BEYOND_STOP: f64 = 1.06;
+
+/// A value out of its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{variable} = {value} is out of range: {range}")]
+pub struct ParameterError {
+    /// Name of the variable in the interface, e.g. `geometry.wedgeAngle`.
+    pub variable: &'static str,
+    /// The value found.
+    pub value: Value,
+    /// The allowed range in words.
+    pub range: String,
+}
+
+impl ParameterError {
+    fn new(variable: &'static str, value: f64, range: String) -> Self {
+        let value = Value::Number(value);
+        Self { variable, value, range }
+    }
+
+    fn of_flag(variable: &'static str, value: bool, range: &str) -> Self {
+        Self {
+            variable,
+            value: Value::Flag(value),
+            range: range.to_string(),
+        }
+    }
+}
+
+/// A value that is out of range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// Of a real, integer or enumeration.
+    Number(f64),
+    /// Of a Boolean.
+    Flag(bool),
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(value) => value.fmt(f),
+            Self::Flag(value) => value.fmt(f),
+        }
+    }
+}
+
+/// A value of `T` that has a range: its names (one, or one for each pulley), where it is, smallest and largest value.
+struct Limit<T, const NAMES: usize> {
+    names: [&'static str; NAMES],
+    get: fn(&T) -> f64,
+    min: f64,
+    max: f64,
+}
+
+impl<T, const NAMES: usize> Limit<T, NAMES> {
+    fn check(&self, name: usize, of: &T) -> Result<(), ParameterError> {
+        let value = (self.get)(of);
+        if value.is_finite() && value >= self.min && value <= self.max {
+            return Ok(());
+        }
+        let range = if self.max == f64::INFINITY {
+            format!("a finite number, at least {}", self.min)
+        } else {
+            format!("{} to {}", self.min, self.max)
+        };
+        Err(ParameterError::new(self.names[name], value, range))
+    }
+
+    fn range(&self, name: &str) -> Option<(f64, f64)> {
+        self.names.contains(&name).then_some((self.min, self.max))
+    }
+}
+
+macro_rules! limit {
+    ($name:literal, $($field:ident).+, $min:literal, $max:expr) => {
+        Limit { names: [$name], get: |of| of.$($field).+.into(), min: $min, max: $max }
+    };
+}
+
+macro_rules! pulley_limit {
+    ($name:literal, $field:ident, $min:literal, $max:expr) => {
+        Limit {
+            names: [concat!("primary.", $name), concat!("secondary.", $name)],
+            get: |of| of.$field,
+            min: $min,
+            max: $max,
+        }
+    };
+}
+
+/// In the units of the interface.
+const PARAMETERS: &[Limit<Parameters, 1>] = &[
+    limit!("geometry.centerDistance", geometry.center_distance, 1e-2, 10.0),
+    limit!("geometry.beltLength", geometry.belt_length, 2e-2, 100.0),
+    limit!("geometry.wedgeAngle", geometry.wedge_angle, 1e-2, 0.785),
+    limit!("geometry.pulleyOffset", geometry.pulley_offset, -0.1, 0.1),
+    limit!("belt.pitchOffset", belt.pitch_offset, 0.0, 0.1),
+    limit!("belt.play", belt.play, 0.0, 10.0),
+    limit!("belt.massPerLength", belt.mass_per_length, 1e-3, 1e3),
+    limit!("belt.pushStiffness", belt.push_stiffness, 1e3, 1e13),
+    limit!("belt.contactStrain", belt.contact_strain, 1e-7, 1e-2),
+    limit!("belt.damping", belt.damping, 0.0, 1e-2),
+    limit!("ring.massPerLength", ring.mass_per_length, 1e-3, 1e3),
+    limit!("ring.axialStiffness", ring.axial_stiffness, 1e3, 1e13),
+    limit!("ring.bendingStiffness", ring.bending_stiffness, 1e-6, 1e6),
+    limit!(
+        "ring.lateralBendingStiffness",
+        ring.lateral_bending_stiffness,
+        1e-6,
+        1e9
+    ),
+    limit!("ring.damping", ring.damping, 0.0, 1e-2),
+    limit!("friction.pulley", friction.pulley, 0.0, 1.0),
+    limit!("friction.ring", friction.ring, 0.0, 1.0),
+    limit!("friction.velocity", friction.velocity, 1e-6, 0.1),
+    limit!("contact.stiffness", contact.stiffness, 1e6, 1e15),
+    limit!("contact.damping", contact.damping, 0.0, 1e-2),
+    limit!("mesh.primaryArc", mesh.primary_arc, 2.0, 200.0),
+    limit!("mesh.secondaryArc", mesh.secondary_arc, 2.0, 200.0),
+    limit!("mesh.strand", mesh.strand, 1.0, 200.0),
+    limit!("mesh.cellsPerElement", mesh.cells_per_element, 1.0, 16.0),
+    limit!("ring.elements", ring_elements, 0.0, 400.0),
+    limit!("solver.tolerance", solver.tolerance, 1e-10, 1e-1),
+    limit!("solver.maxStep", solver.max_step, 1e-6, 10.0),
+    limit!("initial.ratio", initial.ratio, 1e-2, 100.0),
+    limit!("initial.primarySpeed", initial.primary_speed, -1e4, 1e4),
+];
+
+const PULLEY: &[Limit<PulleyParameters, 2>] = &[
+    pulley_limit!("inertia", inertia, 1e-6, 1e6),
+    pulley_limit!("sheaveMass", sheave_mass, 1e-3, 1e6),
+    pulley_limit!("sheaveDamping", sheave_damping, 0.0, 1e9),
+    pulley_limit!("tiltStiffness", tilt_stiffness, 1e3, f64::INFINITY),
+    pulley_limit!("tiltTime", tilt_time, 1e-6, 10.0),
+    pulley_limit!("minRadius", min_radius, 1e-3, 10.0),
+    pulley_limit!("maxRadius", max_radius, 1e-3, 10.0),
+];
+
+const INPUTS: &[Limit<PulleyInputs, 2>] = &[
+    pulley_limit!("torque", torque, -1e6, 1e6),
+    pulley_limit!("clampingForce", clamping_force, 0.0, 1e7),
+    pulley_limit!("speedSetpoint", speed_setpoint, -1e4, 1e4),
+];
+
+/// Smallest and largest value of a real or integer parameter or input, by its name in the interface; infinity where
+/// every finite number will do.
+#[must_use]
+pub fn range_of(name: &str) -> Option<(f64, f64)> {
+    let parameter = PARAMETERS.iter().find_map(|limit| limit.range(name));
+    let pulley = || PULLEY.iter().find_map(|limit| limit.range(name));
+    let input = || INPUTS.iter().find_map(|limit| limit.range(name));
+    parameter.or_else(pulley).or_else(input)
+}
+
+impl Parameters {
+    /// Checks every parameter against its range, and all against each other.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        for limit in PARAMETERS {
+            limit.check(0, self)?;
+        }
+        for limit in PULLEY {
+            limit.check(0, &self.primary)?;
+            limit.check(1, &self.secondary)?;
+        }
+        self.validate_wedge()?;
+        self.validate_mesh()?;
+        self.validate_ring()?;
+        self.validate_belt()?;
+        self.validate_stops()
+    }
+
+    /// Checks the two coefficients that may change in a run.
+    ///
+    /// # Errors
+    /// The one that is out of its range.
+    pub fn validate_friction(&self) -> Result<(), ParameterError> {
+        let tunable = |limit: &&Limit<_, 1>| matches!(limit.names[0], "friction.pulley" | "friction.ring");
+        for limit in PARAMETERS.iter().filter(tunable) {
+            limit.check(0, self)?;
+        }
+        self.validate_wedge().map_err(|_| {
+            let highest = self.geometry.wedge_angle.tan();
+            let range = format!("below {highest}, the tangent of geometry.wedgeAngle; from there on the sheaves jam");
+            ParameterError::new("friction.pulley", self.friction.pulley, range)
+        })
+    }
+
+    /// Below the friction angle a sheave clamps the elements and never lets go.
+    fn validate_wedge(&self) -> Result<(), ParameterError> {
+        let wedge_angle = self.geometry.wedge_angle;
+        let friction = self.friction.pulley;
+        let friction_angle = friction.atan();
+        if wedge_angle > friction_angle {
+            return Ok(());
+        }
+        Err(ParameterError::new(
+            "geometry.wedgeAngle",
+            wedge_angle,
+            format!(
+                "above {friction_angle}, the friction angle of friction.pulley = {friction}; below it the sheaves jam"
+            ),
+        ))
+    }
+
+    fn validate_mesh(&self) -> Result<(), ParameterError> {
+        let elements = self.mesh.secondary_arc;
+        if elements % 2 != 0 {
+            return Err(ParameterError::new(
+                "mesh.secondaryArc",
+                elements.into(),
+                "an even number, since ξ = 0 divides this arc in two".to_string(),
+            ));
+        }
+        if !self.mesh.aligned && self.ring_model.travels() {
+            return Err(ParameterError::of_flag(
+                "mesh.aligned",
+                false,
+                "true, unless ring.model is ALE0 or ALE",
+            ));
+        }
+        Ok(())
+    }
+
+    /// An element that travels must not turn by a radian on the smallest arc. Only the Eulerian ring deflects in space.
+    fn validate_ring(&self) -> Result<(), ParameterError> {
+        const FEWEST: i32 = 16;
+        if self.spatial && self.ring_model != RingModel::Ale {
+            return Err(ParameterError::of_flag(
+                "ring.spatial",
+                true,
+                "false, unless ring.model is ALE",
+            ));
+        }
+        if self.reference_directions && (self.ring_model != RingModel::Ale || !self.mesh.aligned) {
+            return Err(ParameterError::of_flag(
+                "ring.referenceDirections",
+                true,
+                "false, unless ring.model is ALE and mesh.aligned is true",
+            ));
+        }
+        if self.ring_elements == 0 || self.ring_elements >= FEWEST {
+            return Ok(());
+        }
+        Err(ParameterError::new(
+            "ring.elements",
+            self.ring_elements.into(),
+            format!("0 for the ring model's usual number, or at least {FEWEST}"),
+        ))
+    }
+
+    /// At ratio 1 the belt must reach around both pulleys, and the pulleys must not touch.
+    fn validate_belt(&self) -> Result<(), ParameterError> {
+        let distance = self.geometry.center_distance;
+        let length = self.geometry.belt_length;
+        let offset = self.belt.pitch_offset;
+        let shortest = 2.0 * distance + 2.0 * PI * offset;
+        let longest = (2.0 + PI) * distance;
+        if length <= shortest || length >= longest {
+            return Err(ParameterError::new(
+                "geometry.beltLength",
+                length,
+                format!(
+                    "between {shortest} and {longest}, so that at ratio 1 the belt reaches around both pulleys and \
+                     these do not touch (geometry.centerDistance = {distance}, belt.pitchOffset = {offset})"
+                ),
+            ));
+        }
+        let most = 0.1 * (length - 2.0 * PI * offset);
+        if self.belt.play > most {
+            return Err(ParameterError::new(
+                "belt.play",
+                self.belt.play,
+                format!("0 to {most}, a tenth of the belt"),
+            ));
+        }
+        Ok(())
+    }
+
+    /// The stops leave a range of ratios, and the initial ratio lies in it.
+    fn validate_stops(&self) -> Result<(), ParameterError> {
+        for (pulley, min, max) in [
+            (&self.primary, "primary.minRadius", "primary.maxRadius"),
+            (&self.secondary, "secondary.minRadius", "secondary.maxRadius"),
+        ] {
+            if pulley.min_radius >= pulley.max_radius {
+                return Err(ParameterError::new(
+                    min,
+                    pulley.min_radius,
+                    format!("below {max} = {}", pulley.max_radius),
+                ));
+            }
+        }
+        self.validate_quarters()?;
+        let ratio = self.initial.ratio;
+        let (lowest, highest) = self.ratio_range();
+        if lowest < highest && (lowest / BEYOND_STOP..=highest * BEYOND_STOP).contains(&ratio) {
+            return Ok(());
+        }
+        let range = if lowest < highest {
+            format!("{lowest:.6} to {highest:.6}, where the sheaves reach their stops")
+        } else {
+            "none, since no belt of this length fits between the stops".to_string()
+        };
+        Err(ParameterError::new("initial.ratio", ratio, range))
+    }
+
+    /// Ratios at which the unloaded belt meets the end stops, the lowest and the highest.
+    #[must_use]
+    pub fn ratio_range(&self) -> (f64, f64) {
+        (
+            boundary(|ratio| !self.not_too_low(ratio)),
+            boundary(|ratio| self.not_too_high(ratio)),
+        )
+    }
+
+    /// Cells of a mesh that stands still know their pulley if no arc reaches a quarter of the belt.
+    fn validate_quarters(&self) -> Result<(), ParameterError> {
+        if self.mesh.aligned {
+            return Ok(());
+        }
+        let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
+        let extremes: [f64; 2] = self.ratio_range().into();
+        let arc = |ratio: f64| {
+            let frame = curve.frame(ratio_of_theta(ratio));
+            let length = |segment| TwoPulley::segment_length::<f64>(&frame, segment).v;
+            (2.0 * length(0)).max(length(2))
+        };
+        let longest = extremes.into_iter().map(arc).fold(0.0, f64::max);
+        if longest < 0.5 * self.geometry.belt_length {
+            return Ok(());
+        }
+        Err(ParameterError::of_flag(
+            "mesh.aligned",
+            false,
+            "true, since at an end stop an arc is longer than half the belt",
+        ))
+    }
+
+    /// Pitch radii (primary, secondary) at a ratio, m.
+    fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
+        let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
+        let (primary, secondary) = curve.radii(ratio).ok()?;
+        let offset = self.belt.pitch_offset;
+        Some((primary - offset, secondary - offset))
+    }
+
+    /// Whether the stops allow ratios down to this one.
+    fn not_too_low(&self, ratio: f64) -> bool {
+        // A ratio at which no belt closes is an extreme one.
+        self.pitch_radii(ratio).map_or(ratio > 1.0, |(primary, secondary)| {
+            primary <= self.primary.max_radius && secondary >= self.secondary.min_radius
+        })
+    }
+
+    /// Whether the stops allow ratios up to this one.
+    fn not_too_high(&self, ratio: f64) -> bool {
+        self.pitch_radii(ratio).map_or(ratio < 1.0, |(primary, secondary)| {
+            primary >= self.primary.min_radius && secondary <= self.secondary.max_radius
+        })
+    }
+}
+
+/// The ratio up to which `below` holds, by bisection of its logarithm.
+fn boundary(below: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.01_f64.ln(), 100.0_f64.ln());
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if below(middle.exp()) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (0.5 * (low + high)).exp()
+}
+
+impl Inputs {
+    /// Checks every input against its range.
+    ///
+    /// # Errors
+    /// The first input that is out of its range.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        for limit in INPUTS {
+            limit.check(0, &self.primary)?;
+            limit.check(1, &self.secondary)?;
+        }
+        Ok(())
+    }
+}

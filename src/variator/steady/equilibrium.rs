@@ -1,0 +1,160 @@
+//! The ratio at which the clamping forces balance.
+
+use crate::pulley::Pulley;
+use crate::solver::continuation::{Settled, Settling, settle};
+use crate::solver::newton::Newton;
+use crate::solver::{State, View};
+use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
+use crate::variator::steady::solve::{self, LAST_STEP, SHARP_WAY, SteadyTask, cold, geometric_ratio, leaps};
+use crate::variator::system::VariatorSystem;
+
+/// Force that an end stop carries where a sheave rests against it, N.
+const STOP_FORCE: f64 = 10.0;
+
+/// First pseudo-time step of sheaves that are let go, s.
+const STOP_STEP: f64 = 1.0e-4;
+
+/// Stages in which the force comes in there, one attempt after the other.
+const STOP_STAGES: [u32; 2] = [1, 8];
+
+/// Relative force error of an equilibrium.
+const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
+
+const EQUILIBRIUM_ITERATIONS: usize = 150;
+
+/// Most Newton solves for one state on the way.
+const EQUILIBRIUM_SOLVES: usize = 200;
+
+/// Largest change of ln(ratio) between two states on the way: solved for anew, which takes as long from near as from
+/// far; from the last one; in small changes, for which friction stays sharp. Each where the one before finds no state.
+const COLD_RATIO_STEP: f64 = 0.5;
+
+const LARGEST_RATIO_STEP: f64 = 0.05;
+
+const SMALL_RATIO_STEP: f64 = 0.8 * SHARP_WAY;
+
+/// Lets go of the sheaves near an end stop: under the task's clamping forces they come to rest against it. A force far
+/// from what holds the sheave comes in by stages.
+fn rest_at_stop(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+) -> Result<Settled, Settled> {
+    let settings = Settling {
+        time: 0.0,
+        first_step: STOP_STEP,
+        last_step: LAST_STEP,
+        max_solves: EQUILIBRIUM_SOLVES,
+    };
+    let holding = solve::reaction(system, state.view(), task.reaction).max(1.0);
+    let before = state.clone();
+    let mut outcome = Err(Settled::default());
+    for stages in STOP_STAGES {
+        state.clone_from(&before);
+        outcome = (1..=stages).try_fold(Settled::default(), |_, stage| {
+            let mut clamping = task.clamping;
+            let force = &mut clamping[task.reaction];
+            *force = holding * (*force / holding).powf(f64::from(stage) / f64::from(stages));
+            system.loads = Loads::constant(Boundary {
+                sheave: clamping.map(SheaveMode::Force),
+                shaft: task.shaft,
+            });
+            settle(system, newton, state, &settings, |system, trial| {
+                (!leaps(&system.belt, trial)).then_some(LAST_STEP)
+            })
+        });
+        if outcome.is_ok() {
+            break;
+        }
+    }
+    outcome
+}
+
+/// Where the clamping forces balance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equilibrium {
+    /// r_S/r_P of the pressure-weighted radii.
+    pub ratio: f64,
+    /// Whether a sheave rests against its end stop.
+    pub at_stop: bool,
+}
+
+impl Equilibrium {
+    fn at(system: &VariatorSystem, view: View<'_>) -> Self {
+        let carries = |pulley| system.pulleys.holding_force(pulley, view, 0.0).abs();
+        Self {
+            ratio: geometric_ratio(system, view),
+            at_stop: carries(Pulley::Secondary).max(carries(Pulley::Primary)) > STOP_FORCE,
+        }
+    }
+}
+
+/// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
+/// secant method on ln(force/reaction) over ln(ratio), each state solved for anew or, where it is near, from the last. At
+/// the ends of `range`, where the sheaves are near their stops, they are let go.
+///
+/// # Errors
+/// What was reached, when a state on the way could not be found, or the forces don't balance in the end.
+pub fn solve_equilibrium(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+    range: (f64, f64),
+) -> Result<Equilibrium, Settled> {
+    let reaction = task.reaction;
+    let wanted = task.clamping[reaction].max(1.0);
+    let defect = |system: &VariatorSystem, state: &State| {
+        (wanted / solve::reaction(system, state.view(), reaction).max(1.0)).ln()
+    };
+    let (lowest, highest) = (range.0.ln(), range.1.ln());
+    let mut x = task.ratio.ln();
+    let mut f = defect(system, state);
+    // More force on P lowers the ratio; ln i_F falls by about 0.5 per unit of ln i.
+    let mut slope = if reaction == Pulley::Primary { 0.5 } else { -0.5 };
+    let (mut longest, mut shorter) = (COLD_RATIO_STEP, [LARGEST_RATIO_STEP, SMALL_RATIO_STEP].into_iter());
+    let mut near = state.clone();
+    let mut last = Settled::default();
+    for _ in 0..EQUILIBRIUM_ITERATIONS {
+        if f.abs() < EQUILIBRIUM_TOLERANCE {
+            return Ok(Equilibrium::at(system, state.view()));
+        }
+        let wanted = x - (f / slope).clamp(-longest, longest);
+        let next = wanted.clamp(lowest, highest);
+        if next != wanted && (next - x).abs() < 1.0e-9 {
+            rest_at_stop(system, newton, state, task)?;
+            return Ok(Equilibrium::at(system, state.view()));
+        }
+        let there = SteadyTask {
+            ratio: next.exp(),
+            warm: (next - x).abs() <= LARGEST_RATIO_STEP,
+            ..*task
+        };
+        if !there.warm {
+            let mut speeds = system.belt.shaft_speeds(state.view());
+            if task.shaft.secondary != ShaftMode::Fixed {
+                speeds.secondary = speeds.primary / there.ratio;
+            }
+            if let Ok(found) = cold(&system.belt, &there, speeds) {
+                *state = found;
+            }
+        }
+        match solve::solve(system, newton, state, &there, EQUILIBRIUM_SOLVES) {
+            Ok(report) => last = report,
+            Err(report) => {
+                longest = shorter.next().ok_or(report)?;
+                state.clone_from(&near);
+                continue;
+            }
+        }
+        near.clone_from(state);
+        let reached = defect(system, state);
+        let secant = (reached - f) / (next - x);
+        if secant * slope > 0.0 {
+            slope = secant;
+        }
+        (x, f) = (next, reached);
+    }
+    Err(last)
+}

@@ -1,0 +1,271 @@
+//! Steady states, solved for directly: the Eulerian view has them as fixed points.
+//!
+//! Pseudo-transient continuation from the kinematic state. The ratio is held by a stiff spring on Θ whose force is
+//! moved to the reaction after each step, and its set point until the pressure-weighted radii have the wanted quotient.
+//! A cold solution goes by way of a coarse mesh ([`refine`](crate::variator::steady::refine)).
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::reference_curve::{GeometryError, ratio_of_theta};
+use crate::solver::continuation::{Settled, Settling, Trial, settle};
+use crate::solver::newton::Newton;
+use crate::solver::{State, View};
+use crate::variator::belt::Belt;
+use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
+use crate::variator::settings::parameters::Parameters;
+use crate::variator::steady::refine::{coarser, prolong};
+use crate::variator::steady::start::{Start, kinematic_state};
+use crate::variator::survey::survey::Survey;
+use crate::variator::system::VariatorSystem;
+
+/// A steady state to find.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteadyTask {
+    /// i_g of the pressure-weighted radii.
+    pub ratio: f64,
+    /// The pulley whose clamping force follows from the ratio.
+    pub reaction: Pulley,
+    /// Clamping forces, N; the reaction's entry is a first guess.
+    pub clamping: PerPulley<f64>,
+    /// What drives the shafts.
+    pub shaft: PerPulley<ShaftMode>,
+    /// First guess of the slip.
+    pub slip: f64,
+    /// The state at hand is a steady one near by: no grip to wait for.
+    pub warm: bool,
+}
+
+/// Largest relative change of a speed, and change of Θ, in one pseudo-time step: beyond lies another branch (a pulley
+/// that slips for ever).
+const LARGEST_SPEED_CHANGE: f64 = 0.02;
+const LARGEST_THETA_CHANGE: f64 = 0.02;
+
+/// Time from which the state counts as steady, s: a belt revolution takes 0.05 s, ratio changes some seconds.
+pub(super) const LAST_STEP: f64 = 200.0;
+
+/// Friction velocity that the solution starts with, m/s: stick and slip are then one smooth law, and the start-up does
+/// not chatter between them. It is sharpened to the true one on the way.
+const SOFT_VELOCITY: f64 = 0.05;
+/// From a neighbouring state no further off in ln(ratio) than this, sharp friction is tried first, for so many Newton
+/// solves.
+pub(super) const SHARP_WAY: f64 = 0.01;
+const SHARP_SOLVES: usize = 30;
+/// Factor of each sharpening.
+const SHARPENING: f64 = 0.4;
+/// Factor on the inertia of a pulley whose speed is solved for.
+const PSEUDO_INERTIA: f64 = 40.0;
+/// Pseudo-time step at which sharpening begins, and which it keeps, s.
+const SOFT_STEP: f64 = 5.0e-3;
+
+/// First pseudo-time step from a kinematic and from a steady state, s.
+const COLD_STEP: f64 = 1.0e-6;
+const WARM_STEP: f64 = 1.0e-2;
+/// Times in which the reaction force and the set point of Θ are corrected, s.
+const FORCE_TIME: f64 = 0.02;
+const RATIO_TIME: f64 = 0.2;
+
+/// Finds the steady state from `state`, in place.
+///
+/// # Errors
+/// What was reached, when there is no steady state near by; `state` is then the last one solved.
+pub fn solve(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+    max_solves: usize,
+) -> Result<Settled, Settled> {
+    let sharp = system.parameters.friction.velocity;
+    let soft = sharp.max(SOFT_VELOCITY);
+    let way = (task.ratio / geometric_ratio(system, state.view())).ln().abs();
+    if task.warm && way < SHARP_WAY {
+        let near = state.clone();
+        if let Ok(settled) = solve_from(system, newton, state, task, SHARP_SOLVES.min(max_solves), sharp) {
+            return Ok(settled);
+        }
+        *state = near;
+    }
+    if let (false, Some(parameters)) = (task.warm, coarser(&system.parameters)) {
+        let mut nearby = state.clone();
+        if start_on_coarse_mesh(system, newton, &mut nearby, &parameters, task, max_solves) {
+            let task = SteadyTask { warm: true, ..*task };
+            if let Ok(settled) = solve(system, newton, &mut nearby, &task, max_solves) {
+                *state = nearby;
+                return Ok(settled);
+            }
+        }
+    }
+    solve_from(system, newton, state, task, max_solves, soft)
+}
+
+/// The kinematic state at a task's ratio with shafts at `speeds`, rad/s.
+pub(super) fn cold(belt: &Belt, task: &SteadyTask, speeds: PerPulley<f64>) -> Result<State, GeometryError> {
+    let start = Start {
+        ratio: task.ratio,
+        primary_speed: speeds.primary,
+        clamping: task.clamping,
+    };
+    let mut state = kinematic_state(belt, &start)?;
+    for pulley in Pulley::BOTH {
+        state.y[belt.layout.shaft_speed(pulley)] = speeds[pulley];
+    }
+    Ok(state)
+}
+
+/// Moves a kinematic state near the steady one, as a mesh with fewer elements knows it; says whether there is one.
+fn start_on_coarse_mesh(
+    system: &VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    parameters: &Parameters,
+    task: &SteadyTask,
+    max_solves: usize,
+) -> bool {
+    let mut coarse = VariatorSystem::new(parameters);
+    let speeds = system.belt.shaft_speeds(state.view());
+    let Ok(mut found) = cold(&coarse.belt, task, speeds) else {
+        return false;
+    };
+    let mut coarse_newton = Newton::new(&coarse);
+    let outcome = solve(&mut coarse, &mut coarse_newton, &mut found, task, max_solves);
+    newton.counts += coarse_newton.counts;
+    if outcome.is_ok() {
+        prolong(&coarse, &found, system, state);
+    }
+    outcome.is_ok()
+}
+
+/// [`solve`] with friction that is as soft as `velocity` at first, m/s.
+fn solve_from(
+    system: &mut VariatorSystem,
+    newton: &mut Newton,
+    state: &mut State,
+    task: &SteadyTask,
+    max_solves: usize,
+    velocity: f64,
+) -> Result<Settled, Settled> {
+    let mut control = Control::new(system, state, task);
+    system.loads = Loads::constant(control.boundary());
+    let settings = Settling {
+        time: 0.0,
+        first_step: if task.warm { WARM_STEP } else { COLD_STEP },
+        last_step: LAST_STEP,
+        max_solves,
+    };
+    system.friction_velocity = velocity;
+    system.pulleys.inertia_factor = PSEUDO_INERTIA;
+    let outcome = settle(system, newton, state, &settings, |system, trial| {
+        control.correct(system, trial)
+    });
+    system.friction_velocity = system.parameters.friction.velocity;
+    system.pulleys.inertia_factor = 1.0;
+    outcome
+}
+
+/// What is moved on the way to a steady state: the reaction, the set point of Θ, the grip of the shafts, the softness
+/// of friction.
+struct Control<'a> {
+    task: &'a SteadyTask,
+    /// Clamping forces, N; the reaction's follows the force that holds the sheave.
+    clamping: PerPulley<f64>,
+    /// Set point of Θ.
+    theta: f64,
+    /// Until the belt grips, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to the
+    /// branch where a pulley slips for ever.
+    gripping: bool,
+    /// The friction velocity to end with, m/s.
+    sharp: f64,
+}
+
+impl<'a> Control<'a> {
+    /// At the state to start from, which gets the first guess of the slip where a shaft's speed is solved for.
+    fn new(system: &VariatorSystem, state: &mut State, task: &'a SteadyTask) -> Self {
+        let mut clamping = task.clamping;
+        if task.warm {
+            clamping[task.reaction] = reaction(system, state.view(), task.reaction);
+        }
+        let free = Pulley::BOTH
+            .into_iter()
+            .find(|&pulley| task.shaft[pulley] != ShaftMode::Fixed);
+        if let (Some(pulley), false) = (free, task.warm) {
+            let sign = if pulley == Pulley::Secondary { 1.0 } else { -1.0 };
+            state.y[system.belt.layout.shaft_speed(pulley)] *= 1.0 - task.slip * sign;
+        }
+        Self {
+            task,
+            clamping,
+            theta: system.belt.theta(state.view()),
+            gripping: free.is_none() || task.warm,
+            sharp: system.parameters.friction.velocity,
+        }
+    }
+
+    fn boundary(&self) -> Boundary {
+        let reaction = self.task.reaction;
+        let mut sheave = self.clamping.map(SheaveMode::Force);
+        sheave[reaction] = SheaveMode::Ratio {
+            theta: self.theta,
+            force: self.clamping[reaction],
+        };
+        Boundary {
+            sheave,
+            shaft: if self.gripping {
+                self.task.shaft
+            } else {
+                Boundary::HELD.shaft
+            },
+        }
+    }
+
+    /// Corrects the system after a solved step. Returns how long the next one may be; none refuses the step.
+    fn correct(&mut self, system: &mut VariatorSystem, trial: &Trial<'_>) -> Option<f64> {
+        if leaps(&system.belt, trial) {
+            return None;
+        }
+        // Slower than the belt settles, or the two integrators would swing up against it.
+        let gain = |time: f64| (trial.step / time).min(1.0);
+        let reaction = self.task.reaction;
+        let sums = Survey::of(system, trial.after).sums;
+        let holding = system
+            .pulleys
+            .holding_force(reaction, trial.after, sums.axial[reaction]);
+        self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
+        let present = sums.geometric_ratio(&system.belt, trial.after);
+        self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
+        let soft = trial.step >= SOFT_STEP;
+        let was_gripping = self.gripping;
+        self.gripping |= soft;
+        system.loads = Loads::constant(self.boundary());
+        let velocity = &mut system.friction_velocity;
+        if *velocity <= self.sharp {
+            return Some(LAST_STEP);
+        }
+        if soft && was_gripping {
+            *velocity = (*velocity * SHARPENING).max(self.sharp);
+        }
+        Some(SOFT_STEP)
+    }
+}
+
+/// Whether a pseudo-time step changes speeds or Θ by more than leads to the same branch.
+pub(super) fn leaps(belt: &Belt, trial: &Trial<'_>) -> bool {
+    let fast = |pulley: Pulley| {
+        let i = belt.layout.shaft_speed(pulley);
+        let (before, after) = (trial.before.y[i], trial.after.y[i]);
+        (after - before).abs() > LARGEST_SPEED_CHANGE * before.abs() + 0.1
+    };
+    let theta = belt.layout.theta();
+    Pulley::BOTH.into_iter().any(fast) || (trial.after.q[theta] - trial.before.q[theta]).abs() > LARGEST_THETA_CHANGE
+}
+
+/// Clamping force on a pulley that would hold its sheave where it is, N.
+#[must_use]
+pub fn reaction(system: &VariatorSystem, view: View<'_>, pulley: Pulley) -> f64 {
+    let axial = Survey::of(system, view).sums.axial[pulley];
+    system.pulleys.holding_force(pulley, view, axial)
+}
+
+/// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.
+#[must_use]
+pub fn geometric_ratio(system: &VariatorSystem, view: View<'_>) -> f64 {
+    Survey::of(system, view).sums.geometric_ratio(&system.belt, view)
+}

@@ -1,0 +1,109 @@
+//! The kinematic state that runs and steady solutions start from: belt on the reference curve, no stretch, no push
+//! force, penetrations that balance the clamping forces. A start with the closed form of a belt whose arcs transmit
+//! evenly (strand forces, uniform stretch, push force) was tried: it needs as many Newton iterations.
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::reference_curve::{GeometryError, ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
+use crate::solver::State;
+use crate::variator::belt::Belt;
+use crate::variator::mesh::belt_mesh::{Cell, Station};
+use std::f64::consts::TAU;
+
+/// What the start state is built for.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// Geometric ratio.
+    pub ratio: f64,
+    /// ω_P, rad/s.
+    pub primary_speed: f64,
+    /// Clamping forces, N.
+    pub clamping: PerPulley<f64>,
+}
+
+/// The kinematic state.
+///
+/// # Errors
+/// The belt does not close at this ratio.
+pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryError> {
+    let layout = &belt.layout;
+    let mut state = State::zero(layout.len());
+    let law = &belt.law;
+    let e = law.chain.pitch_offset;
+    let (reference_ratio, radii) = radii_at_pitch_ratio(&belt.curve, e, start.ratio)?;
+    let theta = ratio_of_theta(reference_ratio);
+    let frame = belt.curve.frame::<f64>(theta);
+    let [_, cos_beta, tan_beta] = law.wedge;
+    let pitch = PerPulley {
+        secondary: radii.1 - e,
+        primary: radii.0 - e,
+    };
+    let wrap = PerPulley {
+        secondary: 2.0 * frame.phi.v,
+        primary: TAU - 2.0 * frame.phi.v,
+    };
+    let speed = start.primary_speed * pitch.primary;
+    state.q[layout.theta()] = theta;
+    state.y[layout.drift()] = speed * radii.0 / pitch.primary;
+    for j in Pulley::BOTH {
+        let depth = start.clamping[j] / (law.contact.stiffness * cos_beta * cos_beta * pitch[j] * wrap[j]);
+        state.q[layout.sheave(j)] = 2.0 * ((pitch[j] - law.r0) * tan_beta + depth);
+        state.y[layout.shaft_speed(j)] = speed / pitch[j];
+    }
+    let length = belt.curve.length() - TAU * e;
+    let density = 1.0 - law.chain.play / length;
+    for (i, cell) in belt.mesh.cells.iter().enumerate() {
+        let ring = belt.element_length(&frame, cell.element) / layout.cells_per_element as f64;
+        state.y[layout.amount(i)] = density * ring * (1.0 - e * mean_curvature(belt, &frame, cell));
+        state.y[layout.belt_speed(i)] = speed;
+    }
+    if layout.is_spatial() {
+        lead_across(belt, &frame, &mut state);
+    }
+    Ok(state)
+}
+
+/// Leads the ring in space from one pulley's plane to the other's: across a strand along a cubic that leaves and arrives in
+/// the planes.
+fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
+    let layout = &belt.layout;
+    let middle = belt.middles(state.view());
+    let rise = middle.primary - middle.secondary;
+    for node in 0..layout.elements {
+        let (segment, x) = belt.mesh.start(&belt.curve, frame, node);
+        let (w, slope) = match segment {
+            1 | 3 => {
+                let share = if segment == 1 { x } else { 1.0 - x };
+                let length = TwoPulley::segment_length::<f64>(frame, segment).v;
+                let sign = if segment == 1 { 1.0 } else { -1.0 };
+                (
+                    middle.secondary + rise * share * share * (3.0 - 2.0 * share),
+                    sign * rise * 6.0 * share * (1.0 - share) / length,
+                )
+            }
+            2 => (middle.primary, 0.0),
+            _ => (middle.secondary, 0.0),
+        };
+        state.q[layout.node(node, 4)] = w;
+        state.q[layout.node(node, 5)] = slope;
+    }
+}
+
+/// Mean reference curvature of a cell as its stations see it, 1/m.
+fn mean_curvature(belt: &Belt, frame: &TwoPulleyFrame<f64>, cell: &Cell) -> f64 {
+    let of = |station: &Station| belt.reference_point(frame, cell.element, station.fraction).kappa;
+    let first = of(&cell.stations[0]);
+    let weight: f64 = cell.stations.iter().map(|station| station.weight).sum();
+    let others = cell.stations.iter().map(|s| s.weight * (of(s) - first));
+    first + others.sum::<f64>() / weight
+}
+
+/// Reference ratio and radii (r_P, r_S) at which the pitch radii have the quotient `ratio`.
+fn radii_at_pitch_ratio(curve: &TwoPulley, e: f64, ratio: f64) -> Result<(f64, (f64, f64)), GeometryError> {
+    let mut reference = ratio;
+    let mut radii = curve.radii(reference)?;
+    for _ in 0..30 {
+        reference *= ratio * (radii.0 - e) / (radii.1 - e);
+        radii = curve.radii(reference)?;
+    }
+    Ok((reference, radii))
+}

@@ -1,0 +1,192 @@
+//! What time integration needs beyond the residual: which errors matter, and the energy books.
+
+use crate::pulley::Pulley;
+use crate::solver::arrow::{Arrow, Shape};
+use crate::solver::sdirk::{Evolution, Interval};
+use crate::solver::{System, View};
+use crate::variator::pulleys::loads::{Boundary, ShaftMode};
+use crate::variator::survey::survey::{BeltSums, Survey};
+use crate::variator::system::VariatorSystem;
+
+/// Energies since the start, J, and what the last accepted step showed.
+#[derive(Clone, Debug, Default)]
+pub struct Ledger {
+    /// Supplied from outside.
+    pub supplied: f64,
+    /// Lost.
+    pub lost: f64,
+    /// ∫ of the sum of absolute powers over shafts and sheaves: the scale of the balance.
+    pub moved: f64,
+    /// The belt at the end of the last step.
+    pub last: Survey,
+}
+
+/// Part of its elements by which a ring that travels moves on in a step. Twice as much takes more work: Newton's method
+/// then needs twice the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
+const PASSING: f64 = 1.0 / 180.0;
+
+/// A system that runs, with its energy books.
+#[derive(Debug)]
+pub struct Running<'a> {
+    /// The equations.
+    pub system: &'a mut VariatorSystem,
+    /// The books.
+    pub ledger: &'a mut Ledger,
+}
+
+impl System for Running<'_> {
+    fn shape(&self) -> Shape {
+        self.system.shape()
+    }
+
+    fn has_position(&self) -> &[bool] {
+        self.system.has_position()
+    }
+
+    fn residual(&mut self, time: f64, view: View<'_>, out: &mut [f64]) {
+        self.system.residual(time, view, out);
+    }
+
+    fn jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.system.jacobian(time, view, alpha, beta, out);
+    }
+
+    fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.system.renew_jacobian(time, view, alpha, beta, out);
+    }
+
+    fn newton_scale(&self, beta: f64, out: &mut [f64]) {
+        self.system.newton_scale(beta, out);
+    }
+}
+
+impl Evolution for Running<'_> {
+    /// Errors that users see: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm), speeds (10 rad/s and a tenth of
+    /// the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring positions (10 mm: tension, radial
+    /// deviation). Each relative to its own working range, the last three as a mean over the belt.
+    fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
+        let belt = &*self.system.belt;
+        let layout = &belt.layout;
+        let tolerance = self.system.parameters.solver.tolerance;
+        let mut norm = (q_error[layout.theta()] / (0.01 * tolerance)).abs();
+        for pulley in Pulley::BOTH {
+            let (z, omega) = (layout.sheave(pulley), layout.shaft_speed(pulley));
+            norm = norm
+                .max((q_error[z] / (1.0e-3 * tolerance)).abs())
+                .max((y_error[omega] / (tolerance * (10.0 + 0.1 * view.y[omega].abs()))).abs());
+        }
+        // Sharper near standstill, where there is little energy to be wrong about.
+        let speed = view.y[layout.belt_speed(0)].abs();
+        let running = speed / (1.0 + speed);
+        let speed_scale = tolerance * (2.0 + speed + 8.0 * running);
+        let place_scale = 1.0e-2 * tolerance * (0.2 + 0.8 * running);
+        let mut local = 0.0;
+        for at in &belt.cells_at {
+            let speed = y_error[at.speed] / speed_scale;
+            let amount = y_error[at.amount] / (5.0e-3 * tolerance);
+            local += speed * speed + amount * amount;
+        }
+        layout.for_each_ring_length(|i| {
+            let x = q_error[i] / place_scale;
+            local += x * x;
+        });
+        let norm = norm.max((local / layout.len() as f64).sqrt());
+        if norm.is_finite() { norm } else { f64::MAX }
+    }
+
+    /// Under a ring that travels the contact changes with every bit of an element that passes.
+    fn longest_step(&self, view: View<'_>) -> f64 {
+        let layout = &self.system.belt.layout;
+        let drift = view.y[layout.drift()].abs();
+        let way = layout.travelling().map_or(f64::INFINITY, |t| PASSING * t.length);
+        way / drift
+    }
+
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
+        let Interval { end, length: h } = interval;
+        let loads = self.system.loads;
+        let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| loads.at(time));
+        let first = Powers::of(self.system, &at_start, before, &self.ledger.last.sums);
+        self.ledger.last.update(self.system, after);
+        let second = Powers::of(self.system, &at_end, after, &self.ledger.last.sums);
+        let forces = [&at_start, &in_middle, &at_end].map(Boundary::clamping_forces);
+        let half = 0.5 * h;
+        let mut lost = half * (first.lost + second.lost);
+        let mut supplied = half * (first.supplied + second.supplied);
+        let mut moved = half * (first.moved + second.moved);
+        for pulley in Pulley::BOTH {
+            let of_sheave = self.sheave_work(pulley, before, after, h, forces.map(|force| force[pulley]));
+            supplied += of_sheave.work;
+            moved += of_sheave.work.abs();
+            lost += of_sheave.damped;
+            // A shaft follows its set point in less than a step. What accelerates the pulley's own inertia is known.
+            if let ShaftMode::Setpoint(_) = at_end.shaft[pulley] {
+                let omega = self.system.belt.layout.shaft_speed(pulley);
+                let change = after.y[omega].powi(2) - before.y[omega].powi(2);
+                supplied += 0.5 * self.system.pulleys.parameters(pulley).inertia * change;
+            }
+        }
+        let ledger = &mut self.ledger;
+        ledger.supplied += supplied;
+        ledger.lost += lost;
+        ledger.moved += moved;
+    }
+}
+
+/// Work of a clamping force in a step, and what its damper takes beyond the trapezoidal rule, J.
+struct SheaveWork {
+    work: f64,
+    damped: f64,
+}
+
+impl Running<'_> {
+    /// A sheave's step response is shorter than a step, so its force's work and its damper's loss take Simpson's rule,
+    /// with ż in the middle from the way: under a constant force the work is exact. `forces` are those at the start, in
+    /// the middle and at the end.
+    fn sheave_work(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64, forces: [f64; 3]) -> SheaveWork {
+        let z = self.system.belt.layout.sheave(pulley);
+        let simpson = |[first, middle, last]: [f64; 3]| h / 6.0 * (first + 4.0 * middle + last);
+        let (start, end) = (before.y[z], after.y[z]);
+        let middle = 1.5 * (after.q[z] - before.q[z]) / h - 0.25 * (start + end);
+        let square = simpson([start * start, middle * middle, end * end]);
+        let damping = self.system.pulleys.parameters(pulley).sheave_damping;
+        SheaveWork {
+            work: simpson([forces[0] * start, forces[1] * middle, forces[2] * end]),
+            damped: damping * (square - 0.5 * h * (start * start + end * end)),
+        }
+    }
+}
+
+/// Powers of a state, W; those of the clamping forces aside, and what accelerates a pulley in speed drive.
+struct Powers {
+    supplied: f64,
+    lost: f64,
+    moved: f64,
+}
+
+impl Powers {
+    /// From the belt's sums at the same state, under these boundary conditions.
+    fn of(system: &VariatorSystem, boundary: &Boundary, view: View<'_>, sums: &BeltSums) -> Self {
+        let speeds = system.belt.shaft_speeds(view);
+        let mut moved = 0.0;
+        for pulley in Pulley::BOTH {
+            moved += (sums.torque[pulley] * speeds[pulley]).abs();
+        }
+        Self {
+            supplied: system.pulleys.shaft_power(boundary, view, sums.torque),
+            lost: sums.losses.total() + system.pulleys.losses(view),
+            moved,
+        }
+    }
+}
+
+impl Ledger {
+    /// The books, opened at a state.
+    #[must_use]
+    pub fn open(system: &VariatorSystem, view: View<'_>) -> Self {
+        Self {
+            last: Survey::of(system, view),
+            ..Self::default()
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! From state to outputs.
+
+use crate::contact::full_slip_torque;
+use crate::pulley::{PerPulley, Pulley};
+use crate::reference_curve::ReferenceCurve;
+use crate::solver::View;
+use crate::variator::belt::Belt;
+use crate::variator::cell::sample::Sample;
+use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
+use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, StartState};
+use crate::variator::survey::survey::{BeltSums, NO_FORCE, Sliding, Survey};
+use crate::variator::system::VariatorSystem;
+
+use Pulley::{Primary, Secondary};
+
+/// Rim speed below which slip means nothing, m/s.
+const NO_SPEED: f64 = 1.0e-3;
+/// Shaft power below which an efficiency means nothing, W.
+const NO_POWER: f64 = 1.0e-3;
+
+/// Mean ring tension of an element.
+#[derive(Clone, Copy, Debug, Default)]
+struct ElementTension {
+    /// Middle of the element, m.
+    xi: f64,
+    /// Mean tension, N.
+    tension: f64,
+    length: f64,
+}
+
+/// Memory that observing reuses.
+#[derive(Clone, Debug, Default)]
+pub struct Observer {
+    tensions: Vec<ElementTension>,
+    /// ξ of the stations, m.
+    stations: Vec<f64>,
+}
+
+/// What outputs need beside the state.
+#[derive(Clone, Copy, Debug)]
+pub struct Context {
+    /// External torques as held over the last step, N·m.
+    pub external_torque: PerPulley<f64>,
+    /// Macro-slip flag with its hysteresis.
+    pub macro_slip: bool,
+    /// Energies supplied and lost since the start, J.
+    pub supplied: f64,
+    /// See `supplied`.
+    pub lost: f64,
+    /// Stored energy at the start, J.
+    pub initial_energy: f64,
+    /// What the run started from.
+    pub start_state: StartState,
+}
+
+impl Observer {
+    /// Fills `out` from the state and the survey of the belt there.
+    pub fn observe(
+        &mut self,
+        system: &VariatorSystem,
+        view: View<'_>,
+        survey: &Survey,
+        context: &Context,
+        out: &mut Outputs,
+    ) {
+        let sums = &survey.sums;
+        let belt = &*system.belt;
+        let radii = sums.mean_radii(belt, view);
+        let layout = &belt.layout;
+        let omega = belt.shaft_speeds(view);
+        out.primary = pulley(belt, view, Primary, survey, radii.primary, context);
+        out.secondary = pulley(belt, view, Secondary, survey, radii.secondary, context);
+        out.thrust_ratio = if sums.axial.secondary.abs() < NO_FORCE {
+            0.0
+        } else {
+            (sums.axial.primary / sums.axial.secondary).clamp(-100.0, 100.0)
+        };
+        out.belt_speed = sums.carried / sums.pitch_length;
+        out.ring_speed = view.y[layout.drift()];
+        out.ratio_speed = if omega.secondary.abs() * radii.secondary < NO_SPEED {
+            0.0
+        } else {
+            omega.primary / omega.secondary
+        };
+        out.ratio_geometric = radii.secondary / radii.primary;
+        out.reference_theta = view.q[layout.theta()];
+        out.slip = if omega.primary.abs() * radii.primary < NO_SPEED {
+            0.0
+        } else {
+            (1.0 - omega.secondary / omega.primary * out.ratio_geometric).clamp(-2.0, 2.0)
+        };
+        out.losses = Losses {
+            other: sums.losses.other + system.pulleys.losses(view),
+            ..sums.losses
+        };
+        let (driving, driven) = if out.primary.power >= out.secondary.power {
+            (out.primary.power, -out.secondary.power)
+        } else {
+            (out.secondary.power, -out.primary.power)
+        };
+        out.efficiency = if driving < NO_POWER {
+            0.0
+        } else {
+            // No −0 where the driven shaft stands.
+            (driven / driving).clamp(0.0, 1.0) + 0.0
+        };
+        out.torque_utilisation = if sums.axial.secondary < NO_FORCE {
+            0.0
+        } else {
+            let friction = &system.parameters.friction;
+            let capacity = full_slip_torque(friction, belt.law.wedge[1], sums.axial.secondary, radii.primary);
+            if capacity > 0.0 {
+                (sums.torque.primary.abs() / capacity).min(10.0)
+            } else {
+                10.0
+            }
+        };
+        out.macro_slip = context.macro_slip;
+        out.push_force_max = sums.push_force;
+        self.mean_tensions(&belt.mesh, survey);
+        let tensions = || self.tensions.iter().map(|e| e.tension);
+        out.ring_tension_max = tensions().fold(f64::NEG_INFINITY, f64::max);
+        out.ring_tension_min = tensions().fold(f64::INFINITY, f64::min);
+        lateral(belt, view, survey, out);
+        out.stored_energy = survey.belt_energy(belt) + system.pulleys.energy(view);
+        out.start_state = context.start_state;
+        out.energy_residual = context.supplied - context.lost - (out.stored_energy - context.initial_energy);
+    }
+
+    /// The tension of a cubic element swings about its mean wherever the curvature changes fast; the mean is what the
+    /// balance along the ring determines.
+    fn mean_tensions(&mut self, mesh: &BeltMesh, survey: &Survey) {
+        self.tensions.clear();
+        self.tensions.resize(mesh.elements.len(), ElementTension::default());
+        survey.stations(mesh).for_each(|(cell, sample)| {
+            let mean = &mut self.tensions[cell.element];
+            mean.xi += sample.xi * sample.weight;
+            mean.tension += sample.tension * sample.weight;
+            mean.length += sample.weight;
+        });
+        for mean in &mut self.tensions {
+            mean.xi /= mean.length;
+            mean.tension /= mean.length;
+        }
+    }
+
+    /// Fills fields along the belt: linear between stations, around the loop.
+    pub fn profile(&mut self, belt: &Belt, view: View<'_>, survey: &Survey, profile: &mut Profile) {
+        let mesh = &belt.mesh;
+        let radii = survey.sums.mean_radii(belt, view);
+        self.mean_tensions(mesh, survey);
+        self.stations.clear();
+        let stations = survey.stations(mesh).map(|(_, sample)| sample.xi);
+        self.stations.extend(stations);
+        let length = belt.curve.length();
+        let middles = belt.middles(view);
+        let plane = 0.5 * (middles.secondary + middles.primary);
+        let deviation = |cell: &Cell, sample: &Sample| {
+            if sample.on_arc() {
+                sample.pitch_radius - radii[cell.pulley]
+            } else {
+                sample.outward
+            }
+        };
+        let sliding = |sample: &Sample| if sample.normal > 100.0 { sample.sliding } else { 0.0 };
+        let (mut station, mut element) = (0, 0);
+        for k in 0..PROFILE_POINTS {
+            let xi = k as f64 * length / PROFILE_POINTS as f64;
+            let (before, after, share) = bracket(&self.tensions, |e| e.xi, xi, length, &mut element);
+            let [before, after] = [before, after].map(|e| self.tensions[e].tension);
+            profile.position[k] = xi;
+            profile.ring_tension[k] = before * (1.0 - share) + after * share;
+            let (before, after, share) = bracket(&self.stations, |xi| *xi, xi, length, &mut station);
+            let [(of_a, a), (of_b, b)] = [before, after].map(|k| {
+                let cell = &mesh.cells[k / mesh.points];
+                (cell, survey.sample(mesh, cell, k % mesh.points))
+            });
+            let between = |a: f64, b: f64| a * (1.0 - share) + b * share;
+            profile.push_force[k] = between(a.push, b.push);
+            profile.normal_force[k] = between(a.normal, b.normal);
+            profile.sliding_speed[k] = between(sliding(&a), sliding(&b));
+            profile.radial_deviation[k] = between(deviation(of_a, &a), deviation(of_b, &b));
+            if belt.layout.is_spatial() {
+                profile.lateral_deflection[k] = between(a.lateral[0], b.lateral[0]) - plane;
+            }
+        }
+    }
+}
+
+/// How far the pulleys are off each other along z, and what a ring in space makes of it.
+fn lateral(belt: &Belt, view: View<'_>, survey: &Survey, out: &mut Outputs) {
+    let middles = belt.middles(view);
+    out.misalignment = middles.primary - middles.secondary;
+    if !belt.layout.is_spatial() {
+        return;
+    }
+    let plane = 0.5 * (middles.secondary + middles.primary);
+    let (mut largest, mut rise, mut length) = (0.0_f64, 0.0, 0.0);
+    let length_of_belt = belt.curve.length();
+    for (_, sample) in survey.stations(&belt.mesh) {
+        let [w, slope] = sample.lateral;
+        largest = largest.max((w - plane).abs());
+        if sample.on_arc() {
+            continue;
+        }
+        let towards_primary = if sample.xi < 0.5 * length_of_belt { 1.0 } else { -1.0 };
+        rise += towards_primary * slope * sample.weight;
+        length += sample.weight;
+    }
+    out.lateral_max = largest;
+    out.skew = rise / length;
+}
+
+/// Outputs of a pulley.
+fn pulley(belt: &Belt, view: View<'_>, j: Pulley, survey: &Survey, radius: f64, context: &Context) -> PulleyOutputs {
+    let speed = view.y[belt.layout.shaft_speed(j)];
+    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut widen = |radius: f64| range = (range.0.min(radius), range.1.max(radius));
+    // Faces too: the radius changes fastest at the arc borders, where the last station is not. On the aligned mesh the
+    // face after an arc is its end.
+    let mut left_arc = false;
+    for (_, sample) in survey.stations(&belt.mesh).filter(|(cell, _)| cell.pulley == j) {
+        if sample.on_arc() {
+            widen(sample.pitch_radius);
+        }
+        if sample.curvature[1] > 0.0 || left_arc {
+            widen(sample.face_radius);
+        }
+        left_arc = belt.mesh.aligned && sample.on_arc();
+    }
+    let torque = survey.sums.torque[j];
+    PulleyOutputs {
+        speed,
+        radius,
+        position: view.q[belt.layout.sheave(j)],
+        axial_force: survey.sums.axial[j],
+        shaft_torque: torque,
+        external_torque: context.external_torque[j],
+        power: -torque * speed,
+        spiral: range.1 - range.0,
+    }
+}
+
+/// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second.
+/// `right` is the place of the last answer: ask in ascending order.
+fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (usize, usize, f64) {
+    let n = list.len();
+    while *right < n && at(&list[*right]) < xi {
+        *right += 1;
+    }
+    let (a, b) = ((*right + n - 1) % n, *right % n);
+    let from = at(&list[a]) - if *right == 0 { length } else { 0.0 };
+    let to = at(&list[b]) + if *right == n { length } else { 0.0 };
+    (a, b, ((xi - from) / (to - from)).clamp(0.0, 1.0))
+}
+
+/// Macro-slip: all loaded stations of a pulley slide tangentially one way, faster than 10 v₀ + 0.02 |ω| r on average.
+/// Once set, it stays until the mean falls below half of that.
+#[must_use]
+pub fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, before: bool) -> bool {
+    let radii = sums.mean_radii(&system.belt, view);
+    let v0 = system.friction_velocity;
+    Pulley::BOTH.into_iter().any(|j| {
+        let Sliding {
+            load,
+            weighted,
+            forward,
+        } = sums.sliding[j];
+        if load < NO_FORCE {
+            return false;
+        }
+        let one_way = (forward / load).max(1.0 - forward / load);
+        let omega = view.y[system.belt.layout.shaft_speed(j)];
+        let limit = 10.0 * v0 + 0.02 * (omega * radii[j]).abs();
+        let mean = (weighted / load).abs();
+        if before {
+            one_way > 0.9 && mean > 0.5 * limit
+        } else {
+            one_way > 0.99 && mean > limit
+        }
+    })
+}

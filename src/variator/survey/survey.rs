@@ -1,0 +1,212 @@
+//! Power, losses and stored energy of a state: each loss from its own law, never as a remainder.
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::reference_curve::ReferenceCurve;
+use crate::scalar::Lanes;
+use crate::solver::View;
+use crate::variator::belt::Belt;
+use crate::variator::cell::sample::Sample;
+use crate::variator::mesh::belt_mesh::{BeltMesh, Cell, Group};
+use crate::variator::settings::signals::Losses;
+use crate::variator::system::VariatorSystem;
+use crate::{chain, contact};
+use num_traits::Zero;
+
+/// Axial force below which nothing presses: no thrust ratio, utilisation or steady state means anything, N.
+pub(crate) const NO_FORCE: f64 = 1.0;
+
+/// The belt at one state.
+#[derive(Clone, Debug, Default)]
+pub struct Survey {
+    /// Samples of the stations of each [`Group`] of cells.
+    samples: Vec<Sample<Lanes>>,
+    /// Sums over them.
+    pub sums: BeltSums,
+    /// Energy of a ring that counts it on elements of its own, J.
+    ring_energy: f64,
+}
+
+impl Survey {
+    /// The sample of a station of a cell.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample(&self, mesh: &BeltMesh, cell: &Cell, station: usize) -> Sample {
+        self.samples[cell.group * mesh.points + station].get(cell.lane)
+    }
+
+    /// Groups of cells, and the samples of their stations.
+    fn groups<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Group, &'a [Sample<Lanes>])> {
+        mesh.groups.iter().zip(self.samples.chunks_exact(mesh.points))
+    }
+
+    /// Cells and samples of all stations, in the order of ξ.
+    #[inline(always)]
+    pub fn stations<'a>(&'a self, mesh: &'a BeltMesh) -> impl Iterator<Item = (&'a Cell, Sample)> {
+        mesh.cells
+            .iter()
+            .flat_map(move |cell| (0..mesh.points).map(move |station| (cell, self.sample(mesh, cell, station))))
+    }
+}
+
+/// Sums over the belt at one state, or over the cells in each lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BeltSums<L = f64> {
+    /// Losses, W.
+    pub losses: Losses<L>,
+    /// Axial force on one sheave, N.
+    pub axial: PerPulley<L>,
+    /// Torque of the belt on the pulley, N·m.
+    pub torque: PerPulley<L>,
+    /// ∫ axial · ϱ, N·m.
+    pub axial_radius: PerPulley<L>,
+    /// Sliding weighted by normal force, and its share of either sign.
+    pub sliding: PerPulley<Sliding<L>>,
+    /// Smallest net strand force T − Q, N.
+    pub strand_force: L,
+    /// Largest push force, N.
+    pub push_force: L,
+    /// Length of the pitch line, m.
+    pub pitch_length: L,
+    /// ∫ V along it, m²/s.
+    pub carried: L,
+}
+
+/// How the loaded stations of a pulley slide.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sliding<L = f64> {
+    /// ∫ normal dξ, N.
+    pub load: L,
+    /// ∫ normal · v_t dξ, W.
+    pub weighted: L,
+    /// ∫ normal dξ where v_t > 0, N.
+    pub forward: L,
+}
+
+impl BeltSums<Lanes> {
+    /// Nothing yet.
+    fn empty() -> Self {
+        Self {
+            strand_force: f64::INFINITY.into(),
+            ..Self::default()
+        }
+    }
+
+    /// Adds a station of the cells of a group.
+    fn add(&mut self, group: &Group, s: &Sample<Lanes>) {
+        let in_use = group.in_use();
+        let weight = s.weight * in_use;
+        self.losses.sheaves += s.sheave_loss * weight;
+        self.losses.ring += s.ring_loss * weight;
+        self.losses.other += s.damping_loss * weight;
+        for j in Pulley::BOTH {
+            let weight = s.weight * group.on[j];
+            self.axial[j] += s.axial * weight;
+            self.torque[j] += s.torque * weight;
+            self.axial_radius[j] += s.axial * weight * s.pitch_radius;
+            let load = s.normal * weight;
+            let sliding = &mut self.sliding[j];
+            sliding.load += load;
+            sliding.weighted += load * s.sliding;
+            sliding.forward += s.sliding.if_positive(load, Lanes::zero());
+        }
+        let none = f64::INFINITY.into();
+        let strand = s.curvature[0].if_positive(none, s.tension - s.push);
+        self.strand_force = self.strand_force.min(in_use.if_positive(strand, none));
+        self.push_force = self.push_force.max(s.push);
+        let length = s.lambda * weight;
+        self.pitch_length += length;
+        self.carried += s.speed * length;
+    }
+
+    /// Over all lanes.
+    fn total(&self) -> BeltSums {
+        let Losses { sheaves, ring, other } = self.losses;
+        BeltSums {
+            losses: Losses {
+                sheaves: sheaves.sum(),
+                ring: ring.sum(),
+                other: other.sum(),
+            },
+            axial: self.axial.map(Lanes::sum),
+            torque: self.torque.map(Lanes::sum),
+            axial_radius: self.axial_radius.map(Lanes::sum),
+            sliding: self.sliding.map(|of| Sliding {
+                load: of.load.sum(),
+                weighted: of.weighted.sum(),
+                forward: of.forward.sum(),
+            }),
+            strand_force: self.strand_force.to_array().into_iter().fold(f64::INFINITY, f64::min),
+            push_force: self.push_force.to_array().into_iter().fold(0.0, f64::max),
+            pitch_length: self.pitch_length.sum(),
+            carried: self.carried.sum(),
+        }
+    }
+}
+
+impl Survey {
+    /// The belt at a state. Allocates.
+    #[must_use]
+    pub fn of(system: &VariatorSystem, view: View<'_>) -> Self {
+        let mut survey = Self::default();
+        survey.update(system, view);
+        survey
+    }
+
+    /// Surveys the belt at a state, in the memory of this survey.
+    pub fn update(&mut self, system: &VariatorSystem, view: View<'_>) {
+        system.sample(view, &mut self.samples);
+        let mut sums = BeltSums::empty();
+        for (group, samples) in self.groups(&system.belt.mesh) {
+            for sample in samples {
+                sums.add(group, sample);
+            }
+        }
+        self.sums = sums.total();
+        let (energy, loss) = system.ring_energy(view);
+        self.sums.losses.other += loss;
+        self.ring_energy = energy.total();
+    }
+
+    /// Energy of ring, stack and flanks, J.
+    #[must_use]
+    pub fn belt_energy(&self, belt: &Belt) -> f64 {
+        let law = &belt.law;
+        let mut sum = Lanes::zero();
+        for (group, samples) in self.groups(&belt.mesh) {
+            let stack = chain::energy_density(&law.chain, samples[0].density);
+            let flank = |penetration| contact::energy_density(&law.contact, law.wedge[1], penetration);
+            let in_use = group.in_use();
+            for s in samples {
+                let flanks = if belt.layout.is_spatial() {
+                    flank(s.penetration + s.offset) + flank(s.penetration - s.offset)
+                } else {
+                    flank(s.penetration) * 2.0
+                };
+                sum += (s.kinetic + s.ring_elastic + s.lambda * (stack + flanks)) * s.weight * in_use;
+            }
+        }
+        self.ring_energy + sum.sum()
+    }
+}
+
+impl BeltSums {
+    /// Pressure-weighted mean pitch radii, m; reference radius − e where nothing presses.
+    #[must_use]
+    pub fn mean_radii(&self, belt: &Belt, view: View<'_>) -> PerPulley<f64> {
+        PerPulley::from_fn(|pulley| {
+            if self.axial[pulley] > NO_FORCE {
+                self.axial_radius[pulley] / self.axial[pulley]
+            } else {
+                let frame = belt.curve.frame::<f64>(belt.theta(view));
+                frame.radius[pulley as usize].v - belt.law.chain.pitch_offset
+            }
+        })
+    }
+
+    /// r_S/r_P of the mean radii.
+    #[must_use]
+    pub fn geometric_ratio(&self, belt: &Belt, view: View<'_>) -> f64 {
+        let radii = self.mean_radii(belt, view);
+        radii.secondary / radii.primary
+    }
+}

@@ -1,0 +1,291 @@
+//! The assembled system: its Jacobian against differences and against itself, its symmetries.
+
+use super::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
+use super::settings::parameters::{Parameters, RingModel};
+use super::steady::start::{Start, kinematic_state};
+use super::system::VariatorSystem;
+use crate::noise::noise;
+use crate::pulley::PerPulley;
+use crate::solver::arrow::Arrow;
+use crate::solver::differences::compare;
+use crate::solver::{State, System};
+
+/// The loads do not depend on it.
+const TIME: f64 = 0.0;
+/// Clamping forces, N.
+const CLAMPING: PerPulley<f64> = PerPulley {
+    secondary: 1.0e4,
+    primary: 1.3e4,
+};
+
+/// A small variator with this ring, in the plane, on the aligned mesh.
+fn small(ring_model: RingModel) -> Parameters {
+    let mut parameters = Parameters {
+        ring_model,
+        ..Parameters::default()
+    };
+    parameters.geometry.pulley_offset = 5.0e-4;
+    (parameters.mesh.primary_arc, parameters.mesh.secondary_arc) = (4, 4);
+    parameters.mesh.strand = 3;
+    parameters
+}
+
+/// A variator at a state that slides, sticks, pushes and gaps.
+fn disturbed(parameters: &Parameters, speed: f64) -> (VariatorSystem, State) {
+    let travels = parameters.ring_model.travels();
+    let mut system = VariatorSystem::new(parameters);
+    system.loads = Loads::constant(Boundary {
+        sheave: CLAMPING.map(SheaveMode::Force),
+        shaft: PerPulley {
+            secondary: ShaftMode::Torque(-40.0),
+            primary: ShaftMode::Torque(50.0),
+        },
+    });
+    let start = Start {
+        ratio: 1.2,
+        primary_speed: speed,
+        clamping: CLAMPING,
+    };
+    let mut state = if travels {
+        let ale = Parameters {
+            ring_model: RingModel::Ale,
+            ..parameters.clone()
+        };
+        let ale = VariatorSystem::new(&ale);
+        system.state_on_ale(&ale, &kinematic_state(&ale.belt, &start).unwrap())
+    } else {
+        kinematic_state(&system.belt, &start).unwrap()
+    };
+    let mut random = noise(7);
+    let n = state.y.len();
+    let mut size = vec![0.0; n];
+    let beta = 1.0e-4;
+    system.newton_scale(beta, &mut size);
+    for (i, &size) in size.iter().enumerate() {
+        state.y[i] += 200.0 * size * random();
+        state.y_dot[i] = 2000.0 * size * random();
+        if system.has_position()[i] {
+            state.q[i] += 2000.0 * size * beta * random();
+        }
+    }
+    if travels {
+        state.q[system.belt.layout.drift()] += 0.0123;
+    }
+    (system, state)
+}
+
+/// The Jacobian against central differences.
+fn check_jacobian(parameters: &Parameters, speed: f64) {
+    check_jacobian_by(parameters, speed, 0.4);
+}
+
+/// The same with steps of this share of what does not matter.
+fn check_jacobian_by(parameters: &Parameters, speed: f64, step: f64) {
+    let (mut system, state) = disturbed(parameters, speed);
+    let (alpha, beta) = (1.0e4, 1.0e-4);
+    let mut size = vec![0.0; state.y.len()];
+    system.newton_scale(beta, &mut size);
+    // Strains of a ring that travels are differences of places: EA·ε of rounding in each force.
+    let mut coarse = vec![false; size.len()];
+    if parameters.ring_model.travels() {
+        system.belt.layout.for_each_ring_length(|i| coarse[i] = true);
+    }
+    let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
+    compare(&mut system, &state, [alpha, beta], h, |entry| {
+        let noise = 1e-15 * (entry.rounded + 1e3 / h(entry.column));
+        let allowed = 2e-4 * entry.exact.abs() + 2e-7 * entry.largest + 20.0 * noise;
+        assert!(
+            (entry.difference - entry.exact).abs() < allowed,
+            "{speed} rad/s, row {}: {entry:?}",
+            entry.row
+        );
+    });
+}
+
+/// The derivatives by hand are those that forward differentiation finds, to rounding.
+#[test]
+fn derivatives_by_hand_are_those_of_forward_differentiation() {
+    let of = |model: RingModel, spatial: bool, aligned: bool, tilt: f64| {
+        let mut parameters = small(model);
+        parameters.spatial = spatial;
+        parameters.mesh.aligned = aligned;
+        parameters.primary.tilt_stiffness = tilt;
+        for speed in [200.0, -200.0, 0.0] {
+            let (system, state) = disturbed(&parameters, speed);
+            let worst = system.worst_derivative(state.view(), 1.0e4);
+            assert!(worst < 1e-9, "{model:?}, in space {spatial}, {speed} rad/s: {worst:e}");
+        }
+    };
+    of(RingModel::Ale, false, true, 7e5);
+    of(RingModel::Ale, true, true, 7e5);
+    of(RingModel::Ale, false, false, 7e5);
+    of(RingModel::Ale0, false, true, 1e12);
+    of(RingModel::Ale0, false, false, 7e5);
+}
+
+/// Where nothing has changed derivatives are kept; a cell that begins to slip is differentiated again, with those
+/// that share its face; another step size asks for all of them.
+#[test]
+fn derivatives_are_kept_until_they_change() {
+    let (mut system, mut state) = disturbed(&small(RingModel::Ale), 200.0);
+    let shape = system.shape();
+    let renewed = |system: &mut VariatorSystem, state: &State, alpha: f64| {
+        let (before, mut matrix) = (system.differentiations(), Arrow::new(shape));
+        system.renew_jacobian(TIME, state.view(), alpha, 1.0 / alpha, &mut matrix);
+        (system.differentiations() - before, matrix)
+    };
+    let x = vec![1.0; shape.len()];
+    let product = |matrix: &Arrow| {
+        let mut product = vec![0.0; shape.len()];
+        matrix.multiply(&x, &mut product);
+        product
+    };
+    let packs = system.belt.mesh.groups.len() as u64;
+    let (all, first) = renewed(&mut system, &state, 1.0e4);
+    let (none, again) = renewed(&mut system, &state, 1.0e4);
+    assert_eq!((all, none), (packs, 0));
+    assert_eq!(product(&first), product(&again));
+    // In the middle of the primary arc, where the belt sticks.
+    let face = system.belt.layout.belt_speed(14);
+    state.y[face] += 0.5;
+    let (some, changed) = renewed(&mut system, &state, 1.0e4);
+    assert!((1..=2).contains(&some), "{some} of {packs}");
+    let mut exact = Arrow::new(shape);
+    system.jacobian(TIME, state.view(), 1.0e4, 1.0e-4, &mut exact);
+    assert_ne!(product(&first)[face], product(&changed)[face]);
+    assert_eq!(product(&exact)[face], product(&changed)[face]);
+    assert_eq!(renewed(&mut system, &state, 2.0e4).0, packs);
+}
+
+/// The nodes of a ring that travels are interchangeable: counted from another one, with s an element on, the
+/// residual is the same.
+#[test]
+fn a_travelling_ring_may_be_counted_from_any_node() {
+    for model in [RingModel::Rcm, RingModel::Ancf] {
+        let (mut system, state) = disturbed(&small(model), 200.0);
+        let (layout, n) = (system.belt.layout, state.y.len());
+        let travelling = *layout.travelling().expect("it travels");
+        // Where an unknown stands when the nodes are counted from the one before.
+        let counted_on = |i: usize| {
+            let first = layout.node(0, 0);
+            let nodes = first..first + travelling.nodes * travelling.block;
+            if nodes.contains(&i) {
+                first + (i - first + travelling.block) % nodes.len()
+            } else {
+                i
+            }
+        };
+        let mut other = state.clone();
+        for i in 0..n {
+            other.y[counted_on(i)] = state.y[i];
+            other.y_dot[counted_on(i)] = state.y_dot[i];
+            other.q[counted_on(i)] = state.q[i];
+        }
+        for _ in 0..travelling.nodes + 1 {
+            other.q[layout.drift()] -= travelling.length;
+        }
+        let mut residuals = [vec![0.0; n], vec![0.0; n]];
+        system.residual(TIME, state.view(), &mut residuals[0]);
+        system.residual(TIME, other.view(), &mut residuals[1]);
+        let largest = residuals[0].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        for i in 0..n {
+            let [one, two] = [residuals[0][i], residuals[1][counted_on(i)]];
+            assert!((one - two).abs() < 1e-9 * largest, "row {i}: {one} {two}, {largest}");
+        }
+    }
+}
+
+#[test]
+fn jacobians_of_rings_that_travel_match_differences() {
+    check_jacobian(&small(RingModel::Rcm), 200.0);
+    check_jacobian(&small(RingModel::Ancf), -200.0);
+}
+
+#[test]
+fn jacobian_of_ale_matches_differences() {
+    check_jacobian(&small(RingModel::Ale), 200.0);
+    check_jacobian(&small(RingModel::Ale), -200.0);
+}
+
+#[test]
+fn jacobian_on_evenly_spaced_elements_matches_differences() {
+    let even = |model, spatial| {
+        let mut parameters = small(model);
+        (parameters.mesh.aligned, parameters.spatial) = (false, spatial);
+        parameters
+    };
+    check_jacobian(&even(RingModel::Ale, false), 200.0);
+    check_jacobian(&even(RingModel::Ale, true), -200.0);
+    check_jacobian(&even(RingModel::Ale0, false), 200.0);
+}
+
+#[test]
+fn jacobian_in_directions_of_the_curve_matches_differences() {
+    for spatial in [false, true] {
+        let parameters = Parameters {
+            reference_directions: true,
+            spatial,
+            ..small(RingModel::Ale)
+        };
+        // Friction bends more sharply over a step of these coordinates.
+        check_jacobian_by(&parameters, if spatial { -200.0 } else { 200.0 }, 0.16);
+    }
+}
+
+#[test]
+fn jacobian_in_space_matches_differences() {
+    let spatial = Parameters {
+        spatial: true,
+        ..small(RingModel::Ale)
+    };
+    check_jacobian_by(&spatial, 200.0, 0.2);
+    check_jacobian_by(&spatial, -200.0, 0.2);
+}
+
+/// Space mirrored in the plane of the drive: sheaves on the other sides, w the other way, everything else alike.
+#[test]
+fn mirrored_in_the_plane() {
+    let mut parameters = Parameters {
+        spatial: true,
+        ..Parameters::default()
+    };
+    parameters.geometry.pulley_offset = 7.0e-4;
+    let mut system = VariatorSystem::new(&parameters);
+    let start = Start {
+        ratio: 1.6,
+        primary_speed: 200.0,
+        clamping: CLAMPING,
+    };
+    let mut state = kinematic_state(&system.belt, &start).unwrap();
+    let mut random = noise(3);
+    let mut size = vec![0.0; state.y.len()];
+    system.newton_scale(1.0e-4, &mut size);
+    for (i, &size) in size.iter().enumerate() {
+        state.y[i] += 200.0 * size * random();
+        state.q[i] += 0.1 * size * random();
+    }
+    let mut other = VariatorSystem::mirrored(&parameters);
+    let mut mirrored = state.clone();
+    let places: Vec<usize> = (0..system.belt.layout.elements)
+        .flat_map(|node| [4, 5].map(|k| system.belt.layout.node(node, k)))
+        .collect();
+    for &i in &places {
+        for values in [&mut mirrored.y, &mut mirrored.y_dot, &mut mirrored.q] {
+            values[i] = -values[i];
+        }
+    }
+    let (mut rows, mut reflected) = (vec![0.0; size.len()], vec![0.0; size.len()]);
+    system.residual(TIME, state.view(), &mut rows);
+    other.residual(TIME, mirrored.view(), &mut reflected);
+    for &i in &places {
+        reflected[i] = -reflected[i];
+    }
+    assert!(places.iter().any(|&i| rows[i].abs() > 1.0));
+    assert_eq!(rows, reflected);
+}
+
+#[test]
+fn jacobian_of_ale0_matches_differences() {
+    check_jacobian(&small(RingModel::Ale0), 200.0);
+    check_jacobian(&small(RingModel::Ale0), 0.0);
+}

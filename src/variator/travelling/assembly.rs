@@ -1,0 +1,518 @@
+//! Equations of a ring that travels with its mesh, under the cells.
+
+use crate::chain::{self, Transport};
+use crate::pulley::PerPulley;
+use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
+use crate::ring::beam;
+use crate::ring::kinematics::Motion;
+use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
+use crate::ring::model::{Coordinates, DIRECTIONS, Energy, NODAL, RingModel as _, Shape};
+use crate::scalar::{Lanes, Real, Tangent};
+use crate::solver::View;
+use crate::solver::arrow::Arrow;
+use crate::variator::assembly::equations::{Assembly, InForce};
+use crate::variator::assembly::packed::add_fluxes;
+use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::assembly::transports::Transports;
+use crate::variator::belt::Belt;
+use crate::variator::cell::balance::balance;
+use crate::variator::cell::place::{CellMotion, Place};
+use crate::variator::cell::sample::{NoProbe, Probe, Sample, Sampler};
+use crate::variator::mesh::belt_mesh::SLOTS;
+use crate::variator::mesh::layout::Layout;
+use crate::variator::mesh::order::Order;
+use crate::variator::travelling::passing::{
+    AMOUNT, CellOver, CellRows, DRIFT, GAUGE, MOST, Passing, RingAtSlot, THETA,
+};
+use std::ops::Mul;
+
+/// Directions differentiated in one pass over a cell.
+const PASS: usize = 4;
+type Slopes = Tangent<PASS, f64>;
+
+/// Tension of an element that carries its mean strain, N, and its slopes in the element's unknowns.
+#[derive(Clone, Copy, Debug, Default)]
+struct MeanTension {
+    value: f64,
+    slopes: [f64; NODAL],
+}
+
+/// Slopes of what the balance of the amounts needs of a cell, in the directions `at`.
+#[derive(Clone, Copy, Debug)]
+struct CellSlopes {
+    at: [usize; MOST],
+    count: usize,
+    transport: Transport<[f64; MOST]>,
+}
+
+impl Default for CellSlopes {
+    fn default() -> Self {
+        Self {
+            at: [0; MOST],
+            count: 0,
+            transport: Transport::default().map(|()| [0.0; MOST]),
+        }
+    }
+}
+
+/// Cells over a ring of elements `E` that travel.
+#[derive(Clone, Debug)]
+pub(crate) struct TravellingCells<E: LagrangianElement> {
+    ring: LagrangianRing<E, TwoPulley>,
+    mean_tensions: Vec<MeanTension>,
+    slopes: Vec<CellSlopes>,
+    transports: Transports,
+    order: Order,
+}
+
+/// How values become scalars.
+trait Scalars: Copy {
+    /// Scalar of the equations.
+    type T: Real<Constant = f64> + Mul<Self::W, Output = Self::T>;
+    /// Scalar of places on the ring: a plain number where nothing moves the mesh.
+    type W: Real;
+    /// Factors of ẏ and q in the derivatives.
+    fn slopes(&self) -> [f64; 2];
+    /// The scalar of a value, its direction and its slope.
+    fn seed(&self, value: f64, direction: usize, slope: f64) -> Self::T;
+    /// The scalar of a place on the ring.
+    fn place(&self, place: Self::T) -> Self::W;
+}
+
+/// Plain numbers.
+#[derive(Clone, Copy)]
+struct Values;
+
+impl Scalars for Values {
+    type T = f64;
+    type W = f64;
+    fn slopes(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+    #[inline(always)]
+    fn seed(&self, value: f64, _direction: usize, _slope: f64) -> f64 {
+        value
+    }
+    #[inline(always)]
+    fn place(&self, place: f64) -> f64 {
+        place
+    }
+}
+
+/// Derivatives in the directions `first` and on, which leave the mesh where it is.
+#[derive(Clone, Copy)]
+struct Still {
+    first: usize,
+    slopes: [f64; 2],
+}
+
+impl Scalars for Still {
+    type T = Slopes;
+    type W = f64;
+    fn slopes(&self) -> [f64; 2] {
+        self.slopes
+    }
+    #[inline(always)]
+    fn seed(&self, value: f64, direction: usize, slope: f64) -> Slopes {
+        Slopes::seed(value, direction.wrapping_sub(self.first), slope)
+    }
+    #[inline(always)]
+    fn place(&self, place: Slopes) -> f64 {
+        place.re
+    }
+}
+
+/// Derivatives in the directions `first` and on, of which one moves the mesh.
+#[derive(Clone, Copy)]
+struct Moving(Still);
+
+impl Scalars for Moving {
+    type T = Slopes;
+    type W = Slopes;
+    fn slopes(&self) -> [f64; 2] {
+        self.0.slopes
+    }
+    #[inline(always)]
+    fn seed(&self, value: f64, direction: usize, slope: f64) -> Slopes {
+        self.0.seed(value, direction, slope)
+    }
+    #[inline(always)]
+    fn place(&self, place: Slopes) -> Slopes {
+        place
+    }
+}
+
+/// What cells are evaluated at.
+struct Evaluation<'a, E: LagrangianElement> {
+    acting: InForce<'a>,
+    view: View<'a>,
+    ring: &'a LagrangianRing<E, TwoPulley>,
+    mean_tensions: &'a [MeanTension],
+}
+
+impl<E: LagrangianElement> Evaluation<'_, E> {
+    /// Evaluates a cell.
+    #[inline(always)]
+    fn cell<S: Scalars, P: Probe<S::T>>(
+        &self,
+        over: &CellOver,
+        frame: &TwoPulleyFrame<S::T>,
+        scalars: S,
+        probe: &mut P,
+    ) -> CellRows<S::T> {
+        let InForce { belt, friction } = self.acting;
+        let (view, at) = (self.view, over.unknowns());
+        let [alpha, beta] = scalars.slopes();
+        let value = |k: usize| scalars.seed(view.y[at[k]], k, 1.0);
+        let rate = |k: usize| scalars.seed(view.y_dot[at[k]], k, alpha);
+        let position = |k: usize| scalars.seed(view.q[at[k]], k, beta);
+        let own = over.nodal();
+        let motion = CellMotion::of_directions([own, own + DRIFT], position, value, rate);
+        let of_mesh = &belt.mesh.cells[over.cell];
+        let element = &belt.mesh.elements[of_mesh.element];
+        let place = Place {
+            // The mesh's own stations tell fractions of the segment.
+            of_segment: [0.0, 1.0],
+            face: &of_mesh.face,
+            stations: &of_mesh.stations,
+            axis: belt.law.axes[of_mesh.pulley],
+            plane: belt.law.planes[of_mesh.pulley].constants(),
+            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
+        };
+        let references: [Option<ReferencePoint<S::T>>; SLOTS] = std::array::from_fn(|slot| {
+            (slot <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(slot)))
+        });
+        let drift = position(own + DRIFT);
+        let per_element = self.ring.element_length().recip();
+        let slots = std::array::from_fn(|slot| {
+            let reference = references[slot].as_ref()?;
+            let first = over.first(slot);
+            let unknowns: [Motion<S::T>; NODAL] = std::array::from_fn(|k| Motion {
+                value: position(first + k),
+                rate: value(first + k),
+                acceleration: rate(first + k),
+            });
+            let x = ((reference.xi.v - drift) * per_element - over.turn[slot]) * 2.0 - 1.0;
+            let motion = self.ring.motion(&unknowns);
+            let shape = E::shape(scalars.place(x));
+            let particle = E::particle(&motion, &shape);
+            let tension = if E::MEAN_STRAIN {
+                self.mean_tension::<S, P>(over.element(slot), first, scalars)
+            } else {
+                beam::tension(self.ring.ring(), particle.strain(), particle.strain_rate())
+            };
+            Some(RingAtSlot {
+                motion,
+                shape,
+                particle,
+                tension,
+            })
+        });
+        let multipliers = [value(own + GAUGE), value(own + GAUGE + 1)];
+        let mut passing = Passing::<_, _, E>::new(slots, &motion.reference, multipliers);
+        let reference = |slot: usize| references[slot].expect("a slot of the cell");
+        let balance = balance(&belt.law, friction, &place, &motion, &mut passing, reference, probe);
+        CellRows {
+            balance,
+            ring: passing.into_forces(),
+        }
+    }
+
+    /// Tension of an element that carries its mean strain, N, whose first direction is `first`. Sampled, it is that of the
+    /// state at hand.
+    #[inline(always)]
+    fn mean_tension<S: Scalars, P: Probe<S::T>>(&self, element: usize, first: usize, scalars: S) -> S::T {
+        if P::ACTIVE {
+            let values = values(&self.acting.belt.layout, self.view, element);
+            return S::T::from(self.ring.mean_tension(&values));
+        }
+        let mean = &self.mean_tensions[element];
+        let slopes = mean.slopes.iter().enumerate();
+        slopes.fold(S::T::from(mean.value), |sum, (k, &slope)| {
+            sum + scalars.seed(0.0, first + k, slope)
+        })
+    }
+}
+
+/// Motion of the unknowns of an element; `seed` makes a scalar of a value, its direction and its slope.
+fn coordinates<T: Real>(
+    layout: &Layout,
+    view: View<'_>,
+    element: usize,
+    [alpha, beta]: [f64; 2],
+    seed: impl Fn(f64, usize, f64) -> T,
+) -> Coordinates<T> {
+    std::array::from_fn(|k| {
+        if k >= NODAL {
+            return Motion {
+                value: T::zero(),
+                rate: T::zero(),
+                acceleration: T::zero(),
+            };
+        }
+        let at = layout.nodal(element, k);
+        Motion {
+            value: seed(view.q[at], k, beta),
+            rate: seed(view.y[at], k, 1.0),
+            acceleration: seed(view.y_dot[at], k, alpha),
+        }
+    })
+}
+
+fn values(layout: &Layout, view: View<'_>, element: usize) -> Coordinates<f64> {
+    coordinates(layout, view, element, [0.0; 2], |value, _, _| value)
+}
+
+impl<E: LagrangianElement> TravellingCells<E> {
+    /// Cells of a belt over this ring.
+    pub fn new(belt: &Belt, ring: LagrangianRing<E, TwoPulley>) -> Self {
+        let cells = belt.mesh.cells.len();
+        Self {
+            mean_tensions: vec![MeanTension::default(); ring.elements()],
+            slopes: vec![CellSlopes::default(); cells],
+            transports: Transports::new(cells),
+            order: Order::default(),
+            ring,
+        }
+    }
+
+    /// Adds the balance of the ring's own elements.
+    fn add_ring(&self, layout: &Layout, view: View<'_>, out: &mut [f64]) {
+        for element in 0..self.ring.elements() {
+            let rows = self.ring.balance(&(), element, &values(layout, view, element));
+            for (k, row) in rows[..NODAL].iter().enumerate() {
+                out[layout.nodal(element, k)] += row;
+            }
+        }
+    }
+
+    /// Adds the derivatives of the ring's own elements, and finds those of their mean tensions.
+    fn add_ring_slopes(&mut self, layout: &Layout, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        for element in 0..self.ring.elements() {
+            let seed = Tangent::<NODAL, f64>::seed;
+            let motion = coordinates(layout, view, element, slopes, seed);
+            let rows: [_; DIRECTIONS] = self.ring.balance(&(), element, &motion);
+            let at: [usize; NODAL] = std::array::from_fn(|k| layout.nodal(element, k));
+            for (&i, row) in at.iter().zip(&rows) {
+                for (&j, slope) in at.iter().zip(row.eps) {
+                    out.add(i, j, slope);
+                }
+            }
+            if E::MEAN_STRAIN {
+                let tension = self.ring.mean_tension(&motion);
+                let mean = &mut self.mean_tensions[element];
+                (mean.value, mean.slopes) = (tension.re, tension.eps);
+            }
+        }
+    }
+
+    /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
+    fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
+        let cells = belt.mesh.cells.len();
+        for cell in 0..cells {
+            let before = (cell + cells - 1) % cells;
+            let rows = [before, cell].map(|cell| belt.cells_at[cell].amount);
+            out.add(rows[1], rows[1], alpha);
+            let (own, other) = (&self.slopes[cell], &self.slopes[before]);
+            let slopes = chain::flux_slopes(&self.transports.get(before), &self.transports.get(cell));
+            for (of, by) in [other, own].into_iter().zip(slopes) {
+                for k in 0..of.count {
+                    let slope = by.along(&of.transport, k);
+                    for (row, value) in rows.into_iter().zip([slope, -slope]) {
+                        if let Some(index) = out.index(row, of.at[k]) {
+                            out.add_at(index, value);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Frames of the curve, still and moving with the first directions of a pass.
+struct Frames {
+    still: TwoPulleyFrame<Slopes>,
+    moving: [TwoPulleyFrame<Slopes>; PASS],
+}
+
+/// Adds the derivatives of a cell's rows to the matrix, and records those of what the balance of the amounts needs.
+fn add_cell_slopes<E: LagrangianElement>(
+    evaluation: &Evaluation<'_, E>,
+    over: &CellOver,
+    frames: &Frames,
+    slopes: [f64; 2],
+    (of_cell, transports): (&mut CellSlopes, &mut Transports),
+    out: &mut Arrow,
+) -> PulleyLoad {
+    let at = over.unknowns();
+    let (own, count) = (over.nodal(), at.len());
+    of_cell.at[..count].copy_from_slice(at);
+    of_cell.count = count;
+    let mut load = PulleyLoad::default();
+    for first in (0..count).step_by(PASS) {
+        let still = Still { first, slopes };
+        let theta = (own + THETA).wrapping_sub(first);
+        let still_here = first + PASS <= own + DRIFT || first > own + THETA;
+        let rows = if still_here {
+            evaluation.cell(over, &frames.still, still, &mut NoProbe)
+        } else {
+            let frame = frames.moving.get(theta).unwrap_or(&frames.still);
+            evaluation.cell(over, frame, Moving(still), &mut NoProbe)
+        };
+        let columns = &at[first..(first + PASS).min(count)];
+        let mut add = |row: usize, value: &Slopes| {
+            for (&column, &slope) in columns.iter().zip(&value.eps) {
+                if let Some(index) = out.index(row, column) {
+                    out.add_at(index, slope);
+                }
+            }
+        };
+        for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
+            for (k, row) in nodal.iter().enumerate() {
+                add(at[over.first(slot) + k], row);
+            }
+        }
+        for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
+            add(at[own + k], row);
+        }
+        transports.set(over.cell, &rows.balance.transport.map(|of| of.re));
+        for (slopes, of) in of_cell
+            .transport
+            .each_mut()
+            .into_iter()
+            .zip(rows.balance.transport.each())
+        {
+            slopes[first..][..columns.len()].copy_from_slice(&of.eps[..columns.len()]);
+        }
+        load = PulleyLoad::of_cell(&rows.balance);
+    }
+    load
+}
+
+impl<E: LagrangianElement> Assembly for TravellingCells<E> {
+    fn boxed(&self) -> Box<dyn Assembly> {
+        Box::new(self.clone())
+    }
+
+    fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
+        let belt = acting.belt;
+        let layout = &belt.layout;
+        self.add_ring(layout, view, out);
+        if E::MEAN_STRAIN {
+            for (element, mean) in self.mean_tensions.iter_mut().enumerate() {
+                mean.value = self.ring.mean_tension(&values(layout, view, element));
+            }
+        }
+        let frame = belt.curve.frame(belt.theta(view));
+        let s = view.q[layout.drift()];
+        let mut loads = PerPulley::<PulleyLoad>::default();
+        let evaluation = Evaluation {
+            acting,
+            view,
+            ring: &self.ring,
+            mean_tensions: &self.mean_tensions,
+        };
+        for cell in 0..belt.mesh.cells.len() {
+            let over = CellOver::new(belt, &frame, cell, s);
+            let at = over.unknowns();
+            let rows = evaluation.cell(&over, &frame, Values, &mut NoProbe);
+            for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
+                for (k, row) in nodal.iter().enumerate() {
+                    out[at[over.first(slot) + k]] += row;
+                }
+            }
+            let own = &at[over.nodal()..];
+            let b = &rows.balance;
+            out[own[0]] += b.speed[0];
+            out[own[1]] += b.speed[1];
+            out[own[DRIFT]] += rows.ring.drift;
+            out[own[THETA]] += rows.ring.theta;
+            out[own[GAUGE]] += rows.ring.gauge[0];
+            out[own[GAUGE + 1]] += rows.ring.gauge[1];
+            loads[belt.mesh.cells[cell].pulley].add(b, 1.0);
+            self.transports.set(cell, &b.transport);
+        }
+        add_fluxes(belt, &mut self.transports, view, out);
+        for i in layout.free() {
+            out[i] = view.y[i];
+        }
+        loads
+    }
+
+    fn jacobian(
+        &mut self,
+        acting: InForce<'_>,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) -> PerPulley<PulleyLoad> {
+        let belt = acting.belt;
+        let layout = &belt.layout;
+        let [alpha, beta] = slopes;
+        let s = view.q[layout.drift()];
+        let shape = belt.curve.shape(belt.theta(view));
+        let frame = shape.frame(0.0);
+        let frames = Frames {
+            still: shape.frame(Slopes::from(0.0)),
+            moving: std::array::from_fn(|k| shape.frame(Slopes::seed(0.0, k, beta))),
+        };
+        self.order.find(layout, &belt.mesh, &frame, s);
+        out.reorder(&self.order.order);
+        self.add_ring_slopes(layout, view, slopes, out);
+        let evaluation = Evaluation {
+            acting,
+            view,
+            ring: &self.ring,
+            mean_tensions: &self.mean_tensions,
+        };
+        let mut loads = PerPulley::<PulleyLoad>::default();
+        for (cell, of_cell) in self.slopes.iter_mut().enumerate() {
+            let over = CellOver::new(belt, &frame, cell, s);
+            let into = (of_cell, &mut self.transports);
+            let load = add_cell_slopes(&evaluation, &over, &frames, slopes, into, out);
+            loads[belt.mesh.cells[cell].pulley] += load;
+        }
+        self.add_flux_slopes(belt, alpha, out);
+        for i in layout.free() {
+            out.add(i, i, 1.0);
+        }
+        loads
+    }
+
+    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
+        let belt = acting.belt;
+        let frame = belt.curve.frame(belt.theta(view));
+        let s = view.q[belt.layout.drift()];
+        let evaluation = Evaluation {
+            acting,
+            view,
+            ring: &self.ring,
+            mean_tensions: &self.mean_tensions,
+        };
+        for (cell, place) in belt.mesh.cells.iter().enumerate() {
+            let over = CellOver::new(belt, &frame, cell, s);
+            let mut stations = out[place.group * belt.mesh.points..].iter_mut();
+            let mut record = |sample| {
+                let group = stations.next().expect("a place for each station");
+                group.set(place.lane, &sample);
+            };
+            evaluation.cell(&over, &frame, Values, &mut Sampler(&mut record));
+        }
+    }
+
+    fn ring_energy(&self, belt: &Belt, view: View<'_>) -> (Energy, f64) {
+        let mut sum = (Energy::default(), 0.0);
+        for element in 0..self.ring.elements() {
+            let values = values(&belt.layout, view, element);
+            sum.0 += self.ring.energy(&(), element, &values);
+            sum.1 += self.ring.dissipation(&(), element, &values);
+        }
+        sum
+    }
+
+    fn placed_on(&self, shape: Shape<'_>) -> Option<Vec<f64>> {
+        let mut q = vec![0.0; self.ring.elements() * E::BLOCK + 2];
+        self.ring.lay(shape, &mut q);
+        Some(q)
+    }
+}

@@ -1,0 +1,5 @@
+//! Rings whose nodes travel with the material, under the cells.
+
+pub(crate) mod assembly;
+pub(crate) mod lay;
+mod passing;
