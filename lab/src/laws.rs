@@ -1,8 +1,8 @@
 //! What the tests of the laws need: the default parameters of each law, and an integral.
 
-pub use pushbelt::pulley::Travel;
 pub use pushbelt::chain::Belt;
 pub use pushbelt::contact::{Contact, Friction};
+pub use pushbelt::pulley::Travel;
 
 use pushbelt::ring::mesh::gauss;
 use pushbelt::variator::settings::Parameters;
