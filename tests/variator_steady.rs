@@ -246,7 +246,8 @@ fn tension_ripple(state: &Steady) -> [f64; 2] {
 }
 
 /// At the default mesh the tension of each element (its mean, as in the outputs) is constant; within the second element
-/// from an arc border the cubic shape still ripples beyond 5 %, on twice the elements no longer.
+/// from an arc border the cubic shape still ripples beyond 5 %, on twice the elements no longer. Found, at most: 1.0 %,
+/// 7.5 %, 1.5 %.
 #[test]
 fn ring_tension_is_constant_without_ring_friction() {
     let mut parameters = variator(RingModel::Ale);
@@ -263,7 +264,7 @@ fn ring_tension_is_constant_without_ring_friction() {
             100.0 * means,
             100.0 * fine_points
         );
-        assert!(means < 0.05 && points < 0.1 && fine_points < 0.05, "{}", case.name);
+        assert!(means < 0.015 && points < 0.09 && fine_points < 0.02, "{}", case.name);
     }
 }
 
@@ -283,7 +284,7 @@ fn swapped_pulleys_mirror_each_other() {
                 shaft: pair(ShaftMode::Fixed, ShaftMode::Torque(-direct.secondary.shaft_torque)),
                 ..given(1.0 / i, Pulley::Secondary, 9000.0, -0.01)
             };
-            let mirrored = steady(&parameters, &task, speeds(1.0 / i, SPEED * i)).outputs;
+            let mirrored = steady(&parameters, &task, pair(SPEED, SPEED * i)).outputs;
             let product = direct.thrust_ratio * mirrored.thrust_ratio;
             println!(
                 "{model:?}: {} · {} − 1 = {:.1e}",
@@ -367,8 +368,8 @@ fn a_steady_state_takes_its_usual_work() {
     let parameters = variator(RingModel::Ale);
     let counts = load_case(&parameters, &LoadCase::new(&parameters, "medium", 0.0, 50.0)).counts;
     println!("{counts:?}");
-    assert_pinned(counts.residuals, 365, "residuals");
-    assert_pinned(counts.factorizations, 79, "factorizations");
+    assert_pinned(counts.residuals, 380, "residuals");
+    assert_pinned(counts.factorizations, 88, "factorizations");
 }
 
 /// The default mesh is made for some thousand revolutions a minute; at 600 rad/s in overdrive gaps are wider.
