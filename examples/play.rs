@@ -14,6 +14,7 @@ use pushbelt::variator::linear::modes;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Axial, Drive, Parameters};
+use pushbelt_lab::inside::stations;
 
 /// Where a belt runs: the primary sheave is held, the secondary shaft at its speed.
 #[derive(Clone, Copy)]
@@ -176,9 +177,8 @@ fn swing(change: fn(&mut Parameters), point: &Point) -> Result<Swing, Box<dyn Er
         let slip = variator.outputs().slip;
         (least, most) = (least.min(slip), most.max(slip));
         if k % LOOK == 0 {
-            let survey = variator.system().surveyed(variator.state().view());
-            let stations = survey.stations(&variator.system().mesh);
-            gaps.extend(stations.map(|(_, s)| [time, s.xi, s.weight, 1.0 - s.density]));
+            let stations = stations(&variator, variator.state());
+            gaps.extend(stations.iter().map(|s| [time, s.xi, s.weight, 1.0 - s.density]));
         }
     }
     let counts = variator.counts();

@@ -12,6 +12,9 @@ use pushbelt::fmi2::log::Status::{self, Error, Ok};
 use pushbelt::fmi2::table::{Causality, Kind};
 use pushbelt::unit::c_abi::*;
 use pushbelt::unit::{VariatorUnit, model_description};
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
+use pushbelt_lab::checks::assert_close;
 
 /// What a logger was told: instance, status, category, message.
 #[derive(Debug, Default)]
@@ -252,25 +255,53 @@ fn an_instance_needs_a_name_the_right_guid_and_co_simulation() {
     assert!(model_description().contains(guid.to_str().expect("ASCII")));
 }
 
+/// The variator that [`Importer::make_cheap`] sets, without the interface.
+fn cheap_variator() -> Variator {
+    let mut parameters = Parameters {
+        ring_model: RingModel::Ale0,
+        ..Parameters::default()
+    };
+    (parameters.mesh.primary_arc, parameters.mesh.secondary_arc) = (4, 4);
+    parameters.mesh.strand = 4;
+    parameters.initial.steady = false;
+    let mut variator = Variator::new(parameters).expect("valid parameters");
+    variator.initialise(0.0, &Inputs::default()).expect("a start");
+    variator
+}
+
+/// Outputs are those that the library calculates for the same variator.
 #[test]
 fn a_run_without_wiring_goes_through_all_its_states() {
     let importer = Importer::running(c"run");
+    let mut variator = cheap_variator();
     assert_eq!(importer.real("primary.clampingForce"), 13_000.0);
     for k in 0..10 {
         assert_eq!(importer.step(f64::from(k) * 0.001, 0.001), Ok, "{:?}", importer.heard);
-        assert!(importer.real("thrustRatio").is_finite());
-        assert!(importer.real("profile.ringTension[72]").is_finite());
-        assert!((0..=1).contains(&importer.boolean("macroSlip")));
+        variator
+            .advance(f64::from(k + 1) * 0.001, &Inputs::default())
+            .expect("a step");
+        let outputs = variator.outputs().clone();
+        let tension = variator.profile().ring_tension[71];
+        for (name, expected) in [
+            ("thrustRatio", outputs.thrust_ratio),
+            ("belt.speed", outputs.belt_speed),
+            ("loss.ring", outputs.losses.ring),
+            ("profile.ringTension[72]", tension),
+        ] {
+            assert_close(importer.real(name), expected, 1e-9, name);
+        }
+        assert_eq!(importer.boolean("macroSlip"), c_int::from(outputs.macro_slip));
     }
+    let last = importer.readings();
     // SAFETY: an instance.
     unsafe {
         let mut time = 0.0;
         assert_eq!(fmi2GetRealStatus(importer.c, 2, &mut time), Ok);
         assert!((time - 0.01).abs() < 1e-12);
         assert_eq!(fmi2Terminate(importer.c), Ok);
-        assert!(importer.real("belt.speed").is_finite());
         assert_eq!(fmi2DoStep(importer.c, 0.01, 0.001, 0), Error);
     }
+    assert_eq!(importer.readings(), last, "a terminated run keeps its outputs");
 }
 
 #[test]
@@ -565,8 +596,8 @@ fn derivatives_ask_for_an_input_an_output_and_order_one() {
     // SAFETY: an instance and valid pointers.
     unsafe {
         for (vr, order, words) in [
-            (torque, 0, "order 1, not 0"),
-            (torque, 2, "order 1, not 2"),
+            (torque, 0, "derivative is 1, not 0"),
+            (torque, 2, "derivative is 1, not 2"),
             (friction, 1, "no input"),
             (ratio, 1, "no input"),
             (77, 1, "value reference 77"),
@@ -633,12 +664,14 @@ fn input_derivatives_raise_the_order_on_a_ramp() {
 /// moves.
 #[test]
 fn output_derivatives_are_the_slopes_of_the_outputs() {
-    for model in [1, 2] {
-        check_output_derivatives(model);
-    }
+    // In ALE0 the ring tension and what hangs on it turn within a few steps: up to 4 % of the way, and 25 outputs of 35
+    // agree. In ALE it is half a per cent, and 30 agree.
+    check_output_derivatives(1, 0.05, 24);
+    check_output_derivatives(2, 0.01, 29);
 }
 
-fn check_output_derivatives(model: c_int) {
+/// No output is off by more than `share` of the way that it goes, and so many that move are off by at most 2 %.
+fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
     let importer = Importer::new(c"slopes");
     importer.make_cheap();
     assert_eq!(importer.set_integer("ring.model", model), Ok);
@@ -691,13 +724,13 @@ fn check_output_derivatives(model: c_int) {
         let uncertain = 3e-6 * last[i].abs() + 1e-12;
         exact += u32::from(error < 0.02 * travel[i] && travel[i] > 20.0 * uncertain);
         assert!(
-            error < 0.3 * travel[i] + uncertain,
+            error < share * travel[i] + uncertain,
             "{name}, ring model {model}: {} against {found}, travelled {}",
             change[i],
             travel[i]
         );
     }
-    assert!(exact >= 12, "{exact} outputs agree within 2 %");
+    assert!(exact >= agreeing, "{exact} outputs agree within 2 %");
 }
 
 /// Every load at the end of its range at once, with the tightest tolerance and the sharpest friction: too much for the

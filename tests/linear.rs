@@ -1,8 +1,8 @@
 //! The linear model against the variator itself: small steps of each load.
 
 use nalgebra::DMatrix;
+use pushbelt::pulley::Pulley;
 use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise, modes};
-use pushbelt::variator::mesh::P;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Outputs};
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
@@ -122,7 +122,7 @@ fn the_gain_of_ale0_is_that_of_a_run() {
         let force = model
             .loads
             .iter()
-            .position(|l| *l == Load::ClampingForce(P))
+            .position(|l| *l == Load::ClampingForce(Pulley::Primary))
             .expect("a load");
         let (size, time) = (20.0, 0.5);
         let end = |step: f64| {

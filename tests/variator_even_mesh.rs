@@ -1,8 +1,8 @@
 //! Elements evenly spaced along the belt, as the paper's: the same laws hold, and what it costs that arc borders move
 //! through them.
 
-use pushbelt::variator::settings::Outputs;
-use pushbelt::variator::settings::{Drive, Parameters, RingModel};
+use pushbelt::variator::settings::{Drive, Outputs, Parameters, RingModel};
+use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::load_cases::{LoadCase, ratio};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::steady::load_case;
@@ -13,15 +13,47 @@ fn on(mut parameters: Parameters, aligned: bool) -> Parameters {
     parameters
 }
 
-/// Steady states: thrust ratios are off the aligned mesh's, most in overdrive, where an element is long for the release
-/// at the exit of the small arc. The ring tension ripples more where a border lies within an element. More power is
-/// left that no law accounts for: Gauss's rule takes r'' and λ, which jump at a border, for smooth across a cell, so
-/// what flows in along ξ is not what flows out. (The figures: docs/ring-models.md.)
+/// What the even mesh may differ by from the aligned one in a load case.
+struct Bounds {
+    /// Thrust ratio, relative. It was 10 % for all cases.
+    thrust: f64,
+    /// The range of the ring tension, at least so many times as wide.
+    spread: f64,
+    /// Power that no law accounts for, as a share of the driving power.
+    power: f64,
+}
+
+/// Underdrive, medium, overdrive. Found: thrust ratio +1.3, −0.5, −6.9 %, tension 1.56, 1.17, 1.74 times as wide, power
+/// 6e-4, 4e-4, 2.4e-3. In overdrive an element is a sixth of the small arc, too long for the release of elements at its
+/// exit. In medium both arcs are as long, so the tension ripples least: 1.2 times, as was once asked of every case, does
+/// not hold there since neighbouring elements touch over 0.15 µm instead of 45 nm.
+const BOUNDS: [Bounds; 3] = [
+    Bounds {
+        thrust: 0.02,
+        spread: 1.5,
+        power: 1e-3,
+    },
+    Bounds {
+        thrust: 0.01,
+        spread: 1.15,
+        power: 1e-3,
+    },
+    Bounds {
+        thrust: 0.08,
+        spread: 1.6,
+        power: 3e-3,
+    },
+];
+
+/// Steady states: thrust ratios are off the aligned mesh's, and with three times the elements they are within 1 %. The
+/// ring tension ripples more where a border lies within an element. More power is left that no law accounts for:
+/// Gauss's rule takes r'' and λ, which jump at a border, for smooth across a cell, so what flows in along ξ is not what
+/// flows out. (The figures: docs/paper.md.)
 #[test]
 fn steady_states_are_near_those_of_the_aligned_mesh() {
     let parameters = variator(RingModel::Ale);
-    for case in LoadCase::three(&parameters, 50.0) {
-        let [aligned, even] = [true, false].map(|aligned| load_case(&on(parameters.clone(), aligned), &case));
+    for (case, bounds) in LoadCase::three(&parameters, 50.0).iter().zip(BOUNDS) {
+        let [aligned, even] = [true, false].map(|aligned| load_case(&on(parameters.clone(), aligned), case));
         let (a, e) = (&aligned.outputs, &even.outputs);
         let spread = |o: &Outputs| o.ring_tension_max - o.ring_tension_min;
         println!(
@@ -41,12 +73,13 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
         );
         let mut fine = on(parameters.clone(), false);
         fine.mesh = fine.mesh.refined(3);
-        let fine = load_case(&fine, &case).outputs.thrust_ratio;
-        let off = |ratio: f64| (ratio / a.thrust_ratio - 1.0).abs();
+        let fine = load_case(&fine, case).outputs.thrust_ratio;
         println!("{}: {fine:.4} with three times the elements", case.name);
-        assert!(off(fine) < 0.05 && off(fine) < off(e.thrust_ratio), "{}", case.name);
-        assert!(spread(e) > 1.15 * spread(a), "{}", case.name);
-        assert!(even.power_defect().abs() < 5e-3 && aligned.power_defect().abs() < 3e-4);
+        assert_close(e.thrust_ratio, a.thrust_ratio, bounds.thrust, case.name);
+        assert_close(fine, a.thrust_ratio, 0.01, case.name);
+        assert!((fine - a.thrust_ratio).abs() < (e.thrust_ratio - a.thrust_ratio).abs());
+        assert!(spread(e) > bounds.spread * spread(a), "{}", case.name);
+        assert!(even.power_defect().abs() < bounds.power && aligned.power_defect().abs() < 1.5e-4);
     }
 }
 
@@ -61,27 +94,29 @@ fn a_shift_shows_what_borders_inside_elements_cost() {
         let start = inputs((0.0, 13e3), (-49.0, 10e3));
         let mut run = Run::new(parameters, start);
         run.inputs.primary.clamping_force = 1.2 * run.variator.outputs().primary.axial_force;
+        let from = run.variator.outputs().ratio_geometric;
         let mut residual = 0.0_f64;
         run.watch(0.1, 1e-3, |_, o| residual = residual.max(o.energy_residual.abs()));
         run.assert_amount();
         let o = run.variator.outputs().clone();
+        let shift = from - o.ratio_geometric;
         println!(
-            "aligned {aligned}, {refinement} times: ratio {:.4}, {residual:.2} J, {:?}",
-            o.ratio_geometric,
+            "aligned {aligned}, {refinement} times: shifted by {shift:.4}, {residual:.2} J, {:?}",
             run.variator.counts()
         );
         assert!((o.primary.speed / SPEED - 1.0).abs() < 1e-2);
-        (o.ratio_geometric, residual, run.variator.counts())
+        (shift, residual, run.variator.counts())
     });
-    // Its own thrust ratio is another, so the same force shifts it less far; with three times the elements both agree.
-    assert!((fine.0 / aligned.0 - 1.0).abs() < 5e-3);
-    // The one that shifts as far pays in full.
+    // Its own thrust ratio is another, so the same excess of force shifts it less far: 8 %. With three times the elements
+    // it is 3 %.
+    assert_close(even.0, aligned.0, 0.12, "shift");
+    assert_close(fine.0, aligned.0, 0.05, "shift with three times the elements");
+    // Found: 9 and 16 times the factorizations, 130 and 56 times the energy.
     assert!(
-        fine.2.factorizations > 2 * aligned.2.factorizations
-            && 2 * even.2.factorizations > 3 * aligned.2.factorizations
+        fine.2.factorizations > 8 * aligned.2.factorizations && even.2.factorizations > 4 * aligned.2.factorizations
     );
     for uneasy in [even, fine] {
-        assert!(uneasy.1 > 5.0 * aligned.1);
+        assert!(uneasy.1 > 20.0 * aligned.1);
         assert!(uneasy.2.rejected > 20 && aligned.2.rejected == 0);
     }
 }
@@ -93,7 +128,9 @@ fn only_eulerian_rings_stand_on_it() {
     let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
     let found = load_case(&parameters, &case);
     let aligned = load_case(&on(parameters, true), &case);
-    assert!((found.outputs.thrust_ratio / aligned.outputs.thrust_ratio - 1.0).abs() < 0.1);
+    let [even, aligned] = [&found, &aligned].map(|state| state.outputs.thrust_ratio);
+    println!("ALE0: thrust ratio {even:.4}, aligned {aligned:.4}");
+    assert_close(even, aligned, 0.01, "thrust ratio");
     assert!((found.outputs.ratio_geometric / ratio(0.0) - 1.0).abs() < 1e-4);
     for model in [RingModel::Rcm, RingModel::Ancf] {
         let refused = on(variator(model), false).validate().expect_err("no mesh for it");

@@ -2,12 +2,12 @@
 //! books and go on from a stored state bit for bit.
 
 use pushbelt::tape::Tape;
-use pushbelt::variator::layout::Global;
 use pushbelt::variator::linear::{LinearError, linearise};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
-use pushbelt_lab::checks::assert_pinned;
+use pushbelt_lab::checks::{assert_close, assert_pinned};
+use pushbelt_lab::inside::reference_motion;
 use pushbelt_lab::load_cases::{LoadCase, ratio};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::variators::{SPEED, inputs, variator};
@@ -59,7 +59,10 @@ fn three_ratios_near_ale() {
             );
             assert!((found / thrust - 1.0).abs() < bound);
             if model == RingModel::Rcm {
-                assert!((low / lowest - 1.0).abs() < 0.1 && (high / highest - 1.0).abs() < 0.1);
+                // Found: 0.4 and 0.4, 0.1 and 0.8, 3.1 and 3.7 %.
+                let bound = if theta > 0.0 { 0.05 } else { 0.015 };
+                assert_close(low, lowest, bound, "lowest tension");
+                assert_close(high, highest, bound, "highest tension");
             }
             run.assert_books();
         }
@@ -119,14 +122,12 @@ fn stored_states_go_on_bit_for_bit() {
 fn the_mesh_follows_the_ring() {
     for model in TRAVELLING {
         let mut run = rig(model, 0.0, 50.0);
-        let layout = run.variator.system().layout;
-        let (drift, theta) = (layout.global(Global::Drift, 0), layout.global(Global::Theta, 0));
-        let before = run.variator.state().q[theta];
+        let before = reference_motion(&run.variator);
         let o = run.go(3e-3, 1e-3);
-        let state = run.variator.state();
+        let [drift, theta] = reference_motion(&run.variator);
         let way = o.belt_speed * 3e-3;
-        assert!((state.q[drift] / way - 1.0).abs() < 0.05, "{} {way}", state.q[drift]);
-        assert!((state.q[theta] - before).abs() < 1e-3);
+        assert!((drift / way - 1.0).abs() < 0.05, "{drift} {way}");
+        assert!((theta - before[1]).abs() < 1e-3);
     }
 }
 
@@ -146,7 +147,7 @@ fn there_is_no_linear_model() {
 /// What a millisecond takes, so that a solver that got slower shows without a clock.
 #[test]
 fn a_millisecond_takes_its_usual_work() {
-    for (model, steps, residuals, factorizations) in [(RingModel::Rcm, 103, 941, 39), (RingModel::Ancf, 131, 1304, 58)]
+    for (model, steps, residuals, factorizations) in [(RingModel::Rcm, 103, 936, 38), (RingModel::Ancf, 131, 1298, 55)]
     {
         let mut run = rig(model, 0.0, 50.0);
         assert!((run.variator.outputs().primary.speed / SPEED - 1.0).abs() < 1e-9);

@@ -1,10 +1,11 @@
 //! Limits in which the variator obeys a closed law: no friction, full slip, small steps of the clamping force.
 
-use pushbelt::variator::mesh::{P, S};
+use pushbelt::pulley::Pulley;
 use pushbelt::variator::settings::Outputs;
 use pushbelt::variator::settings::{Axial, Drive, RingModel};
 use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::load_cases::given;
+use pushbelt_lab::inside::sliding;
+use pushbelt_lab::load_cases::{given, pair, speeds};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::steady::steady;
 use pushbelt_lab::variators::{MODELS, SPEED, coarse, full_slip_torque, inputs, rigid, variator};
@@ -19,7 +20,11 @@ fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refine
     parameters.mesh = parameters.mesh.refined(refinement);
     // Bending's share of the strand force, EI/(F r²), is 0.5 % for this ring on the small pulley. The law has none.
     parameters.ring.bending_stiffness = 1e-3;
-    let state = steady(&parameters, &given(ratio, P, 10.0e3, 0.0), [SPEED / ratio, SPEED]);
+    let state = steady(
+        &parameters,
+        &given(ratio, Pulley::Primary, 10.0e3, 0.0),
+        speeds(ratio, SPEED),
+    );
     let stations = state.stations();
     let strand: Vec<_> = stations.iter().filter(|at| at.segment == 1).collect();
     let middle = &strand[strand.len() / 2].sample;
@@ -28,12 +33,12 @@ fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refine
     let ring = parameters.ring.mass_per_length * state.outputs.ring_speed.powi(2);
     let force = middle.tension - middle.push - elements - ring;
     let wrap = state.wrap();
-    let law = |j: usize| force * wrap[j] / (2.0 * parameters.geometry.wedge_angle.tan());
+    let law = |pulley: Pulley| force * wrap[pulley] / (2.0 * parameters.geometry.wedge_angle.tan());
     let o = &state.outputs;
     [
-        o.thrust_ratio * wrap[S] / wrap[P] - 1.0,
-        o.primary.axial_force / law(P) - 1.0,
-        o.secondary.axial_force / law(S) - 1.0,
+        o.thrust_ratio * wrap.secondary / wrap.primary - 1.0,
+        o.primary.axial_force / law(Pulley::Primary) - 1.0,
+        o.secondary.axial_force / law(Pulley::Secondary) - 1.0,
     ]
 }
 
@@ -76,8 +81,8 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
         // The smaller pulley slips; a slip far above the micro-slip leaves friction no radial share.
         for (ratio, slip) in [(0.5, 0.5), (2.0, 0.5), (2.0, -0.5)] {
             let parameters = variator(model);
-            let speeds = [SPEED / ratio * (1.0 - slip), SPEED];
-            let o = steady(&parameters, &given(ratio, P, 10.0e3, 0.0), speeds).outputs;
+            let slipping = pair(SPEED / ratio * (1.0 - slip), SPEED);
+            let o = steady(&parameters, &given(ratio, Pulley::Primary, 10.0e3, 0.0), slipping).outputs;
             let (torque, law) = if ratio < 1.0 {
                 (
                     o.secondary.shaft_torque,
@@ -101,16 +106,14 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
 /// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one elements may have
 /// spread out before the entry: they ride along with the sheave until they meet the pushing stack.)
 fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
-    let sliding = run.variator.system().ledger.last.sums.sliding;
-    let mean = sliding.map(|s| (s.weighted / s.load).abs());
-    let (j, pulley) = if mean[P] > mean[S] {
-        (P, &outputs.primary)
+    let sliding = sliding(&run.variator);
+    let (sliding, pulley) = if sliding.primary.mean.abs() > sliding.secondary.mean.abs() {
+        (sliding.primary, &outputs.primary)
     } else {
-        (S, &outputs.secondary)
+        (sliding.secondary, &outputs.secondary)
     };
-    let forward = sliding[j].forward / sliding[j].load;
     // Strand elements beside the arc hardly press, and slide as they like.
-    let full = forward.max(1.0 - forward) > 0.999 && mean[j] > 1.0;
+    let full = sliding.forward.max(1.0 - sliding.forward) > 0.999 && sliding.mean.abs() > 1.0;
     full.then(|| pulley.shaft_torque.abs() / full_slip_torque(run.variator.parameters(), pulley))
 }
 

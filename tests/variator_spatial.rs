@@ -1,11 +1,9 @@
 //! The belt out of its plane: misaligned pulleys, and a ring that deflects along z.
 
-use pushbelt::solver::System;
-use pushbelt::variator::layout::{Global, Layout};
-use pushbelt::variator::mesh::P;
+use pushbelt::pulley::Pulley;
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::load_cases::given;
+use pushbelt_lab::load_cases::{given, speeds};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::steady::{At, Steady, steady};
 use pushbelt_lab::variators::{SPEED, inputs, mesh, variator};
@@ -27,20 +25,11 @@ fn spatial(misalignment: f64) -> Parameters {
 const OWN: f64 = 4.60e-4;
 
 fn at_ratio(parameters: &Parameters, ratio: f64) -> Steady {
-    steady(parameters, &given(ratio, P, 1.0e4, 6.0e-3), [SPEED / ratio, SPEED])
-}
-
-/// Places of the same unknown in two layouts.
-fn shared(flat: &Layout, space: &Layout) -> Vec<(usize, usize)> {
-    let nodes = (0..flat.elements).flat_map(|node| (0..4).map(move |k| (node, k)));
-    let cells = 0..flat.cells();
-    let globals = flat.global(Global::Drift, 0)..flat.len();
-    nodes
-        .map(|(node, k)| (flat.node(node, k), space.node(node, k)))
-        .chain(cells.clone().map(|cell| (flat.speed(cell), space.speed(cell))))
-        .chain(cells.map(|cell| (flat.amount(cell), space.amount(cell))))
-        .chain(globals.zip(space.global(Global::Drift, 0)..))
-        .collect()
+    steady(
+        parameters,
+        &given(ratio, Pulley::Primary, 1.0e4, 6.0e-3),
+        speeds(ratio, SPEED),
+    )
 }
 
 /// Where the belt planes are one, the planar belt is in balance in space.
@@ -49,44 +38,18 @@ fn aligned_pulleys_keep_the_belt_in_its_plane() {
     let flat = at_ratio(&variator(RingModel::Ale), RATIO);
     let mut parameters = spatial(0.0);
     parameters.geometry.pulley_offset = -flat.outputs.misalignment;
-    let mut space = pushbelt::variator::system::VariatorSystem::new(&parameters);
-    space.boundary = flat.system.boundary;
-    let places = shared(&flat.system.layout, &space.layout);
-    let n = space.layout.len();
-    let (mut y, mut y_dot, mut q) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    for &(i, j) in &places {
-        (y[j], y_dot[j], q[j]) = (flat.state.y[i], flat.state.y_dot[i], flat.state.q[i]);
-    }
-    let view = pushbelt::solver::View {
-        y: &y,
-        y_dot: &y_dot,
-        q: &q,
-    };
-    let [secondary, primary] = space.middles(view);
-    assert!((primary - secondary).abs() < 1e-16);
-    for node in 0..space.layout.elements {
-        q[space.layout.node(node, 4)] = primary;
-    }
-    let mut planar = vec![0.0; flat.state.y.len()];
-    flat.system.clone().residual(0.0, flat.state.view(), &mut planar);
-    let mut rows = vec![0.0; n];
-    space.residual(
-        0.0,
-        pushbelt::solver::View {
-            y: &y,
-            y_dot: &y_dot,
-            q: &q,
-        },
-        &mut rows,
-    );
+    let lifted = flat.lifted(&parameters);
+    let middles = lifted.middles;
+    assert!((middles.primary - middles.secondary).abs() < 1e-16);
     // In units of the contact forces on an element.
     let scale = 100.0;
-    for &(i, j) in &places {
-        let off = (planar[i] - rows[j]).abs();
-        assert!(off < 1e-9 * scale, "row {i}: {} and {}", planar[i], rows[j]);
-        rows[j] = 0.0;
+    for (row, [planar, spatial]) in lifted.shared.iter().enumerate() {
+        assert!(
+            (planar - spatial).abs() < 1e-9 * scale,
+            "row {row}: {planar} and {spatial}"
+        );
     }
-    let most = rows.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+    let most = lifted.lateral.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     println!("largest lateral force {most:.1e} N");
     assert!(most < 1e-9 * scale);
     let solved = at_ratio(&parameters, RATIO);
@@ -188,8 +151,7 @@ fn misalignment_follows_the_ratio() {
     for ratio in [0.5, 1.0, 2.0] {
         let state = at_ratio(&parameters, ratio);
         let o = &state.outputs;
-        let law = &state.system.law;
-        let geometric = -(o.primary.radius + o.secondary.radius - 2.0 * law.r0) * law.wedge[2];
+        let geometric = state.geometric_misalignment();
         println!(
             "ratio {ratio}: {:.3e} m, of the radii {geometric:.3e} m",
             o.misalignment

@@ -1,12 +1,12 @@
 //! Steady states of the variator: load cases, power balance, symmetry, what mesh and regularisation are worth.
 
+use pushbelt::pulley::Pulley;
 use pushbelt::variator::cell::sample::Sample;
-use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt::variator::steady::SteadyTask;
+use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt_lab::checks::{assert_close, assert_pinned};
-use pushbelt_lab::load_cases::{LoadCase, given, ratio};
+use pushbelt_lab::load_cases::{LoadCase, given, pair, ratio, speeds};
 use pushbelt_lab::steady::{At, Steady, load_case, steady};
 use pushbelt_lab::variators::{MODELS, SPEED, coarse, mesh, variator};
 
@@ -34,13 +34,13 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
     );
     let (_, left) = strand(1);
     // Twentieths of the push force, or of what neighbouring elements feel at the first touch.
-    let belt = &state.system.law.parameters.belt;
+    let belt = &state.system.parameters.belt;
     let touch = 0.5 * belt.push_stiffness * belt.contact_strain;
     assert!(
         left <= 0.05 * high.max(touch),
         "{name}: {left} N left in the pulling strand of {high} N"
     );
-    let friction = &state.system.law.parameters.friction;
+    let friction = &state.system.parameters.friction;
     for (segments, sign, arc) in [(&[2][..], 1.0, "primary"), (&[4, 0], -1.0, "secondary")] {
         let course = segments
             .iter()
@@ -136,7 +136,7 @@ fn belt_speed_moves_the_thrust_ratio_by_less_than_five_percent() {
             }
             let [half, full, more] = [0.5, 1.0, 1.5].map(|share| {
                 let speed = share * SPEED;
-                steady(&parameters, &case.task(), [speed / ratio(case.theta), speed])
+                steady(&parameters, &case.task(), speeds(ratio(case.theta), speed))
                     .outputs
                     .thrust_ratio
             });
@@ -224,12 +224,9 @@ fn the_friction_velocity_is_small_enough() {
 /// Nothing pulls along a ring without friction: its tension is the same all around, outside the elements that touch an
 /// arc border. Largest deviation from the mean, of stations and of element means.
 fn tension_ripple(state: &Steady) -> [f64; 2] {
-    let elements = &state.system.mesh.elements;
-    let n = elements.len();
-    let inner = |element: usize| {
-        let on_arc = |element: usize| elements[element % n].segment.is_multiple_of(2);
-        on_arc(element + 1) == on_arc(element) && on_arc(element + n - 1) == on_arc(element)
-    };
+    let on_arc = state.on_arc();
+    let n = on_arc.len();
+    let inner = |i: usize| on_arc[(i + 1) % n] == on_arc[i] && on_arc[(i + n - 1) % n] == on_arc[i];
     let stations = state.stations();
     let mean = |of: &dyn Fn(usize) -> bool| {
         let (force, length) = stations
@@ -249,7 +246,8 @@ fn tension_ripple(state: &Steady) -> [f64; 2] {
 }
 
 /// At the default mesh the tension of each element (its mean, as in the outputs) is constant; within the second element
-/// from an arc border the cubic shape still ripples beyond 5 %, on twice the elements no longer.
+/// from an arc border the cubic shape still ripples beyond 5 %, on twice the elements no longer. Found, at most: 1.0 %,
+/// 7.5 %, 1.5 %.
 #[test]
 fn ring_tension_is_constant_without_ring_friction() {
     let mut parameters = variator(RingModel::Ale);
@@ -266,7 +264,7 @@ fn ring_tension_is_constant_without_ring_friction() {
             100.0 * means,
             100.0 * fine_points
         );
-        assert!(means < 0.05 && points < 0.1 && fine_points < 0.05, "{}", case.name);
+        assert!(means < 0.015 && points < 0.09 && fine_points < 0.02, "{}", case.name);
     }
 }
 
@@ -278,15 +276,15 @@ fn swapped_pulleys_mirror_each_other() {
         parameters.mesh = mesh(12, 8);
         for i in [0.5, ratio(0.2), 1.0, 1.6] {
             let task = SteadyTask {
-                speed: [ShaftMode::Transmit(50.0), ShaftMode::Fixed],
-                ..given(i, P, 9000.0, 0.01)
+                shaft: pair(ShaftMode::Transmit(50.0), ShaftMode::Fixed),
+                ..given(i, Pulley::Primary, 9000.0, 0.01)
             };
-            let direct = steady(&parameters, &task, [SPEED / i, SPEED]).outputs;
+            let direct = steady(&parameters, &task, speeds(i, SPEED)).outputs;
             let task = SteadyTask {
-                speed: [ShaftMode::Fixed, ShaftMode::Torque(-direct.secondary.shaft_torque)],
-                ..given(1.0 / i, S, 9000.0, -0.01)
+                shaft: pair(ShaftMode::Fixed, ShaftMode::Torque(-direct.secondary.shaft_torque)),
+                ..given(1.0 / i, Pulley::Secondary, 9000.0, -0.01)
             };
-            let mirrored = steady(&parameters, &task, [SPEED, SPEED * i]).outputs;
+            let mirrored = steady(&parameters, &task, pair(SPEED, SPEED * i)).outputs;
             let product = direct.thrust_ratio * mirrored.thrust_ratio;
             println!(
                 "{model:?}: {} · {} − 1 = {:.1e}",
@@ -304,15 +302,15 @@ fn swapped_pulleys_mirror_each_other() {
 fn equal_pulleys_with_equal_torques_share_the_thrust() {
     for model in MODELS {
         // One speed at ratio 1, as far as a ratio is solved for: slip of 3e-8 is torque of 3e-4 N·m.
-        let without_slip = given(1.0, P, 10e3, 0.0);
-        let o = steady(&variator(model), &without_slip, [SPEED; 2]).outputs;
+        let without_slip = given(1.0, Pulley::Primary, 10e3, 0.0);
+        let o = steady(&variator(model), &without_slip, speeds(1.0, SPEED)).outputs;
         let half = -0.5 * (o.primary.shaft_torque + o.secondary.shaft_torque);
         assert!(half > 0.0, "losses must be supplied");
         let task = SteadyTask {
-            speed: [ShaftMode::Transmit(half), ShaftMode::Fixed],
+            shaft: pair(ShaftMode::Transmit(half), ShaftMode::Fixed),
             ..without_slip
         };
-        let o = steady(&variator(model), &task, [SPEED; 2]).outputs;
+        let o = steady(&variator(model), &task, speeds(1.0, SPEED)).outputs;
         println!(
             "{model:?}: thrust ratio − 1 = {:.1e}, torques {:.6} and {:.6} N·m",
             o.thrust_ratio - 1.0,
@@ -327,11 +325,11 @@ fn equal_pulleys_with_equal_torques_share_the_thrust() {
 /// A load case at another torque, N·m, and primary speed, rad/s.
 fn carrying(parameters: &Parameters, case: &LoadCase, torque: f64, speed: f64) -> Steady {
     let task = SteadyTask {
-        speed: [ShaftMode::Transmit(torque), ShaftMode::Fixed],
+        shaft: pair(ShaftMode::Transmit(torque), ShaftMode::Fixed),
         slip: 0.01 * (torque * speed).signum(),
         ..case.task()
     };
-    steady(parameters, &task, [speed / ratio(case.theta), speed])
+    steady(parameters, &task, speeds(ratio(case.theta), speed))
 }
 
 /// Reverse running is the picture in the mirror of the line of the axes: speeds and torques change sign, forces do not.
@@ -370,8 +368,8 @@ fn a_steady_state_takes_its_usual_work() {
     let parameters = variator(RingModel::Ale);
     let counts = load_case(&parameters, &LoadCase::new(&parameters, "medium", 0.0, 50.0)).counts;
     println!("{counts:?}");
-    assert_pinned(counts.residuals, 365, "residuals");
-    assert_pinned(counts.factorizations, 79, "factorizations");
+    assert_pinned(counts.residuals, 380, "residuals");
+    assert_pinned(counts.factorizations, 88, "factorizations");
 }
 
 /// The default mesh is made for some thousand revolutions a minute; at 600 rad/s in overdrive gaps are wider.
@@ -382,11 +380,11 @@ fn the_default_mesh_at_high_speed() {
         parameters.mesh = parameters.mesh.refined(factor);
         let case = LoadCase::new(&parameters, "overdrive", 0.4, 50.0);
         let task = SteadyTask {
-            clamping: [1.3 * case.clamping; 2],
+            clamping: pair(1.3 * case.clamping, 1.3 * case.clamping),
             ..case.task()
         };
         let speed = 600.0;
-        steady(&parameters, &task, [speed / ratio(case.theta), speed])
+        steady(&parameters, &task, speeds(ratio(case.theta), speed))
             .outputs
             .thrust_ratio
     };
@@ -409,7 +407,7 @@ struct Strand {
 impl Strand {
     /// Of segment 1 (upper, from S to P) or 3.
     fn of(state: &Steady, segment: usize) -> Self {
-        let p = &state.system.law.parameters;
+        let p = &state.system.parameters;
         let free = |at: &&At| at.segment == segment && at.sample.normal < 1.0;
         let stations: Vec<Sample> = state.stations().iter().filter(free).map(|at| at.sample).collect();
         let inner = &stations[2..stations.len() - 2];
@@ -455,14 +453,18 @@ fn strands_and_shafts_have_the_same_moments() {
                 let state = carrying(&parameters, &case, torque, SPEED);
                 let [upper, lower] = [1, 3].map(|segment| Strand::of(&state, segment));
                 let o = &state.outputs;
-                for (j, sign, pulley) in [(S, 1.0, &o.secondary), (P, -1.0, &o.primary)] {
-                    let axis = state.system.law.axes[j];
+                for (j, sign, pulley) in [
+                    (Pulley::Secondary, 1.0, &o.secondary),
+                    (Pulley::Primary, -1.0, &o.primary),
+                ] {
+                    let axis = state.axes()[j];
                     let [up, low] = [&upper, &lower].map(|strand| strand.moment(axis, parameters.belt.pitch_offset));
                     let off = sign * (low - up) + pulley.shaft_torque;
                     let share = off / o.primary.shaft_torque.abs().max(o.secondary.shaft_torque.abs());
                     println!(
-                        "{model:?} {} x {factor}, {torque} N·m, pulley {j}: {off:.1e} N·m, {share:.1e}",
-                        case.name
+                        "{model:?} {} x {factor}, {torque} N·m, {} pulley: {off:.1e} N·m, {share:.1e}",
+                        case.name,
+                        j.name()
                     );
                     assert!(
                         share.abs() < allowed,

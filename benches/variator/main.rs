@@ -25,19 +25,20 @@ use std::path::PathBuf;
 use clap::Parser;
 use cpu_time::ThreadTime;
 use pushbelt::contact::full_slip_torque;
+use pushbelt::pulley::Pulley;
 use pushbelt::scalar::LANES;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::solver::{State, System};
-use pushbelt::variator::mesh::{P, S};
 use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Parameters, RingModel};
+use pushbelt::variator::steady::solve::{SteadyTask, solve};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
-use pushbelt::variator::steady::{SteadyTask, solve};
 use pushbelt::variator::system::VariatorSystem;
-use pushbelt_lab::load_cases::{LoadCase, given};
+use pushbelt_lab::inside::thrust_ratio;
+use pushbelt_lab::load_cases::{LoadCase, given, pair};
 use pushbelt_lab::manoeuvre::Manoeuvre;
 use pushbelt_lab::variators::{SPEED, variator};
 use serde_json::{Value, json};
@@ -336,10 +337,10 @@ fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, (Counts, Vec<O
             primary_speed: SPEED,
             clamping: task.clamping,
         };
-        let mut state = kinematic_state(&system, &start).expect("a start");
+        let mut state = kinematic_state(&system.belt, &start).expect("a start");
         let mut newton = Newton::new(&system);
         let found = solve(&mut system, &mut newton, &mut state, &task, 400);
-        ratios.push(found.ok().map(|_| system.belt_load(P) / system.belt_load(S)));
+        ratios.push(found.ok().map(|_| thrust_ratio(&system, &state)));
         total += newton.counts;
     }
     (start.elapsed().as_secs_f64(), (total, ratios))
@@ -368,7 +369,7 @@ fn steady_map(model: RingModel) -> Map {
     let mut newton = Newton::new(&system);
     for i in 0..MAP_RATIOS {
         let ratio = 2.2 * (0.45_f64 / 2.2).powf(i as f64 / (MAP_RATIOS - 1) as f64);
-        let (radius, _) = system.curve.radii(ratio).expect("the belt closes");
+        let (radius, _) = system.belt.curve.radii(ratio).expect("the belt closes");
         let capacity = full_slip_torque(
             &parameters.friction,
             parameters.geometry.wedge_angle.cos(),
@@ -379,15 +380,15 @@ fn steady_map(model: RingModel) -> Map {
         for k in 0..MAP_TORQUES {
             let share = 0.05 + 0.6 * k as f64 / (MAP_TORQUES - 1) as f64;
             let task = SteadyTask {
-                speed: [ShaftMode::Transmit(share * capacity), ShaftMode::Fixed],
-                ..given(ratio, P, MAP_FORCE, 0.01)
+                shaft: pair(ShaftMode::Transmit(share * capacity), ShaftMode::Fixed),
+                ..given(ratio, Pulley::Primary, MAP_FORCE, 0.01)
             };
             let cold = Start {
                 ratio,
                 primary_speed: SPEED,
-                clamping: [MAP_FORCE; 2],
+                clamping: pair(MAP_FORCE, MAP_FORCE),
             };
-            let kinematic = kinematic_state(&system, &cold).expect("a start");
+            let kinematic = kinematic_state(&system.belt, &cold).expect("a start");
             let mut find = |mut state: State, warm: bool| {
                 let task = SteadyTask { warm, ..task };
                 let found = solve(&mut system, &mut newton, &mut state, &task, 400);
@@ -438,11 +439,11 @@ fn pieces(mut parameters: Parameters, factor: i32) -> Pieces {
     parameters.mesh = parameters.mesh.refined(factor);
     let mut system = VariatorSystem::new(&parameters);
     let state = kinematic_state(
-        &system,
+        &system.belt,
         &Start {
             ratio: 1.0,
             primary_speed: SPEED,
-            clamping: [1e4, 1.3e4],
+            clamping: pair(1e4, 1.3e4),
         },
     )
     .expect("a start");
@@ -457,7 +458,7 @@ fn pieces(mut parameters: Parameters, factor: i32) -> Pieces {
         least(|| factors.solve(black_box(&mut residual))),
     ];
     Pieces {
-        elements: system.mesh.elements.len(),
+        elements: system.belt.mesh.elements.len(),
         seconds,
     }
 }

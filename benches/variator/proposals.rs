@@ -2,14 +2,12 @@
 //! and overlay would take, and how many modes an overlay by proper orthogonal decomposition needs.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use pushbelt::solver::arrow::Arrow;
+use pushbelt::solver::State;
 use pushbelt::solver::sdirk::GAMMA;
-use pushbelt::solver::{State, System};
-use pushbelt::variator::layout::Global;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::RingModel;
-use pushbelt::variator::system::VariatorSystem;
+use pushbelt_lab::inside::{overlay, stations};
 use pushbelt_lab::load_cases::LoadCase;
 use pushbelt_lab::manoeuvre::Manoeuvre;
 use pushbelt_lab::steady::load_case;
@@ -34,19 +32,11 @@ fn separated(table: &mut Table) {
     let parameters = variator(RingModel::Ale);
     let [_, medium, _] = LoadCase::three(&parameters, 50.0);
     let mut steady = load_case(&parameters, &medium);
-    let layout = steady.system.layout;
-    let n = layout.len();
-    let reference = [Global::Drift, Global::Theta].map(|global| layout.global(global, 0));
-    let overlay: Vec<usize> = (0..layout.elements)
-        .flat_map(|node| (0..2 * layout.components).map(move |k| layout.node(node, k)))
-        .chain([0, 1].map(|k| layout.global(Global::Gauge, k)))
-        .collect();
-    let jacobians = STEPS.map(|h| dense(&mut steady.system, &steady.state, 1.0 / (GAMMA * h)));
+    let n = steady.state.y.len();
+    let (reference, overlay) = (steady.reference_places(), steady.overlay_places());
+    let jacobians = STEPS.map(|h| steady.jacobian(1.0 / (GAMMA * h)));
     let rest = |part: &[usize]| (0..n).filter(|i| !part.contains(i)).collect::<Vec<_>>();
-    for (name, part) in [
-        ("s and Theta | all else", reference.to_vec()),
-        ("overlay | all else", overlay),
-    ] {
+    for (name, part) in [("s and Theta | all else", reference), ("overlay | all else", overlay)] {
         let other = rest(&part);
         let found = jacobians.each_ref().map(|jacobian| {
             let block = |rows: &[usize], columns: &[usize]| jacobian.select_rows(rows).select_columns(columns);
@@ -71,20 +61,6 @@ fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
     eigenvalues.iter().fold(0.0, |most, x| most.max(x.norm()))
 }
 
-/// The Jacobian of a stage, in full.
-fn dense(system: &mut VariatorSystem, state: &State, alpha: f64) -> DMatrix<f64> {
-    let n = state.y.len();
-    let mut arrow = Arrow::new(system.shape());
-    system.jacobian(0.0, state.view(), alpha, 1.0 / alpha, &mut arrow);
-    let (mut matrix, mut unit) = (DMatrix::zeros(n, n), vec![0.0; n]);
-    for (k, mut column) in matrix.column_iter_mut().enumerate() {
-        unit[k] = 1.0;
-        arrow.multiply(&unit, column.as_mut_slice());
-        unit[k] = 0.0;
-    }
-    matrix
-}
-
 /// Numbers of modes that are tried.
 const MODES: [usize; 6] = [8, 16, 32, 64, 96, 128];
 /// Communication steps between snapshots; tests lie in the middle between two.
@@ -97,10 +73,10 @@ fn modes(table: &mut Table, trace: &[Inputs]) {
     let parameters = Manoeuvre::variator(variator(RingModel::Ale));
     let mut variator = Variator::new(parameters).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
-    let layout = variator.system().layout;
     // A slope counts with the length of an element, some 10 mm.
-    let overlay: Vec<(usize, f64)> = (0..layout.elements)
-        .flat_map(|node| (0..4).map(move |k| (layout.node(node, k), if k % 2 == 0 { 1.0 } else { 1e-2 })))
+    let overlay: Vec<(usize, f64)> = overlay(&variator)
+        .into_iter()
+        .map(|(place, order)| (place, if order == 0 { 1.0 } else { 1e-2 }))
         .collect();
     let (mut training, mut tests) = (Vec::new(), Vec::new());
     for (k, inputs) in trace.iter().enumerate() {
@@ -127,13 +103,9 @@ fn modes(table: &mut Table, trace: &[Inputs]) {
     } = covariance.symmetric_eigen();
     let mut order: Vec<usize> = (0..overlay.len()).collect();
     order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
-    let system = variator.system();
     let tensions = |state: &State| -> Vec<f64> {
-        let survey = system.surveyed(state.view());
-        survey
-            .stations(&system.mesh)
-            .map(|(_, sample)| sample.tension)
-            .collect()
+        let stations = stations(&variator, state);
+        stations.iter().map(|sample| sample.tension).collect()
     };
     for count in MODES {
         let basis = eigenvectors.select_columns(&order[..count]);

@@ -1,6 +1,8 @@
 //! What the tests, benchmarks and examples of `pushbelt` share. It is a development dependency and not published.
 
 pub mod checks;
+pub mod inside;
+pub mod laws;
 pub mod load_cases;
 pub mod manoeuvre;
 mod noise;

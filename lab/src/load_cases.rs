@@ -46,13 +46,20 @@ impl LoadCase {
     /// What the steady solver is asked for.
     pub fn task(&self) -> SteadyTask {
         SteadyTask {
-            shaft: PerPulley {
-                secondary: ShaftMode::Transmit(self.torque),
-                primary: ShaftMode::Fixed,
-            },
+            shaft: pair(ShaftMode::Transmit(self.torque), ShaftMode::Fixed),
             ..given(ratio(self.theta), Pulley::Primary, self.clamping, 0.01)
         }
     }
+}
+
+/// A value for each pulley.
+pub fn pair<T>(secondary: T, primary: T) -> PerPulley<T> {
+    PerPulley { secondary, primary }
+}
+
+/// Speeds of the shafts without slip at a ratio and a primary speed, rad/s.
+pub fn speeds(ratio: f64, primary: f64) -> PerPulley<f64> {
+    pair(primary / ratio, primary)
 }
 
 /// i_g of Θ.

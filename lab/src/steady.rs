@@ -11,7 +11,7 @@ use pushbelt::variator::survey::observe::{Context, Observer};
 use pushbelt::variator::survey::survey::Survey;
 use pushbelt::variator::system::VariatorSystem;
 
-use crate::load_cases::{LoadCase, ratio};
+use crate::load_cases::{LoadCase, ratio, speeds};
 use crate::variators::SPEED;
 
 /// Most solves a steady state may take here.
@@ -113,9 +113,5 @@ pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>
 
 /// The steady state of a load case.
 pub fn load_case(parameters: &Parameters, case: &LoadCase) -> Steady {
-    let speeds = PerPulley {
-        secondary: SPEED / ratio(case.theta),
-        primary: SPEED,
-    };
-    steady(parameters, &case.task(), speeds)
+    steady(parameters, &case.task(), speeds(ratio(case.theta), SPEED))
 }

@@ -1,0 +1,185 @@
+//! What tests and benchmarks look at inside the variator: unknowns, equations and fields that no output shows.
+
+use nalgebra::DMatrix;
+use pushbelt::pulley::PerPulley;
+use pushbelt::solver::arrow::Arrow;
+use pushbelt::solver::{State, System, View};
+use pushbelt::variator::cell::sample::Sample;
+use pushbelt::variator::mesh::layout::Layout;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::Parameters;
+use pushbelt::variator::survey::survey::Survey;
+use pushbelt::variator::system::VariatorSystem;
+
+use crate::steady::Steady;
+
+/// s and Θ of a variator.
+#[must_use]
+pub fn reference_motion(variator: &Variator) -> [f64; 2] {
+    let layout = &variator.system().belt.layout;
+    [layout.drift(), layout.theta()].map(|at| variator.state().q[at])
+}
+
+/// Smallest net force T − Q in a strand, N: negative where it would buckle.
+#[must_use]
+pub fn strand_force(variator: &Variator) -> f64 {
+    variator.ledger().last.sums.strand_force
+}
+
+/// How the loaded stations of a pulley slide.
+#[derive(Clone, Copy, Debug)]
+pub struct Sliding {
+    /// Mean tangential sliding speed, m/s, weighted by load.
+    pub mean: f64,
+    /// Share of the load that slides forward.
+    pub forward: f64,
+}
+
+/// Sliding on both pulleys.
+#[must_use]
+pub fn sliding(variator: &Variator) -> PerPulley<Sliding> {
+    variator.ledger().last.sums.sliding.map(|sums| Sliding {
+        mean: sums.weighted / sums.load,
+        forward: sums.forward / sums.load,
+    })
+}
+
+/// Axial force of the belt on the primary sheave over that on the secondary one.
+#[must_use]
+pub fn thrust_ratio(system: &VariatorSystem, state: &State) -> f64 {
+    let axial = Survey::of(system, state.view()).sums.axial;
+    axial.primary / axial.secondary
+}
+
+/// Every station around the loop in a state of a variator.
+#[must_use]
+pub fn stations(variator: &Variator, state: &State) -> Vec<Sample> {
+    let system = variator.system();
+    let survey = Survey::of(system, state.view());
+    survey.stations(&system.belt.mesh).map(|(_, sample)| sample).collect()
+}
+
+/// Places of the overlay's unknowns in the state of a planar ring, with the order of the derivative that each is: 0 a
+/// deflection, 1 a slope.
+#[must_use]
+pub fn overlay(variator: &Variator) -> Vec<(usize, u32)> {
+    let layout = variator.system().belt.layout;
+    (0..layout.elements)
+        .flat_map(|node| [0, 1, 2, 3].map(|k| (layout.node(node, k as usize), k % 2)))
+        .collect()
+}
+
+impl Steady {
+    /// Places of s and Θ.
+    #[must_use]
+    pub fn reference_places(&self) -> Vec<usize> {
+        let layout = &self.system.belt.layout;
+        vec![layout.drift(), layout.theta()]
+    }
+
+    /// Places of the overlay, multipliers of its gauge included.
+    #[must_use]
+    pub fn overlay_places(&self) -> Vec<usize> {
+        let layout = &self.system.belt.layout;
+        (0..layout.elements)
+            .flat_map(|node| (0..2 * layout.components()).map(move |k| layout.node(node, k)))
+            .chain([0, 1].map(|condition| layout.gauge(condition)))
+            .collect()
+    }
+
+    /// The Jacobian of a stage, in full; `alpha` = 1/(γh) of a step h.
+    pub fn jacobian(&mut self, alpha: f64) -> DMatrix<f64> {
+        let n = self.state.y.len();
+        let mut arrow = Arrow::new(self.system.shape());
+        self.system
+            .jacobian(0.0, self.state.view(), alpha, 1.0 / alpha, &mut arrow);
+        let (mut matrix, mut unit) = (DMatrix::zeros(n, n), vec![0.0; n]);
+        for (k, mut column) in matrix.column_iter_mut().enumerate() {
+            unit[k] = 1.0;
+            arrow.multiply(&unit, column.as_mut_slice());
+            unit[k] = 0.0;
+        }
+        matrix
+    }
+
+    /// Whether an element of the ring lies on an arc.
+    #[must_use]
+    pub fn on_arc(&self) -> Vec<bool> {
+        let elements = self.system.belt.mesh.elements.iter();
+        elements.map(|element| element.segment.is_multiple_of(2)).collect()
+    }
+
+    /// Axes of the pulleys along x, m.
+    #[must_use]
+    pub fn axes(&self) -> PerPulley<f64> {
+        self.system.belt.law.axes
+    }
+
+    /// Distance of the belt planes that the pitch radii alone make, m.
+    #[must_use]
+    pub fn geometric_misalignment(&self) -> f64 {
+        let (law, o) = (&self.system.belt.law, &self.outputs);
+        -(o.primary.radius + o.secondary.radius - 2.0 * law.r0) * law.wedge[2]
+    }
+
+    /// The state of a planar ring put into the equations of one in space, both belt planes at the same height.
+    #[must_use]
+    pub fn lifted(&self, parameters: &Parameters) -> Lifted {
+        let mut space = VariatorSystem::new(parameters);
+        space.loads = self.system.loads;
+        let layout = space.belt.layout;
+        let places = shared(&self.system.belt.layout, &layout);
+        let mut state = State::zero(layout.len());
+        for &(i, j) in &places {
+            (state.y[j], state.y_dot[j], state.q[j]) = (self.state.y[i], self.state.y_dot[i], self.state.q[i]);
+        }
+        let middles = space.belt.middles(state.view());
+        for node in 0..layout.elements {
+            state.q[layout.node(node, 4)] = middles.primary;
+        }
+        let planar = rows(&mut self.system.clone(), self.state.view());
+        let mut lateral = rows(&mut space, state.view());
+        let pairs = places
+            .iter()
+            .map(|&(i, j)| [planar[i], std::mem::take(&mut lateral[j])]);
+        Lifted {
+            middles,
+            shared: pairs.collect(),
+            lateral,
+        }
+    }
+}
+
+/// Residuals of one state in the equations of a planar ring and of a ring in space.
+#[derive(Clone, Debug)]
+pub struct Lifted {
+    /// Middles of the pulleys along z, m.
+    pub middles: PerPulley<f64>,
+    /// Rows that both have, in the plane and in space.
+    pub shared: Vec<[f64; 2]>,
+    /// Rows of the ring in space; zero in place of those that both have.
+    pub lateral: Vec<f64>,
+}
+
+fn rows(system: &mut VariatorSystem, view: View<'_>) -> Vec<f64> {
+    let mut rows = vec![0.0; view.y.len()];
+    system.residual(0.0, view, &mut rows);
+    rows
+}
+
+/// Places of the same unknown in two layouts.
+fn shared(flat: &Layout, space: &Layout) -> Vec<(usize, usize)> {
+    let nodes = (0..flat.elements).flat_map(|node| (0..4).map(move |k| (node, k)));
+    let cells = 0..flat.cells();
+    let globals = flat.drift()..flat.len();
+    nodes
+        .map(|(node, k)| (flat.node(node, k), space.node(node, k)))
+        .chain(
+            cells
+                .clone()
+                .map(|cell| (flat.belt_speed(cell), space.belt_speed(cell))),
+        )
+        .chain(cells.map(|cell| (flat.amount(cell), space.amount(cell))))
+        .chain(globals.zip(space.drift()..))
+        .collect()
+}

@@ -1,0 +1,174 @@
+//! Flank contact.
+
+use num_dual::Dual64;
+use pushbelt::contact::{FlankForce, FlankMotion, PENETRATION_SMOOTHING, energy_density, flank_force};
+use pushbelt::scalar::{Real, Tangent};
+use pushbelt_lab::laws::{contact, cos_beta, friction, integral};
+use pushbelt_lab::noise;
+
+use crate::{assert_near, slope};
+
+const MICRON: f64 = 1e-6;
+
+/// g, Dg/Dt, v_t and v_f as a motion.
+fn motion<T>([penetration, closing, tangential, along_flank]: [T; 4]) -> FlankMotion<T> {
+    FlankMotion {
+        penetration,
+        closing,
+        tangential,
+        along_flank,
+    }
+}
+
+fn force<T: Real>(x: [T; 4]) -> FlankForce<T> {
+    flank_force(&contact(), &friction(), cos_beta(), &motion(x))
+}
+
+fn figures<T: Real>(x: [T; 4]) -> [T; 4] {
+    let force = force(x);
+    [force.normal, force.viscous, force.tangential, force.along_flank]
+}
+
+/// Derivatives with respect to g, Dg/Dt, v_t and v_f: of num-dual, of the solver's own numbers, and differences. Each
+/// difference is off by at most 1e-6 of what the force changes by over the width in which the law turns.
+fn assert_derivatives(x: [f64; 4]) {
+    let widths = [PENETRATION_SMOOTHING, 1.0, friction().velocity, friction().velocity];
+    let tangents = figures(std::array::from_fn(|i| Tangent::<4, f64>::seed(x[i], i, 1.0)));
+    for (i, width) in widths.into_iter().enumerate() {
+        let mut dual = x.map(Dual64::from_re);
+        dual[i] = dual[i].derivative();
+        for (k, exact) in figures(dual).into_iter().enumerate() {
+            let what = format!("∂f{k}/∂x{i} at {x:?}");
+            let scale = exact.eps.abs().max(exact.re.abs() / width).max(1.0);
+            assert_near(tangents[k].eps[i], exact.eps, scale, 1e-13, &what);
+            let moved = |h: f64| {
+                let mut x = x;
+                x[i] += h;
+                figures(x)[k]
+            };
+            assert_near(slope(moved, 1e-2 * width), exact.eps, scale, 1e-6, &what);
+        }
+    }
+}
+
+#[test]
+fn derivatives_where_it_sticks() {
+    let v = 1e-2 * friction().velocity;
+    assert_derivatives([20.0 * MICRON, 1e-3, v, -2.0 * v]);
+}
+
+#[test]
+fn derivatives_where_it_slides_tangentially() {
+    assert_derivatives([20.0 * MICRON, 1e-3, 30.0 * friction().velocity, 0.0]);
+}
+
+#[test]
+fn derivatives_where_it_slides_along_the_flank() {
+    assert_derivatives([20.0 * MICRON, 1e-3, 0.0, -30.0 * friction().velocity]);
+}
+
+#[test]
+fn derivatives_where_contact_breaks() {
+    let v0 = friction().velocity;
+    for penetration in [-PENETRATION_SMOOTHING, 0.0, PENETRATION_SMOOTHING] {
+        assert_derivatives([penetration, -0.2, v0, v0]);
+    }
+}
+
+#[test]
+fn derivatives_where_it_is_apart() {
+    assert_derivatives([-30.0 * MICRON, -0.1, 1e-2, 0.0]);
+}
+
+#[test]
+fn derivatives_in_deep_contact() {
+    let v0 = friction().velocity;
+    assert_derivatives([500.0 * MICRON, 1e-2, 3.0 * v0, v0]);
+}
+
+/// The axial part p cos β of the normal force, at rest.
+fn axial(penetration: f64) -> f64 {
+    force([penetration, 0.0, 0.0, 0.0]).normal * cos_beta()
+}
+
+/// The flank presses with −∂E/∂g on its sheave's way: E by num-dual.
+fn assert_force_is_the_slope_of_the_energy(penetration: f64) {
+    let energy = energy_density(&contact(), cos_beta(), Dual64::from_re(penetration).derivative());
+    let found = axial(penetration);
+    assert_near(energy.eps, found, found, 1e-12, "∂E/∂g");
+}
+
+#[test]
+fn normal_force_is_the_slope_of_the_energy_in_contact() {
+    assert_force_is_the_slope_of_the_energy(20.0 * MICRON);
+    assert_force_is_the_slope_of_the_energy(500.0 * MICRON);
+}
+
+#[test]
+fn normal_force_is_the_slope_of_the_energy_at_first_touch() {
+    assert_force_is_the_slope_of_the_energy(0.0);
+}
+
+#[test]
+fn normal_force_is_the_slope_of_the_energy_in_a_gap() {
+    assert_force_is_the_slope_of_the_energy(-20.0 * MICRON);
+}
+
+#[test]
+fn energy_integrates_the_normal_force() {
+    let ends = [-20.0 * MICRON, 40.0 * MICRON];
+    let [from, to] = ends.map(|g| energy_density(&contact(), cos_beta(), g));
+    assert_near(integral(axial, ends, 600), to - from, to, 1e-10, "work");
+}
+
+/// Power of friction per flank and pitch-line length, W/m.
+fn friction_power(x: [f64; 4]) -> f64 {
+    let force = force(x);
+    force.tangential * x[2] + force.along_flank * x[3]
+}
+
+/// μ p_el, N/m.
+fn cone(penetration: f64) -> f64 {
+    friction().pulley * force([penetration, 0.0, 0.0, 0.0]).normal
+}
+
+/// −μ p v²/v₀: a viscous creep.
+#[test]
+fn friction_creeps_where_it_sticks() {
+    let v = 1e-3 * friction().velocity;
+    for [along, across] in [[v, 0.0], [0.0, v], [0.6 * v, -0.8 * v]] {
+        let expected = -cone(20.0 * MICRON) * v * v / friction().velocity;
+        let power = friction_power([20.0 * MICRON, 0.0, along, across]);
+        assert_near(power, expected, expected.abs(), 1e-6, "power of friction");
+    }
+}
+
+/// −μ p |v|, whichever way it slides and however fast the flanks close.
+#[test]
+fn friction_takes_its_full_power_where_it_slides() {
+    let v = 1e3 * friction().velocity;
+    for [along, across] in [[v, 0.0], [0.0, -v], [-0.6 * v, 0.8 * v]] {
+        for closing in [-0.5, 0.0, 0.5] {
+            let expected = -cone(20.0 * MICRON) * v;
+            let power = friction_power([20.0 * MICRON, closing, along, across]);
+            assert_near(power, expected, expected.abs(), 1e-6, "power of friction");
+        }
+    }
+}
+
+/// In any motion, also where damping pulls, friction opposes sliding and stays inside the cone, and damping opposes the
+/// closing.
+#[test]
+fn friction_and_damping_never_give_energy() {
+    let mut random = noise(1);
+    for _ in 0..10_000 {
+        let x = [100.0 * MICRON, 2.0, 1.0, 1.0].map(|size| size * random() * (20.0 * random()).exp());
+        let found = force(x);
+        assert!(friction_power(x) < 0.0, "{x:?}");
+        assert!(
+            found.tangential.hypot(found.along_flank) < cone(x[0]) * (1.0 + 1e-12),
+            "{x:?}"
+        );
+        assert!(found.viscous * x[1] > 0.0, "{x:?}");
+    }
+}

@@ -1,0 +1,115 @@
+//! Call sequences in random order with random and bad arguments, through the C functions of the built library, beside
+//! a model of the standard's state machine (its table 4.2.4, for a slave whose steps end before they return).
+//!
+//! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test sequences`. A short run
+//! under valgrind is a test, too. Where valgrind is not installed it counts as ignored, and where `CI` is set it fails.
+
+#![allow(unsafe_code, reason = "it calls the C functions")]
+
+mod calls;
+mod machine;
+mod master;
+
+use std::process::{Command, ExitCode, Stdio};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use proptest::collection::vec;
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use pushbelt::fmi2::Unit;
+use pushbelt::fmi2::table::{Causality, Kind};
+use pushbelt::unit::VariatorUnit;
+use pushbelt_lab::shared_library::{Library, count};
+
+use calls::calls;
+use master::Master;
+
+fn references(which: impl Fn(Causality) -> bool) -> Vec<u32> {
+    let table = VariatorUnit::table();
+    let chosen = table.variables().iter().filter(|v| which(v.causality));
+    chosen
+        .filter(|v| matches!(v.kind, Kind::Real { .. }))
+        .map(|v| v.reference)
+        .collect()
+}
+
+/// Runs `cases` sequences of up to `length` calls.
+fn check(cases: u32, length: usize, cheap: bool) {
+    let library = Library::load();
+    let outputs = references(|causality| causality == Causality::Output);
+    let readings = references(|_| true);
+    let config = Config {
+        cases,
+        failure_persistence: None,
+        max_shrink_iters: 2000,
+        ..Config::default()
+    };
+    // The same sequences every time; more cases go on from there.
+    let seed = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    let outcome = TestRunner::new_with_rng(config, seed).run(&vec(calls(), 1..length), |calls| {
+        let mut master = Master::new(&library.functions, cheap, &outputs, &readings);
+        for call in &calls {
+            master.make(call);
+        }
+        Ok(())
+    });
+    if let Err(failure) = outcome {
+        panic!("{failure}");
+    }
+}
+
+/// Name of the test that runs under valgrind.
+const COARSE: &str = "random_sequences_with_a_coarse_reference_ring";
+
+fn coarse() -> Result<(), Failed> {
+    check(count("PUSHBELT_SEQUENCES", 1000), 60, true);
+    Ok(())
+}
+
+fn default_model() -> Result<(), Failed> {
+    check(count("PUSHBELT_DEFAULT_SEQUENCES", 3), 40, false);
+    Ok(())
+}
+
+/// Whether valgrind can be started.
+fn valgrind_is_there() -> bool {
+    let mut command = Command::new("valgrind");
+    let silent = command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
+    silent.status().is_ok_and(|status| status.success())
+}
+
+/// No invalid access, no leak.
+fn valgrind() -> Result<(), Failed> {
+    let test = std::env::current_exe()?;
+    let output = Command::new("valgrind")
+        .args(["--quiet", "--error-exitcode=9", "--leak-check=full"])
+        .args(["--errors-for-leak-kinds=definite", "--show-leak-kinds=definite"])
+        .arg(test)
+        .args(["--exact", COARSE, "--test-threads=1"])
+        .env("PUSHBELT_SEQUENCES", "12")
+        .output()
+        .map_err(|error| format!("valgrind can't be started: {error}"))?;
+    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
+    if !output.status.success() {
+        return Err(format!("{out}{err}").into());
+    }
+    if !out.contains("1 passed") {
+        return Err(format!("nothing ran under valgrind: {out}").into());
+    }
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let mut trials = vec![
+        Trial::test(COARSE, coarse),
+        Trial::test("random_sequences_with_the_default_model", default_model),
+    ];
+    if cfg!(target_os = "linux") {
+        let skipped = !valgrind_is_there() && std::env::var_os("CI").is_none();
+        if skipped && !arguments.list {
+            eprintln!("valgrind is not installed: valgrind_finds_nothing is ignored");
+        }
+        trials.push(Trial::test("valgrind_finds_nothing", valgrind).with_ignored_flag(skipped));
+    }
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
