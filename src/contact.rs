@@ -43,11 +43,11 @@ pub struct Friction {
 }
 
 /// Smoothing width of the penetration, m: small against a working penetration of 10 to 40 µm.
-pub(crate) const PENETRATION_SMOOTHING: f64 = 0.5e-6;
+pub const PENETRATION_SMOOTHING: f64 = 0.5e-6;
 
 /// Motion of a flank relative to its sheave.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FlankMotion<T> {
+pub struct FlankMotion<T> {
     /// g, m.
     pub penetration: T,
     /// Dg/Dt along the element's path, m/s.
@@ -75,7 +75,7 @@ impl<T: Real> FlankMotion<T> {
 
 /// Forces on the element per flank and pitch-line length, N/m.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FlankForce<T> {
+pub struct FlankForce<T> {
     /// p, normal to the flank, damping included.
     pub normal: T,
     /// Damping part of p.
@@ -88,7 +88,7 @@ pub(crate) struct FlankForce<T> {
 
 /// Forces on an element that moves like this; `cos_beta` = cos β.
 #[inline(always)]
-pub(crate) fn flank_force<T: Real>(
+pub fn flank_force<T: Real>(
     contact: &Contact,
     friction: &Friction,
     cos_beta: f64,
@@ -123,7 +123,7 @@ const WIDEST_CLEARANCE: f64 = 1.0;
 /// Elastic energy of a flank per pitch-line length, J/m.
 #[inline(always)]
 #[must_use]
-pub(crate) fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
+pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
     crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, WIDEST_CLEARANCE) * stiffness
 }

@@ -30,14 +30,15 @@
 //! ```
 #![warn(missing_docs)]
 
-// A wrong number is worse than a slow one: docs/performance.md, "eight lanes with AVX-512".
+// A wrong number is worse than a slow one: docs/experiments.md, "eight lanes with AVX-512".
 #[cfg(target_feature = "avx512f")]
 compile_error!(
     "rustc 1.95, the pinned toolchain, miscompiles loops for AVX-512: compile for a processor without it, for example \
      with RUSTFLAGS=\"-C target-cpu=x86-64-v3\", or without RUSTFLAGS"
 );
 
-mod chain;
+#[doc(hidden)]
+pub mod chain;
 pub mod contact;
 pub mod fmi2;
 pub mod pulley;

@@ -91,7 +91,7 @@ pub(crate) fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Ite
 
 /// Nodes and weights of Gauss's rule on [−1, 1] with 2 to 5 points.
 #[must_use]
-pub(crate) fn gauss(points: usize) -> &'static [(f64, f64)] {
+pub fn gauss(points: usize) -> &'static [(f64, f64)] {
     const TWO: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
     const THREE: [(f64, f64); 3] = [
         (-0.774_596_669_241_483_4, 5.0 / 9.0),

@@ -3,7 +3,8 @@
 
 #![forbid(unsafe_code)]
 
-pub(crate) mod ale;
+#[doc(hidden)]
+pub mod ale;
 pub mod ale_ring;
 pub mod ancf;
 pub(crate) mod beam;

@@ -91,7 +91,7 @@ fn check_jacobian_by(parameters: &Parameters, speed: f64, step: f64) {
         system.belt.layout.for_each_ring_length(|i| coarse[i] = true);
     }
     let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
-    compare(&mut system, &state, [alpha, beta], h, |entry| {
+    compare(&mut system, TIME, &state, [alpha, beta], h, |entry| {
         let noise = 1e-15 * (entry.rounded + 1e3 / h(entry.column));
         let allowed = 2e-4 * entry.exact.abs() + 2e-7 * entry.largest + 20.0 * noise;
         assert!(

@@ -29,9 +29,13 @@ mod vectors;
 
 pub use hermite::Hermite;
 pub(crate) use hermite::combine;
-pub(crate) use load::{ElementLoad, Load};
+pub(crate) use load::ElementLoad;
+#[doc(hidden)]
+pub use load::Load;
 pub(crate) use motion::{ElementMotion, Node};
 pub use motion::{Motion, ReferenceMotion};
 pub use point::RingPoint;
 pub(crate) use variation::RingVariation;
-pub(crate) use vectors::{embed, in_plane, inward_normal};
+#[doc(hidden)]
+pub use vectors::embed;
+pub(crate) use vectors::{in_plane, inward_normal};
