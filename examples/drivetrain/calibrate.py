@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from pushbelt_demo.data import parameter_set
-from pushbelt_demo.unit import Archive, Variator
+from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.unit import Archive, Variator
 
 POINT = {
     "initial.ratio": 1.5,

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from pushbelt_demo.unit import Archive
-from pushbelt_drive import report, simulate, thrust_map
-from pushbelt_drive.car import demo_car
-from pushbelt_drive.cycle import wltc_class_3b
+from pushbelt.drive import report, simulate, thrust_map
+from pushbelt.drive.car import demo_car
+from pushbelt.drive.cycle import wltc_class_3b
+from pushbelt.fmu.unit import Archive
 
 LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))
 

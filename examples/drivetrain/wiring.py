@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pushbelt_demo.unit import Archive, Variator
+from pushbelt.fmu.unit import Archive, Variator
 
 START = {
     "initial.ratio": 1.5,

@@ -23,8 +23,8 @@ import cmm
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
-from pushbelt_demo.data import clamping_force  # noqa: E402
-from pushbelt_demo.unit import CLAMPED, HELD, SPEED_DRIVE, TORQUE_DRIVE, Archive, Variator  # noqa: E402
+from pushbelt.fmu.data import clamping_force  # noqa: E402
+from pushbelt.fmu.unit import CLAMPED, HELD, SPEED_DRIVE, TORQUE_DRIVE, Archive, Variator  # noqa: E402
 
 
 class Unit:
@@ -33,7 +33,9 @@ class Unit:
     def __init__(self, path: Path) -> None:
         self.archive = Archive.unpack(path)
         self.variables = {v.name: v for v in self.archive.description.modelVariables}
-        self._reals = [v.name for v in self.variables.values() if v.type == "Real" and v.causality in ("output", "local")]
+        self._reals = [
+            v.name for v in self.variables.values() if v.type == "Real" and v.causality in ("output", "local")
+        ]
 
     def start(self, name: str) -> float:
         return float(self.variables[name].start)

@@ -8,7 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from pushbelt_demo.unit import Archive, Variator
+
+from pushbelt.fmu.unit import Archive, Variator
 
 STEP = 1e-3
 """Communication step, s."""

@@ -11,11 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pushbelt_demo import __main__, data, events, page
-from pushbelt_demo.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of
-from pushbelt_demo.load_cases import NotFoundError, find_load
-from pushbelt_demo.results import StrandForces, Trace
-from pushbelt_demo.theory import ContinuousBelt
+from pushbelt import page
+from pushbelt.demo import __main__, events
+from pushbelt.demo.results import StrandForces
+from pushbelt.demo.theory import ContinuousBelt
+from pushbelt.fmu import data
+from pushbelt.fmu.geometry import TwoPulleyCurve, primary_radius, ratio_of, theta_of
+from pushbelt.fmu.intervals import intervals
+from pushbelt.fmu.load_cases import NotFoundError, find_load
+from pushbelt.fmu.results import Trace
 
 BENCH = data.parameter_set("bench168")
 
@@ -214,8 +218,8 @@ def test_slip_that_stays_is_no_recovery() -> None:
 def test_intervals_close_small_gaps() -> None:
     time = np.arange(6) * 1.0
     flag = np.array([0, 1, 0, 1, 0, 1])
-    assert events.intervals(time, flag) == [(1.0, 1.0), (3.0, 3.0), (5.0, 5.0)]
-    assert events.intervals(time, flag, gap=2.0) == [(1.0, 5.0)]
+    assert intervals(time, flag) == [(1.0, 1.0), (3.0, 3.0), (5.0, 5.0)]
+    assert intervals(time, flag, gap=2.0) == [(1.0, 5.0)]
 
 
 # Report

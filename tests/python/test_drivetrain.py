@@ -15,10 +15,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pushbelt_demo.unit import Archive, UnitError, Variator
-from pushbelt_drive import __main__, report, simulate, thrust_map, transmission
-from pushbelt_drive.car import Powertrain, demo_car
-from pushbelt_drive.control import (
+from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
+from pushbelt.drive.car import Powertrain, demo_car
+from pushbelt.drive.control import (
     Friction,
     Measured,
     PressureControl,
@@ -27,11 +26,12 @@ from pushbelt_drive.control import (
     SlipControl,
     clamping_force,
 )
-from pushbelt_drive.cycle import PARTS, Cycle, nedc, wltc_class_3b
-from pushbelt_drive.driver import Driver
-from pushbelt_drive.hydraulics import PressureCircuit
-from pushbelt_drive.piecewise import clip, interpolate, interval
-from pushbelt_drive.thrust_map import ThrustMap
+from pushbelt.drive.cycle import PARTS, Cycle, nedc, wltc_class_3b
+from pushbelt.drive.driver import Driver
+from pushbelt.drive.hydraulics import PressureCircuit
+from pushbelt.drive.piecewise import clip, interpolate, interval
+from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.fmu.unit import Archive, UnitError, Variator
 
 ROOT = Path(__file__).parents[2]
 CAR = demo_car()

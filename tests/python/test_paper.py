@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pushbelt_demo.data import load_cases, parameter_set
-from pushbelt_demo.geometry import TwoPulleyCurve
-from pushbelt_demo.results import Trace
-from pushbelt_demo.unit import Archive
-from pushbelt_paper import __main__, cases, report, tracer
-from pushbelt_paper.results import Times, Window
+from pushbelt.fmu.data import load_cases, parameter_set
+from pushbelt.fmu.geometry import TwoPulleyCurve
+from pushbelt.fmu.results import Trace
+from pushbelt.fmu.unit import Archive
+from pushbelt.paper import __main__, cases, report, tracer
+from pushbelt.paper.results import Times, Window
 
 ROOT = Path(__file__).parents[2]
 CURVE = TwoPulleyCurve(0.168, 0.703, -0.4)
@@ -150,7 +150,7 @@ def test_short_run_writes_report_and_tables(fmu: Path, rings_program: Path, tmp_
         assert f'<h2 id="{section}">' in page
     for table in ("8ab", "8c", "8d", "9"):
         assert len((tmp_path / f"figure-{table}.csv").read_text(encoding="utf-8").splitlines()) > 1
-    from pushbelt_paper import rings
+    from pushbelt.paper import rings
 
     found = rings.read(tmp_path / "rings")
     assert [check for check in found.checks if check.passed is False] == []

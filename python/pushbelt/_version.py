@@ -1,0 +1,3 @@
+"""Written by cargo fmu describe."""
+
+__version__ = "0.1.0"
