@@ -10,26 +10,26 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Circle, FancyArrowPatch
 
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
-from pushbelt.fmu.results import SteadyState
+from pushbelt.fmu.results import BeltState
 from pushbelt.style import INK, MUTED, STYLE, svg
 
 PUSH_COLOURS = LinearSegmentedColormap.from_list("push", ["#c9d3dd", "#7fb0d6", "#2f6fb0", "#6a2f8f", "#c4423f"])
 
 
-def belt_offset(state: SteadyState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:
+def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:
     """Distance of the belt from its reference curve at the points of the profile, outward positive, m.
 
     On an arc the profile counts from the arc's mean radius, which is not quite that of the reference curve.
     """
-    _, s_end, p_start, p_end, s_start, _ = curve.borders
-    place = state.profile.position
-    on_s, on_p = (place < s_end) | (place > s_start), (place > p_start) & (place < p_end)
-    mean_s = state["secondary.radius"] + pitch_offset - curve.secondary_radius
-    mean_p = state["primary.radius"] + pitch_offset - curve.primary_radius
-    return state.profile.radial_deviation + np.where(on_s, mean_s, np.where(on_p, mean_p, 0.0))
+    offset = state.profile.radial_deviation
+    for pulley in ("primary", "secondary"):
+        on_arc = np.abs(curve.from_middle(pulley, state.profile.position)) < 0.5 * curve.arc_length(pulley)
+        mean = state[f"{pulley}.radius"] + pitch_offset - curve.radius(pulley)
+        offset = offset + np.where(on_arc, mean, 0.0)
+    return offset
 
 
-def belt_picture(state: SteadyState, curve: TwoPulleyCurve, pitch_offset: float) -> str:
+def belt_picture(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) -> str:
     """The belt on its pulleys, coloured by push force, its distance from the reference curve magnified."""
     profile, offset = state.profile, belt_offset(state, curve, pitch_offset)
     magnification = magnification_for(offset, curve)

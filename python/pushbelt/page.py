@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import csv
+import platform
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -40,7 +41,8 @@ def write_html(template: str, context: Mapping[str, Any], path: Path, **filters:
         lstrip_blocks=True,
     )
     environment.filters.update(number=number, percent=percent, **filters)
-    path.write_text(environment.get_template(template).render(context), encoding="utf-8")
+    machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
+    path.write_text(environment.get_template(template).render(context, machine=machine), encoding="utf-8")
 
 
 def write_table(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int = 9) -> None:

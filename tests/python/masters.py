@@ -23,18 +23,14 @@ def with_fmpy(
     fmu: Path, start: Values, inputs: Callable[[float], Values], steps: int, outputs: Sequence[str]
 ) -> np.ndarray:
     """fmpy, call by call."""
-    archive = Archive.unpack(fmu)
-    try:
-        with Variator(archive, {**start, **inputs(0.0)}) as unit:
-            unit.initialise()
-            reader = unit.reader(outputs)
-            rows = [unit.read(reader)]
-            for k in range(steps):
-                unit.set(inputs(k * STEP))
-                unit.step_to((k + 1) * STEP)
-                rows.append(unit.read(reader))
-    finally:
-        archive.remove()
+    with Archive.unpack(fmu) as archive, Variator(archive, {**start, **inputs(0.0)}) as unit:
+        unit.initialise()
+        reals = unit.reals(outputs)
+        rows = [unit.get_reals(reals)]
+        for k in range(steps):
+            unit.set(inputs(k * STEP))
+            unit.step_to((k + 1) * STEP)
+            rows.append(unit.get_reals(reals))
     return np.array(rows)
 
 

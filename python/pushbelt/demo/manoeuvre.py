@@ -43,8 +43,8 @@ def run(
     begin = time.perf_counter()
     with Variator(archive, {**parameters, **START_VALUES, **inputs.at(0.0)}) as unit:
         unit.initialise()
-        reader = unit.reader(output_names(unit.variables.values()))
-        rows = np.empty((steps + 1, len(reader.names)))
+        outputs = unit.reals(output_names(unit.variables.values()))
+        rows = np.empty((steps + 1, len(outputs.names)))
         flags = np.empty(steps + 1)
         snapshots: dict[float, Profile] = {}
         kept = {round(moment / STEP): moment for moment in SNAPSHOTS}
@@ -52,13 +52,13 @@ def run(
             if step > 0:
                 unit.step_to(step * STEP)
                 progress(STEP)
-            rows[step] = unit.read(reader)
-            flags[step] = unit.flag("macroSlip")
+            rows[step] = unit.get_reals(outputs)
+            flags[step] = unit.get("macroSlip")
             if step in kept:
                 snapshots[kept[step]] = unit.profile()
             unit.set(inputs.at(step * STEP))
         warnings = tuple(unit.warnings)
-    columns = {name: rows[:, k] for k, name in enumerate(reader.names)}
+    columns = {name: rows[:, k] for k, name in enumerate(outputs.names)}
     columns["macroSlip"] = flags
     for name in inputs.columns:
         columns[name] = np.interp(np.arange(steps + 1) * STEP, inputs.time, inputs.columns[name])

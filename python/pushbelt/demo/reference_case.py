@@ -7,9 +7,10 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from pushbelt.fmu.data import curve_at, curve_of, parameter_set, reference_case
+from pushbelt.fmu.fields import mean_between
 from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
 from pushbelt.fmu.load_cases import steady_state
-from pushbelt.fmu.results import SteadyState, mean_between
+from pushbelt.fmu.results import SteadyState
 from pushbelt.fmu.unit import Archive
 
 from .results import ReferenceResult, StrandForces, Variant
@@ -74,7 +75,7 @@ def run(archive: Archive, progress: Callable[[], None] = lambda: None) -> Refere
     curve = curve_of(parameters, theta_of(ratio))
 
     def solve(changes: Mapping[str, float], load_guess: float | None = None) -> SteadyState:
-        found, _ = steady_state(archive, {**parameters, **changes}, ratio, speed, torque, force, load_guess)
+        found = steady_state(archive, {**parameters, **changes}, ratio, speed, torque, force, load_guess)
         progress()
         return found
 

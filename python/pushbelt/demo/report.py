@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from pushbelt.page import image, number, percent
 from . import checks, events, figures
 from .manoeuvre import START_VALUES
 from .results import DemoResults, ReferenceResult
+from .spiral import TOLERANCE, spiral_rows
 
 CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
@@ -121,7 +121,6 @@ def _context(results: DemoResults) -> dict[str, Any]:
         pictures["overload_fields"] = figures.fields(overload, curve_of(results.parameters, theta))
     return {
         "version": results.fmu_version,
-        "machine": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         "rows": rows,
         "reference": results.reference,
         "reference_rows": reference_rows(results.reference),
@@ -138,6 +137,8 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "chosen": chosen,
         "chosen_ratio": ratio_of(chosen.case.theta),
         "speed": load_case_speed(),
+        "spiral": spiral_rows(results.cases, results.parameters),
+        "spiral_tolerance": TOLERANCE,
         "parameters": results.parameters,
         "pictures": {name: image(svg) for name, svg in pictures.items()},
     }

@@ -65,11 +65,8 @@ _MANOEUVRE_TICKS = 100
 
 def run_all(fmu: Path, plan: Plan = FULL) -> DemoResults:
     """Runs a plan with an FMU."""
-    archive = Archive.unpack(fmu)
-    try:
+    with Archive.unpack(fmu) as archive:
         return _run_all(archive, plan)
-    finally:
-        archive.remove()
 
 
 def _run_all(archive: Archive, plan: Plan) -> DemoResults:
@@ -87,7 +84,7 @@ def _run_all(archive: Archive, plan: Plan) -> DemoResults:
         title="load cases and manoeuvre",
     )
     return DemoResults(
-        fmu_version=archive.description.version or "",
+        fmu_version=archive.version,
         cases=tuple(states),
         reference=reference,
         manoeuvre=run,

@@ -8,7 +8,8 @@ import sys
 import time
 from pathlib import Path
 
-from pushbelt.fmu.unit import RING_MODELS, UnitError
+from pushbelt.fmu.enumerations import RingModel
+from pushbelt.fmu.unit import UnitError
 
 from . import report, runs
 
@@ -23,7 +24,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--short", action="store_true", help="30 s of the cycle, 10 s of close-up")
     parser.add_argument("--cycle", choices=list(FULL), default="wltc", help="which cycle, unless short")
     parser.add_argument("--until", type=float, metavar="SECONDS", help="only the first seconds of the cycle")
-    parser.add_argument("--ring", choices=list(RING_MODELS), default="ALE", help="ring model of the whole cycle")
+    parser.add_argument(
+        "--ring",
+        choices=list(RingModel.__members__),
+        default="ALE",
+        help="ring model of the whole cycle; RCM and ANCF take minutes a second",
+    )
     options = parser.parse_args(arguments)
     plan = dataclasses.replace(runs.SHORT if options.short else FULL[options.cycle], ring=options.ring)
     if options.until is not None:

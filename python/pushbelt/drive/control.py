@@ -7,6 +7,7 @@ estimates. Friction, geometry and the thrust-ratio map are what they know of the
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -26,7 +27,7 @@ def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_an
 
 @dataclass(frozen=True)
 class Measured:
-    """What the controllers see at a control step."""
+    """What the controllers measure at a control step."""
 
     primary_speed: float
     """rad/s."""
@@ -39,6 +40,18 @@ class Measured:
     """Primary running radius, m."""
     torque: float
     """Larger of the primary torques now and as demanded, with the sign of the torque now, N·m."""
+
+    @classmethod
+    def from_signals(cls, signals: Mapping[str, float], torque: float) -> Measured:
+        """From signals by the names of FMU variables, and the estimated torque, N·m."""
+        return cls(
+            primary_speed=signals["primary.speed"],
+            ratio=signals["ratio.geometric"],
+            slip=signals["slip"],
+            macro_slip=bool(signals["macroSlip"]),
+            pitch_radius=signals["primary.radius"],
+            torque=torque,
+        )
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +70,6 @@ def context(results: Results) -> dict[str, Any]:
     ]
     return {
         "version": results.version,
-        "machine": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         "plan": results.plan,
         "car": demo_car(),
         "rows": [

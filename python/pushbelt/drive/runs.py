@@ -90,11 +90,8 @@ def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
 
 def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
     """Runs a plan with an FMU; the thrust-ratio maps are kept in the folder `cache`."""
-    archive = Archive.unpack(fmu)
-    try:
+    with Archive.unpack(fmu) as archive:
         return _run_all(fmu, archive, plan, cache)
-    finally:
-        archive.remove()
 
 
 def _map(fmu: Path, archive: Archive, ring: str, cache: Path) -> ThrustMap:
@@ -111,4 +108,4 @@ def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
         title="driving",
         workers=len(setups),
     )
-    return Results(plan, archive.description.version or "", maps[plan.ring], *done)
+    return Results(plan, archive.version, maps[plan.ring], *done)

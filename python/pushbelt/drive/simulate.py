@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -10,9 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pushbelt.fmu.data import parameter_set, slip_torque
+from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.geometry import Array
-from pushbelt.fmu.results import Profile, SteadyState
-from pushbelt.fmu.unit import RING_MODELS, Archive, UnitError, Variator
+from pushbelt.fmu.results import BeltState
+from pushbelt.fmu.unit import Archive, UnitError, Variator
 
 from .car import Car
 from .control import Friction, Measured
@@ -30,7 +30,7 @@ MESHES: Mapping[str, Mapping[str, float]] = {
 }
 """Start values by name: for long runs, and the FMU's own."""
 
-READ = (
+OUTPUTS = (
     "primary.speed",
     "secondary.speed",
     "ratio.geometric",
@@ -51,30 +51,12 @@ READ = (
     "reference.theta",
     "pushForce.max",
 )
-"""FMU variables that are kept over time."""
+"""FMU variables that are recorded."""
 
-STEERED = ("primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
+INPUTS = ("primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
 """Inputs of the FMU."""
 
-ADDED = (
-    "speed.target",
-    "speed.car",
-    "ratio.target",
-    "engine.speed",
-    "engine.torque",
-    "clutch.torque",
-    "clutch.locked",
-    "force.brake",
-    "force.road",
-    "primary.clampingForce",
-    "secondary.clampingForce",
-    "macroSlip",
-    "intervening",
-    "utilisation.signed",
-    "work.engine",
-    "loss.clutch",
-)
-"""What is kept beside them; `work.` and `loss.clutch` in J per step."""
+Outputs = Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -94,9 +76,9 @@ class Setup:
     step: float = STEP
     """Communication and control step, s."""
     parallel: bool = False
-    """Whether vehicle, control and FMU step side by side, each with what the others gave a step before and holds, as units
-    in a master do; otherwise one after the other, each with what is known by then, and torques and forces reach what was
-    decided at the end of the step, in proportion to time."""
+    """Whether vehicle, control and FMU step side by side, as units in a master do: each gets the others' signals of the
+    step before, and holds them. Otherwise they step one after the other, each with the latest signals, and torques and
+    forces reach their new values at the end of the step, in proportion to time."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +90,7 @@ class Run:
     """Of the whole cycle, s, shape (n,)."""
     columns: Mapping[str, Array]
     """By name, each of shape (n,), SI units."""
-    snapshots: Mapping[float, SteadyState]
+    snapshots: Mapping[float, BeltState]
     """By time of the whole cycle, s."""
     interventions: int
     processor_time: float
@@ -141,14 +123,75 @@ class Run:
 
 
 def unit_parameters(car: Car, ring: str, mesh: str) -> dict[str, float]:
-    """Start values of the FMU: `bench168` with the car's inertia on the secondary shaft."""
+    """Start values of the FMU: `bench168` with the car's inertia on the secondary shaft; the ring model by name."""
     parameters = parameter_set("bench168")
     parameters["secondary.inertia"] += car.inertia
+    model = RingModel[ring]
     chosen = dict(MESHES[mesh])
-    if ring == "ALE0":
+    if model == RingModel.ALE0:
         # One cell an element instead of two: the same cells.
         chosen |= {name: 2 * count for name, count in chosen.items() if name.startswith("mesh.")}
-    return {**parameters, "ring.model": RING_MODELS[ring], **chosen}
+    return {**parameters, "ring.model": model, **chosen}
+
+
+class Record:
+    """What is recorded of a run, a row a communication step."""
+
+    def __init__(self, setup: Setup, friction: Friction, count: int) -> None:
+        self._friction = friction
+        self._outputs = np.empty((count, len(OUTPUTS)))
+        self._signals: list[Mapping[str, float]] = []
+        start, step = setup.cycle.start, setup.step
+        self._moments = {round((moment - start) / step): moment for moment in setup.snapshots}
+        self.snapshots: dict[float, BeltState] = {}
+
+    def add(self, unit: Variator, outputs: Outputs, vehicle: VehicleSignals, clamping: ClampingSignals) -> None:
+        """Adds what holds at a communication point, and the signals over the step after it."""
+        k = len(self._signals)
+        self._outputs[k] = [outputs[name] for name in OUTPUTS]
+        self._signals.append(
+            {
+                **_columns(vehicle, clamping),
+                "macroSlip": outputs["macroSlip"],
+                "utilisation.signed": self._utilisation(outputs),
+            }
+        )
+        if k in self._moments:
+            self.snapshots[self._moments[k]] = BeltState(unit.outputs(), unit.profile())
+
+    def _utilisation(self, outputs: Outputs) -> float:
+        """Torque utilisation with the sign of the torque, by the friction that the controllers believe in."""
+        belt = self._friction
+        capacity = slip_torque(
+            belt.coefficient, belt.wedge_angle, outputs["secondary.axialForce"], outputs["primary.radius"]
+        )
+        return -outputs["primary.shaftTorque"] / max(capacity, 1e-3)
+
+    def columns(self) -> dict[str, Array]:
+        """All columns by name."""
+        columns = {name: self._outputs[:, k] for k, name in enumerate(OUTPUTS)}
+        signals = {name: np.array([float(row[name]) for row in self._signals]) for name in self._signals[0]}
+        return columns | signals
+
+
+def _columns(vehicle: VehicleSignals, clamping: ClampingSignals) -> dict[str, float]:
+    """Signals as they are recorded; `work.` and `loss.` in J per step."""
+    return {
+        "speed.target": vehicle.target_speed,
+        "speed.car": vehicle.speed,
+        "ratio.target": clamping.target_ratio,
+        "engine.speed": vehicle.engine_speed,
+        "engine.torque": vehicle.engine_torque,
+        "clutch.torque": vehicle.primary_torque,
+        "clutch.locked": vehicle.clutch_locked,
+        "force.brake": vehicle.brake_force,
+        "force.road": vehicle.road_load,
+        "primary.clampingForce": clamping.primary_force,
+        "secondary.clampingForce": clamping.secondary_force,
+        "intervening": clamping.intervening,
+        "work.engine": vehicle.engine_work,
+        "loss.clutch": vehicle.clutch_loss,
+    }
 
 
 def run(
@@ -158,7 +201,7 @@ def run(
     setup: Setup,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Run:
-    """Runs a set-up from standstill to the end of its cycle; `progress` hears of simulated seconds as they pass.
+    """Runs a set-up from standstill to the end of its cycle; `progress` gets simulated seconds as they pass.
 
     Raises UnitError if the FMU refuses a step, with the time.
     """
@@ -166,68 +209,62 @@ def run(
     friction = Friction(parameters["friction.pulley"], parameters["geometry.wedgeAngle"])
     vehicle = Vehicle(car, setup.cycle)
     control = TransmissionControl(car, setup.strategy, friction, thrust_map)
-    step, count = setup.step, round(setup.cycle.duration / setup.step)
-    table = np.empty((count, len(READ)))
-    added = {name: np.zeros(count) for name in ADDED}
-    kept = {round((moment - setup.cycle.start) / step): moment for moment in setup.snapshots}
-    snapshots: dict[float, SteadyState] = {}
+    count = round(setup.cycle.duration / setup.step)
+    record = Record(setup, friction, count)
     begin = clock.process_time()
     start = {**parameters, **at_rest(), "friction.pulley": setup.friction * friction.coefficient}
     with Variator(archive, start) as unit:
         unit.initialise()
-        reader, steered = unit.reader(READ), unit.reader(STEERED)
-        given, clamped = VehicleSignals(), control.signals
-        before = _steering(given, clamped)
-        for k in range(count):
-            time = k * step
-            state = dict(zip(READ, unit.read(reader).tolist(), strict=True))
-            macro_slip = unit.flag("macroSlip")
-            earlier = given, clamped
-            given = vehicle.advance(
-                time, state["primary.speed"], state["secondary.speed"], state["ratio.geometric"], step
-            )
-            told = earlier[0] if setup.parallel else given
-            measured = Measured(
-                primary_speed=state["primary.speed"],
-                ratio=state["ratio.geometric"],
-                slip=state["slip"],
-                macro_slip=macro_slip,
-                pitch_radius=state["primary.radius"],
-                torque=told.estimated_torque,
-            )
-            clamped = control.advance(told.power_demand, state["secondary.speed"], measured, step)
-            acting, closing = earlier if setup.parallel else (given, clamped)
-
-            table[k] = list(state.values())
-            capacity = slip_torque(
-                friction.coefficient, friction.wedge_angle, state["secondary.axialForce"], state["primary.radius"]
-            )
-            utilisation = -state["primary.shaftTorque"] / max(capacity, 1e-3)
-            for name, value in _added(given, clamped, macro_slip, utilisation).items():
-                added[name][k] = value
-            if k in kept:
-                snapshots[kept[k]] = _snapshot(unit)
-
-            # Without jumps the FMU takes one step where it else takes several, with ten times the work.
-            after = _steering(acting, closing)
-            course = after if setup.parallel else before
-            unit.set_along(steered, course, [(end - start) / step for start, end in zip(course, after, strict=True)])
-            before = after
-            try:
-                unit.step_to((k + 1) * step)
-            except UnitError as error:
-                raise UnitError(f"{setup.name}, from {setup.cycle.start + time:.2f} s on: {error}") from error
-            progress(step)
+        _advance(unit, vehicle, control, setup, record, count, progress)
         messages = tuple(unit.warnings)
     return Run(
         setup=setup,
-        time=setup.cycle.start + np.arange(count) * step,
-        columns={**{name: table[:, k] for k, name in enumerate(READ)}, **added},
-        snapshots=snapshots,
+        time=setup.cycle.start + np.arange(count) * setup.step,
+        columns=record.columns(),
+        snapshots=record.snapshots,
         interventions=control.interventions,
         processor_time=clock.process_time() - begin,
         messages=messages,
     )
+
+
+def _advance(
+    unit: Variator,
+    vehicle: Vehicle,
+    control: TransmissionControl,
+    setup: Setup,
+    record: Record,
+    count: int,
+    progress: Callable[[float], None],
+) -> None:
+    """The loop: `count` communication steps from standstill on."""
+    step = setup.step
+    outputs, inputs = unit.reals(OUTPUTS), unit.reals(INPUTS)
+    signals = VehicleSignals(), control.signals
+    before = _input_values(*signals)
+    for k in range(count):
+        time = k * step
+        state = dict(zip(OUTPUTS, unit.get_reals(outputs).tolist(), strict=True))
+        state["macroSlip"] = unit.get("macroSlip")
+        earlier = signals
+        driving = vehicle.advance(
+            time, state["primary.speed"], state["secondary.speed"], state["ratio.geometric"], step
+        )
+        known = earlier[0] if setup.parallel else driving
+        measured = Measured.from_signals(state, known.estimated_torque)
+        signals = driving, control.advance(known.power_demand, state["secondary.speed"], measured, step)
+        record.add(unit, state, *signals)
+
+        # Without jumps the FMU takes one step where it else takes several, with ten times the work.
+        after = _input_values(*(earlier if setup.parallel else signals))
+        course = after if setup.parallel else before
+        unit.set_ramps(inputs, course, [(end - start) / step for start, end in zip(course, after, strict=True)])
+        before = after
+        try:
+            unit.step_to((k + 1) * step)
+        except UnitError as error:
+            raise UnitError(f"{setup.name}, from {setup.cycle.start + time:.2f} s on: {error}") from error
+        progress(step)
 
 
 def at_rest() -> dict[str, float]:
@@ -244,35 +281,6 @@ def at_rest() -> dict[str, float]:
     }
 
 
-def _steering(given: VehicleSignals, clamped: ClampingSignals) -> tuple[float, ...]:
-    """Values of `STEERED`."""
-    return given.primary_torque, given.secondary_torque, clamped.primary_force, clamped.secondary_force
-
-
-def _added(given: VehicleSignals, clamped: ClampingSignals, macro_slip: bool, utilisation: float) -> dict[str, float]:
-    """What is kept beside the FMU's variables, in the order of `ADDED`."""
-    values = (
-        given.target_speed,
-        given.speed,
-        clamped.target_ratio,
-        given.engine_speed,
-        given.engine_torque,
-        given.primary_torque,
-        given.clutch_locked,
-        given.brake_force,
-        given.road_load,
-        clamped.primary_force,
-        clamped.secondary_force,
-        macro_slip,
-        clamped.intervening,
-        utilisation,
-        given.engine_work,
-        given.clutch_loss,
-    )
-    return dict(zip(ADDED, values, strict=True))
-
-
-def _snapshot(unit: Variator) -> SteadyState:
-    """Outputs and fields now, in the form that the demo draws."""
-    profile: Profile = unit.profile()
-    return SteadyState(unit.outputs(), profile, load_torque=math.nan, evaluations=0, solve_time=0.0)
+def _input_values(vehicle: VehicleSignals, clamping: ClampingSignals) -> tuple[float, ...]:
+    """Values of `INPUTS`."""
+    return vehicle.primary_torque, vehicle.secondary_torque, clamping.primary_force, clamping.secondary_force

@@ -235,16 +235,19 @@ def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array,
 def _shift_rates(archive: Archive, parameters: Parameters, ratio: float, utilisation: float) -> Array:
     """Shift rates, from the clamping forces of the steady state with a jump of the primary one."""
     rates = []
-    with _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation)) as unit, unit.kept() as back:
-        reader = unit.reader(["primary.axialForce", "ratio.geometric"])
-        force, begin = unit.read(reader)
+    with (
+        _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation)) as unit,
+        unit.stored() as restore,
+    ):
+        outputs = unit.reals(["primary.axialForce", "ratio.geometric"])
+        force, begin = unit.get_reals(outputs)
         for share in SHIFT_SHARES:
-            back()
+            restore()
             unit.set({"primary.clampingForce": share * force})
             logs = [math.log(begin)]
             while abs(logs[-1] - logs[0]) < SHIFT_REACH and len(logs) * SHIFT_STEP <= SHIFT_TIME:
                 unit.step_to(len(logs) * SHIFT_STEP)
-                logs.append(math.log(unit.read(reader)[1]))
+                logs.append(math.log(unit.get_reals(outputs)[1]))
             # The first half belongs to what the jump itself does.
             half = (len(logs) - 1) // 2
             rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * FORCE))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .geometry import Array, TwoPulleyCurve, theta_of
-from .results import LoadCase, SteadyState
+from .results import BeltState, LoadCase
 
 RESOURCES = Path(__file__).parents[3] / "resources"
 
@@ -34,7 +34,7 @@ def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
     return TwoPulleyCurve(parameters["geometry.centerDistance"], parameters["geometry.beltLength"], theta)
 
 
-def curve_at(parameters: Mapping[str, float], state: SteadyState) -> TwoPulleyCurve:
+def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
     """Reference curve of a variator in a state that was found."""
     return curve_of(parameters, state["reference.theta"])
 

@@ -88,6 +88,20 @@ class TwoPulleyCurve:
         upper_end = half_arc + self.strand
         return 0.0, half_arc, upper_end, self.length - upper_end, self.length - half_arc, self.length
 
+    def radius(self, pulley: str) -> float:
+        """Centre-line radius on `primary` or `secondary`, m."""
+        return self.primary_radius if pulley == "primary" else self.secondary_radius
+
+    def arc_length(self, pulley: str) -> float:
+        """Length of the arc on `primary` or `secondary`, m."""
+        half_angle = np.pi - self.phi if pulley == "primary" else self.phi
+        return 2.0 * float(half_angle) * self.radius(pulley)
+
+    def from_middle(self, pulley: str, xi: ArrayLike) -> Array:
+        """Distances of places ξ from the middle of a pulley's arc, in the direction of ξ, −L/2 to L/2, m."""
+        opposite = 0.0 if pulley == "primary" else 0.5 * self.length
+        return np.mod(np.asarray(xi, dtype=float) - opposite, self.length) - 0.5 * self.length
+
     def frame(self, xi: ArrayLike) -> tuple[Array, Array]:
         """Points and outward unit normals at places ξ, each of shape (n, 2)."""
         xi = np.mod(np.atleast_1d(np.asarray(xi, dtype=float)), self.length)

@@ -1,19 +1,18 @@
 """Steady states at a given belt torque: the nine load cases, each found through the FMU.
 
 The FMU starts in the steady state that its inputs call for; the belt torque on the primary pulley is an output.
-Which secondary torque goes with a wanted belt torque is found by the secant method, one instance an evaluation.
+The secondary torque that goes with a wanted belt torque is found by the secant method.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
 
 from .data import load_case_speed
+from .enumerations import Axial, Drive
 from .geometry import ratio_of
 from .results import LoadCase, LoadCaseResult, SteadyState
-from .unit import HELD, SPEED_DRIVE, Archive, Variator
+from .unit import Archive, Variator
 
 TORQUE_TOLERANCE = 1e-4
 """Belt torque met within this, relative."""
@@ -32,8 +31,8 @@ class NotFoundError(RuntimeError):
     """There is no steady state at the wanted belt torque."""
 
 
-def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float) -> tuple[float, int]:
-    """Load torque at which the belt torque is the wanted one, and the number of evaluations. Torques in N·m.
+def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float) -> float:
+    """Load torque at which the belt torque is the wanted one, N·m. The last evaluation is the one at this load.
 
     The second guess scales the first; from then on it is the secant method, kept inside the bracket once there is one
     and to steps of half the first guess before that.
@@ -41,10 +40,10 @@ def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float
     tolerance = TORQUE_TOLERANCE * abs(wanted)
     points: list[tuple[float, float]] = []
     load = guess
-    for evaluations in range(1, MOST_EVALUATIONS + 1):
+    for _ in range(MOST_EVALUATIONS):
         excess = belt_torque(load) - wanted
         if abs(excess) <= tolerance:
-            return load, evaluations
+            return load
         points.append((load, excess))
         load = _next_load(points, wanted, guess)
     load, excess = points[-1]
@@ -77,8 +76,8 @@ def held_primary(parameters: Mapping[str, float], ratio: float, speed: float, fo
     """Start values of a load case: primary speed (rad/s) and sheave held, secondary clamping force (N) given."""
     return {
         **parameters,
-        "primary.drive": SPEED_DRIVE,
-        "primary.axial": HELD,
+        "primary.drive": Drive.SPEED,
+        "primary.axial": Axial.HELD,
         "initial.steady": True,
         "initial.ratio": ratio,
         "initial.primarySpeed": speed,
@@ -95,53 +94,47 @@ def steady_state(
     torque: float,
     force: float,
     load_guess: float | None = None,
-    drift_time: float = 0.0,
-) -> tuple[SteadyState, float]:
+) -> SteadyState:
     """Steady state with the primary speed (rad/s) and primary sheave held at a ratio.
 
-    Belt torque on P (N·m) and secondary clamping force (N) are given. Also returns the relative change of the thrust
-    ratio when the state is stepped on for `drift_time` seconds.
+    Belt torque on P (N·m) and secondary clamping force (N) are given.
     """
-    held = held_primary(parameters, ratio, speed, force)
-    begin = time.perf_counter()
-    with ExitStack() as instances:
+    start_values = held_primary(parameters, ratio, speed, force)
+    with Variator(archive, start_values) as unit:
+        return _solve(unit, start_values, torque, _first_guess(torque, ratio) if load_guess is None else load_guess)
 
-        def start(load: float) -> Variator:
-            instances.close()
-            unit = instances.enter_context(Variator(archive, {**held, "secondary.torque": load}))
-            unit.initialise()
-            if unit.not_steady:
-                raise NotFoundError(f"at a load torque of {load:.4g} N·m the FMU says: {unit.not_steady}")
-            return unit
 
-        unit: Variator
+def _first_guess(torque: float, ratio: float) -> float:
+    """Load torque at an efficiency of 98 %, N·m."""
+    return -0.98 * torque * ratio
 
-        def belt_torque(load: float) -> float:
-            nonlocal unit
-            unit = start(load)
-            return -unit.read(unit.reader(["primary.shaftTorque"]))[0]
 
-        guess = -0.98 * torque * ratio if load_guess is None else load_guess
-        load, evaluations = find_load(belt_torque, torque, guess)
-        # The search ends with an evaluation at its result: that instance is the one to look at.
-        outputs, solve_time = unit.outputs(), time.perf_counter() - begin
-        state = SteadyState(outputs, unit.profile(), load, evaluations, solve_time, tuple(unit.warnings))
-        steps = round(drift_time / DRIFT_STEP)
-        for step in range(steps):
-            unit.step_to((step + 1) * DRIFT_STEP)
-        drift = unit.outputs()["thrustRatio"] / state["thrustRatio"] - 1.0 if steps else 0.0
-    return state, drift
+def _solve(unit: Variator, start_values: Mapping[str, float], torque: float, load_guess: float) -> SteadyState:
+    """Brings an instance to the steady state with a belt torque on P, N·m."""
+
+    def belt_torque(load: float) -> float:
+        unit.restart({**start_values, "secondary.torque": load})
+        unit.initialise()
+        if unit.not_steady:
+            raise NotFoundError(f"at a load torque of {load:.4g} N·m the FMU says: {unit.not_steady}")
+        return -unit.get("primary.shaftTorque")
+
+    load = find_load(belt_torque, torque, load_guess)
+    return SteadyState(unit.outputs(), unit.profile(), load)
+
+
+def _drift(unit: Variator) -> float:
+    """Relative change of the thrust ratio while an instance in a steady state is stepped on for `DRIFT_TIME`."""
+    before = unit.get("thrustRatio")
+    for step in range(round(DRIFT_TIME / DRIFT_STEP)):
+        unit.step_to((step + 1) * DRIFT_STEP)
+    return unit.get("thrustRatio") / before - 1.0
 
 
 def run(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> LoadCaseResult:
     """Runs one load case."""
-    steady, drift = steady_state(
-        archive,
-        parameters,
-        ratio_of(case.theta),
-        load_case_speed(),
-        case.torque,
-        case.clamping_force,
-        drift_time=DRIFT_TIME,
-    )
-    return LoadCaseResult(case, steady, drift)
+    ratio = ratio_of(case.theta)
+    start_values = held_primary(parameters, ratio, load_case_speed(), case.clamping_force)
+    with Variator(archive, start_values) as unit:
+        steady = _solve(unit, start_values, case.torque, _first_guess(case.torque, ratio))
+        return LoadCaseResult(case, steady, _drift(unit))

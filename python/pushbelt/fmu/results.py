@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from .geometry import Array
 
 
@@ -29,22 +27,22 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class SteadyState:
-    """A steady state that the FMU has found: its outputs and its fields."""
+class BeltState:
+    """Outputs and fields of the FMU at one time."""
 
     outputs: Mapping[str, float]
     profile: Profile
-    load_torque: float
-    """Secondary torque that goes with it, N·m."""
-    evaluations: int
-    """Steady states solved for to find that torque."""
-    solve_time: float
-    """Time of them all together, instantiation included, s."""
-    messages: tuple[str, ...] = ()
-    """Warnings of the FMU."""
 
     def __getitem__(self, name: str) -> float:
         return self.outputs[name]
+
+
+@dataclass(frozen=True)
+class SteadyState(BeltState):
+    """A steady state that the FMU has found at a wanted belt torque."""
+
+    load_torque: float
+    """Secondary torque that goes with it, N·m."""
 
 
 @dataclass(frozen=True)
@@ -85,11 +83,3 @@ class Trace:
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
-
-
-def mean_between(profile: Profile, values: Array, start: float, stop: float) -> float:
-    """Mean of a field between two places, m; between the two nearest points if there is none inside."""
-    inside = (profile.position >= start) & (profile.position <= stop)
-    if inside.any():
-        return float(values[inside].mean())
-    return float(np.interp(0.5 * (start + stop), profile.position, values))

@@ -8,23 +8,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import fmpy
 import numpy as np
 from fmpy import fmi2, logging
 
+from .enumerations import Start
 from .geometry import Array
 from .results import Profile
-
-TORQUE_DRIVE, SPEED_DRIVE = 1, 2
-"""Values of `primary.drive` and `secondary.drive`."""
-CLAMPED, HELD = 1, 2
-"""Values of `primary.axial` and `secondary.axial`."""
-STEADY = 2
-"""Value of `initial.found` where the run started from the steady state that was asked for."""
-RING_MODELS = {"ALE0": 1, "ALE": 2}
-"""Values of `ring.model`."""
 
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
@@ -41,9 +33,18 @@ class UnitError(RuntimeError):
     """The FMU refused a call; the text holds what it logged."""
 
 
+class Message(NamedTuple):
+    """A message of the FMU's log."""
+
+    status: int
+    """`fmi2Status`."""
+    category: str
+    text: str
+
+
 @dataclass(frozen=True)
 class Archive:
-    """An unpacked FMU."""
+    """An unpacked FMU. A context manager: the directory is removed at its end."""
 
     directory: Path
     description: Any
@@ -53,12 +54,23 @@ class Archive:
         """Unpacks an FMU to a directory, or to a temporary one."""
         return cls(Path(fmpy.extract(str(fmu), directory)), fmpy.read_model_description(str(fmu)))
 
+    def __enter__(self) -> Archive:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.remove()
+
+    @property
+    def version(self) -> str:
+        """Version in the model description."""
+        return self.description.version or ""
+
     def remove(self) -> None:
         """Removes the directory."""
         shutil.rmtree(self.directory, ignore_errors=True)
 
 
-class Reader:
+class Reals:
     """Real variables that are read, or set, together again and again."""
 
     def __init__(self, names: Iterable[str], references: Iterable[int]) -> None:
@@ -68,19 +80,26 @@ class Reader:
         self.values = (ctypes.c_double * len(references))()
 
 
+class State(NamedTuple):
+    """A stored state of an instance."""
+
+    pointer: Any
+    time: float
+    """s."""
+
+
 class Variator:
     """One instance of the FMU. A context manager: the instance is freed at its end."""
 
     def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
         description = archive.description
         self.variables = {variable.name: variable for variable in description.modelVariables}
-        self.warnings: list[str] = []
+        self.log: list[Message] = []
         self.time = 0.0
         self._freed = False
-        self._errors: list[str] = []
         self._callbacks = fmi2.fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._hear)
-        # fmpy hands messages to the logger that was registered last, whoever speaks: none may ever be freed.
+        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._record)
+        # fmpy hands every message to the logger that was registered last: none may ever be freed.
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
         logging.addLoggerProxy(ctypes.byref(self._callbacks))
         self._slave = fmi2.FMU2Slave(
@@ -102,10 +121,17 @@ class Variator:
     def __exit__(self, *_: object) -> None:
         self.free()
 
+    def free(self) -> None:
+        """Frees the instance; it can't be used any more."""
+        self._slave.freeInstance()
+        self._freed = True
+
+    # Initialisation and steps
+
     def restart(self, start_values: Mapping[str, float]) -> None:
-        """Back to where a new instance with these start values stands: nothing else of the past is left."""
+        """Back to where a new instance with these start values is: nothing else of the past is left."""
         self._call(self._slave.reset)
-        self.warnings.clear()
+        self.log.clear()
         self.time = 0.0
         self._set_up(start_values)
 
@@ -115,14 +141,22 @@ class Variator:
 
     def initialise(self) -> None:
         """Finds the state to start from."""
-        self._call(self._slave.enterInitializationMode)
+        self.enter_initialisation()
         self._call(self._slave.exitInitializationMode)
+
+    def enter_initialisation(self) -> None:
+        """The first half of `initialise`: outputs can be read, parameters and inputs still set."""
+        self._call(self._slave.enterInitializationMode)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Texts of all warnings since the start."""
+        return [message.text for message in self.log if message.status == fmi2.fmi2Warning]
 
     @property
     def not_steady(self) -> str | None:
         """Why the FMU did not start from the steady state that was asked for; none if it did."""
-        reference = self.variables["initial.found"].valueReference
-        if self._call(self._slave.getInteger, [reference])[0] == STEADY:
+        if self.get("initial.found") == Start.STEADY:
             return None
         return "; ".join(self.warnings) or "none was asked for"
 
@@ -135,19 +169,39 @@ class Variator:
         )
         self.time = time
 
+    # Stored states
+
+    def get_state(self) -> State:
+        """Stores the present state; `free_state` gives its memory back."""
+        return State(self._call(self._slave.getFMUState), self.time)
+
+    def set_state(self, state: State) -> None:
+        """Goes on from a stored state, of this instance or another."""
+        self._call(self._slave.setFMUState, state.pointer)
+        self.time = state.time
+
+    def free_state(self, state: State) -> None:
+        """Frees a stored state."""
+        self._call(self._slave.freeFMUState, state.pointer)
+
+    def serialise(self, state: State) -> bytes:
+        """A stored state as bytes."""
+        return self._call(self._slave.serializeFMUState, state.pointer)
+
+    def deserialise(self, data: bytes, time: float) -> State:
+        """A stored state from its bytes and its time, s."""
+        return State(self._call(self._slave.deSerializeFMUState, data), time)
+
     @contextmanager
-    def kept(self) -> Iterator[Callable[[], None]]:
-        """Keeps the state; what it gives goes back there, any number of times."""
-        state, time = self._call(self._slave.getFMUState), self.time
-
-        def back() -> None:
-            self._call(self._slave.setFMUState, state)
-            self.time = time
-
+    def stored(self) -> Iterator[Callable[[], None]]:
+        """Stores the present state; the function it gives goes back there, any number of times."""
+        state = self.get_state()
         try:
-            yield back
+            yield lambda: self.set_state(state)
         finally:
-            self._call(self._slave.freeFMUState, state)
+            self.free_state(state)
+
+    # Variables
 
     def set(self, values: Mapping[str, float]) -> None:
         """Sets variables of any type by name."""
@@ -161,7 +215,30 @@ class Variator:
             variable = self.variables[name]
             self._call(setters[variable.type], [variable.valueReference], [value])
 
-    def set_along(self, inputs: Reader, values: Iterable[float], rates: Iterable[float]) -> None:
+    def get(self, name: str) -> float:
+        """Value of a variable of any type."""
+        getters = {
+            "Real": self._slave.getReal,
+            "Integer": self._slave.getInteger,
+            "Enumeration": self._slave.getInteger,
+            "Boolean": self._slave.getBoolean,
+        }
+        variable = self.variables[name]
+        value = self._call(getters[variable.type], [variable.valueReference])[0]
+        return bool(value) if variable.type == "Boolean" else value
+
+    def reals(self, names: Iterable[str]) -> Reals:
+        """Prepares real variables to be read or set together."""
+        names = list(names)
+        return Reals(names, (self.variables[name].valueReference for name in names))
+
+    def get_reals(self, reals: Reals) -> Array:
+        """Values of real variables."""
+        count = len(reals.names)
+        self._call(self._slave.fmi2GetReal, self._slave.component, reals.references, count, reals.values)
+        return np.array(reals.values)
+
+    def set_ramps(self, inputs: Reals, values: Iterable[float], rates: Iterable[float]) -> None:
         """Sets real inputs that change in proportion to time over the next step: values now and rates, 1/s."""
         count = len(inputs.names)
         array = ctypes.c_double * count
@@ -170,26 +247,11 @@ class Variator:
         orders = (ctypes.c_int32 * count)(*[1] * count)
         self._call(slave.fmi2SetRealInputDerivatives, slave.component, inputs.references, count, orders, array(*rates))
 
-    def reader(self, names: Iterable[str]) -> Reader:
-        """Prepares real variables to be read together."""
-        names = list(names)
-        return Reader(names, (self.variables[name].valueReference for name in names))
-
-    def read(self, reader: Reader) -> Array:
-        """Values of the variables of a reader."""
-        count = len(reader.names)
-        self._call(self._slave.fmi2GetReal, self._slave.component, reader.references, count, reader.values)
-        return np.array(reader.values)
-
-    def flag(self, name: str) -> bool:
-        """Value of a Boolean variable."""
-        return bool(self._call(self._slave.getBoolean, [self.variables[name].valueReference])[0])
-
     def outputs(self) -> dict[str, float]:
         """All outputs and the energies at the present time."""
-        reader = self.reader(output_names(self.variables.values()))
-        values = dict(zip(reader.names, self.read(reader).tolist(), strict=True))
-        values["macroSlip"] = float(self.flag("macroSlip"))
+        reals = self.reals(output_names(self.variables.values()))
+        values = dict(zip(reals.names, self.get_reals(reals).tolist(), strict=True))
+        values["macroSlip"] = float(self.get("macroSlip"))
         return values
 
     def profile(self) -> Profile:
@@ -197,30 +259,24 @@ class Variator:
         fields = {}
         for field, variable in PROFILE_FIELDS.items():
             names = [f"profile.{variable}[{k + 1}]" for k in range(PROFILE_POINTS)]
-            fields[field] = self.read(self.reader(names))
+            fields[field] = self.get_reals(self.reals(names))
         return Profile(**fields)
+
+    # Calls
 
     def _call(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
         # The library would read memory that is no longer its own.
         if self._freed:
             raise UnitError("the instance is freed already")
-        self._errors.clear()
+        before = len(self.log)
         try:
             return function(*arguments, **keywords)
         except Exception as error:
-            raise UnitError("; ".join(self._errors) or str(error)) from error
+            errors = [message.text for message in self.log[before:] if message.status > fmi2.fmi2Warning]
+            raise UnitError("; ".join(errors) or str(error)) from error
 
-    def _hear(self, _environment: Any, _instance: Any, status: int, _category: Any, message: bytes) -> None:
-        text = message.decode("utf-8", errors="replace")
-        if status == fmi2.fmi2Warning:
-            self.warnings.append(text)
-        elif status > fmi2.fmi2Warning:
-            self._errors.append(text)
-
-    def free(self) -> None:
-        """Frees the instance; it can't be used any more."""
-        self._slave.freeInstance()
-        self._freed = True
+    def _record(self, _environment: Any, _instance: Any, status: int, category: bytes, message: bytes) -> None:
+        self.log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:

@@ -14,10 +14,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from pushbelt.fmu.data import load_case_speed
+from pushbelt.fmu.enumerations import Drive, RingModel
 from pushbelt.fmu.geometry import Array, ratio_of
 from pushbelt.fmu.load_cases import held_primary, steady_state
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
-from pushbelt.fmu.unit import SPEED_DRIVE, Archive, Variator, output_names
+from pushbelt.fmu.unit import Archive, Variator, output_names
 
 from .results import CaseRun, Effort, Shift, SpeedPoint, Times, Window
 
@@ -44,26 +45,14 @@ MESHES: Mapping[str, Mapping[str, float]] = {
 SHIFT_FORCE = 1.2
 """Primary clamping force of the shift on two meshes over that at rest."""
 
-ORDER = ("RCM", "ANCF", "ALE0", "ALE")
-"""The paper's order of the ring models."""
-
-
-def ring_models(archive: Archive) -> dict[str, int]:
-    """Ring models that the unit offers, in the paper's order, with their numbers."""
-    variables = {variable.name: variable for variable in archive.description.modelVariables}
-    offered = {item.name: int(item.value) for item in variables["ring.model"].declaredType.items}
-    names = [name for name in ORDER if name in offered] + [name for name in offered if name not in ORDER]
-    return {name: offered[name] for name in names}
-
 
 def steady(
     archive: Archive, parameters: Mapping[str, float], case: LoadCase, model: str = "ALE", speed: float | None = None
 ) -> SteadyState:
     """The steady state of a model in which the belt torque on P is that of the case; primary speed in rad/s."""
-    values = {**parameters, "ring.model": ring_models(archive)[model]}
+    values = {**parameters, "ring.model": RingModel[model]}
     speed = load_case_speed() if speed is None else speed
-    state, _ = steady_state(archive, values, ratio_of(case.theta), speed, case.torque, case.clamping_force)
-    return state
+    return steady_state(archive, values, ratio_of(case.theta), speed, case.torque, case.clamping_force)
 
 
 def at_speeds(
@@ -89,16 +78,15 @@ def shift_on_meshes(archive: Archive, parameters: Mapping[str, float], duration:
     """`ALE` from its equilibrium at ratio 1 under a primary clamping force that is `SHIFT_FORCE` times as large."""
     found = {}
     for name in ("aligned", "even"):
-        start = {**parameters, **MESHES[name], "ring.model": ring_models(archive)["ALE"], "primary.drive": SPEED_DRIVE}
+        start = {**parameters, **MESHES[name], "ring.model": RingModel.ALE, "primary.drive": Drive.SPEED}
         with Variator(archive, start) as unit:
             unit.initialise()
-            force = unit.outputs()["primary.axialForce"]
-            unit.set({"primary.clampingForce": SHIFT_FORCE * force})
-            outputs = unit.reader(("ratio.geometric", "energy.residual", "thrustRatio"))
-            rows, begin = [unit.read(outputs)], time.process_time()
+            unit.set({"primary.clampingForce": SHIFT_FORCE * unit.get("primary.axialForce")})
+            outputs = unit.reals(("ratio.geometric", "energy.residual", "thrustRatio"))
+            rows, begin = [unit.get_reals(outputs)], time.process_time()
             for moment in _moments(duration):
                 unit.step_to(float(moment))
-                rows.append(unit.read(outputs))
+                rows.append(unit.get_reals(outputs))
             spent = time.process_time() - begin
         found[name] = Shift(spent, *np.array(rows).T)
     return found
@@ -126,7 +114,7 @@ class Runner:
         self.load = steady.load_torque
         self.start_values = {
             **held_primary(parameters, ratio_of(case.theta), load_case_speed(), case.clamping_force),
-            "ring.model": ring_models(archive)[model],
+            "ring.model": RingModel[model],
             "secondary.torque": self.load,
         }
         pitch_line = parameters["geometry.beltLength"] - 2.0 * np.pi * parameters["belt.pitchOffset"]
@@ -157,7 +145,7 @@ class Runner:
             start = effort.settling * self.revolution
             for moment in _moments(start):
                 self._step(unit, moment)
-            outputs = unit.reader(output_names(unit.variables.values()))
+            outputs = unit.reals(output_names(unit.variables.values()))
             times = start + self.revolution * np.linspace(
                 0.0, effort.looking, round(effort.looking * effort.samples) + 1
             )
@@ -165,8 +153,8 @@ class Runner:
             for moment in times:
                 if moment > unit.time:
                     self._step(unit, float(moment))
-                rows.append(unit.read(outputs))
-                macro.append(float(unit.flag("macroSlip")))
+                rows.append(unit.get_reals(outputs))
+                macro.append(float(unit.get("macroSlip")))
                 profile = unit.profile()
                 push.append(profile.push_force)
                 radial.append(profile.radial_deviation)

@@ -11,14 +11,14 @@ from matplotlib.axes import Axes
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, STYLE, VIOLET, svg
 
 from . import profiles
-from .results import CaseRun, PaperResults
+from .results import MODELS, OTHERS, REFERENCE, CaseRun, PaperResults
 from .rings import Rings
-from .statements import TURNING
+from .statements_rings import REFERENCE_DIRECTIONS
 
 EVEN = "ALE, evenly spaced mesh"
 
-COLOURS = {"RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, TURNING: GREEN, EVEN: RED}
-SHORT_NAMES = {TURNING: "ALE, [t, n]", EVEN: "ALE, even mesh"}
+COLOURS = {"RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DIRECTIONS: GREEN, EVEN: RED}
+SHORT_NAMES = {REFERENCE_DIRECTIONS: "ALE, [t, n]", EVEN: "ALE, even mesh"}
 LINES = {"RCM": {"linewidth": 2.2, "alpha": 0.55}}
 """The reference lies under the others."""
 
@@ -92,7 +92,7 @@ def mesh_energy(rings: Rings) -> str:
 
 def deformable_ring(rings: Rings) -> str:
     """Fig. 7: outlines at four times; Θ, ovality and energies over time."""
-    names = [name for name in ("RCM", "ANCF", "ALE", TURNING) if ("7", name) in rings.motions]
+    names = [name for name in ("RCM", "ANCF", "ALE", REFERENCE_DIRECTIONS) if ("7", name) in rings.motions]
     ale, rcm = rings.motions["7", "ALE"], rings.motions["7", "RCM"]
     kinked = float(ale.time[int(np.argmax(ale.theta))])
     oval = float(rcm.time[int(np.argmin(rcm.ovality))])
@@ -121,7 +121,7 @@ def deformable_ring(rings: Rings) -> str:
         for name in names:
             motion = rings.motions["7", name]
             style = {"color": COLOURS[name], **LINES.get(name, {})}
-            if name in ("ALE", TURNING):
+            if name in ("ALE", REFERENCE_DIRECTIONS):
                 ratio.plot(1e3 * motion.time, motion.theta, **style)
             shape.plot(1e3 * motion.time, 1e4 * motion.ovality, **style)
         ratio.set(title="Ratio coordinate Θ of the Eulerian rings", xlabel="time (ms)")
@@ -143,7 +143,7 @@ def convergence(rings: Rings) -> str:
     """Frequency of the free ring against the analytic one on a ladder of meshes, and the orders in time."""
     with plt.rc_context(STYLE):
         figure, (space, time) = plt.subplots(1, 2, figsize=(11.2, 3.2), layout="constrained")
-        for name in ("RCM", "ANCF", "ALE", TURNING):
+        for name in ("RCM", "ANCF", "ALE", REFERENCE_DIRECTIONS):
             ladder = sorted(
                 (f.elements, abs(f.error)) for f in rings.frequencies if f.model == name and "small" in f.case
             )
@@ -193,22 +193,20 @@ def _bars(axes: Axes, results: PaperResults, models: Sequence[str], value: Calla
 
 def thrust_and_efficiency(results: PaperResults) -> str:
     """Fig. 8a and 8b: levels, and differences to the reference model."""
-    reference = results.reference
-    others = [model for model in results.models if model != reference]
     with plt.rc_context(STYLE):
         figure, ((thrust, efficiency), (thrust_off, efficiency_off)) = plt.subplots(
             2, 2, figsize=(11.2, 5.8), layout="constrained"
         )
-        _bars(thrust, results, results.models, lambda run: run.window.thrust_ratio)
+        _bars(thrust, results, MODELS, lambda run: run.window.thrust_ratio)
         thrust.set_title("8a  Thrust ratio")
-        _bars(efficiency, results, results.models, lambda run: 100.0 * run.window.efficiency)
+        _bars(efficiency, results, MODELS, lambda run: 100.0 * run.window.efficiency)
         lowest = 100.0 * min(run.window.efficiency for run in results.runs)
         efficiency.set_ylim(np.floor(lowest - 1.0), 100.0)
         efficiency.set_title("8b  Efficiency (%)")
-        _bars(thrust_off, results, others, lambda run: 100.0 * results.thrust_difference(run.case, run.model))
-        thrust_off.set_title(f"Thrust ratio, difference to {reference} (%)")
-        _bars(efficiency_off, results, others, lambda run: 100.0 * results.efficiency_difference(run.case, run.model))
-        efficiency_off.set_title(f"Efficiency, difference to {reference} (points)")
+        _bars(thrust_off, results, OTHERS, lambda run: 100.0 * results.thrust_difference(run.case, run.model))
+        thrust_off.set_title(f"Thrust ratio, difference to {REFERENCE} (%)")
+        _bars(efficiency_off, results, OTHERS, lambda run: 100.0 * results.efficiency_difference(run.case, run.model))
+        efficiency_off.set_title(f"Efficiency, difference to {REFERENCE} (points)")
         handles, labels = thrust.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     return svg(figure)
@@ -218,11 +216,11 @@ def push_force(results: PaperResults, run_of: Callable[[str], CaseRun]) -> str:
     """Fig. 8c: push force on one element over one revolution."""
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(figsize=(11.2, 3.5), layout="constrained")
-        for model in results.models:
+        for model in MODELS:
             path, force = profiles.element(results.parameters, run_of(model))
             style = {"color": COLOURS.get(model, MUTED), **LINES.get(model, {})}
             axes.plot(1e3 * path.time, force, **style, label=label(model))
-        shown = run_of(results.reference)
+        shown = run_of(REFERENCE)
         path, _ = profiles.element(results.parameters, shown)
         shape = profiles.curve(results.parameters, shown.window)
         _, s_end, p_start, p_end, s_start, length = shape.borders
@@ -244,7 +242,7 @@ def spiral_running(results: PaperResults, run_of: Callable[[str], CaseRun]) -> s
     with plt.rc_context(STYLE):
         figure, both = plt.subplots(1, 2, figsize=(11.2, 3.2), sharey=True, layout="constrained")
         for axes, pulley in zip(both, ("primary", "secondary"), strict=True):
-            for model in results.models:
+            for model in MODELS:
                 fraction, deviation = profiles.arc(results.parameters, run_of(model), pulley)
                 style = {"color": COLOURS.get(model, MUTED), **LINES.get(model, {})}
                 axes.plot(fraction, 1e3 * deviation, ".-", markersize=3.5, **style, label=label(model))
@@ -257,31 +255,26 @@ def spiral_running(results: PaperResults, run_of: Callable[[str], CaseRun]) -> s
 
 def computing_times(results: PaperResults) -> str:
     """Fig. 9: computing times relative to the reference model's."""
-    reference = results.reference
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(figsize=(11.2, 3.4), layout="constrained")
-        width = 0.84 / len(results.models)
-        for k, model in enumerate(results.models):
-            places = np.arange(len(results.cases)) + width * (k - 0.5 * (len(results.models) - 1))
+        width = 0.84 / len(MODELS)
+        for k, model in enumerate(MODELS):
+            places = np.arange(len(results.cases)) + width * (k - 0.5 * (len(MODELS) - 1))
             ratios = np.array([results.time_ratio(case, model) for case in results.cases])
-            base = np.array([results.run(case, reference).times.median for case in results.cases])
+            base = np.array([results.run(case, REFERENCE).times.median for case in results.cases])
             ends = np.array(
                 [[f(results.run(case, model).times.stepping) for case in results.cases] for f in (min, max)]
             )
             errors = np.abs(ends / base - ratios)
             axes.bar(places, ratios, 0.94 * width, color=COLOURS.get(model, MUTED), label=label(model))
             axes.errorbar(places, ratios, errors, fmt="none", ecolor=RED, elinewidth=1.0, capsize=2)
-        paper = {"ALE": (0.8, BLUE), "ANCF, ALE0": (0.5, VIOLET)}
-        if reference == "RCM":
-            for name, (level, colour) in paper.items():
-                axes.axhline(level, color=colour, linewidth=0.9, linestyle="--")
-                axes.annotate(f"paper: {name}", (1.0, level), xycoords=("axes fraction", "data"), xytext=(-4, 2),
-                              textcoords="offset points", ha="right", va="bottom", color=colour, fontsize=8)  # fmt: skip
-            axes.axhline(0.1, color=GREEN, linewidth=0.9, linestyle="--")
-            axes.annotate("goal for ALE", (1.0, 0.1), xycoords=("axes fraction", "data"), xytext=(-4, 2),
-                          textcoords="offset points", ha="right", va="bottom", color=GREEN, fontsize=8)  # fmt: skip
+        levels = {"paper: ALE": (0.8, BLUE), "paper: ANCF, ALE0": (0.5, VIOLET), "goal for ALE": (0.1, GREEN)}
+        for name, (level, colour) in levels.items():
+            axes.axhline(level, color=colour, linewidth=0.9, linestyle="--")
+            axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), xytext=(-4, 2),
+                          textcoords="offset points", ha="right", va="bottom", color=colour, fontsize=8)  # fmt: skip
         axes.set_yscale("log")
         _case_ticks(axes, results)
-        axes.set_title(f"9  Computing time relative to {reference}", pad=22)
-        axes.legend(loc="lower left", bbox_to_anchor=(0.35, 1.0), ncols=len(results.models))
+        axes.set_title(f"9  Computing time relative to {REFERENCE}", pad=22)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.35, 1.0), ncols=len(MODELS))
     return svg(figure)

@@ -6,14 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from pushbelt.fmu import fields
 from pushbelt.fmu.data import curve_of
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 
 from . import tracer
 from .results import CaseRun, Window
-
-EDGE = 0.012
-"""A strand's push force is judged this far from the arcs, m: pressure rises over some millimetres beside them."""
 
 
 def curve(parameters: Mapping[str, float], window: Window) -> TwoPulleyCurve:
@@ -41,20 +39,15 @@ def strand_ripple(parameters: Mapping[str, float], run: CaseRun) -> float:
 
 def push_force_gains(parameters: Mapping[str, float], run: CaseRun) -> tuple[float, float, float]:
     """Change of the mean push force over the primary arc, the push strand and the secondary arc, N."""
-    shape = curve(parameters, run.window)
-    _, upper_start, upper_end, lower_start, lower_end, _ = shape.borders
-    places = [upper_end - EDGE, lower_start + EDGE, lower_end - EDGE, upper_start + EDGE]
-    at = np.interp(places, run.window.position, run.window.push_force.mean(axis=0))
-    return tuple(np.diff(at).tolist())
+    window = run.window
+    return fields.push_force_gains(curve(parameters, window), window.position, window.push_force.mean(axis=0))
 
 
 def arc(parameters: Mapping[str, float], run: CaseRun, pulley: str) -> tuple[Array, Array]:
     """Places on a pulley's arc as fractions of it, from entry to exit, and mean radius less the arc's mean there, m."""
     window = run.window
     shape = curve(parameters, window)
-    _, s_end, p_start, p_end, s_start, length = shape.borders
-    start, end = (p_start, p_end) if pulley == "primary" else (s_start, length + s_end)
-    xi = np.concatenate([window.position, window.position + length])
-    inside = (xi > start) & (xi < end)
-    deviation = np.tile(window.radial_deviation.mean(axis=0), 2)
-    return (xi[inside] - start) / (end - start), deviation[inside]
+    fraction = 0.5 + shape.from_middle(pulley, window.position) / shape.arc_length(pulley)
+    order = np.argsort(fraction)
+    inside = order[(fraction[order] > 0.0) & (fraction[order] < 1.0)]
+    return fraction[inside], window.radial_deviation.mean(axis=0)[inside]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,9 +14,9 @@ from pushbelt.fmu.data import load_case_speed
 from pushbelt.fmu.results import LoadCase
 
 from . import cases, figures, profiles, statements
-from .results import CHOSEN_CASE, REFERENCE_MODEL, CaseRun, PaperResults
+from .results import CHOSEN_CASE, MODELS, REFERENCE, CaseRun, PaperResults
 from .rings import Check
-from .statements import TURNING, Verdict, signed
+from .statement import Verdict, signed
 
 ABOUT = {
     "ALE": (
@@ -73,10 +72,10 @@ def _ends(values: list[float]) -> tuple[float, float]:
 def choices(results: PaperResults) -> list[Choice]:
     """Which model to choose, ALE first."""
     lines = []
-    for model in sorted(results.models, key=lambda name: name != "ALE"):
+    for model in sorted(MODELS, key=lambda name: name != "ALE"):
         runs = results.of(model)
-        what, use = ABOUT.get(model, ("", ""))
-        other = model != results.reference
+        what, use = ABOUT[model]
+        other = model != REFERENCE
         times = [results.time_ratio(case, model) for case in results.cases]
         wavy = [value for case in results.cases if (value := results.wavy_time_ratio(case, model)) is not None]
         lines.append(
@@ -104,7 +103,7 @@ def chosen_runs(results: PaperResults) -> Callable[[str], CaseRun]:
 
 def case_rows(results: PaperResults) -> list[tuple[LoadCase, list[CaseRun]]]:
     """All runs, grouped by load case."""
-    return [(case, [results.run(case, model) for model in results.models]) for case in results.cases]
+    return [(case, [results.run(case, model) for model in MODELS]) for case in results.cases]
 
 
 def checks_by_number(results: PaperResults) -> list[tuple[str, list[Check]]]:
@@ -153,11 +152,10 @@ def context(results: PaperResults) -> dict[str, Any]:
     }
     return {
         "version": results.fmu_version,
-        "machine": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         "results": results,
         "effort": results.effort,
-        "reference": results.reference,
-        "has_reference": results.reference == REFERENCE_MODEL,
+        "models": MODELS,
+        "reference": REFERENCE,
         "choices": choices(results),
         "statements": found,
         "counts": {verdict.value: sum(s.verdict is verdict for s in found) for verdict in Verdict},
@@ -170,7 +168,6 @@ def context(results: PaperResults) -> dict[str, Any]:
         "step": cases.STEP,
         "mesh_names": [name for name in cases.MESHES if name != "fine"],
         "residuals": {name: float(np.abs(shift.residual).max()) for name, shift in results.shifts.items()},
-        "turning": TURNING,
         "label": figures.label,
         "pictures": {name: page.image(svg) for name, svg in pictures.items()},
     }
@@ -202,7 +199,7 @@ def write_tables(results: PaperResults, folder: Path) -> None:
         ),
     )  # fmt: skip
     run_of = chosen_runs(results)
-    elements = [(run, *profiles.element(results.parameters, run)) for run in map(run_of, results.models)]
+    elements = [(run, *profiles.element(results.parameters, run)) for run in map(run_of, MODELS)]
     page.write_table(
         folder / "figure-8c.csv",
         ["case", "model", "time", "xi", "pushForce"],

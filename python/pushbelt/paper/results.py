@@ -13,8 +13,11 @@ from pushbelt.fmu.results import LoadCase, SteadyState, Trace
 
 from .rings import Rings
 
-REFERENCE_MODEL = "RCM"
-"""The model that the paper compares the others with."""
+MODELS = ("RCM", "ANCF", "ALE0", "ALE")
+"""Ring models in the paper's order."""
+
+REFERENCE, *OTHERS = MODELS
+"""The model that the paper compares the others with, and the others."""
 
 CHOSEN_CASE = "underdrive-30"
 """The paper's case 3, whose push force and spiral running it shows."""
@@ -178,8 +181,6 @@ class PaperResults:
 
     fmu_version: str
     parameters: Mapping[str, float]
-    models: tuple[str, ...]
-    """Ring models that the unit offers, in the paper's order."""
     runs: tuple[CaseRun, ...]
     rings: Rings
     speeds: Mapping[str, tuple[SpeedPoint, ...]]
@@ -196,11 +197,6 @@ class PaperResults:
     short: bool
 
     @property
-    def reference(self) -> str:
-        """The model that differences refer to: RCM if the unit offers it, else ALE."""
-        return REFERENCE_MODEL if REFERENCE_MODEL in self.models else "ALE"
-
-    @property
     def cases(self) -> tuple[LoadCase, ...]:
         """The load cases that were run, in the paper's order."""
         return tuple(dict.fromkeys(run.case for run in self.runs))
@@ -215,19 +211,19 @@ class PaperResults:
 
     def thrust_difference(self, case: LoadCase, model: str) -> float:
         """Thrust ratio against the reference model's, relative."""
-        ours, reference = self.run(case, model), self.run(case, self.reference)
+        ours, reference = self.run(case, model), self.run(case, REFERENCE)
         return ours.window.thrust_ratio / reference.window.thrust_ratio - 1.0
 
     def efficiency_difference(self, case: LoadCase, model: str) -> float:
         """Efficiency less the reference model's."""
-        ours, reference = self.run(case, model), self.run(case, self.reference)
+        ours, reference = self.run(case, model), self.run(case, REFERENCE)
         return ours.window.efficiency - reference.window.efficiency
 
     def time_ratio(self, case: LoadCase, model: str) -> float:
         """Median computing time over the reference model's."""
-        return self.run(case, model).times.median / self.run(case, self.reference).times.median
+        return self.run(case, model).times.median / self.run(case, REFERENCE).times.median
 
     def wavy_time_ratio(self, case: LoadCase, model: str) -> float | None:
         """The same for the load that swings."""
-        ours, reference = self.run(case, model).wavy_times, self.run(case, self.reference).wavy_times
+        ours, reference = self.run(case, model).wavy_times, self.run(case, REFERENCE).wavy_times
         return ours.median / reference.median if ours and reference else None

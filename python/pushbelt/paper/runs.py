@@ -12,8 +12,8 @@ from pushbelt.fmu.unit import Archive, UnitError
 from pushbelt.side_by_side import Call, tick
 
 from . import rings
-from .cases import Runner, at_speeds, on_meshes, ring_models, shift_on_meshes, steady, with_rigid_sheaves
-from .results import CHOSEN_CASE, CaseRun, Effort, Failure, PaperResults
+from .cases import Runner, at_speeds, on_meshes, shift_on_meshes, steady, with_rigid_sheaves
+from .results import CHOSEN_CASE, MODELS, CaseRun, Effort, Failure, PaperResults
 from .rings import Rings
 
 VARIATOR = "bench168"
@@ -68,11 +68,8 @@ WORKERS = 2
 
 def run_all(fmu: Path, program: Path, output: Path, plan: Plan) -> PaperResults:
     """Runs everything; `program` is the one for rings alone, `output` the folder for what it writes."""
-    archive = Archive.unpack(fmu)
-    try:
+    with Archive.unpack(fmu) as archive:
         return _run_all(archive, program, output, plan)
-    finally:
-        archive.remove()
 
 
 def _rings(program: Path, output: Path, short: bool) -> Rings:
@@ -107,12 +104,11 @@ def _case(
 def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> PaperResults:
     parameters = parameter_set(VARIATOR)
     cases = [case for case in load_cases(parameters) if plan.cases is None or case.name in plan.cases]
-    models = tuple(ring_models(archive))
     states = {case: steady(archive, parameters, case) for case in cases}
     calls: list[Call] = [(_rings, (program, output / "rings", plan.short))]
     total = RINGS_WEIGHT
     # The longest first.
-    for model in sorted(models, key=lambda model: -WEIGHTS.get(model, 1.0)):
+    for model in sorted(MODELS, key=lambda model: -WEIGHTS.get(model, 1.0)):
         for case in cases:
             wavy = case.name in plan.wavy
             total += WEIGHTS.get(model, 1.0) * plan.effort.revolutions(wavy)
@@ -125,9 +121,8 @@ def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> Paper
     cases = [case for case in cases if case not in left_out]
     speeds = tuple(factor * load_case_speed() for factor in plan.speeds)
     return PaperResults(
-        fmu_version=archive.description.version or "",
+        fmu_version=archive.version,
         parameters=parameters,
-        models=models,
         runs=tuple(run for run in runs if run.case not in left_out),
         rings=found,
         speeds={c.name: at_speeds(archive, parameters, c, speeds) for c in cases if c.name in plan.wavy and speeds},

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from pushbelt.fmu.unit import RING_MODELS
+from pushbelt.fmu.enumerations import RingModel
 from pushbelt.progress import progress_bar
 
 from . import measure
@@ -43,7 +43,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--scheduler", metavar="ADDRESS", help="dask scheduler, tcp://host:port; else a local cluster")
     found.add_argument("--workers", type=int, metavar="N", help="processes of the local cluster; else one a processor")
     found.add_argument("--variator", default="bench168", help="parameter set")
-    found.add_argument("--model", choices=list(RING_MODELS), default="ALE", help="ring model")
+    found.add_argument("--model", choices=list(RingModel.__members__), default="ALE", help="ring model")
     found.add_argument("--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter")
     for name, axis in AXES.items():
         text = f"{axis.description}, {axis.unit}; numbers between commas"

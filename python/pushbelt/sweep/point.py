@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pushbelt.fmu.data import torque_capacity
-from pushbelt.fmu.unit import CLAMPED, HELD, SPEED_DRIVE, TORQUE_DRIVE, UnitError, Variator
+from pushbelt.fmu.enumerations import Axial, Drive
+from pushbelt.fmu.unit import UnitError, Variator
 
 SHORT_STEP = 1e-3
 """Length of the step after which the outputs are read, s: what a steady state is, it still is then."""
@@ -48,11 +49,11 @@ def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, flo
         "initial.equilibrium": False,
         "initial.ratio": point.ratio,
         "initial.primarySpeed": point.speed,
-        "primary.drive": TORQUE_DRIVE,
-        "primary.axial": HELD,
+        "primary.drive": Drive.TORQUE,
+        "primary.axial": Axial.HELD,
         "primary.torque": point.utilisation * torque_capacity(values, point.ratio, point.force),
-        "secondary.drive": SPEED_DRIVE,
-        "secondary.axial": CLAMPED,
+        "secondary.drive": Drive.SPEED,
+        "secondary.axial": Axial.FORCE,
         "secondary.speedSetpoint": point.speed / point.ratio,
         "secondary.clampingForce": point.force,
     }
@@ -68,7 +69,7 @@ def solve(unit: Variator, index: int, values: Mapping[str, float]) -> Row:
     unit.initialise()
     if unit.not_steady:
         return failure(index, unit.not_steady, time.thread_time() - begin)
-    before = unit.read(unit.reader(["thrustRatio"]))[0]
+    before = unit.get("thrustRatio")
     unit.step_to(SHORT_STEP)
     outputs = unit.outputs()
     if not all(math.isfinite(value) for value in outputs.values()):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,7 +65,6 @@ def _context(study: Study, results: Results, sheets: dict[str, Any], effort: Eff
     return {
         "version": study.description.version or "",
         "identity": study.identity,
-        "machine": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}",
         "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
         "points": len(grid),
         "steady": steady,

@@ -15,7 +15,7 @@ from typing import Any
 import fmpy
 
 from pushbelt.fmu.data import parameter_set
-from pushbelt.fmu.unit import RING_MODELS
+from pushbelt.fmu.enumerations import RingModel
 
 from . import point as law
 from .point import Point, start_values
@@ -151,5 +151,5 @@ class Study:
 
 def variator(name: str, model: str = "ALE", changes: Mapping[str, float] | None = None) -> dict[str, float]:
     """Parameters of a published variator (`bench168` or `belt155`) for a study, some of them changed."""
-    values = {**parameter_set(name), "ring.model": RING_MODELS[model], **(changes or {})}
+    values = {**parameter_set(name), "ring.model": RingModel[model], **(changes or {})}
     return {parameter: value for parameter, value in values.items() if parameter != AXES["friction"].column}

@@ -60,14 +60,7 @@ class ControlUnit(Unit):
     def advance(self, time: float, step: float) -> None:  # noqa: ARG002
         """Decides, and advances the hydraulics by a communication step."""
         values = self.values
-        measured = Measured(
-            primary_speed=values["primary.speed"],
-            ratio=values["ratio.geometric"],
-            slip=values["slip"],
-            macro_slip=values["macroSlip"],
-            pitch_radius=values["primary.radius"],
-            torque=values["torque.estimated"],
-        )
+        measured = Measured.from_signals(values, values["torque.estimated"])
         signals = self._control.advance(values["power.demand"], values["secondary.speed"], measured, step)
         values.update({name: value for name, (value, _) in _outputs(signals).items()})
 
