@@ -46,7 +46,7 @@ def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -
 
 
 def run_in_workers(calls: Sequence[Call], update: Callable[[float], object], workers: int) -> list[Any]:
-    """Results of the calls, in their order; `update` hears what they `tick`. The first failure is raised at once."""
+    """Results of the calls, in their order; `update` gets what they `tick`. The first failure is raised at once."""
     context = multiprocessing.get_context("spawn")
     ticks = context.Queue()
     with ProcessPoolExecutor(workers, context, _prepare_worker, (ticks,)) as pool:

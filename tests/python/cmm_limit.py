@@ -23,8 +23,9 @@ import cmm
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
-from pushbelt.fmu.data import clamping_force  # noqa: E402
+from pushbelt.fmu.data import load_case_force  # noqa: E402
 from pushbelt.fmu.enumerations import Axial, Drive  # noqa: E402
+from pushbelt.fmu.load_cases import held_primary  # noqa: E402
 from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
 
 
@@ -277,17 +278,9 @@ def load_case(unit: Unit, shape: str, torque: float, ring_friction: bool = True)
     _, _, radius_p, _ = _geometry(unit, ratio)
     radius_p -= unit.start("belt.pitchOffset")
     beta, mu = unit.start("geometry.wedgeAngle"), unit.start("friction.pulley")
-    return {
-        "primary.drive": Drive.SPEED,
-        "primary.speedSetpoint": speed,
-        "primary.axial": Axial.HELD,
-        "initial.steady": True,
-        "initial.ratio": ratio,
-        "initial.primarySpeed": speed,
-        "secondary.clampingForce": clamping_force(torque, mu, beta, radius_p),
-        "secondary.torque": -torque * ratio,
-        "primary.torque": torque,
-    } | ({} if ring_friction else {"friction.ring": 0.0})
+    held = held_primary({}, ratio, speed, load_case_force(torque, radius_p, mu, beta))
+    loads = {"secondary.torque": -torque * ratio, "primary.torque": torque}
+    return held | loads | ({} if ring_friction else {"friction.ring": 0.0})
 
 
 # ---------------------------------------------------------------------------------------------------------- reports

@@ -8,7 +8,6 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -24,13 +23,13 @@ from pushbelt.drive.control import (
     RatioControl,
     SafetyFactor,
     SlipControl,
-    clamping_force,
 )
 from pushbelt.drive.cycle import PARTS, Cycle, nedc, wltc_class_3b
 from pushbelt.drive.driver import Driver
 from pushbelt.drive.hydraulics import PressureCircuit
 from pushbelt.drive.piecewise import clip, interpolate, interval
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.fmu.data import clamping_force
 from pushbelt.fmu.unit import Archive, UnitError, Variator
 
 ROOT = Path(__file__).parents[2]
@@ -434,13 +433,6 @@ def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
     assert end.endswith("target 0.8")
     assert ratios[0] == pytest.approx(1.6, rel=1e-3)
     assert ratios[2:] == pytest.approx([0.8] * len(ratios[2:]), rel=0.05)
-
-
-@pytest.fixture(scope="module")
-def archive(fmu: Path) -> Iterator[Archive]:
-    unpacked = Archive.unpack(fmu)
-    yield unpacked
-    unpacked.remove()
 
 
 def test_a_freed_instance_is_not_called(archive: Archive) -> None:

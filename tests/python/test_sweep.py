@@ -281,13 +281,6 @@ def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: P
 
 
 @pytest.fixture(scope="module")
-def archive(fmu: Path) -> Iterator[Archive]:
-    unpacked = Archive.unpack(fmu)
-    yield unpacked
-    unpacked.remove()
-
-
-@pytest.fixture(scope="module")
 def solved(study: Study, archive: Archive) -> list[Row]:
     """The whole study, solved by one instance, last point first."""
     solver = Solver(archive)

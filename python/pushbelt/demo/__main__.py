@@ -33,7 +33,7 @@ def main(arguments: list[str] | None = None) -> int:
     report.write_html(results, path)
     missing = [event for event in events.detect(results.manoeuvre.trace) if not event.occurred]
     for event in missing:
-        print(f"  not seen in the manoeuvre: {event.name}: {event.evidence}", file=sys.stderr)
+        print(f"  missing in the manoeuvre: {event.name}: {event.evidence}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
     return 0
 

@@ -25,7 +25,7 @@ class Event:
     end: float
     """End, s; NaN if it did not occur or has none."""
     evidence: str
-    """What the outputs say, in words."""
+    """From the outputs, in words."""
 
 
 def _missing(name: str, why: str) -> Event:
@@ -126,7 +126,7 @@ def torque_steps(trace: Trace) -> list[Event]:
 def over_torque(trace: Trace) -> list[Event]:
     """Macro-slip under too much torque, and the recovery from it.
 
-    Of several intervals of macro-slip the one with the largest external torque counts; the others are told apart.
+    Of several intervals of macro-slip the one with the largest external torque counts; the others are events besides.
     """
     slipping = [
         (start, end) for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02) if end - start >= 0.02

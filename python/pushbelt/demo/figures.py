@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 
-from pushbelt.fmu.geometry import TwoPulleyCurve
+from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import LoadCaseResult, Profile, Trace
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, STYLE, VIOLET, svg
@@ -18,8 +18,15 @@ from .events import Event
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
+LOSSES = (
+    ("loss.sheaves", "sheave friction", BLUE),
+    ("loss.ring", "ring friction", ORANGE),
+    ("loss.other", "rest", MUTED),
+)
+"""Output, name and colour of each loss."""
+
 STANDSTILL = 1.0
-"""Below this secondary speed quotients of speeds say nothing, rad/s."""
+"""Below this secondary speed quotients of speeds are left out, rad/s."""
 
 
 def load_case_bars(results: Sequence[LoadCaseResult], measured: Mapping[str, float]) -> str:
@@ -55,15 +62,10 @@ def load_case_bars(results: Sequence[LoadCaseResult], measured: Mapping[str, flo
 def _loss_shares(axes: Axes, results: Sequence[LoadCaseResult], names: Sequence[str], torques: Sequence[float]) -> None:
     by_case = {(r.case.ratio_name, r.case.torque): r.steady for r in results}
     places, labels = [], []
-    parts = (
-        ("loss.sheaves", "sheave friction", BLUE),
-        ("loss.ring", "ring friction", ORANGE),
-        ("loss.other", "rest", MUTED),
-    )
     for group, name in enumerate(names):
         for k, torque in enumerate(torques):
             place, bottom = group * (len(torques) + 0.8) + k, 0.0
-            for part, _, colour in parts:
+            for part, _, colour in LOSSES:
                 height = by_case[name, torque][part]
                 axes.bar(place, height, 0.82, bottom=bottom, color=colour)
                 bottom += height
@@ -83,7 +85,7 @@ def _loss_shares(axes: Axes, results: Sequence[LoadCaseResult], names: Sequence[
     axes.grid(axis="x", visible=False)
     axes.set_title("Losses (W) by ratio and torque (N·m)")
     axes.set_xlabel(" ", labelpad=12)
-    for _, label, colour in parts:
+    for _, label, colour in LOSSES:
         axes.bar(0, 0, color=colour, label=label)
     axes.set_ylim(top=1.2 * axes.get_ylim()[1])
     axes.legend(loc="upper center", ncols=3, columnspacing=1.0, handlelength=1.2)
@@ -91,82 +93,84 @@ def _loss_shares(axes: Axes, results: Sequence[LoadCaseResult], names: Sequence[
 
 def manoeuvre(trace: Trace, events: Sequence[Event]) -> str:
     """The whole manoeuvre over time."""
-    time = trace.time
+    panels = (_torques, _forces, _speeds, _ratio, _slip, _losses, _energy)
     with plt.rc_context(STYLE):
-        figure, rows = plt.subplots(7, 1, figsize=(11.2, 13.4), sharex=True, layout="constrained")
-        torque, force, speed, ratio, slip, loss, energy = rows
-
-        torque.plot(
-            time, trace["primary.externalTorque"], color=MUTED, linewidth=0.9, linestyle="--", label="P, external"
-        )
-        torque.plot(time, -trace["primary.shaftTorque"], color=BLUE, label="P, carried by the belt")
-        torque.plot(time, trace["secondary.shaftTorque"], color=ORANGE, label="S, of the belt")
-        torque.set_title("Torques (N·m)")
-
-        for pulley, colour in (("primary", BLUE), ("secondary", ORANGE)):
-            label = pulley[0].upper()
-            force.plot(time, 1e-3 * trace[f"{pulley}.axialForce"], color=colour, label=f"{label}, of the belt")
-            force.plot(
-                time,
-                1e-3 * trace[f"{pulley}.clampingForce"],
-                color=colour,
-                linewidth=0.9,
-                linestyle="--",
-                alpha=0.7,
-                label=f"{label}, clamping",
-            )
-        force.set_title("Axial forces (kN)")
-
-        speed.plot(time, trace["primary.speed"], color=BLUE, label="P")
-        speed.plot(time, trace["secondary.speed"], color=ORANGE, label="S")
-        speed.set_title("Speeds (rad/s)")
-
-        moving = np.abs(trace["secondary.speed"]) > STANDSTILL
-        ratio.plot(time, trace["ratio.geometric"], color=GREEN, label="geometric, $r_S/r_P$")
-        ratio.plot(
-            time,
-            np.where(moving, trace["ratio.speed"], np.nan),
-            color=MUTED,
-            linewidth=0.9,
-            linestyle="--",
-            label=r"of speeds, $\omega_P/\omega_S$",
-        )
-        ratio.set_ylim(0.0, 1.25 * trace["ratio.geometric"].max())
-        ratio.set_title("Ratio")
-
-        slip.plot(time, np.where(moving, 100 * trace["slip"], np.nan), color=RED)
-        slip.set_yscale("symlog", linthresh=3, linscale=1.5)
-        slip.set_yticks([-100, -10, -3, 0, 1, 2, 3, 10, 100], ["−100", "−10", "−3", "0", "1", "2", "3", "10", "100"])
-        shown = 100 * trace["slip"][moving]
-        slip.set_ylim(min(-1.0, 1.3 * shown.min(initial=0.0)), max(5.0, 1.5 * shown.max(initial=0.0)))
-        slip.set_title("Slip (%), linear to 3 %, logarithmic beyond")
-
-        parts = (
-            ("loss.sheaves", "sheave friction", BLUE),
-            ("loss.ring", "ring friction", ORANGE),
-            ("loss.other", "rest", MUTED),
-        )
-        for part, label, colour in parts:
-            loss.plot(time, 1e-3 * trace[part], color=colour, label=label)
-        loss.set_yscale("symlog", linthresh=1, linscale=1.5)
-        loss.set_ylim(bottom=min(0.0, 1e-3 * min(trace[part].min() for part, *_ in parts)))
-        loss.set_yticks([0, 0.5, 1, 10, 100], ["0", "0.5", "1", "10", "100"])
-        loss.set_title("Losses (kW), linear to 1 kW, logarithmic beyond")
-
-        bound = energy_bound(trace)
-        energy.plot(time, trace["energy.residual"], color=VIOLET, label="residual")
-        for sign, label in ((1, "bound"), (-1, None)):
-            energy.plot(time, sign * bound, color=MUTED, linewidth=0.9, linestyle="--", label=label)
-        energy.set_title("Energy: supplied less lost less stored (J)")
-        energy.set_xlabel("time (s)")
-
+        figure, rows = plt.subplots(len(panels), 1, figsize=(11.2, 13.4), sharex=True, layout="constrained")
+        for panel, axes in zip(panels, rows, strict=True):
+            panel(axes, trace)
         _mark(rows, trace, events)
-        for axes in (torque, force, speed, ratio, loss, energy):
-            axes.legend(loc="upper left", ncols=4)
-            low, high = axes.get_ylim()
-            axes.set_ylim(low, 4.0 * high if axes is loss else high + 0.18 * (high - low))
-        energy.set_xlim(time[0], time[-1])
+        for panel, axes in zip(panels, rows, strict=True):
+            if panel is not _slip:
+                axes.legend(loc="upper left", ncols=4)
+                low, high = axes.get_ylim()
+                axes.set_ylim(low, 4.0 * high if panel is _losses else high + 0.18 * (high - low))
+        rows[-1].set_xlabel("time (s)")
+        rows[-1].set_xlim(trace.time[0], trace.time[-1])
     return svg(figure)
+
+
+DASHED = {"linewidth": 0.9, "linestyle": "--"}
+
+
+def _torques(axes: Axes, trace: Trace) -> None:
+    axes.plot(trace.time, trace["primary.externalTorque"], color=MUTED, label="P, external", **DASHED)
+    axes.plot(trace.time, -trace["primary.shaftTorque"], color=BLUE, label="P, carried by the belt")
+    axes.plot(trace.time, trace["secondary.shaftTorque"], color=ORANGE, label="S, of the belt")
+    axes.set_title("Torques (N·m)")
+
+
+def _forces(axes: Axes, trace: Trace) -> None:
+    for pulley, colour in (("primary", BLUE), ("secondary", ORANGE)):
+        label = pulley[0].upper()
+        axes.plot(trace.time, 1e-3 * trace[f"{pulley}.axialForce"], color=colour, label=f"{label}, of the belt")
+        clamping = 1e-3 * trace[f"{pulley}.clampingForce"]
+        axes.plot(trace.time, clamping, color=colour, alpha=0.7, label=f"{label}, clamping", **DASHED)
+    axes.set_title("Axial forces (kN)")
+
+
+def _speeds(axes: Axes, trace: Trace) -> None:
+    axes.plot(trace.time, trace["primary.speed"], color=BLUE, label="P")
+    axes.plot(trace.time, trace["secondary.speed"], color=ORANGE, label="S")
+    axes.set_title("Speeds (rad/s)")
+
+
+def _moving(trace: Trace) -> Array:
+    return np.abs(trace["secondary.speed"]) > STANDSTILL
+
+
+def _ratio(axes: Axes, trace: Trace) -> None:
+    axes.plot(trace.time, trace["ratio.geometric"], color=GREEN, label="geometric, $r_S/r_P$")
+    of_speeds = np.where(_moving(trace), trace["ratio.speed"], np.nan)
+    axes.plot(trace.time, of_speeds, color=MUTED, label=r"of speeds, $\omega_P/\omega_S$", **DASHED)
+    axes.set_ylim(0.0, 1.25 * trace["ratio.geometric"].max())
+    axes.set_title("Ratio")
+
+
+def _slip(axes: Axes, trace: Trace) -> None:
+    moving = _moving(trace)
+    axes.plot(trace.time, np.where(moving, 100 * trace["slip"], np.nan), color=RED)
+    axes.set_yscale("symlog", linthresh=3, linscale=1.5)
+    axes.set_yticks([-100, -10, -3, 0, 1, 2, 3, 10, 100], ["−100", "−10", "−3", "0", "1", "2", "3", "10", "100"])
+    shown = 100 * trace["slip"][moving]
+    axes.set_ylim(min(-1.0, 1.3 * shown.min(initial=0.0)), max(5.0, 1.5 * shown.max(initial=0.0)))
+    axes.set_title("Slip (%), linear to 3 %, logarithmic beyond")
+
+
+def _losses(axes: Axes, trace: Trace) -> None:
+    for part, label, colour in LOSSES:
+        axes.plot(trace.time, 1e-3 * trace[part], color=colour, label=label)
+    axes.set_yscale("symlog", linthresh=1, linscale=1.5)
+    axes.set_ylim(bottom=min(0.0, 1e-3 * min(trace[part].min() for part, *_ in LOSSES)))
+    axes.set_yticks([0, 0.5, 1, 10, 100], ["0", "0.5", "1", "10", "100"])
+    axes.set_title("Losses (kW), linear to 1 kW, logarithmic beyond")
+
+
+def _energy(axes: Axes, trace: Trace) -> None:
+    bound = energy_bound(trace)
+    axes.plot(trace.time, trace["energy.residual"], color=VIOLET, label="residual")
+    for sign, label in ((1, "bound"), (-1, None)):
+        axes.plot(trace.time, sign * bound, color=MUTED, label=label, **DASHED)
+    axes.set_title("Energy: supplied less lost less stored (J)")
 
 
 def overload(trace: Trace, start: float, end: float) -> str:

@@ -24,7 +24,7 @@ START_VALUES: Mapping[str, float] = {
 """The vehicle as an inertia on the secondary shaft; standstill in underdrive."""
 
 SNAPSHOTS = (1.5, 8.4, 8.6)
-"""Times at which the fields along the belt are kept, s."""
+"""Times at which the fields along the belt are recorded, s."""
 
 
 def run(
@@ -36,7 +36,7 @@ def run(
 ) -> ManoeuvreResult:
     """Runs the inputs from their first to their last row (or for `duration` seconds).
 
-    `progress` hears of simulated seconds as they pass.
+    `progress` gets simulated seconds as they pass.
     """
     stop = float(inputs.time[-1]) if duration is None else duration
     steps = round(stop / STEP)
@@ -47,15 +47,15 @@ def run(
         rows = np.empty((steps + 1, len(outputs.names)))
         flags = np.empty(steps + 1)
         snapshots: dict[float, Profile] = {}
-        kept = {round(moment / STEP): moment for moment in SNAPSHOTS}
+        recorded = {round(moment / STEP): moment for moment in SNAPSHOTS}
         for step in range(steps + 1):
             if step > 0:
                 unit.step_to(step * STEP)
                 progress(STEP)
             rows[step] = unit.get_reals(outputs)
             flags[step] = unit.get("macroSlip")
-            if step in kept:
-                snapshots[kept[step]] = unit.profile()
+            if step in recorded:
+                snapshots[recorded[step]] = unit.profile()
             unit.set(inputs.at(step * STEP))
         warnings = tuple(unit.warnings)
     columns = {name: rows[:, k] for k, name in enumerate(outputs.names)}

@@ -37,7 +37,7 @@ VARIANTS: Mapping[str, Mapping[str, float]] = {
     "pitch line 1 mm inside the ring": {"belt.pitchOffset": 1e-3},
     "mesh twice as fine": {"mesh.primaryArc": 48, "mesh.secondaryArc": 48, "mesh.strand": 24},
 }
-"""One change at a time, to see what the difference to the theory hangs on."""
+"""One change at a time, to find what the difference to the theory depends on."""
 
 SOLVES = 1 + len(VARIANTS)
 """Steady states that are solved for."""
@@ -56,7 +56,7 @@ def strand_forces(state: SteadyState, curve: TwoPulleyCurve) -> StrandForces:
 
 
 def continuous_belt(parameters: Mapping[str, float], curve: TwoPulleyCurve, belt_speed: float) -> ContinuousBelt:
-    """The belt as the published theory sees it; speed in m/s."""
+    """The belt of the published theory; speed in m/s."""
     return ContinuousBelt(
         wrap_primary=2.0 * (np.pi - curve.phi),
         wrap_secondary=2.0 * curve.phi,
@@ -67,7 +67,7 @@ def continuous_belt(parameters: Mapping[str, float], curve: TwoPulleyCurve, belt
 
 
 def run(archive: Archive, progress: Callable[[], None] = lambda: None) -> ReferenceResult:
-    """Runs the reference case and its variants; `progress` hears of each."""
+    """Runs the reference case and its variants; `progress` is called after each."""
     published = reference_case()
     parameters = {**parameter_set("belt155"), **ASSUMPTIONS, **MESH}
     ratio, speed = published["geometricRatio"], published["primarySpeed"]
@@ -116,7 +116,6 @@ def run(archive: Archive, progress: Callable[[], None] = lambda: None) -> Refere
         },
         without_flank_friction={"primary": without_flank_friction[0], "secondary": without_flank_friction[1]},
         steady=state,
-        assumptions=ASSUMPTIONS,
         variants=tuple(
             _variant(name, solve(changes, state.load_torque), parameters) for name, changes in VARIANTS.items()
         ),

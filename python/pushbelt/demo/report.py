@@ -12,7 +12,6 @@ import numpy as np
 from pushbelt import page
 from pushbelt.belt_picture import belt_picture
 from pushbelt.fmu.data import EfficiencyPoint, curve_at, curve_of, load_case_speed, measured_efficiency
-from pushbelt.fmu.geometry import ratio_of
 from pushbelt.fmu.results import LoadCaseResult
 from pushbelt.page import image, number, percent
 
@@ -32,11 +31,6 @@ class CaseRow:
     result: LoadCaseResult
     measured: EfficiencyPoint
     imbalance: float
-
-    @property
-    def better(self) -> bool:
-        """Whether the efficiency lies above the measured one, as a part of a transmission must."""
-        return self.result.steady["efficiency"] > self.measured.efficiency
 
 
 @dataclass(frozen=True)
@@ -103,7 +97,6 @@ def _context(results: DemoResults) -> dict[str, Any]:
     curve = curve_at(results.parameters, chosen.steady)
     trace = results.manoeuvre.trace
     found = events.detect(trace)
-    bound = checks.energy_bound(trace)
     measured = {row.result.case.name: row.measured.efficiency for row in rows}
     overload = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
@@ -131,11 +124,9 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "standstill": figures.STANDSTILL,
         "start_values": START_VALUES,
         "residual": float(np.abs(trace["energy.residual"]).max()),
-        "residual_share": float((np.abs(trace["energy.residual"]) / bound).max()),
         "energy_in": float(np.sum(np.maximum(trace["primary.power"], 0.0)) * results.manoeuvre.step),
         "energy_lost": float(np.sum(trace["loss.total"]) * results.manoeuvre.step),
         "chosen": chosen,
-        "chosen_ratio": ratio_of(chosen.case.theta),
         "speed": load_case_speed(),
         "spiral": spiral_rows(results.cases, results.parameters),
         "spiral_tolerance": TOLERANCE,

@@ -37,8 +37,6 @@ class ReferenceResult:
     without_flank_friction: Mapping[str, float]
     """Axial forces that the FMU's strand forces would need without friction along the flanks, by pulley, N."""
     steady: SteadyState
-    assumptions: Mapping[str, float]
-    """Start values that differ from the parameter set, to meet the assumptions of the published theory."""
     variants: tuple[Variant, ...] = ()
 
 

@@ -35,16 +35,8 @@ SHORT = Plan(torques=(100.0,), duration=1.0)
 
 
 def _run_manoeuvre(archive: Archive, duration: float) -> ManoeuvreResult:
-    done = 0.0
-    told = 0
-
     def progress(seconds: float) -> None:
-        nonlocal done, told
-        done += seconds
-        due = int(100.0 * done / duration + 1e-9)
-        if due > told:
-            tick(due - told)
-            told = due
+        tick(_MANOEUVRE_TICKS * seconds / duration)
 
     return manoeuvre.run(archive, parameter_set(VARIATOR), manoeuvre_inputs(), progress, duration)
 

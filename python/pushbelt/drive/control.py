@@ -11,18 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from pushbelt.fmu.data import slip_torque
+from pushbelt.fmu.data import clamping_force
 
 from .piecewise import clip
 from .thrust_map import ThrustMap
-
-
-def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:
-    """Clamping force that carries a torque with a safety factor: F_S = S_f |T_P| cosβ/(2 μ r_P), N.
-
-    Torque in N·m, pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more.
-    """
-    return safety * abs(torque) / slip_torque(friction, wedge_angle, 1.0, pitch_radius)
 
 
 @dataclass(frozen=True)
@@ -77,7 +69,7 @@ class ClampingStrategy(Protocol):
     def force(self, measured: Measured, step: float, overruled: bool) -> float:
         """Secondary clamping force for the next step of `step` seconds, N.
 
-        `overruled` tells that the ratio control took more than was given to it last.
+        `overruled`: the ratio control used a larger secondary force than this strategy asked for.
         """
         ...
 
@@ -115,7 +107,7 @@ class SlipControl:
         Γ = −dκ/du · J g ω_P² cosβ/(2 μ r_P)
 
     of the force that the shift came from. u is the most at which Γ stays below 1. It bounds the factor too: the force
-    never falls below that of this utilisation, whatever slip says.
+    never falls below that of this utilisation, whatever the slip is.
 
     The integral stands still while the factor is at a limit in its direction, and while the ratio control clamps harder.
     Slip beyond twice its set point and 1 % more, or macro-slip, makes the factor `rescue` at once; it is held for a
@@ -206,7 +198,7 @@ class RatioControl:
     belt that shifts by creep hardly moves until its elements slide radially. Where g is small C stays at `MOST_FORCE`.
 
     k_p and a short filter damp what the flywheel does when a shift changes its speed (docs/drivetrain.md). The integral
-    is kept as a force and stands still while F_P is at a limit in its direction. A primary force below what carries the
+    is stored as a force and stands still while F_P is at a limit in its direction. A primary force below what carries the
     torque is not allowed: to shift down faster the secondary force rises instead. A standing belt is held the same way.
     """
 
@@ -308,5 +300,5 @@ class PressureControl:
         self.gain = max(lag / self.WANTED_LAG, 1.0)
 
     def demand(self, wanted: float, force: float) -> float:
-        """Demand on the valve for a wanted clamping force and the one that the pressure sensor tells, N."""
+        """Demand on the valve for a wanted clamping force and the measured one, N."""
         return force + self.gain * (wanted - force)

@@ -15,7 +15,7 @@ from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
 MOST_POINTS = 3000
-"""More would not be seen in a figure."""
+"""Points of a curve in a figure at most."""
 
 
 def thinned(run: Run) -> slice:

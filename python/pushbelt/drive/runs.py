@@ -89,7 +89,7 @@ def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
 
 
 def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
-    """Runs a plan with an FMU; the thrust-ratio maps are kept in the folder `cache`."""
+    """Runs a plan with an FMU; the thrust-ratio maps are stored in the folder `cache`."""
     with Archive.unpack(fmu) as archive:
         return _run_all(fmu, archive, plan, cache)
 

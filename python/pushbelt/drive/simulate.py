@@ -70,7 +70,7 @@ class Setup:
     ring: str = "ALE"
     mesh: str = "coarse"
     snapshots: tuple[float, ...] = ()
-    """Times of the whole cycle at which the fields along the belt are kept, s."""
+    """Times of the whole cycle at which the fields along the belt are recorded, s."""
     friction: float = 1.0
     """Friction of the belt as a share of what the controllers believe."""
     step: float = STEP
@@ -94,7 +94,7 @@ class Run:
     """By time of the whole cycle, s."""
     interventions: int
     processor_time: float
-    """That it took, s."""
+    """Of the run, s."""
     messages: tuple[str, ...] = field(default=())
     """Warnings of the FMU."""
 
@@ -255,7 +255,7 @@ def _advance(
         signals = driving, control.advance(known.power_demand, state["secondary.speed"], measured, step)
         record.add(unit, state, *signals)
 
-        # Without jumps the FMU takes one step where it else takes several, with ten times the work.
+        # Ramps need one step of the FMU, jumps several with ten times the work.
         after = _input_values(*(earlier if setup.parallel else signals))
         course = after if setup.parallel else before
         unit.set_ramps(inputs, course, [(end - start) / step for start, end in zip(course, after, strict=True)])

@@ -278,7 +278,7 @@ def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
 
 
 def load(fmu: Path, archive: Archive, parameters: Parameters, cache: Path) -> ThrustMap:
-    """The map from its cache, or solved for and put there."""
+    """The map from its cache; if it is not there, it is solved for and written to it."""
     key = map_key(fmu, parameters)
     found = ThrustMap.read(cache, key)
     if found is None:

@@ -19,7 +19,7 @@ class VehicleSignals:
     secondary_torque: float = 0.0
     """Of road load and brakes on the secondary shaft, N·m."""
     estimated_torque: float = 0.0
-    """What the engine control tells the transmission: the larger of the primary torques now and as demanded, with the
+    """Torque that the engine control sends to the transmission: the larger of the primary torques now and as demanded, with the
     sign of the torque now, N·m."""
     power_demand: float = 0.0
     """Of the driver, W."""

@@ -44,9 +44,17 @@ def slip_torque(friction: float, wedge_angle: float, force: float, pitch_radius:
     return 2.0 * friction * force * pitch_radius / math.cos(wedge_angle)
 
 
-def clamping_force(torque: float, friction: float, wedge_angle: float, pitch_radius: float) -> float:
-    """Secondary clamping force, N, with a safety of 1.3 against slip on P: 1.3 T_P cosβ/(2 μ r_P), at least 6 kN."""
-    return max(1.3 * torque / slip_torque(friction, wedge_angle, 1.0, pitch_radius), 6000.0)
+def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:
+    """Clamping force that carries a torque with a safety factor: F_S = S_f |T_P| cosβ/(2 μ r_P), N.
+
+    Torque in N·m, pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more.
+    """
+    return safety * abs(torque) / slip_torque(friction, wedge_angle, 1.0, pitch_radius)
+
+
+def load_case_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float) -> float:
+    """Secondary clamping force of a load case, N: a safety factor of 1.3, at least 6 kN."""
+    return max(clamping_force(torque, pitch_radius, friction, wedge_angle, safety=1.3), 6000.0)
 
 
 def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
@@ -61,14 +69,13 @@ def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float)
 def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:
     """The nine load cases in their published order."""
     described = published_data()["loadCases"]
+    friction, wedge_angle = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
     cases = []
     for name in described["order"]:
         ratio_name, torque = name.rsplit("-", 1)
         theta = described["theta"][ratio_name]
         pitch_radius = curve_of(parameters, theta).primary_radius - parameters["belt.pitchOffset"]
-        force = clamping_force(
-            float(torque), parameters["friction.pulley"], parameters["geometry.wedgeAngle"], pitch_radius
-        )
+        force = load_case_force(float(torque), pitch_radius, friction, wedge_angle)
         cases.append(LoadCase(ratio_name, theta, float(torque), float(force)))
     return cases
 

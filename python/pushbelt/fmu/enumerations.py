@@ -28,7 +28,7 @@ class Axial(IntEnum):
     HELD = 2
 
 
-class Start(IntEnum):
+class StartState(IntEnum):
     """Values of `initial.found`: what a run started from."""
 
     UNLOADED = 1

@@ -1,4 +1,4 @@
-"""What fields along the belt say: means between places, push force gained over arcs."""
+"""Fields along the belt: means between places, push force gained over arcs."""
 
 from __future__ import annotations
 

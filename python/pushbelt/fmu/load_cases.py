@@ -116,7 +116,7 @@ def _solve(unit: Variator, start_values: Mapping[str, float], torque: float, loa
         unit.restart({**start_values, "secondary.torque": load})
         unit.initialise()
         if unit.not_steady:
-            raise NotFoundError(f"at a load torque of {load:.4g} N·m the FMU says: {unit.not_steady}")
+            raise NotFoundError(f"at a load torque of {load:.4g} N·m the FMU reports: {unit.not_steady}")
         return -unit.get("primary.shaftTorque")
 
     load = find_load(belt_torque, torque, load_guess)

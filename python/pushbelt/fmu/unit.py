@@ -14,7 +14,7 @@ import fmpy
 import numpy as np
 from fmpy import fmi2, logging
 
-from .enumerations import Start
+from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
 
@@ -156,7 +156,7 @@ class Variator:
     @property
     def not_steady(self) -> str | None:
         """Why the FMU did not start from the steady state that was asked for; none if it did."""
-        if self.get("initial.found") == Start.STEADY:
+        if self.get("initial.found") == StartState.STEADY:
             return None
         return "; ".join(self.warnings) or "none was asked for"
 

@@ -82,7 +82,7 @@ def shift_on_meshes(archive: Archive, parameters: Mapping[str, float], duration:
         with Variator(archive, start) as unit:
             unit.initialise()
             unit.set({"primary.clampingForce": SHIFT_FORCE * unit.get("primary.axialForce")})
-            outputs = unit.reals(("ratio.geometric", "energy.residual", "thrustRatio"))
+            outputs = unit.reals(("ratio.geometric", "energy.residual"))
             rows, begin = [unit.get_reals(outputs)], time.process_time()
             for moment in _moments(duration):
                 unit.step_to(float(moment))
@@ -98,7 +98,7 @@ def wave(load: float, moment: float) -> float:
 
 
 class Runner:
-    """Runs one load case with one ring model; `progress` hears of the revolutions that are done."""
+    """Runs one load case with one ring model; `progress` gets the revolutions as they are done."""
 
     def __init__(
         self,
@@ -129,14 +129,14 @@ class Runner:
         return unit, time.process_time() - begin
 
     def _step(self, unit: Variator, moment: float) -> float:
-        """Steps to a moment; processor time that it took, s."""
+        """Steps to a moment; returns the processor time of the step, s."""
         before, begin = unit.time, time.process_time()
         unit.step_to(moment)
         spent = time.process_time() - begin
         self.progress((moment - before) / self.revolution)
         return spent
 
-    def look(self) -> tuple[Window, bool, tuple[str, ...]]:
+    def record(self) -> tuple[Window, bool, tuple[str, ...]]:
         """Runs, and samples the end of the run; also whether it started from a steady state, and the FMU's warnings."""
         unit, _ = self._started()
         effort = self.effort
@@ -182,7 +182,7 @@ class Runner:
 
     def run(self, wavy: bool) -> CaseRun:
         """Everything about this case and model."""
-        window, steady, warnings = self.look()
+        window, steady, warnings = self.record()
         return CaseRun(
             self.model,
             self.case,

@@ -44,7 +44,7 @@ SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @dataclass(frozen=True)
 class Choice:
-    """A line of the table that says which model to choose."""
+    """A line of the table of ring models."""
 
     model: str
     what: str
@@ -174,7 +174,12 @@ def context(results: PaperResults) -> dict[str, Any]:
 
 
 def write_tables(results: PaperResults, folder: Path) -> None:
-    """Writes what figures 8 and 9 show, and the statements."""
+    """Writes what figures 8 and 9 show, the meshes, and the statements."""
+    for write in (_write_cases, _write_elements, _write_arcs, _write_meshes, _write_times, _write_statements):
+        write(results, folder)
+
+
+def _write_cases(results: PaperResults, folder: Path) -> None:
     page.write_table(
         folder / "figure-8ab.csv",
         ["case", "model", "loadTorque", "thrustRatio", "efficiency", "loss", "thrustRatioDifference",
@@ -198,6 +203,9 @@ def write_tables(results: PaperResults, folder: Path) -> None:
             for run in results.runs
         ),
     )  # fmt: skip
+
+
+def _write_elements(results: PaperResults, folder: Path) -> None:
     run_of = chosen_runs(results)
     elements = [(run, *profiles.element(results.parameters, run)) for run in map(run_of, MODELS)]
     page.write_table(
@@ -210,6 +218,9 @@ def write_tables(results: PaperResults, folder: Path) -> None:
         ),
         digits=6,
     )
+
+
+def _write_arcs(results: PaperResults, folder: Path) -> None:
     page.write_table(
         folder / "figure-8d.csv",
         ["case", "model", "pulley", "fractionOfArc", "radialDeviation"],
@@ -221,6 +232,9 @@ def write_tables(results: PaperResults, folder: Path) -> None:
         ),
         digits=6,
     )
+
+
+def _write_meshes(results: PaperResults, folder: Path) -> None:
     page.write_table(
         folder / "meshes.csv",
         ["case", "mesh", "thrustRatio", "efficiency", "ring.tensionMin", "ring.tensionMax"],
@@ -230,6 +244,9 @@ def write_tables(results: PaperResults, folder: Path) -> None:
             for mesh, state in states.items()
         ),
     )
+
+
+def _write_times(results: PaperResults, folder: Path) -> None:
     page.write_table(
         folder / "figure-9.csv",
         ["case", "model", "load", "repetition", "simulated", "stepping", "starting"],
@@ -242,6 +259,9 @@ def write_tables(results: PaperResults, folder: Path) -> None:
         ),
         digits=6,
     )
+
+
+def _write_statements(results: PaperResults, folder: Path) -> None:
     page.write_table(
         folder / "statements.csv",
         ["source", "claim", "verdict", "found", "reason"],

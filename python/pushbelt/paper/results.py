@@ -167,12 +167,6 @@ class Shift:
     """Geometric ratio."""
     residual: Array
     """Energy supplied less lost less stored, J."""
-    thrust_ratio: Array
-
-    @property
-    def ripple(self) -> float:
-        """Root mean square of the thrust ratio's second differences over communication steps."""
-        return float(np.sqrt(np.mean(np.diff(self.thrust_ratio, 2) ** 2)))
 
 
 @dataclass(frozen=True)

@@ -128,7 +128,7 @@ class Rings:
 
 
 def run(program: Path, output: Path, short: bool, progress: Callable[[float, str], None]) -> Rings:
-    """Runs the program; `progress` hears of each job: the share that is done, and its name."""
+    """Runs the program; `progress` gets the share that is done, and the name of each job."""
     command = [str(program), "--output", str(output), *(["--short"] if short else [])]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"

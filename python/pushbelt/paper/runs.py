@@ -86,14 +86,8 @@ def _rings(program: Path, output: Path, short: bool) -> Rings:
 def _case(
     archive: Archive, model: str, case: LoadCase, state: SteadyState, effort: Effort, wavy: bool
 ) -> CaseRun | Failure:
-    weight, pending = WEIGHTS.get(model, 1.0), 0.0
-
     def progress(revolutions: float) -> None:
-        nonlocal pending
-        pending += weight * revolutions
-        if pending > 0.1:
-            tick(pending)
-            pending = 0.0
+        tick(WEIGHTS.get(model, 1.0) * revolutions)
 
     try:
         return Runner(archive, parameter_set(VARIATOR), model, case, state, effort, progress).run(wavy)

@@ -1,4 +1,4 @@
-"""A working point: what the FMU is told, and what is read.
+"""A working point: what is set in the FMU, and what is recorded.
 
 The secondary pulley turns at ω_P/i, the primary pulley is driven by the torque of the wanted utilisation and its sheave
 is held at the ratio: utilisation and clamping force are met exactly, the primary speed within the slip.
@@ -41,7 +41,10 @@ class Point:
 
 
 def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, float]:
-    """What a point sets, by FMU variable; of the parameters it takes the geometry, to know the torque."""
+    """What a point sets, by FMU variable; of the parameters it takes the geometry, to know the torque.
+
+    Plain numbers: workers can't load the enumerations of this package.
+    """
     values = {**parameters, "friction.pulley": point.friction}
     return {
         "friction.pulley": point.friction,
@@ -49,11 +52,11 @@ def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, flo
         "initial.equilibrium": False,
         "initial.ratio": point.ratio,
         "initial.primarySpeed": point.speed,
-        "primary.drive": Drive.TORQUE,
-        "primary.axial": Axial.HELD,
+        "primary.drive": Drive.TORQUE.value,
+        "primary.axial": Axial.HELD.value,
         "primary.torque": point.utilisation * torque_capacity(values, point.ratio, point.force),
-        "secondary.drive": Drive.SPEED,
-        "secondary.axial": Axial.FORCE,
+        "secondary.drive": Drive.SPEED.value,
+        "secondary.axial": Axial.FORCE.value,
         "secondary.speedSetpoint": point.speed / point.ratio,
         "secondary.clampingForce": point.force,
     }

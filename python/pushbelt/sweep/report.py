@@ -26,7 +26,7 @@ FEW = 12
 
 @dataclass(frozen=True)
 class Effort:
-    """What a run took."""
+    """Points and time of a run."""
 
     points: int
     """Solved in this run."""

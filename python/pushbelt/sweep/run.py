@@ -1,4 +1,4 @@
-"""Runs a study: what is missing goes to the cluster in chunks, and each is kept as it comes back."""
+"""Runs a study: what is missing goes to the cluster in chunks, and each is stored as it comes back."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ class Progress:
 def chunks(study: Study, finished: set[int], size: int | None = None) -> list[Chunk]:
     """What is missing, in chunks.
 
-    Points are shuffled: points without a steady state take longest and lie together, so a chunk would tell nothing of
-    how long the next one takes.
+    Points are shuffled: points without a steady state take longest and lie together, so the time of one chunk
+    would say nothing about the next.
     """
     missing = [point for point in study.grid.points() if point.index not in finished]
     random.Random(0).shuffle(missing)
@@ -63,10 +63,10 @@ def sweep(
 ) -> pa.Table:
     """Solves the points of a study and returns one row a point.
 
-    Finished points are kept in `folder`; a study with the same FMU, parameters and grid goes on from there. `scheduler`
+    Finished points are stored in `folder`; a study with the same FMU, parameters and grid goes on from there. `scheduler`
     is the address of a dask scheduler; without one, `workers` processes are started here (as many as there are
-    processors). Called from a program, the latter needs `if __name__ == "__main__":` around it. `progress` hears of each
-    chunk of `chunk` points, and now and then in between.
+    processors). Called from a program, the latter needs `if __name__ == "__main__":` around it. `progress` is called
+    after each chunk of `chunk` points, and about once a second in between.
 
     Raises ClusterError where the cluster can't be reached or is gone; what was finished stays.
     """
@@ -85,19 +85,19 @@ def _solve(client: Client, study: Study, store: Store, missing: list[Chunk], kep
     done, failed, lost = len(kept), sum(row["reason"] is not None for row in kept), []
     workers, asked = 0, -math.inf
 
-    def tell() -> None:
+    def report() -> None:
         nonlocal workers, asked
         if time.monotonic() > asked + WORKERS_INTERVAL:
             workers, asked = len(client.nthreads()), time.monotonic()
         progress(Progress(len(study.grid), done, failed, workers))
 
     with cluster.shipped(client, study.archive) as solve:
-        for rows in cluster.rows(client, solve, missing, tell):
+        for rows in cluster.rows(client, solve, missing, report):
             if rows[0]["reason"] == cluster.WORKER_LOST:
                 lost += rows
             else:
                 store.add(rows)
             done += len(rows)
             failed += sum(row["reason"] is not None for row in rows)
-            tell()
+            report()
     return lost

@@ -69,13 +69,13 @@ class Store:
         write_whole(self.folder / "study.json", json.dumps(describe(study), indent=1).encode())
 
     def add(self, rows: list[Row]) -> None:
-        """Keeps finished points."""
+        """Stores finished points."""
         chunk = table(self._study, rows)
         first, last = chunk["point"][0].as_py(), chunk["point"][-1].as_py()
         write_parquet(chunk, self.folder / f"points-{first}-{last}.parquet")
 
     def count(self) -> int:
-        """How many points are kept."""
+        """How many points are stored."""
         return len(self.rows())
 
     def clear(self) -> None:
@@ -87,7 +87,7 @@ class Store:
         return sorted(self.folder.glob("points-*.parquet"))
 
     def rows(self) -> list[Row]:
-        """All that is kept, each point once. A file that is no Parquet is removed: its points come again.
+        """All stored points, each once. A file that is no Parquet is removed: its points come again.
 
         Raises OSError where the disk fails: what is there may be whole.
         """

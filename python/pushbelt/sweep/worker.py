@@ -1,6 +1,6 @@
 """What runs on a worker: the FMU, unpacked and loaded once, and reset from point to point.
 
-This room, `point` and the modules they need of `pushbelt.fmu` travel to the workers with the study (see `cluster`):
+This module, `point` and the modules they need of `pushbelt.fmu` travel to the workers with the study (see `cluster`):
 a worker needs Python packages (`distributed`, `fmpy`, `numpy`), but none of this project.
 """
 

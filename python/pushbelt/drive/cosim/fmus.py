@@ -56,7 +56,7 @@ def _modules(scratch: Path) -> Path:
 
 
 def _check(fmu: Path) -> None:
-    """The binary takes Python from the process that loads it; better found here than by a master that dies of it."""
+    """The binary uses the Python of the process that loads it. Without one a master would crash: this fails before."""
     pattern = "win64/*.dll" if sys.platform == "win32" else "linux64/*.so"
     # The library stays loaded, so Windows can't remove it.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch, zipfile.ZipFile(fmu) as archive:

@@ -17,7 +17,7 @@ from .package import PARAMETER_SET
 
 Progress = Callable[[float], None]
 Master = Callable[[Path, float, int, Sequence[str], Progress], Array]
-"""Package, communication step in s, count of steps, variables of the variator, what hears of seconds that have passed:
+"""Package, communication step in s, count of steps, variables of the variator, a function that gets simulated seconds as they pass:
 the variables after each step, a row a step. Raises UnitError if the master isn't there or refuses."""
 
 

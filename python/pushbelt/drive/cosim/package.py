@@ -50,7 +50,7 @@ UNIT_OF = {
 }
 """By the last part of a variable's name; others have the unit 1."""
 PARAMETER_SET = "start"
-"""Name of the parameter set of every unit: ecos is told by name which of a package to take."""
+"""Name of the parameter set of every unit: ecos chooses the set of a package by its name."""
 
 Values = Mapping[str, float | bool]
 

@@ -99,7 +99,7 @@ def build(fmu: Path, table: thrust_map.ThrustMap, plan: Plan, folder: Path) -> P
     """Writes the package and the FMUs in it to a folder; returns its path."""
     vehicle, control = fmus.build(folder, table)
     parameters = simulate.unit_parameters(demo_car(), "ALE", "coarse")
-    # libcosim knows no enumerations; ALE is what the FMU takes by itself.
+    # libcosim knows no enumerations; ALE is the default of the FMU.
     del parameters["ring.model"]
     start, stop = plan.section
     believed = {name: parameters[name] for name in ("friction.pulley", "geometry.wedgeAngle")}
@@ -118,28 +118,33 @@ def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MAST
 
     Raises UnitError if none of them can run it.
     """
-    archive = Archive.unpack(fmu)
-    try:
-        parameters = simulate.unit_parameters(demo_car(), "ALE", "coarse")
+    parameters = simulate.unit_parameters(demo_car(), "ALE", "coarse")
+    total = (2 + len(masters)) * len(plan.steps) * plan.duration
+    with Archive.unpack(fmu) as archive:
         table = thrust_map.load(fmu, archive, parameters, folder / "thrust-ratio-map-ALE.csv")
         ssp = build(fmu, table, plan, folder)
-        total = (2 + len(masters)) * len(plan.steps) * plan.duration
         with progress_bar(round(total), "coupling") as bar:
-            found, refusals = {}, []
-            for name in masters:
-                try:
-                    found[name] = _in_process(name, ssp, plan, bar.update)
-                except UnitError as error:
-                    refusals.append(f"{name}: {error}")
-            if not found:
-                raise UnitError("; ".join(refusals))
+            found, refusals = _run_masters(masters, ssp, plan, bar.update)
             loops = [
                 {h: _loop(archive, table, plan, h, parallel, bar.update) for h in plan.steps}
                 for parallel in (False, True)
             ]
-        return Coupling(plan, found, *loops, tuple(refusals))
-    finally:
-        archive.remove()
+    return Coupling(plan, found, *loops, tuple(refusals))
+
+
+def _run_masters(
+    masters: Sequence[str], ssp: Path, plan: Plan, progress: Progress
+) -> tuple[dict[str, dict[float, Array]], list[str]]:
+    """Results of the masters that can run the package, and why others can't."""
+    found, refusals = {}, []
+    for name in masters:
+        try:
+            found[name] = _in_process(name, ssp, plan, progress)
+        except UnitError as error:
+            refusals.append(f"{name}: {error}")
+    if not found:
+        raise UnitError("; ".join(refusals))
+    return found, refusals
 
 
 def _loop(
@@ -161,7 +166,7 @@ def _in_process(name: str, ssp: Path, plan: Plan, progress: Progress) -> dict[fl
 
 
 def _work(name: str, ssp: Path, plan: Plan) -> dict[float, Array]:
-    # The loop keeps what holds before each step, so the last one is left out.
+    # The loop records each step's start, so the last step is left out.
     counts = {h: round(plan.duration / h) - 1 for h in plan.steps}
     try:
         return {h: MASTERS[name](ssp, h, count, SIGNALS, tick) for h, count in counts.items()}

@@ -47,7 +47,7 @@ class ControlUnit(Unit):
         self._control: TransmissionControl | None = None
 
     def exit_initialization_mode(self) -> None:
-        """Takes the parameters and reads the map."""
+        """Applies the parameters and reads the map."""
         values = self.values
         path = Path(self.resources) / MAP_FILE
         thrust_map = ThrustMap.read(path)

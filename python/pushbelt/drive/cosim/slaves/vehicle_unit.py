@@ -35,7 +35,7 @@ class VehicleUnit(Unit):
         self._vehicle: Vehicle | None = None
 
     def exit_initialization_mode(self) -> None:
-        """Takes the parameters."""
+        """Applies the parameters."""
         cycle = wltc_class_3b().section(self.values["cycle.start"], self.values["cycle.stop"])
         self._vehicle = Vehicle(demo_car(), cycle)
 
