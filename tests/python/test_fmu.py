@@ -133,10 +133,10 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, sys.argv[1])
-from conftest import CHEAP, run
+from conftest import run
 from pushbelt.fmu.unit import Archive, Variator
 
-with Archive.unpack(Path(sys.argv[2])) as archive, Variator(archive, CHEAP, "another process") as unit:
+with Archive.unpack(Path(sys.argv[2])) as archive, Variator(archive, {}, "another process") as unit:
     unit.set_state(unit.deserialise(Path(sys.argv[3]).read_bytes(), 5e-3))
     print([value.hex() for row in run(unit, range(5, 15)) for value in row])
 """

@@ -186,11 +186,11 @@ class Variator:
 
     def serialise(self, state: State) -> bytes:
         """A stored state as bytes."""
-        return self._call(self._slave.serializeFMUState, state.pointer)
+        return self._call(self._slave.serializeFMUstate, state.pointer)
 
     def deserialise(self, data: bytes, time: float) -> State:
         """A stored state from its bytes and its time, s."""
-        return State(self._call(self._slave.deSerializeFMUState, data), time)
+        return State(self._call(self._slave.deSerializeFMUstate, data), time)
 
     @contextmanager
     def stored(self) -> Iterator[Callable[[], None]]:
