@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from pushbelt.drive.cosim.masters import load_tbb
 from pushbelt.fmu.unit import Archive, Variator
 
 STEP = 1e-3
@@ -78,9 +77,7 @@ def with_ecos(
     fmu: Path, start: Values, inputs: Callable[[float], Values], steps: int, outputs: Sequence[str]
 ) -> np.ndarray:
     """ecos."""
-    # Its library asks for the one of the package tbb, which lies where the loader doesn't look.
-    if sys.platform == "linux":
-        ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
+    load_tbb()
     from ecospy import EcosSimulation, EcosSimulationStructure
 
     with EcosSimulationStructure() as structure:

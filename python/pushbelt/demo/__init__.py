@@ -2,8 +2,7 @@
 
 Data flows one way:
 
-    data → load_cases, reference_case, manoeuvre (each drives the FMU through `unit`) → results → events, checks
-         → figures → report
+    data → load cases, reference_case, manoeuvre (each drives the FMU) → results → events, spiral, checks → figures → report
 
 `simulate` runs the simulations side by side; `python -m pushbelt.demo` does all of it.
 """

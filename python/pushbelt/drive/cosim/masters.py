@@ -24,9 +24,7 @@ the variables after each step, a row a step. Raises UnitError if the master isn'
 def with_ecos(ssp: Path, step: float, count: int, names: Sequence[str], progress: Progress) -> Array:
     """By ecos."""
     _find("ecospy")
-    # Its library asks for the one of the package tbb, which lies where the loader doesn't look.
-    if sys.platform == "linux":
-        ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
+    load_tbb()
     from ecospy import EcosSimulation
 
     rows = []
@@ -62,6 +60,12 @@ def with_libcosim(ssp: Path, step: float, count: int, names: Sequence[str], prog
         rows.append(observer.last_real_values(variator, references))
         progress(step)
     return np.array(rows)
+
+
+def load_tbb() -> None:
+    """Loads the library of the package tbb, which ecos needs and the loader doesn't find."""
+    if sys.platform == "linux":
+        ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
 
 
 MASTERS: dict[str, Master] = {"ecos": with_ecos, "libcosim": with_libcosim}
