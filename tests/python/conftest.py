@@ -43,9 +43,9 @@ def archive(fmu: Path) -> Iterator[Archive]:
 
 
 @pytest.fixture(scope="session")
-def description(archive: Archive) -> Any:
+def description(fmu: Path) -> Any:
     """The model description as fmpy reads it."""
-    return archive.description
+    return fmpy.read_model_description(fmu)
 
 
 @pytest.fixture(scope="session")
