@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import fmpy
 import pytest
 
 ROOT = Path(__file__).parents[2]
