@@ -76,12 +76,17 @@ def test_project_takes_its_version_and_data_from_the_package() -> None:
     project = tomllib.loads((ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8"))
     assert "version" not in project["project"]
     assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "pushbelt._version.__version__"}
+    packages = {path.parent for path in PACKAGE.rglob("__init__.py")}
     listed = {
         path
-        for package, patterns in project["tool"]["setuptools"]["package-data"].items()
-        for folder in ([PACKAGE] if package == "pushbelt" else [p for p in PACKAGE.rglob("*") if p.is_dir()])
+        for name, patterns in project["tool"]["setuptools"]["package-data"].items()
+        for folder in (packages if name == "*" else [ROOT.joinpath("python", *name.split("."))])
         for pattern in patterns
         for path in folder.glob(pattern)
     }
-    data = {path for path in PACKAGE.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc")}
+    data = {
+        path
+        for path in PACKAGE.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts and (path.suffix != ".py" or path.parent not in packages)
+    }
     assert listed == data
