@@ -15,7 +15,7 @@ from pushbelt.fmu.results import LoadCase
 
 from . import cases, figures, profiles, statements
 from .results import CHOSEN_CASE, MODELS, REFERENCE, CaseRun, PaperResults
-from .rings import Check
+from .rings import RingCheck
 from .statement import Verdict, signed
 
 ABOUT = {
@@ -106,7 +106,7 @@ def case_rows(results: PaperResults) -> list[tuple[LoadCase, list[CaseRun]]]:
     return [(case, [results.run(case, model) for model in MODELS]) for case in results.cases]
 
 
-def checks_by_number(results: PaperResults) -> list[tuple[str, list[Check]]]:
+def checks_by_number(results: PaperResults) -> list[tuple[str, list[RingCheck]]]:
     """The checks of rings alone under the names of their groups."""
     names = {
         "1": "Derivatives: P (12), −∂V/∂q (18), inertia (13), (14)",

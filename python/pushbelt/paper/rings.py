@@ -21,7 +21,7 @@ class RingsError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Check:
+class RingCheck:
     """A check of a ring alone."""
 
     number: str
@@ -109,7 +109,7 @@ class Order:
 class Rings:
     """All results on rings alone."""
 
-    checks: tuple[Check, ...]
+    checks: tuple[RingCheck, ...]
     frequencies: tuple[Frequency, ...]
     orders: tuple[Order, ...]
     motions: dict[tuple[str, str], Motion]
@@ -118,7 +118,7 @@ class Rings:
     """Outlines by figure and model, then by time; shape (n, 2), m."""
     work: tuple[Work, ...]
 
-    def check(self, statement: str, model: str) -> Check:
+    def check(self, statement: str, model: str) -> RingCheck:
         """The check with a statement that begins so."""
         return next(c for c in self.checks if c.statement.startswith(statement) and c.model == model)
 
@@ -168,7 +168,7 @@ def read(folder: Path) -> Rings:
     """Reads what the program wrote."""
     judged = {"yes": True, "no": False, "reported": None}
     checks = tuple(
-        Check(
+        RingCheck(
             row["check"],
             row["statement"],
             row["model"],

@@ -87,5 +87,15 @@ def _context(study: Study, results: Results, sheets: dict[str, Any], effort: Eff
             for field in schema(study)
         ],
         "metadata_key": METADATA.decode(),
-        "parameters": [(name, value, study.variables[name].unit or "1") for name, value in study.parameters.items()],
+        "parameters": [
+            (name, _shown(study.variables[name], value), study.variables[name].unit or "1")
+            for name, value in study.parameters.items()
+        ],
     }
+
+
+def _shown(variable: Any, value: float) -> str:
+    """Value of a parameter; of an enumeration its name."""
+    if variable.type == "Enumeration":
+        return next(item.name for item in variable.declaredType.items if int(item.value) == value)
+    return f"{value:g}"
