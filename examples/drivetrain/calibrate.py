@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from pushbelt_demo.data import parameter_set
-from pushbelt_demo.unit import Archive, Variator
+from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.unit import Archive, Variator
 
 POINT = {
     "initial.ratio": 1.5,
@@ -37,8 +37,7 @@ def steady(archive: Archive, parameters: dict[str, float]) -> dict[str, float]:
 def main() -> None:
     """Prints a line a parameter: relative change of each output, %."""
     base = parameter_set("bench168")
-    archive = Archive.unpack(Path("target/PushbeltVariator.fmu"))
-    try:
+    with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
         with Variator(archive, {}) as unit:
             known = {name: float(variable.start or 0.0) for name, variable in unit.variables.items()
                      if variable.type == "Real" and variable.causality == "parameter"}  # fmt: skip
@@ -52,8 +51,6 @@ def main() -> None:
             state = steady(archive, {**base, **changed})
             cells = (f"{100 * (state[shown] / start[shown] - 1):+.1f} %" for shown in SHOWN)
             print(f"| `{name}` | {factor} | " + " | ".join(cells) + " |")
-    finally:
-        archive.remove()
 
 
 if __name__ == "__main__":

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from pushbelt_demo.unit import Archive
-from pushbelt_drive import report, simulate, thrust_map
-from pushbelt_drive.car import demo_car
-from pushbelt_drive.cycle import wltc_class_3b
+from pushbelt.drive import report, simulate, thrust_map
+from pushbelt.drive.car import demo_car
+from pushbelt.drive.cycle import wltc_class_3b
+from pushbelt.fmu.unit import Archive
 
 LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))
 
@@ -13,10 +13,10 @@ LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))
 def main() -> None:
     """Drives with the fixed safety factor and prints a line a level."""
     fmu = Path("target/PushbeltVariator.fmu")
-    archive, car, cycle = Archive.unpack(fmu), demo_car(), wltc_class_3b().section(10.0, 30.0)
+    car, cycle = demo_car(), wltc_class_3b().section(10.0, 30.0)
     print("| ring | mesh | shift gain 1e-6/(N·rad) | thrust ratio at the end | variator loss J | ratio error % | s/s |")
     print("|---" * 7 + "|")
-    try:
+    with Archive.unpack(fmu) as archive:
         for ring, mesh in LEVELS:
             parameters = simulate.unit_parameters(car, ring, "coarse")
             table = thrust_map.load(fmu, archive, parameters, Path(f"target/drive/thrust-ratio-map-{ring}.csv"))
@@ -25,8 +25,6 @@ def main() -> None:
                      f"{run.variator_loss:.0f}", f"{100 * report.ratio_error(run):.1f}",
                      f"{run.processor_time / cycle.duration:.2f}")  # fmt: skip
             print("| " + " | ".join(cells) + " |")
-    finally:
-        archive.remove()
 
 
 if __name__ == "__main__":

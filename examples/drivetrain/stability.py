@@ -11,13 +11,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from pushbelt_demo.data import torque_capacity
-from pushbelt_drive import simulate
-from pushbelt_drive.car import Powertrain, demo_car
-from pushbelt_drive.control import Friction, Measured, PressureControl, RatioControl, SlipControl
-from pushbelt_drive.hydraulics import PressureCircuit
-from pushbelt_drive.thrust_map import ThrustMap
 from scipy.linalg import expm
+
+from pushbelt.drive import simulate
+from pushbelt.drive.car import Powertrain, demo_car
+from pushbelt.drive.control import Friction, Measured, PressureControl, RatioControl, SlipControl
+from pushbelt.drive.hydraulics import PressureCircuit
+from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.fmu.data import torque_capacity
 
 POINTS = ((0.46, 0.6), (0.46, 0.77), (0.46, 0.9), (0.6, 0.77), (0.6, 0.9), (1.0, 0.9))
 """Ratio and torque utilisation."""

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from pushbelt_demo.unit import Archive, Variator
+from pushbelt.fmu.enumerations import Axial
+from pushbelt.fmu.unit import Archive, Variator
 
 START = {
     "initial.ratio": 1.5,
@@ -17,7 +18,7 @@ START = {
 
 def run(archive: Archive, step: float, changes: dict[str, float], duration: float = 0.5) -> dict[str, float]:
     """Outputs after a while with the sheave held at its ratio."""
-    with Variator(archive, {**START, "primary.axial": 2, **changes}) as unit:
+    with Variator(archive, {**START, "primary.axial": Axial.HELD, **changes}) as unit:
         unit.initialise()
         for k in range(round(duration / step)):
             unit.step_to((k + 1) * step)
@@ -31,8 +32,7 @@ def powers(state: dict[str, float]) -> str:
 
 def main() -> None:
     """Prints the figures of docs/drivetrain-models.md."""
-    archive = Archive.unpack(Path("target/PushbeltVariator.fmu"))
-    try:
+    with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
         state = run(archive, 0.01, {})
         print("engine drives: " + powers(state))
         speed = START["initial.primarySpeed"]
@@ -45,8 +45,6 @@ def main() -> None:
         for step in (0.02, 0.01, 0.005, 0.001):
             end = run(archive, step, {})["primary.speed"]
             print(f"communication step {1e3 * step:2.0f} ms: primary speed {end:.4f} rad/s")
-    finally:
-        archive.remove()
 
 
 if __name__ == "__main__":

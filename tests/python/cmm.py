@@ -379,9 +379,7 @@ def capacity(wrap_p: float, wrap_s: float, beta: float, mu: float, driving: bool
 
 def variator(wrap_p: float, wrap_s: float, beta: float, mu: float, traction: float) -> Variator:
     """Both pulleys at traction r. F falls along P by what it rises along S."""
-    return Variator(
-        traction, arc_at_traction(wrap_p, beta, mu, -traction), arc_at_traction(wrap_s, beta, mu, traction)
-    )
+    return Variator(traction, arc_at_traction(wrap_p, beta, mu, -traction), arc_at_traction(wrap_s, beta, mu, traction))
 
 
 def variator_at_torque(

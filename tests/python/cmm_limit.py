@@ -23,17 +23,21 @@ import cmm
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
-from pushbelt_demo.data import clamping_force  # noqa: E402
-from pushbelt_demo.unit import CLAMPED, HELD, SPEED_DRIVE, TORQUE_DRIVE, Archive, Variator  # noqa: E402
+from pushbelt.fmu.data import load_case_force  # noqa: E402
+from pushbelt.fmu.enumerations import Axial, Drive  # noqa: E402
+from pushbelt.fmu.load_cases import held_primary  # noqa: E402
+from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
 
 
 class Unit:
     """The unpacked FMU: start values by name, and one steady start after another."""
 
-    def __init__(self, path: Path) -> None:
-        self.archive = Archive.unpack(path)
+    def __init__(self, archive: Archive) -> None:
+        self.archive = archive
         self.variables = {v.name: v for v in self.archive.description.modelVariables}
-        self._reals = [v.name for v in self.variables.values() if v.type == "Real" and v.causality in ("output", "local")]
+        self._reals = [
+            v.name for v in self.variables.values() if v.type == "Real" and v.causality in ("output", "local")
+        ]
 
     def start(self, name: str) -> float:
         return float(self.variables[name].start)
@@ -42,16 +46,13 @@ class Unit:
         """All real outputs and locals of the steady start."""
         with Variator(self.archive, values) as started:
             started.initialise()
-            return dict(zip(self._reals, started.read(started.reader(self._reals)).tolist(), strict=True))
+            return dict(zip(self._reals, started.get_reals(started.reals(self._reals)).tolist(), strict=True))
 
 
 @contextmanager
 def unit(path: Path) -> Iterator[Unit]:
-    opened = Unit(path)
-    try:
-        yield opened
-    finally:
-        opened.archive.remove()
+    with Archive.unpack(path) as archive:
+        yield Unit(archive)
 
 
 # ------------------------------------------------------------------------------------------------------ comparison
@@ -242,10 +243,10 @@ def limit_case(unit: Unit, ratio: float, traction: float, level: Level = LIMIT) 
         return arc.thrust * theory.mean_force(CLAMPING) * arc.moment * radius / level.tilt
 
     return {
-        "primary.drive": SPEED_DRIVE,
-        "secondary.drive": TORQUE_DRIVE,
-        "primary.axial": HELD,
-        "secondary.axial": CLAMPED,
+        "primary.drive": Drive.SPEED,
+        "secondary.drive": Drive.TORQUE,
+        "primary.axial": Axial.HELD,
+        "secondary.axial": Axial.FORCE,
         "initial.steady": True,
         "initial.ratio": ratio,
         "friction.ring": 0.0,
@@ -277,17 +278,9 @@ def load_case(unit: Unit, shape: str, torque: float, ring_friction: bool = True)
     _, _, radius_p, _ = _geometry(unit, ratio)
     radius_p -= unit.start("belt.pitchOffset")
     beta, mu = unit.start("geometry.wedgeAngle"), unit.start("friction.pulley")
-    return {
-        "primary.drive": SPEED_DRIVE,
-        "primary.speedSetpoint": speed,
-        "primary.axial": HELD,
-        "initial.steady": True,
-        "initial.ratio": ratio,
-        "initial.primarySpeed": speed,
-        "secondary.clampingForce": clamping_force(torque, mu, beta, radius_p),
-        "secondary.torque": -torque * ratio,
-        "primary.torque": torque,
-    } | ({} if ring_friction else {"friction.ring": 0.0})
+    held = held_primary({}, ratio, speed, load_case_force(torque, radius_p, mu, beta))
+    loads = {"secondary.torque": -torque * ratio, "primary.torque": torque}
+    return held | loads | ({} if ring_friction else {"friction.ring": 0.0})
 
 
 # ---------------------------------------------------------------------------------------------------------- reports

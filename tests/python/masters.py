@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import ctypes
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from pushbelt_demo.unit import Archive, Variator
+
+from pushbelt.drive.cosim.masters import load_tbb
+from pushbelt.fmu.unit import Archive, Variator
 
 STEP = 1e-3
 """Communication step, s."""
@@ -22,18 +22,14 @@ def with_fmpy(
     fmu: Path, start: Values, inputs: Callable[[float], Values], steps: int, outputs: Sequence[str]
 ) -> np.ndarray:
     """fmpy, call by call."""
-    archive = Archive.unpack(fmu)
-    try:
-        with Variator(archive, {**start, **inputs(0.0)}) as unit:
-            unit.initialise()
-            reader = unit.reader(outputs)
-            rows = [unit.read(reader)]
-            for k in range(steps):
-                unit.set(inputs(k * STEP))
-                unit.step_to((k + 1) * STEP)
-                rows.append(unit.read(reader))
-    finally:
-        archive.remove()
+    with Archive.unpack(fmu) as archive, Variator(archive, {**start, **inputs(0.0)}) as unit:
+        unit.initialise()
+        reals = unit.reals(outputs)
+        rows = [unit.get_reals(reals)]
+        for k in range(steps):
+            unit.set(inputs(k * STEP))
+            unit.step_to((k + 1) * STEP)
+            rows.append(unit.get_reals(reals))
     return np.array(rows)
 
 
@@ -81,9 +77,7 @@ def with_ecos(
     fmu: Path, start: Values, inputs: Callable[[float], Values], steps: int, outputs: Sequence[str]
 ) -> np.ndarray:
     """ecos."""
-    # Its library asks for the one of the package tbb, which lies where the loader doesn't look.
-    if sys.platform == "linux":
-        ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
+    load_tbb()
     from ecospy import EcosSimulation, EcosSimulationStructure
 
     with EcosSimulationStructure() as structure:

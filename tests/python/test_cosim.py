@@ -15,17 +15,17 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from pushbelt_demo.unit import UnitError
-from pushbelt_drive.thrust_map import ThrustMap
+from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.fmu.unit import UnitError
 
 pythonfmu = pytest.importorskip("pythonfmu")
 if not pythonfmu.FmuBuilder.has_binary():
     pytest.skip("pythonfmu has no binary for this machine", allow_module_level=True)
 
-from pushbelt_drive.cosim import __main__ as program
-from pushbelt_drive.cosim import fmus, package, report, study
-from pushbelt_drive.cosim.masters import MASTERS
-from pushbelt_drive.cosim.unit import MAP_FILE
+from pushbelt.drive.cosim import __main__ as program
+from pushbelt.drive.cosim import fmus, package, report, study
+from pushbelt.drive.cosim.masters import MASTERS
+from pushbelt.drive.cosim.unit import MAP_FILE
 
 ROOT = Path(__file__).parents[2]
 NAMESPACES = {"ssd": package.SSD, "ssc": package.SSC, "ssv": package.SSV}
@@ -106,8 +106,8 @@ def test_units_hold_the_map_and_no_copy_of_the_laws(ssp: Path, tmp_path: Path) -
         with zipfile.ZipFile(units(ssp, tmp_path)[unit]) as archive:
             assert archive.read(f"resources/{MAP_FILE}")
             for name in ("car", "control", "driver", "transmission", "vehicle"):
-                source = ROOT / "python" / "pushbelt_drive" / f"{name}.py"
-                assert archive.read(f"resources/pushbelt_drive/{name}.py") == source.read_bytes()
+                source = ROOT / "python" / "pushbelt" / "drive" / f"{name}.py"
+                assert archive.read(f"resources/pushbelt/drive/{name}.py") == source.read_bytes()
 
 
 def test_fmpy_runs_the_units(ssp: Path, tmp_path: Path) -> None:

@@ -8,30 +8,29 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from pushbelt_demo.unit import Archive, UnitError, Variator
-from pushbelt_drive import __main__, report, simulate, thrust_map, transmission
-from pushbelt_drive.car import Powertrain, demo_car
-from pushbelt_drive.control import (
+from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
+from pushbelt.drive.car import Powertrain, demo_car
+from pushbelt.drive.control import (
     Friction,
     Measured,
     PressureControl,
     RatioControl,
     SafetyFactor,
     SlipControl,
-    clamping_force,
 )
-from pushbelt_drive.cycle import PARTS, Cycle, nedc, wltc_class_3b
-from pushbelt_drive.driver import Driver
-from pushbelt_drive.hydraulics import PressureCircuit
-from pushbelt_drive.piecewise import clip, interpolate, interval
-from pushbelt_drive.thrust_map import ThrustMap
+from pushbelt.drive.cycle import PARTS, Cycle, nedc, wltc_class_3b
+from pushbelt.drive.driver import Driver
+from pushbelt.drive.hydraulics import PressureCircuit
+from pushbelt.drive.piecewise import clip, interpolate, interval
+from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.fmu.data import clamping_force
+from pushbelt.fmu.unit import Archive, UnitError, Variator
 
 ROOT = Path(__file__).parents[2]
 CAR = demo_car()
@@ -434,13 +433,6 @@ def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
     assert end.endswith("target 0.8")
     assert ratios[0] == pytest.approx(1.6, rel=1e-3)
     assert ratios[2:] == pytest.approx([0.8] * len(ratios[2:]), rel=0.05)
-
-
-@pytest.fixture(scope="module")
-def archive(fmu: Path) -> Iterator[Archive]:
-    unpacked = Archive.unpack(fmu)
-    yield unpacked
-    unpacked.remove()
 
 
 def test_a_freed_instance_is_not_called(archive: Archive) -> None:

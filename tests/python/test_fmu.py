@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
+from enum import IntEnum
 from pathlib import Path
 from xml.etree import ElementTree
 
+import fmpy
 import numpy as np
 import pytest
-from conftest import CHEAP, ROOT
+from conftest import CHEAP, ROOT, readings, run
+from fmpy.validation import validate_fmu
 
-fmpy = pytest.importorskip("fmpy")
-from fmpy.fmi1 import FMICallException  # noqa: E402
-from fmpy.validation import validate_fmu  # noqa: E402
+from pushbelt.fmu.enumerations import Axial, Drive, RingModel, StartState
+from pushbelt.fmu.unit import UnitError, Variator
 
 # ------------------------------------------------------------------------------------------------------ first use
 
@@ -79,47 +83,49 @@ def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
 
 # ------------------------------------------------------------------------------------------------------- instances
 
-
-def test_two_instances_at_once_do_not_see_each_other(slave) -> None:
-    alone = slave("alone")
-    alone.start(CHEAP)
-    expected = alone.run()
-    one, other = slave("one"), slave("other")
-    one.start(CHEAP)
-    other.start(CHEAP | {"friction.pulley": 0.05})
-    other.fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=0.005)
-    assert one.run() == expected
+New = Callable[..., Variator]
 
 
-def test_reset_and_rerun_give_the_same_bits(slave) -> None:
-    unit = slave()
-    unit.start(CHEAP)
-    first = unit.run()
-    unit.fmu.reset()
-    unit.start(CHEAP)
-    assert unit.run() == first
-    unit.fmu.reset()
-    unit.fmu.enterInitializationMode()
-    assert unit.get("secondary.torque") == [-49.0], "the start value is back"
+def test_two_instances_at_once_do_not_share_anything(variator: New) -> None:
+    alone = variator(name="alone")
+    alone.initialise()
+    expected = run(alone)
+    one, other = variator(name="one"), variator(CHEAP | {"friction.pulley": 0.05}, "other")
+    one.initialise()
+    other.initialise()
+    other.step_to(0.005)
+    assert run(one) == expected
 
 
-def test_a_stored_state_is_continued_bit_for_bit(slave) -> None:
-    unit = slave()
-    unit.start(CHEAP)
-    unit.fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=0.005)
-    state = unit.fmu.getFMUState()
+def test_reset_and_rerun_give_the_same_bits(variator: New) -> None:
+    unit = variator()
+    unit.initialise()
+    first = run(unit)
+    unit.restart(CHEAP)
+    unit.initialise()
+    assert run(unit) == first
+    unit.restart({})
+    unit.enter_initialisation()
+    assert unit.get("secondary.torque") == -49.0, "the start value is back"
 
-    def go_on(instance) -> list[float]:
-        instance.fmu.doStep(currentCommunicationPoint=0.005, communicationStepSize=0.005)
-        return instance.readings()
+
+def test_a_stored_state_is_continued_bit_for_bit(variator: New) -> None:
+    unit = variator()
+    unit.initialise()
+    unit.step_to(0.005)
+    state = unit.get_state()
+
+    def go_on(instance: Variator) -> list[float]:
+        instance.step_to(0.01)
+        return readings(instance)
 
     expected = go_on(unit)
-    unit.fmu.setFMUState(state)
+    unit.set_state(state)
     assert go_on(unit) == expected
-    other = slave("other")
-    other.fmu.setFMUState(state)
+    other = variator(name="other")
+    other.set_state(state)
     assert go_on(other) == expected
-    unit.fmu.freeFMUState(state)
+    unit.free_state(state)
 
 
 CONTINUATION = """
@@ -127,25 +133,24 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, sys.argv[1])
-from conftest import CHEAP, Slave
-import fmpy
+from conftest import run
+from pushbelt.fmu.unit import Archive, Variator
 
-fmu, stored = Path(sys.argv[2]), Path(sys.argv[3])
-unit = Slave(fmpy.read_model_description(fmu), fmpy.extract(fmu), "another process")
-unit.fmu.setFMUState(unit.fmu.deSerializeFMUstate(stored.read_bytes()))
-print([value.hex() for row in [unit.step(k) for k in range(5, 15)] for value in row])
+with Archive.unpack(Path(sys.argv[2])) as archive, Variator(archive, {}, "another process") as unit:
+    unit.set_state(unit.deserialise(Path(sys.argv[3]).read_bytes(), 5e-3))
+    print([value.hex() for row in run(unit, range(5, 15)) for value in row])
 """
 
 
-def test_bytes_continue_bit_for_bit_in_another_process(slave, fmu: Path, tmp_path: Path) -> None:
-    unit = slave()
-    unit.start(CHEAP | {"ring.model": 2})
-    unit.run(steps=5)
-    state = unit.fmu.getFMUState()
+def test_bytes_continue_bit_for_bit_in_another_process(variator: New, fmu: Path, tmp_path: Path) -> None:
+    unit = variator(CHEAP | {"ring.model": RingModel.ALE})
+    unit.initialise()
+    run(unit, range(5))
+    state = unit.get_state()
     stored = tmp_path / "state.bin"
-    stored.write_bytes(unit.fmu.serializeFMUState(state))
-    unit.fmu.freeFMUState(state)
-    here = [value.hex() for row in [unit.step(k) for k in range(5, 15)] for value in row]
+    stored.write_bytes(unit.serialise(state))
+    unit.free_state(state)
+    here = [value.hex() for row in run(unit, range(5, 15)) for value in row]
     other = subprocess.run(
         [sys.executable, "-c", CONTINUATION, str(Path(__file__).parent), str(fmu), str(stored)],
         check=True,
@@ -155,57 +160,51 @@ def test_bytes_continue_bit_for_bit_in_another_process(slave, fmu: Path, tmp_pat
     assert other.stdout.strip().splitlines()[-1] == str(here)
     damaged = bytearray(stored.read_bytes())
     damaged[len(damaged) // 2] ^= 1
-    with pytest.raises(FMICallException):
-        unit.fmu.deSerializeFMUstate(bytes(damaged))
-    assert "checksum" in unit.log[-1][2]
+    with pytest.raises(UnitError, match="checksum"):
+        unit.deserialise(bytes(damaged), 5e-3)
 
 
-def test_input_derivatives_give_what_the_mean_torque_gives(slave) -> None:
+def test_input_derivatives_give_what_the_mean_torque_gives(variator: New) -> None:
     """A ramp of the torque in steps of 10 ms: held at the start of each it comes half a step late."""
 
     def speed(steps: int, derivatives: bool) -> float:
-        unit = slave()
-        unit.start(CHEAP)
+        unit = variator()
+        unit.initialise()
         step, rate = 0.05 / steps, 1e3
-        reference = [unit.variables["primary.torque"].valueReference]
+        torque = unit.reals(["primary.torque"])
         for k in range(steps):
-            unit.set_all({"primary.torque": 50.0 + rate * k * step})
-            if derivatives:
-                unit.fmu.setRealInputDerivatives(reference, [1], [rate])
-            unit.fmu.doStep(currentCommunicationPoint=k * step, communicationStepSize=step)
-        return unit.get("primary.speed")[0]
+            unit.set_ramps(torque, [50.0 + rate * k * step], [rate if derivatives else 0.0])
+            unit.step_to((k + 1) * step)
+        return unit.get("primary.speed")
 
     exact = speed(100, derivatives=True)
     assert abs(speed(5, derivatives=True) - exact) < 0.1 * abs(speed(5, derivatives=False) - exact)
 
 
-def test_initial_outputs_depend_on_settings_as_the_structure_says(slave, xml: ElementTree.Element) -> None:
+def test_initial_outputs_depend_on_settings_as_the_structure_says(variator: New, xml: ElementTree.Element) -> None:
     """Without a list an initial unknown depends on everything: a steady start solves for the outputs."""
     for unknown in xml.find("ModelStructure").find("InitialUnknowns"):
         assert unknown.get("dependencies") is None
-    unit = slave()
-    unit.fmu.setupExperiment(startTime=0.0)
-    unit.set_all(CHEAP | {"initial.steady": True})
-    unit.fmu.enterInitializationMode()
-    before = unit.readings()
+    unit = variator(CHEAP | {"initial.steady": True})
+    unit.enter_initialisation()
+    before = readings(unit)
     for name, value in [("secondary.clampingForce", 11e3), ("friction.pulley", 0.08), ("initial.ratio", 1.2)]:
-        unit.set_all({name: value})
-        after = unit.readings()
+        unit.set({name: value})
+        after = readings(unit)
         assert after != before, name
         before = after
 
 
-def test_no_output_moves_at_once_when_an_input_does(slave) -> None:
+def test_no_output_moves_at_once_when_an_input_does(variator: New) -> None:
     """What the empty dependencies of the model structure promise."""
-    unit = slave()
-    unit.start(CHEAP)
-    unit.run(steps=3)
-    before = unit.readings()
+    unit = variator()
+    unit.initialise()
+    run(unit, range(3))
+    before = readings(unit)
     for name, variable in unit.variables.items():
         if variable.causality == "input":
-            (value,) = unit.get(name)
-            unit.set_all({name: value * 1.1 + 1.0})
-            assert unit.readings() == before, name
+            unit.set({name: unit.get(name) * 1.1 + 1.0})
+            assert readings(unit) == before, name
 
 
 # ------------------------------------------------------------------------------------------------------- bad input
@@ -230,30 +229,28 @@ def test_no_output_moves_at_once_when_an_input_does(slave) -> None:
         ("mesh.secondaryArc", 7, "mesh.secondaryArc = 7 is out of range: an even number"),
     ],
 )
-def test_a_bad_value_is_named_and_forgotten_after_reset(slave, name: str, value: float, said: str) -> None:
-    unit = slave()
-    with pytest.raises(FMICallException):
-        unit.start(CHEAP | {name: value})
-    status, category, text = unit.log[-1]
-    assert (status, category) == (3, "logStatusError")
-    assert said in text
-    unit.fmu.reset()
-    unit.start(CHEAP)
-    unit.run(steps=2)
+def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str, value: float, said: str) -> None:
+    unit = variator()
+    with pytest.raises(UnitError, match=re.escape(said)):
+        unit.set({name: value})
+        unit.initialise()
+    assert unit.log[-1][:2] == (3, "logStatusError")
+    unit.restart(CHEAP)
+    unit.initialise()
+    run(unit, range(2))
 
 
-def test_a_tunable_parameter_can_be_changed_but_not_made_absurd(slave) -> None:
-    unit = slave()
-    unit.start(CHEAP)
-    unit.run(steps=2)
-    unit.set_all({"friction.pulley": 0.08})
-    unit.fmu.doStep(currentCommunicationPoint=0.002, communicationStepSize=0.001)
+def test_a_tunable_parameter_can_be_changed_but_not_made_absurd(variator: New) -> None:
+    unit = variator()
+    unit.initialise()
+    run(unit, range(2))
+    unit.set({"friction.pulley": 0.08})
+    unit.step_to(0.003)
     for value, said in [(-0.1, "friction.pulley = -0.1"), (0.5, "friction.pulley = 0.5")]:
-        with pytest.raises(FMICallException):
-            unit.set_all({"friction.pulley": value})
-        assert said in unit.log[-1][2]
-        unit.fmu.reset()
-        unit.start(CHEAP)
+        with pytest.raises(UnitError, match=re.escape(said)):
+            unit.set({"friction.pulley": value})
+        unit.restart(CHEAP)
+        unit.initialise()
 
 
 # ----------------------------------------------------------------------------------------------------- description
@@ -358,7 +355,12 @@ def test_names_units_and_causalities_are_the_interface(xml: ElementTree.Element)
     assert found["ring.bendingStiffness"] == ("parameter", "fixed", "N.m2")
 
 
-def test_the_ring_model_is_a_choice_of_four(xml: ElementTree.Element) -> None:
-    (ring,) = (kind for kind in xml.iter("SimpleType") if kind.get("name") == "RingModel")
-    items = [(item.get("name"), item.get("value")) for item in ring.iter("Item")]
-    assert items == [("ALE0", "1"), ("ALE", "2"), ("RCM", "3"), ("ANCF", "4")]
+@pytest.mark.parametrize("enumeration", [RingModel, Drive, Axial, StartState])
+def test_enumerations_are_those_of_the_package(xml: ElementTree.Element, enumeration: type[IntEnum]) -> None:
+    (declared,) = (found for found in xml.iter("SimpleType") if found.get("name") == enumeration.__name__)
+    items = {item.get("name").upper(): int(item.get("value")) for item in declared.iter("Item")}
+    assert items == {member.name.replace("_", ""): member.value for member in enumeration}
+
+
+def test_the_ring_model_is_a_choice_of_four() -> None:
+    assert list(RingModel.__members__) == ["ALE0", "ALE", "RCM", "ANCF"]

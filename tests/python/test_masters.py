@@ -10,9 +10,9 @@ from pathlib import Path
 import masters
 import numpy as np
 import pytest
-from conftest import ROOT
 
-pytest.importorskip("fmpy")
+from pushbelt.demo import manoeuvre
+from pushbelt.fmu.data import manoeuvre_inputs
 
 OUTPUTS = (
     "thrustRatio",
@@ -29,9 +29,6 @@ OUTPUTS = (
     "spiral.secondary",
 )
 
-MANOEUVRE_START = {"secondary.inertia": 4.0, "initial.ratio": 2.2, "initial.primarySpeed": 0.0}
-"""The vehicle as an inertia on the secondary shaft; standstill in underdrive."""
-
 OTHERS = [
     pytest.param("libcosimpy", masters.with_libcosim, id="libcosim"),
     pytest.param("ecospy", masters.with_ecos, id="ecos"),
@@ -42,22 +39,9 @@ def unwired(_time: float) -> dict[str, float]:
     return {}
 
 
-def wired(time: float) -> dict[str, float]:
-    """Inputs of the manoeuvre."""
-    return {name: float(np.interp(time, TABLE["time"], TABLE[name])) for name in TABLE if name != "time"}
-
-
-def table() -> dict[str, np.ndarray]:
-    path = ROOT / "resources" / "manoeuvre.csv"
-    names = path.read_text().splitlines()[0].split(",")
-    return dict(zip(names, np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)))
-
-
-TABLE = table()
-
 RUNS = {
     "default experiment": ({}, unwired, 1000),
-    "manoeuvre": (MANOEUVRE_START, wired, 10_000),
+    "manoeuvre": (manoeuvre.START_VALUES, manoeuvre_inputs().at, 10_000),
 }
 
 

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pushbelt_demo.data import load_cases, parameter_set
-from pushbelt_demo.geometry import TwoPulleyCurve
-from pushbelt_demo.results import Trace
-from pushbelt_demo.unit import Archive
-from pushbelt_paper import __main__, cases, report, tracer
-from pushbelt_paper.results import Times, Window
+from pushbelt.fmu.data import load_cases, parameter_set
+from pushbelt.fmu.geometry import TwoPulleyCurve
+from pushbelt.fmu.results import Trace
+from pushbelt.fmu.unit import Archive
+from pushbelt.paper import __main__, cases, report, tracer
+from pushbelt.paper.results import Times, Window
 
 ROOT = Path(__file__).parents[2]
 CURVE = TwoPulleyCurve(0.168, 0.703, -0.4)
@@ -100,16 +100,12 @@ def test_the_load_swings_below_that_of_the_case() -> None:
     assert loads[0] == loads[-1] == pytest.approx(-50.0)
 
 
-def test_an_evenly_spaced_mesh_gets_near_when_fine_and_keeps_worse_books(fmu: Path) -> None:
-    archive = Archive.unpack(fmu)
-    try:
-        parameters = parameter_set("bench168")
-        case = next(case for case in load_cases(parameters) if case.name == "overdrive-50")
-        names = ("aligned", "even", "even, fine")
-        states = {name: cases.steady(archive, {**parameters, **cases.MESHES[name]}, case) for name in names}
-        shifts = cases.shift_on_meshes(archive, parameters, 0.05)
-    finally:
-        archive.remove()
+def test_an_evenly_spaced_mesh_gets_near_when_fine_and_keeps_worse_books(archive: Archive) -> None:
+    parameters = parameter_set("bench168")
+    case = next(case for case in load_cases(parameters) if case.name == "overdrive-50")
+    names = ("aligned", "even", "even, fine")
+    states = {name: cases.steady(archive, {**parameters, **cases.MESHES[name]}, case) for name in names}
+    shifts = cases.shift_on_meshes(archive, parameters, 0.05)
     thrust = {name: state["thrustRatio"] for name, state in states.items()}
     tension = {name: state["ring.tensionMin"] / state["ring.tensionMax"] for name, state in states.items()}
     off = {name: abs(ratio / thrust["aligned"] - 1.0) for name, ratio in thrust.items()}
@@ -150,7 +146,7 @@ def test_short_run_writes_report_and_tables(fmu: Path, rings_program: Path, tmp_
         assert f'<h2 id="{section}">' in page
     for table in ("8ab", "8c", "8d", "9"):
         assert len((tmp_path / f"figure-{table}.csv").read_text(encoding="utf-8").splitlines()) > 1
-    from pushbelt_paper import rings
+    from pushbelt.paper import rings
 
     found = rings.read(tmp_path / "rings")
     assert [check for check in found.checks if check.passed is False] == []

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 
-fmpy = pytest.importorskip("fmpy")
+from pushbelt.fmu.enumerations import Axial, Drive, RingModel
 
 RIG = {
-    "primary.drive": 2,
-    "primary.axial": 2,
+    "primary.drive": Drive.SPEED,
+    "primary.axial": Axial.HELD,
     "primary.clampingForce": 8e3,
     "secondary.clampingForce": 6.2e3,
     "secondary.torque": -48.5,
@@ -19,12 +20,16 @@ RIG = {
 """Ratio 1, 2000 rpm, about 50 N.m: the primary sheave held, its speed given, as in the load cases."""
 
 MODELS = {
-    "ALE0": {"ring.model": 1},
-    "ALE": {"ring.model": 2},
-    "ALE, A_i = [t, n]": {"ring.model": 2, "ring.referenceDirections": True},
-    "ALE in space, A_i = [t, n, b]": {"ring.model": 2, "ring.referenceDirections": True, "ring.spatial": True},
-    "RCM": {"ring.model": 3},
-    "ANCF": {"ring.model": 4},
+    "ALE0": {"ring.model": RingModel.ALE0},
+    "ALE": {"ring.model": RingModel.ALE},
+    "ALE, A_i = [t, n]": {"ring.model": RingModel.ALE, "ring.referenceDirections": True},
+    "ALE in space, A_i = [t, n, b]": {
+        "ring.model": RingModel.ALE,
+        "ring.referenceDirections": True,
+        "ring.spatial": True,
+    },
+    "RCM": {"ring.model": RingModel.RCM},
+    "ANCF": {"ring.model": RingModel.ANCF},
 }
 
 OUTPUTS = ["thrustRatio", "efficiency", "slip", "ring.tensionMin", "pushForce.max", "energy.residual"]

@@ -16,18 +16,18 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import dask
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-import dask
-from pushbelt_demo.unit import Archive, UnitError, Variator
-from pushbelt_sweep import Grid, Progress, Study, checks, cluster, maps, sweep
-from pushbelt_sweep.point import Point, Row, failure, start_values
-from pushbelt_sweep.run import chunks
-from pushbelt_sweep.store import METADATA, Store, table, with_metadata, write_parquet
-from pushbelt_sweep.study import AXES, DEFAULT, rpm, spread, variator
-from pushbelt_sweep.worker import Solver
+from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.sweep import Grid, Progress, Study, checks, cluster, maps, sweep
+from pushbelt.sweep.point import Point, Row, failure, start_values
+from pushbelt.sweep.run import chunks
+from pushbelt.sweep.store import METADATA, Store, table, with_metadata, write_parquet
+from pushbelt.sweep.study import AXES, DEFAULT, rpm, spread, variator
+from pushbelt.sweep.worker import Solver
 
 ROOT = Path(__file__).parents[2]
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
@@ -281,13 +281,6 @@ def test_maps_have_a_panel_for_each_friction_and_speed(study: Study, tmp_path: P
 
 
 @pytest.fixture(scope="module")
-def archive(fmu: Path) -> Iterator[Archive]:
-    unpacked = Archive.unpack(fmu)
-    yield unpacked
-    unpacked.remove()
-
-
-@pytest.fixture(scope="module")
 def solved(study: Study, archive: Archive) -> list[Row]:
     """The whole study, solved by one instance, last point first."""
     solver = Solver(archive)
@@ -416,7 +409,7 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
     """Client and workers of a local cluster are killed; the same command goes on and ends."""
     settings = [f"--set={name}={value}" for name, value in COARSE.items()]
     axes = [f"--{name}={','.join(map(str, getattr(GRID, name)))}" for name in AXES]
-    command = [sys.executable, "-m", "pushbelt_sweep", f"--fmu={study.fmu}", f"--output={tmp_path}", "--workers=2"]
+    command = [sys.executable, "-m", "pushbelt.sweep", f"--fmu={study.fmu}", f"--output={tmp_path}", "--workers=2"]
     command += ["--chunk=2", *settings, *axes]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
     folder = tmp_path / "studies" / study.identity[:16]

@@ -19,6 +19,6 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, or the demo fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let mut demo = python_program(workspace, "pushbelt_demo", "demo", "Simulating")?;
+    let mut demo = python_program(workspace, "pushbelt.demo", "demo", "Simulating")?;
     cargo::run(demo.args(&arguments.passed_on))
 }

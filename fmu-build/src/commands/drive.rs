@@ -27,9 +27,9 @@ pub struct Arguments {
 /// The FMU doesn't build, or the simulation fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     let module = if arguments.cosim {
-        "pushbelt_drive.cosim"
+        "pushbelt.drive.cosim"
     } else {
-        "pushbelt_drive"
+        "pushbelt.drive"
     };
     let mut drive = python_program(workspace, module, "drive", "Driving")?;
     if arguments.short {

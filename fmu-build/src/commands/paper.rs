@@ -26,7 +26,7 @@ pub struct Arguments {
 /// The FMU or the example doesn't build, or the simulation fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     let rings = cargo::build_program(workspace, Program::Example(RINGS))?;
-    let mut paper = python_program(workspace, "pushbelt_paper", "paper", "Running the paper's examples")?;
+    let mut paper = python_program(workspace, "pushbelt.paper", "paper", "Running the paper's examples")?;
     paper.arg("--rings").arg(rings);
     if arguments.short {
         paper.arg("--short");

@@ -34,7 +34,7 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, the cluster can't be reached, or no point has a steady state.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let mut sweep = python_program(workspace, "pushbelt_sweep", "sweep", "Solving")?;
+    let mut sweep = python_program(workspace, "pushbelt.sweep", "sweep", "Solving")?;
     for (flag, set) in [("--short", arguments.short), ("--measure", arguments.measure)] {
         if set {
             sweep.arg(flag);

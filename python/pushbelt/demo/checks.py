@@ -1,0 +1,160 @@
+"""What the results must show, checked on every run and printed in the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from pushbelt.checks import Check
+from pushbelt.fmu.data import curve_at, load_case_speed, measured_efficiency
+from pushbelt.fmu.fields import EDGE, push_force_gains
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.results import LoadCaseResult, Trace
+
+from .events import detect
+from .results import DemoResults
+from .spiral import TOLERANCE, spiral_rows
+
+
+def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: float, high: float, unit: str) -> Check:
+    """All cases within limits."""
+    pairs = list(values)
+    numbers = [value for _, value in pairs]
+    outside = [result.case.name for result, value in pairs if not low <= value <= high]
+    largest = max(numbers)
+    found = f"{min(numbers):.3g} to {largest:.3g}{unit}" if largest >= 1e-3 else f"below 0.001{unit}"
+    return Check(statement, not outside, found + (f"; outside: {', '.join(outside)}" if outside else ""))
+
+
+def power_imbalance(result: LoadCaseResult) -> float:
+    """Power into the variator less all losses, relative to the driving power."""
+    state = result.steady
+    driving = max(state["primary.power"], state["secondary.power"])
+    return (state["primary.power"] + state["secondary.power"] - state["loss.total"]) / driving
+
+
+def push_strand_spread(result: LoadCaseResult, parameters: Mapping[str, float]) -> float:
+    """Spread of the push force in the lower strand, relative to its mean."""
+    profile = result.steady.profile
+    *_, start, end, _ = curve_at(parameters, result.steady).borders
+    inside = (profile.position > start + EDGE) & (profile.position < end - EDGE)
+    force = profile.push_force[inside]
+    return float(np.ptp(force) / force.mean()) if force.size and force.mean() > 0.0 else float("inf")
+
+
+def energy_bound(trace: Trace) -> Array:
+    """Bound of the energy residual: 0.2 % of the energy moved and 0.1 % of the largest stored energy, J."""
+    step = np.diff(trace.time, prepend=trace.time[0])
+    moved = step * (np.abs(trace["primary.power"]) + np.abs(trace["secondary.power"]))
+    for pulley in ("primary", "secondary"):
+        moved = moved + np.abs(
+            trace[f"{pulley}.clampingForce"]
+            * np.diff(trace[f"{pulley}.position"], prepend=trace[f"{pulley}.position"][0])
+        )
+    return 2e-3 * np.cumsum(moved) + 1e-3 * np.abs(trace["stored.energy"]).max()
+
+
+def _order(cases: tuple[LoadCaseResult, ...]) -> Check:
+    ordered = True
+    for torque in {result.case.torque for result in cases}:
+        ratios = {r.case.ratio_name: r.steady["thrustRatio"] for r in cases if r.case.torque == torque}
+        ordered &= ratios["underdrive"] < ratios["medium"] < ratios["overdrive"]
+    return Check(
+        "Thrust ratio orders underdrive < medium < overdrive at every torque",
+        ordered,
+        " < ".join(
+            f"{np.mean([r.steady['thrustRatio'] for r in cases if r.case.ratio_name == name]):.3f}"
+            for name in ("underdrive", "medium", "overdrive")
+        )
+        + " (means over the torques)",
+    )
+
+
+def _push_force_gains(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) -> Check:
+    gains = [
+        push_force_gains(curve_at(parameters, r.steady), r.steady.profile.position, r.steady.profile.push_force)
+        for r in cases
+    ]
+    built_up, decayed = [primary for primary, _, _ in gains], [-secondary for _, _, secondary in gains]
+    return Check(
+        "Push force builds up in the primary arc and decays in the secondary arc",
+        min(built_up) > 0.0 and min(decayed) > 0.0,
+        f"by {min(built_up):.0f} to {max(built_up):.0f} N, by {min(decayed):.0f} to {max(decayed):.0f} N",
+    )
+
+
+def _efficiency_margin(result: LoadCaseResult) -> float:
+    """Efficiency above that of the measured transmission, points."""
+    rpm = load_case_speed() * 30.0 / np.pi
+    measured = measured_efficiency(result.steady["ratio.geometric"], rpm, result.case.torque)
+    return 100.0 * (result.steady["efficiency"] - measured.efficiency)
+
+
+def _spiral(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) -> Check:
+    runs = [run for _, run in spiral_rows(cases, parameters)]
+    errors = [100.0 * run.error for run in runs]
+    return Check(
+        f"Spiral running is that of tilt and contact within {100.0 * TOLERANCE:.0f} %",
+        all(abs(run.error) <= TOLERANCE for run in runs),
+        f"{1e3 * min(run.found for run in runs):.2g} to {1e3 * max(run.found for run in runs):.3g} mm, "
+        f"{min(errors):+.1f} to {max(errors):+.1f} %".replace("-", "\N{MINUS SIGN}"),
+    )
+
+
+def _manoeuvre(trace: Trace) -> list[Check]:
+    residual, bound = np.abs(trace["energy.residual"]), energy_bound(trace)
+    events = detect(trace)
+    missing = [event.name for event in events if not event.occurred]
+    return [
+        Check(
+            "Energy residual of the manoeuvre stays within its bound at every output point",
+            bool((residual <= bound).all()),
+            f"at most {100 * (residual / bound).max():.0f} % of the bound, {residual.max():.3g} J",
+        ),
+        Check(
+            "Every event of the manoeuvre occurs",
+            not missing,
+            f"{len(events)} events" if not missing else f"missing: {', '.join(missing)}",
+        ),
+    ]
+
+
+def evaluate(results: DemoResults) -> list[Check]:
+    """All checks."""
+    cases, parameters = results.cases, results.parameters
+    return [
+        _order(cases),
+        _push_force_gains(cases, parameters),
+        _cases(
+            "Push force is constant in the push strand within 1 %",
+            [(r, 100 * push_strand_spread(r, parameters)) for r in cases],
+            0.0,
+            1.0,
+            " % spread",
+        ),
+        _cases(
+            "Efficiency lies above the measured transmission",
+            [(r, _efficiency_margin(r)) for r in cases],
+            0.0,
+            100.0,
+            " points above",
+        ),
+        _cases("Slip lies between 0 and 3 %", [(r, 100 * r.steady["slip"]) for r in cases], 0.0, 3.0, " %"),
+        _spiral(cases, parameters),
+        _cases(
+            "Losses sum to the net power within 0.2 % of the driving power",
+            [(r, 100 * abs(power_imbalance(r))) for r in cases],
+            0.0,
+            0.2,
+            " %",
+        ),
+        _cases(
+            "Steady states stay where they are when stepped on",
+            [(r, 100 * abs(r.drift)) for r in cases],
+            0.0,
+            0.1,
+            " % of the thrust ratio",
+        ),
+        *_manoeuvre(results.manoeuvre.trace),
+    ]

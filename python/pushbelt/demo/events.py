@@ -1,0 +1,189 @@
+"""Events of the manoeuvre, detected from its outputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.intervals import intervals
+from pushbelt.fmu.results import Trace
+
+OVERLOAD = "Over-torque with macro-slip"
+"""Name of the event that the manoeuvre's excess of torque is to cause."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that was expected of the manoeuvre."""
+
+    name: str
+    occurred: bool
+    start: float
+    """Start, s; NaN if it did not occur."""
+    end: float
+    """End, s; NaN if it did not occur or has none."""
+    evidence: str
+    """From the outputs, in words."""
+
+
+def _missing(name: str, why: str) -> Event:
+    return Event(name, False, float("nan"), float("nan"), why)
+
+
+def jumps(time: Array, values: Array, size: float, window: float = 0.03) -> list[tuple[float, float, float]]:
+    """Changes of more than `size` within `window` seconds: (time, value before, value after)."""
+    reach = max(1, round(window / (time[1] - time[0])))
+    change = np.abs(values[reach:] - values[:-reach])
+    found = []
+    for first, last in _runs(change > size):
+        before, after = values[first], values[min(last + reach, len(values) - 1)]
+        middle = first + int(np.argmax(np.abs(np.diff(values[first : last + reach + 1]))))
+        found.append((float(time[middle]), float(before), float(after)))
+    return found
+
+
+def _runs(mask: Array) -> list[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
+    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
+
+
+def launch(trace: Trace) -> Event:
+    """From standstill to running, in underdrive."""
+    name = "Launch in underdrive"
+    speed, ratio, time = trace["secondary.speed"], trace["ratio.geometric"], trace.time
+    if abs(speed[0]) > 0.1 or ratio[0] <= 1.0:
+        return _missing(name, f"it starts at {speed[0]:.1f} rad/s and a ratio of {ratio[0]:.2f}")
+    moving = np.flatnonzero(speed > 1.0)
+    if not moving.size:
+        return _missing(name, f"the secondary pulley gets no faster than {speed.max():.2f} rad/s")
+    shifting = np.flatnonzero((ratio < 1.0) & (time > time[moving[0]]))
+    end = shifting[0] if shifting.size else len(time) - 1
+    driving = np.flatnonzero(ratio[:end] > 0.9 * np.median(ratio[moving[0] : max(end, moving[0] + 1)]))
+    end = driving[-1] if driving.size else end
+    return Event(
+        name,
+        True,
+        float(time[moving[0]]),
+        float(time[end]),
+        f"secondary from 0 to {speed[end]:.0f} rad/s at ratios of {ratio[: end + 1].min():.2f} to "
+        f"{ratio[: end + 1].max():.2f}; slip at most {100 * np.abs(trace['slip'][moving[0] : end + 1]).max():.1f} %",
+    )
+
+
+def shift(trace: Trace) -> Event:
+    """From underdrive to overdrive by clamping forces."""
+    name = "Shift to overdrive"
+    ratio, time = trace["ratio.geometric"], trace.time
+    through_one = np.flatnonzero((ratio[:-1] > 1.0) & (ratio[1:] <= 1.0))
+    if not through_one.size:
+        return _missing(name, f"the ratio stays between {ratio.min():.2f} and {ratio.max():.2f}")
+    crossing = through_one[0]
+    # Medians, because clamping forces that change or a belt that slips move the ratio too.
+    high, low = np.median(ratio[:crossing]), np.median(ratio[crossing:])
+    start = np.flatnonzero(ratio[:crossing] > high - 0.05 * (high - low))[-1]
+    end = crossing + np.flatnonzero(ratio[crossing:] < low + 0.05 * (high - low))[0]
+    rate = np.gradient(ratio[start : end + 1], time[start : end + 1]).min()
+    return Event(
+        name,
+        True,
+        float(time[start]),
+        float(time[end]),
+        f"ratio from {ratio[start]:.2f} to {ratio[end]:.2f}, through 1 at {time[crossing]:.2f} s, "
+        f"at most {-rate:.2f} 1/s; macro-slip for {_macro_slip_time(trace, start, end):.2f} s of it",
+    )
+
+
+def _macro_slip_time(trace: Trace, first: int, last: int) -> float:
+    return float((trace["macroSlip"][first : last + 1] > 0.5).mean() * (trace.time[last] - trace.time[first]))
+
+
+def torque_steps(trace: Trace) -> list[Event]:
+    """Steps of the primary torque that the belt carries."""
+    events = []
+    slipping = intervals(trace.time, trace["macroSlip"], gap=0.02)
+    for at, before, after in jumps(trace.time, trace["primary.externalTorque"], size=20.0):
+        overload = any(start - 0.1 <= at <= end + 0.1 for start, end in slipping)
+        if overload:
+            continue
+        window = (trace.time >= at) & (trace.time <= at + 0.3)
+        belt = -trace["primary.shaftTorque"][window][-1]
+        events.append(
+            Event(
+                f"Torque step {before:.0f} → {after:.0f} N·m",
+                True,
+                at,
+                float("nan"),
+                f"0.3 s later the belt carries {belt:.1f} N·m; slip from "
+                f"{100 * trace['slip'][window][0]:.2f} to {100 * trace['slip'][window][-1]:.2f} %, "
+                f"utilisation {trace['torqueUtilisation'][window][-1]:.2f}",
+            )
+        )
+    return events or [_missing("Torque steps", "no step of the primary torque above 20 N·m within 30 ms")]
+
+
+def over_torque(trace: Trace) -> list[Event]:
+    """Macro-slip under too much torque, and the recovery from it.
+
+    Of several intervals of macro-slip the one with the largest external torque counts; the others are events besides.
+    """
+    slipping = [
+        (start, end) for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02) if end - start >= 0.02
+    ]
+    if not slipping:
+        utilisation = trace["torqueUtilisation"].max()
+        return [
+            _missing(OVERLOAD, f"macroSlip never stays up for 20 ms; utilisation {utilisation:.2f}"),
+            _missing("Recovery", "there was nothing to recover from"),
+        ]
+    overload = max(
+        slipping, key=lambda interval: np.abs(trace["primary.externalTorque"][_within(trace, *interval)]).max()
+    )
+    events = [
+        _slipping(OVERLOAD if interval == overload else "Macro-slip besides", trace, *interval) for interval in slipping
+    ]
+    return [*events, _recovery(trace, overload[1])]
+
+
+def _within(trace: Trace, start: float, end: float) -> Array:
+    return (trace.time >= start) & (trace.time <= end)
+
+
+def _slipping(name: str, trace: Trace, start: float, end: float) -> Event:
+    during = _within(trace, start, end)
+    torque = trace["primary.externalTorque"][during].max()
+    carried = np.median(-trace["primary.shaftTorque"][during])
+    slip = 100 * np.abs(trace["slip"][during]).max()
+    loss = 1e-3 * trace["loss.total"][during].max()
+    return Event(
+        name,
+        True,
+        start,
+        end,
+        f"primary torque up to {torque:.0f} N·m, of which the belt carries {carried:.0f} N·m (median); "
+        f"slip up to {slip:.0f} %, loss up to {loss:.3g} kW",
+    )
+
+
+def _recovery(trace: Trace, overload_end: float) -> Event:
+    name = "Recovery"
+    slip = np.abs(trace["slip"])
+    if slip[-1] > 0.03 or trace["macroSlip"][-1] > 0.5:
+        return _missing(name, f"slip is still {100 * slip[-1]:.1f} % at the end")
+    late = np.flatnonzero((trace.time > overload_end) & (slip > 0.03))
+    settled = float(trace.time[late[-1] + 1]) if late.size else overload_end
+    return Event(
+        name,
+        True,
+        overload_end,
+        settled,
+        f"slip below 3 % for good {1e3 * (settled - overload_end):.0f} ms after macro-slip has ended; "
+        f"at the end slip {100 * trace['slip'][-1]:.2f} %, utilisation {trace['torqueUtilisation'][-1]:.2f}",
+    )
+
+
+def detect(trace: Trace) -> list[Event]:
+    """All events; those that occurred come first, in the order of time."""
+    events = [launch(trace), shift(trace), *torque_steps(trace), *over_torque(trace)]
+    return sorted(events, key=lambda event: (not event.occurred, event.start))

@@ -1,0 +1,151 @@
+"""The report: one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pushbelt import page
+from pushbelt.belt_picture import belt_picture
+from pushbelt.fmu.data import EfficiencyPoint, curve_at, curve_of, load_case_speed, measured_efficiency
+from pushbelt.fmu.results import LoadCaseResult
+from pushbelt.page import image, number, percent
+
+from . import checks, events, figures
+from .manoeuvre import START_VALUES
+from .results import DemoResults, ReferenceResult
+from .spiral import TOLERANCE, spiral_rows
+
+CHOSEN_CASE = "overdrive-100"
+"""The load case whose fields along the belt are shown."""
+
+
+@dataclass(frozen=True)
+class CaseRow:
+    """A line of the table of load cases."""
+
+    result: LoadCaseResult
+    measured: EfficiencyPoint
+    imbalance: float
+
+
+@dataclass(frozen=True)
+class ReferenceRow:
+    """A line of the table of the reference case."""
+
+    quantity: str
+    unit: str
+    published: str
+    theory: str
+    computed: str
+    difference: str
+
+
+REFERENCE_QUANTITIES = (
+    ("thrustRatio", "thrust ratio", "", 4, 1.0),
+    ("primary.axialForce", "axial force, P", "kN", 3, 1e-3),
+    ("secondary.speed", "speed, S", "rad/s", 2, 1.0),
+    ("belt.speed", "belt speed", "m/s", 4, 1.0),
+    ("upper strand", "net force, upper strand", "N", 0, 1.0),
+    ("lower strand", "net force, lower strand", "N", 0, 1.0),
+    ("slip arc", "slip arc", "°", 2, 180.0 / np.pi),
+)
+
+
+def case_rows(results: Iterable[LoadCaseResult]) -> list[CaseRow]:
+    """Lines of the table of load cases."""
+    rpm = load_case_speed() * 30.0 / np.pi
+    return [
+        CaseRow(
+            result,
+            measured_efficiency(result.steady["ratio.geometric"], rpm, result.case.torque),
+            checks.power_imbalance(result),
+        )
+        for result in results
+    ]
+
+
+def reference_rows(result: ReferenceResult) -> list[ReferenceRow]:
+    """Lines of the table of the reference case."""
+
+    def shown(values: Mapping[str, float], name: str, digits: int, scale: float) -> str:
+        return number(scale * values[name], digits) if name in values else "–"
+
+    rows = []
+    for name, quantity, unit, digits, scale in REFERENCE_QUANTITIES:
+        difference = "–"
+        if name in result.computed:
+            relative = result.computed[name] / result.published[name] - 1.0
+            difference = ("+" if relative > 0.0 else "") + percent(relative, 1) + " %"
+        cells = (shown(v, name, digits, scale) for v in (result.published, result.theory, result.computed))
+        rows.append(ReferenceRow(quantity, unit, *cells, difference))
+    return rows
+
+
+def write_html(results: DemoResults, path: Path) -> None:
+    """Writes the report."""
+    page.write_html("demo/report.html.j2", _context(results), path)
+
+
+def _context(results: DemoResults) -> dict[str, Any]:
+    rows = case_rows(results.cases)
+    chosen = next(result for result in results.cases if result.case.name == CHOSEN_CASE)
+    curve = curve_at(results.parameters, chosen.steady)
+    trace = results.manoeuvre.trace
+    found = events.detect(trace)
+    measured = {row.result.case.name: row.measured.efficiency for row in rows}
+    overload = results.manoeuvre.snapshots.get(8.6)
+    slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
+    pictures = {
+        "cases": figures.load_case_bars(results.cases, measured),
+        "manoeuvre": figures.manoeuvre(trace, found),
+        "fields": figures.fields(chosen.steady.profile, curve),
+        "belt": belt_picture(chosen.steady, curve, results.parameters["belt.pitchOffset"]),
+    }
+    if slipping is not None:
+        pictures["overload"] = figures.overload(trace, slipping.start - 0.1, slipping.end + 0.2)
+    if overload is not None:
+        moment = int(np.argmin(np.abs(trace.time - 8.6)))
+        theta = float(trace["reference.theta"][moment])
+        pictures["overload_fields"] = figures.fields(overload, curve_of(results.parameters, theta))
+    return {
+        "version": results.fmu_version,
+        "rows": rows,
+        "reference": results.reference,
+        "reference_rows": reference_rows(results.reference),
+        "events": found,
+        "checks": checks.evaluate(results),
+        "manoeuvre": results.manoeuvre,
+        "duration": float(trace.time[-1]),
+        "standstill": figures.STANDSTILL,
+        "start_values": START_VALUES,
+        "residual": float(np.abs(trace["energy.residual"]).max()),
+        "energy_in": float(np.sum(np.maximum(trace["primary.power"], 0.0)) * results.manoeuvre.step),
+        "energy_lost": float(np.sum(trace["loss.total"]) * results.manoeuvre.step),
+        "chosen": chosen,
+        "speed": load_case_speed(),
+        "spiral": spiral_rows(results.cases, results.parameters),
+        "spiral_tolerance": TOLERANCE,
+        "parameters": results.parameters,
+        "pictures": {name: image(svg) for name, svg in pictures.items()},
+    }
+
+
+def write_trace(results: DemoResults, path: Path) -> None:
+    """Writes the manoeuvre's outputs over time, one column an FMU variable."""
+    trace = results.manoeuvre.trace
+    table = np.column_stack([trace.time, *trace.columns.values()])
+    page.write_table(path, ["time", *trace.columns], table.tolist())
+
+
+def write_cases(results: DemoResults, path: Path) -> None:
+    """Writes the outputs of the load cases and of the reference case, one row a case."""
+    states = [(result.case.name, result.steady) for result in results.cases]
+    states.append(("belt155-reference", results.reference.steady))
+    names = list(states[0][1].outputs)
+    rows = ([name, state.load_torque, *(state[output] for output in names)] for name, state in states)
+    page.write_table(path, ["case", "secondary.torque", *names], rows)

@@ -1,0 +1,68 @@
+"""What the simulations of the demo give, as plain data. SI units; names of FMU variables where a mapping is keyed by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pushbelt.fmu.results import LoadCaseResult, Profile, SteadyState, Trace
+
+
+@dataclass(frozen=True)
+class StrandForces:
+    """Net forces of the strands (ring tension less push force), means over the middle half, N."""
+
+    upper: float
+    lower: float
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The reference case with one thing changed."""
+
+    name: str
+    thrust_ratio: float
+    strands: StrandForces
+    slip: float
+
+
+@dataclass(frozen=True)
+class ReferenceResult:
+    """The published reference case: what was published, what its theory says, and what the FMU gives."""
+
+    published: Mapping[str, float]
+    theory: Mapping[str, float]
+    """The published theory, evaluated here in closed form."""
+    computed: Mapping[str, float]
+    without_flank_friction: Mapping[str, float]
+    """Axial forces that the FMU's strand forces would need without friction along the flanks, by pulley, N."""
+    steady: SteadyState
+    variants: tuple[Variant, ...] = ()
+
+
+@dataclass(frozen=True)
+class ManoeuvreResult:
+    """The manoeuvre."""
+
+    trace: Trace
+    wall_time: float
+    """Time the run took, reading all outputs at every step included, s."""
+    step: float
+    """Communication step, s."""
+    snapshots: Mapping[float, Profile]
+    """Fields along the belt at some times."""
+    messages: tuple[str, ...] = ()
+    """Warnings of the FMU."""
+
+
+@dataclass(frozen=True)
+class DemoResults:
+    """All of it."""
+
+    fmu_version: str
+    """Version in the model description."""
+    cases: tuple[LoadCaseResult, ...]
+    reference: ReferenceResult
+    manoeuvre: ManoeuvreResult
+    parameters: Mapping[str, float]
+    """Parameters of the variator in the load cases and the manoeuvre."""

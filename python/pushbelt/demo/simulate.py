@@ -1,0 +1,84 @@
+"""Runs all simulations of the demo, side by side in processes, with a progress bar."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pushbelt.fmu import load_cases
+from pushbelt.fmu.data import load_cases as all_load_cases
+from pushbelt.fmu.data import manoeuvre_inputs, parameter_set
+from pushbelt.fmu.results import LoadCase, LoadCaseResult
+from pushbelt.fmu.unit import Archive
+from pushbelt.side_by_side import run_all as run_side_by_side
+from pushbelt.side_by_side import tick
+
+from . import manoeuvre, reference_case
+from .results import DemoResults, ManoeuvreResult, ReferenceResult
+
+VARIATOR = "bench168"
+"""Parameter set of the load cases and the manoeuvre."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How much is run."""
+
+    torques: tuple[float, ...] | None = None
+    """Torques of the load cases, N·m; None for all."""
+    duration: float | None = None
+    """Of the manoeuvre, s; None for all of it."""
+
+
+FULL = Plan()
+SHORT = Plan(torques=(100.0,), duration=1.0)
+
+
+def _run_manoeuvre(archive: Archive, duration: float) -> ManoeuvreResult:
+    def progress(seconds: float) -> None:
+        tick(_MANOEUVRE_TICKS * seconds / duration)
+
+    return manoeuvre.run(archive, parameter_set(VARIATOR), manoeuvre_inputs(), progress, duration)
+
+
+def _run_case(archive: Archive, case: LoadCase) -> LoadCaseResult:
+    result = load_cases.run(archive, parameter_set(VARIATOR), case)
+    tick(_CASE_TICKS)
+    return result
+
+
+def _run_reference(archive: Archive) -> ReferenceResult:
+    return reference_case.run(archive, lambda: tick(_CASE_TICKS))
+
+
+_CASE_TICKS = 5
+_MANOEUVRE_TICKS = 100
+
+
+def run_all(fmu: Path, plan: Plan = FULL) -> DemoResults:
+    """Runs a plan with an FMU."""
+    with Archive.unpack(fmu) as archive:
+        return _run_all(archive, plan)
+
+
+def _run_all(archive: Archive, plan: Plan) -> DemoResults:
+    parameters = parameter_set(VARIATOR)
+    cases = [case for case in all_load_cases(parameters) if plan.torques is None or case.torque in plan.torques]
+    duration = float(manoeuvre_inputs().time[-1]) if plan.duration is None else plan.duration
+    run, reference, *states = run_side_by_side(
+        [
+            # The manoeuvre takes longest and can't be divided: it starts first.
+            (_run_manoeuvre, (archive, duration)),
+            (_run_reference, (archive,)),
+            *((_run_case, (archive, case)) for case in cases),
+        ],
+        total=_MANOEUVRE_TICKS + _CASE_TICKS * (len(cases) + reference_case.SOLVES),
+        title="load cases and manoeuvre",
+    )
+    return DemoResults(
+        fmu_version=archive.version,
+        cases=tuple(states),
+        reference=reference,
+        manoeuvre=run,
+        parameters=parameters,
+    )

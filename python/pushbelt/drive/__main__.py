@@ -1,0 +1,53 @@
+"""Drives: `python -m pushbelt.drive --fmu target/PushbeltVariator.fmu --output target/drive [--short]`."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+import time
+from pathlib import Path
+
+from pushbelt.fmu.enumerations import RingModel
+from pushbelt.fmu.unit import UnitError
+
+from . import report, runs
+
+FULL = {"wltc": runs.FULL, "nedc": runs.FULL_NEDC}
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Simulates, writes the report and says where it is."""
+    parser = argparse.ArgumentParser(prog="pushbelt.drive", description=__doc__)
+    parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
+    parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the results")
+    parser.add_argument("--short", action="store_true", help="30 s of the cycle, 10 s of close-up")
+    parser.add_argument("--cycle", choices=list(FULL), default="wltc", help="which cycle, unless short")
+    parser.add_argument("--until", type=float, metavar="SECONDS", help="only the first seconds of the cycle")
+    parser.add_argument(
+        "--ring",
+        choices=list(RingModel.__members__),
+        default="ALE",
+        help="ring model of the whole cycle; RCM and ANCF take minutes a second",
+    )
+    options = parser.parse_args(arguments)
+    plan = dataclasses.replace(runs.SHORT if options.short else FULL[options.cycle], ring=options.ring)
+    if options.until is not None:
+        plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
+    begin = time.perf_counter()
+    try:
+        results = runs.run_all(options.fmu, plan, options.output)
+    except (UnitError, ValueError) as error:
+        print(f"The simulation failed: {error}", file=sys.stderr)
+        return 1
+    options.output.mkdir(parents=True, exist_ok=True)
+    for run in results.runs:
+        report.write_trace(run, options.output / f"{run.setup.name.replace(',', '').replace(' ', '-')}.csv")
+    path = options.output / "report.html"
+    report.write_html(results, path)
+    print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,181 @@
+"""The car around the variator: road load, engine, launch clutch. SI units.
+
+The vehicle itself is an inertia on the secondary shaft, part of the FMU: its speed is the FMU's secondary speed. What
+has a state here is the engine with its clutch, integrated with steps of 1 ms against the primary speed of the last
+communication point; the mean clutch torque over the communication step goes to the FMU, which conserves momentum.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from pushbelt.fmu.data import published_data
+
+from .piecewise import clip, interpolate
+
+GRAVITY = 9.81
+AIR_DENSITY = 1.2
+
+
+@dataclass(frozen=True)
+class Car:
+    """What `demoCar` in `resources/variators.json` says, and typical values for what it leaves open."""
+
+    mass: float
+    """kg."""
+    drag_area: float
+    """c_d A, m²."""
+    rolling_resistance: float
+    """1."""
+    wheel_radius: float
+    """m."""
+    final_drive: float
+    """Secondary speed / wheel speed."""
+    engine_inertia: float
+    """kg·m²."""
+    max_torque: float
+    """Of the engine, N·m."""
+    max_power: float
+    """Of the engine, W."""
+    idle_speed: float = 84.0
+    """800 rpm, rad/s."""
+    max_speed: float = 630.0
+    """6000 rpm, rad/s."""
+    max_brake: float = 9000.0
+    """Largest force of the wheel brakes, N."""
+
+    @property
+    def lever(self) -> float:
+        """Force at the road to torque at the secondary shaft, v = lever · ω_S, m."""
+        return self.wheel_radius / self.final_drive
+
+    @property
+    def inertia(self) -> float:
+        """The vehicle as an inertia on the secondary shaft, kg·m²."""
+        return self.mass * self.lever**2
+
+    def road_load(self, speed: float) -> float:
+        """Air drag and rolling resistance against a speed in m/s, N; the latter fades out below 0.1 m/s."""
+        air = 0.5 * AIR_DENSITY * self.drag_area * speed * abs(speed)
+        return air + self.mass * GRAVITY * self.rolling_resistance * math.tanh(speed / 0.1)
+
+    def brake_force(self, demand: float, speed: float, step: float) -> float:
+        """Force of the brakes, N, for a demand in N; near standstill proportional to speed, so that it holds the car.
+
+        The slope is at most half of what a communication step would let ring.
+        """
+        width = max(0.05, 2.0 * demand * step / self.mass)
+        return min(demand, self.max_brake) * clip(speed / width, -1.0, 1.0)
+
+    def full_load(self, speed: float) -> float:
+        """Largest torque of the engine at a speed in rad/s, N·m."""
+        if speed >= self.max_speed:
+            return self.drag_torque(speed)
+        low_end = self.max_torque * interpolate(speed, (0.5 * self.idle_speed, 2.2 * self.idle_speed), (0.5, 1.0))
+        return min(low_end, self.max_power / max(speed, 1.0))
+
+    def drag_torque(self, speed: float) -> float:
+        """Torque of the engine with no fuel, negative, N·m."""
+        return -(8.0 + 0.02 * speed) * clip(speed / 20.0, 0.0, 1.0)
+
+    def engine_speed_for(self, power: float) -> float:
+        """Speed on the line of low consumption at a power in W, rad/s: about 110 N·m, at least 1250 rpm."""
+        return clip(power / 110.0, 131.0, 0.9 * self.max_speed)
+
+
+def demo_car() -> Car:
+    """The published demo car."""
+    data = published_data()["demoCar"]
+    return Car(
+        mass=data["mass"],
+        drag_area=data["dragArea"],
+        rolling_resistance=data["rollingResistance"],
+        wheel_radius=data["wheelRadius"],
+        final_drive=data["finalDrive"],
+        engine_inertia=data["engineInertia"],
+        max_torque=data["engineMaxTorque"],
+        max_power=data["engineMaxPower"],
+    )
+
+
+class Powertrain:
+    """Engine and launch clutch.
+
+    While it slips, the clutch carries a torque that grows with the square of the speed above idle, as a centrifugal
+    one does. Locked, engine and primary pulley turn as one. The pulley's speed is the FMU's and known once a
+    communication step, so the torque that keeps them together is predicted,
+
+        T_c = T_e − J_e α + (J_e/τ)(ω_e − ω_P),
+
+    with the acceleration α of the pulley low-passed by τ: the last term removes what the prediction gets wrong. It is
+    stable as long as J_e h/τ is below the inertia of the pulley alone, which it must be when the belt slips through.
+    """
+
+    SYNCHRONISATION = 0.12
+    """τ, s."""
+    TORQUE_LAG = 0.1
+    """Of the engine behind its demand, s."""
+    LOCK_SPEED, OPEN_SPEED = 100.0, 90.0
+    """The clutch locks above the first and opens below the second, rad/s."""
+    CLUTCH_LIMIT = 250.0
+    """N·m."""
+    SUBSTEP = 1e-3
+    """s."""
+
+    def __init__(self, car: Car) -> None:
+        self.car = car
+        self.speed = car.idle_speed
+        """Of the engine, rad/s."""
+        self.torque = 0.0
+        """Of the engine, N·m."""
+        self.locked = False
+        self.clutch_loss = 0.0
+        """Heat of the clutch over the last step, J."""
+        self.engine_work = 0.0
+        """Work of the engine over the last step, J."""
+        self._last_pulley: float | None = None
+        self._acceleration = 0.0
+
+    def advance(self, demand: float, pulley: float, step: float) -> float:
+        """Advances by a communication step; returns the mean clutch torque, N·m.
+
+        `demand` is the wanted engine torque, N·m, `pulley` the primary speed, rad/s, held over the step.
+        """
+        car = self.car
+        self._follow(pulley, step)
+        count = max(round(step / self.SUBSTEP), 1)
+        dt = step / count
+        impulse = self.clutch_loss = self.engine_work = 0.0
+        for _ in range(count):
+            idle = 2.0 * (car.idle_speed - self.speed)
+            wanted = clip(max(demand, idle), car.drag_torque(self.speed), car.full_load(self.speed))
+            self.torque += (wanted - self.torque) * dt / self.TORQUE_LAG
+            clutch = self._clutch_torque(pulley)
+            before = self.speed
+            self.speed += dt * (self.torque - clutch) / car.engine_inertia
+            mean = 0.5 * (before + self.speed)
+            self.engine_work += dt * self.torque * mean
+            self.clutch_loss += dt * clutch * (mean - pulley)
+            impulse += dt * clutch
+        return impulse / step
+
+    def _follow(self, pulley: float, step: float) -> None:
+        """Filters the pulley's acceleration, and locks or opens the clutch."""
+        last = pulley if self._last_pulley is None else self._last_pulley
+        share = step / (self.SYNCHRONISATION + step)
+        self._acceleration += share * ((pulley - last) / step - self._acceleration)
+        self._last_pulley = pulley
+        if self.locked:
+            self.locked = pulley > self.OPEN_SPEED
+        else:
+            self.locked = pulley > self.LOCK_SPEED and abs(self.speed - pulley) < 5.0
+
+    def _clutch_torque(self, pulley: float) -> float:
+        difference = self.speed - pulley
+        inertia = self.car.engine_inertia
+        if self.locked:
+            torque = self.torque - inertia * self._acceleration + inertia / self.SYNCHRONISATION * difference
+            return clip(torque, -self.CLUTCH_LIMIT, self.CLUTCH_LIMIT)
+        above_idle = max(max(self.speed, pulley) - self.car.idle_speed - 5.0, 0.0)
+        return min(0.02 * above_idle**2, self.CLUTCH_LIMIT) * math.tanh(difference / 3.0)

@@ -1,0 +1,304 @@
+"""Controllers of the variator: clamping, slip, ratio. Discrete, one call a control step; SI units.
+
+They read what a transmission measures: speeds, the ratio (from a sheave position), the torque that the engine control
+estimates. Friction, geometry and the thrust-ratio map are what they know of the variator.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from pushbelt.fmu.data import clamping_force
+
+from .piecewise import clip
+from .thrust_map import ThrustMap
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the controllers measure at a control step."""
+
+    primary_speed: float
+    """rad/s."""
+    ratio: float
+    """Geometric ratio r_S/r_P."""
+    slip: float
+    """1."""
+    macro_slip: bool
+    pitch_radius: float
+    """Primary running radius, m."""
+    torque: float
+    """Larger of the primary torques now and as demanded, with the sign of the torque now, N·m."""
+
+    @classmethod
+    def from_signals(cls, signals: Mapping[str, float], torque: float) -> Measured:
+        """From signals by the names of FMU variables, and the estimated torque, N·m."""
+        return cls(
+            primary_speed=signals["primary.speed"],
+            ratio=signals["ratio.geometric"],
+            slip=signals["slip"],
+            macro_slip=bool(signals["macroSlip"]),
+            pitch_radius=signals["primary.radius"],
+            torque=torque,
+        )
+
+
+@dataclass(frozen=True)
+class Friction:
+    """What the clamping law needs to know of the belt."""
+
+    coefficient: float
+    """μ."""
+    wedge_angle: float
+    """β, rad."""
+    reserve: float = 8.0
+    """Torque added for what the estimate leaves out (inertia of the pulley, errors), N·m."""
+
+    def clamping_force(self, measured: Measured, safety: float) -> float:
+        """Secondary clamping force for the estimated torque, N."""
+        torque = abs(measured.torque) + self.reserve
+        return clamping_force(torque, measured.pitch_radius, self.coefficient, self.wedge_angle, safety)
+
+
+class ClampingStrategy(Protocol):
+    """Gives the secondary clamping force."""
+
+    def force(self, measured: Measured, step: float, overruled: bool) -> float:
+        """Secondary clamping force for the next step of `step` seconds, N.
+
+        `overruled`: the ratio control used a larger secondary force than this strategy asked for.
+        """
+        ...
+
+    @property
+    def intervening(self) -> bool:
+        """Whether it acts against macro-slip."""
+        ...
+
+
+class SafetyFactor:
+    """Fixed safety factor: the force follows the estimated torque, blind to slip."""
+
+    intervening = False
+
+    def __init__(self, friction: Friction, safety: float = 1.3) -> None:
+        self.friction, self.safety = friction, safety
+
+    def force(self, measured: Measured, step: float, overruled: bool = False) -> float:  # noqa: ARG002
+        """Secondary clamping force, N."""
+        return self.friction.clamping_force(measured, self.safety)
+
+
+class SlipControl:
+    """PI on the secondary force to a slip set point, with intervention when macro-slip threatens.
+
+    The set point is the slip that the map has at a torque utilisation u; the feed-forward is the force of that
+    utilisation, and the PI scales it within limits:
+
+        F_S = F_ff · clip(1 + k_p e + k_i ∫e dt, low, high),   e = |slip| − set point
+
+    u is `utilisation`, or less where there is no steady state or the flywheel would let the belt run away. A shift turns
+    the engine and so loads the belt by J ω_P λ; where the thrust ratio falls with torque, that shifts it on, with the
+    share
+
+        Γ = −dκ/du · J g ω_P² cosβ/(2 μ r_P)
+
+    of the force that the shift came from. u is the most at which Γ stays below 1. It bounds the factor too: the force
+    never falls below that of this utilisation, whatever the slip is.
+
+    The integral stands still while the factor is at a limit in its direction, and while the ratio control clamps harder.
+    Slip beyond twice its set point and 1 % more, or macro-slip, makes the factor `rescue` at once; it is held for a
+    while, then comes down no faster than the integral brings it. Below a speed at which slip can't be measured well the
+    fixed safety factor holds.
+    """
+
+    PROPORTIONAL = 10.0
+    """Force per slip, relative."""
+    INTEGRAL = 25.0
+    """The same per second."""
+    LOW, HIGH, RESCUE = 0.9, 1.6, 1.5
+    HOLD = 0.3
+    """How long an intervention lasts at least, s."""
+    LEAST_SPEED = 60.0
+    """Of the primary pulley, rad/s."""
+
+    def __init__(
+        self,
+        friction: Friction,
+        thrust_map: ThrustMap,
+        flywheel: float,
+        utilisation: float = 0.9,
+        safety: float = 1.3,
+    ) -> None:
+        """`flywheel` is the inertia that the engine adds to the primary pulley, kg·m²."""
+        self.friction, self.map, self.flywheel, self.utilisation = friction, thrust_map, flywheel, utilisation
+        self.fallback = SafetyFactor(friction, safety)
+        self.interventions = 0
+        self._integral = 0.0
+        self._rescue_left = 0.0
+
+    @property
+    def intervening(self) -> bool:
+        """Whether an intervention is on."""
+        return self._rescue_left > 0.0
+
+    def stable_utilisation(self, measured: Measured) -> float:
+        """Torque utilisation beyond which the flywheel lets the belt run away."""
+        belt = self.friction
+        torque_per_force = (
+            self.flywheel * self.map.shift_gain(measured.ratio, self.utilisation) * measured.primary_speed**2
+        )
+        force_per_torque = clamping_force(1.0, measured.pitch_radius, belt.coefficient, belt.wedge_angle, 1.0)
+        return self.map.stable_utilisation(measured.ratio, torque_per_force * force_per_torque)
+
+    def set_point(self, ratio: float, utilisation: float) -> float:
+        """Magnitude of slip to hold, 1."""
+        return abs(self.map.slip(ratio, utilisation))
+
+    def force(self, measured: Measured, step: float, overruled: bool = False) -> float:
+        """Secondary clamping force, N."""
+        if measured.primary_speed < self.LEAST_SPEED:
+            self._integral = self._rescue_left = 0.0
+            return self.fallback.force(measured, step)
+        stable = self.stable_utilisation(measured)
+        utilisation = min(self.utilisation, stable)
+        wanted = self.set_point(measured.ratio, math.copysign(utilisation, measured.torque))
+        slip = abs(measured.slip)
+        if measured.macro_slip or slip > 2.0 * wanted + 0.01:
+            if not self.intervening:
+                self.interventions += 1
+            self._rescue_left = self.HOLD
+        error = slip - wanted
+        feed_forward = self.friction.clamping_force(measured, 1.0 / utilisation)
+        if self.intervening:
+            self._rescue_left -= step
+            self._integral = self.RESCUE - 1.0
+            return self.RESCUE * feed_forward
+        factor = 1.0 + self.PROPORTIONAL * error + self._integral
+        low = max(self.LOW, utilisation / stable)
+        if not overruled and (factor > low or error > 0.0) and (factor < self.HIGH or error < 0.0):
+            self._integral += step * self.INTEGRAL * error
+        return clip(factor, low, self.HIGH) * feed_forward
+
+
+class RatioControl:
+    """Primary clamping force from the thrust-ratio map and a PI controller on the shift speed.
+
+    The ratio error asks for a shift speed, λ* = clip(k (ln i* − ln i), ±λ_max) with λ = d(ln i)/dt. The belt shifts with
+    the excess ε = ln(F_P/(κ F_S)) of the thrust ratio over the one that holds, λ = −ω_P F_S R(ε), so
+
+        F_P = κ(i, u) F_S exp(R⁻¹(−λ*/(ω_P F_S))) − C (k_p e + k_i ∫e dt),   e = λ* − λ
+
+    κ is the thrust ratio of the map at the ratio and the torque utilisation u, R the map's shift rates; with R in
+    proportion to ε this is the law of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005). C = 1/(g ω_P) makes
+    the loop as fast as designed. g is the steepest gain near the excess that is asked for, because R may bend sharply: a
+    belt that shifts by creep hardly moves until its elements slide radially. Where g is small C stays at `MOST_FORCE`.
+
+    k_p and a short filter damp what the flywheel does when a shift changes its speed (docs/drivetrain.md). The integral
+    is stored as a force and stands still while F_P is at a limit in its direction. A primary force below what carries the
+    torque is not allowed: to shift down faster the secondary force rises instead. A standing belt is held the same way.
+    """
+
+    APPROACH = 3.0
+    """k, 1/s."""
+    FASTEST = 1.0
+    """λ_max, 1/s."""
+    PROPORTIONAL, INTEGRAL = 0.8, 3.0
+    """k_p, 1, and k_i, 1/s."""
+    MOST_FORCE = 20e3
+    """Largest C, N·s."""
+    RESERVE = 1.1
+    """Safety of the primary force against slip."""
+    LEAST_SPEED = 40.0
+    """Below it the belt hardly shifts: only the map acts, rad/s."""
+    FILTER = 0.01
+    """Time constant of the measured shift speed, s."""
+
+    def __init__(self, friction: Friction, thrust_map: ThrustMap, limits: tuple[float, float]) -> None:
+        self.friction, self.map, self.limits = friction, thrust_map, limits
+        self._integral = 0.0
+        self._shift_speed = 0.0
+        self._last: float | None = None
+
+    def forces(self, target: float, measured: Measured, secondary: float, step: float) -> tuple[float, float]:
+        """Primary and secondary clamping force, N, for a target ratio and a secondary force that carries the torque."""
+        low, high = self.limits
+        secondary = clip(secondary, low, high)
+        ratio_log = math.log(measured.ratio)
+        last = ratio_log if self._last is None else self._last
+        self._shift_speed += step / (self.FILTER + step) * ((ratio_log - last) / step - self._shift_speed)
+        self._last = ratio_log
+        if measured.primary_speed < self.LEAST_SPEED:
+            self._integral = 0.0
+            primary = self._shifting(0.0, measured, secondary)
+            if primary < low:
+                primary, secondary = low, self._secondary_for(low, 0.0, measured, secondary)
+            return min(primary, high), secondary
+        wanted = self.APPROACH * (math.log(target) - ratio_log)
+        wanted = clip(wanted, -self.FASTEST, self.FASTEST)
+        error = wanted - self._shift_speed
+        per_speed = self._force_per_shift_speed(wanted, measured, secondary)
+        correction = per_speed * self.PROPORTIONAL * error + self._integral
+        primary = self._shifting(wanted, measured, secondary) - correction
+        least = max(self.friction.clamping_force(measured, self.RESERVE), low)
+        saturated_down = False
+        if primary < least:
+            secondary = self._secondary_for(least + correction, wanted, measured, secondary)
+            primary, saturated_down = least, secondary >= high
+        saturated_up = primary > high
+        if not (saturated_up and error < 0.0) and not (saturated_down and error > 0.0):
+            self._integral += step * per_speed * self.INTEGRAL * error
+        return min(primary, high), secondary
+
+    def _utilisation(self, measured: Measured, secondary: float) -> float:
+        """Torque utilisation under a secondary force, N, with the sign of the torque."""
+        belt = self.friction
+        carried = clamping_force(measured.torque, measured.pitch_radius, belt.coefficient, belt.wedge_angle, 1.0)
+        return math.copysign(min(carried / secondary, 1.0), measured.torque)
+
+    def _excess(self, wanted: float, measured: Measured, secondary: float) -> float:
+        """ε that shifts at a wanted λ, 1/s, against a secondary force, N."""
+        rate = -wanted / (max(measured.primary_speed, self.LEAST_SPEED) * secondary)
+        return self.map.excess(measured.ratio, self._utilisation(measured, secondary), rate)
+
+    def _shifting(self, wanted: float, measured: Measured, secondary: float) -> float:
+        """Primary force that shifts at a wanted λ, 1/s, against a secondary force, N."""
+        held = self.map.thrust_ratio(measured.ratio, self._utilisation(measured, secondary)) * secondary
+        return held * math.exp(self._excess(wanted, measured, secondary))
+
+    def _force_per_shift_speed(self, wanted: float, measured: Measured, secondary: float) -> float:
+        """C of the control law, N·s."""
+        excess = self._excess(wanted, measured, secondary)
+        gain = self.map.shift_gain(measured.ratio, self._utilisation(measured, secondary), excess)
+        return min(1.0 / (gain * measured.primary_speed), self.MOST_FORCE)
+
+    def _secondary_for(self, primary: float, wanted: float, measured: Measured, secondary: float) -> float:
+        """Secondary force, from the one given up to the limit, that shifts with a primary force; by bisection, N."""
+        below, above = secondary, self.limits[1]
+        for _ in range(12):
+            middle = 0.5 * (below + above)
+            if self._shifting(wanted, measured, middle) < primary:
+                below = middle
+            else:
+                above = middle
+        return above
+
+
+class PressureControl:
+    """Pressure feedback of one circuit: the valve's demand goes beyond the wanted pressure by as much as is missing.
+
+    The circuit is a first-order lag τ, so F_v = F + (τ/τ_c)(F* − F) makes it one of τ_c, within the valve's limits.
+    """
+
+    WANTED_LAG = 0.0125
+    """τ_c, s."""
+
+    def __init__(self, lag: float) -> None:
+        self.gain = max(lag / self.WANTED_LAG, 1.0)
+
+    def demand(self, wanted: float, force: float) -> float:
+        """Demand on the valve for a wanted clamping force and the measured one, N."""
+        return force + self.gain * (wanted - force)

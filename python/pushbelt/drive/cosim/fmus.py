@@ -1,0 +1,68 @@
+"""Makes FMUs of the units in `slaves/`."""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+import shutil
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+from pythonfmu import FmuBuilder
+
+import pushbelt
+from pushbelt.fmu.data import RESOURCES
+from pushbelt.fmu.unit import UnitError
+
+from ..thrust_map import ThrustMap
+from .unit import MAP_FILE
+
+PROGRAMS = ("demo", "drive", "paper", "sweep")
+"""Subpackages of this package that are programs of their own."""
+
+SLAVES = Path(__file__).parent / "slaves"
+
+
+def build(folder: Path, thrust_map: ThrustMap) -> tuple[Path, Path]:
+    """Writes the FMUs of vehicle and control to a folder and returns their paths.
+
+    Raises UnitError if this Python can't run such FMUs.
+    """
+    if not FmuBuilder.has_binary():
+        raise UnitError(f"pythonfmu has no binary for {platform.system()} {platform.machine()}")
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as name:
+        scratch = Path(name)
+        thrust_map.write(scratch / MAP_FILE, key="")
+        # Laid out as in the source tree, so that the package finds its data.
+        files = [_modules(scratch), scratch / MAP_FILE, RESOURCES / "variators.json", RESOURCES / "parameters"]
+        vehicle, control = (
+            Path(FmuBuilder.build_FMU(SLAVES / f"{unit}_unit.py", dest=folder, project_files=files))
+            for unit in ("vehicle", "control")
+        )
+    _check(vehicle)
+    return vehicle, control
+
+
+def _modules(scratch: Path) -> Path:
+    """A copy of this package with what the units import: its core and `drive`."""
+    package = Path(pushbelt.__file__).parent
+    copy = scratch / package.name
+    others = (program for program in PROGRAMS if program != "drive")
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__", SLAVES.name, *others))
+    return copy
+
+
+def _check(fmu: Path) -> None:
+    """The binary uses the Python of the process that loads it. Without one a master would crash: this fails before."""
+    pattern = "win64/*.dll" if sys.platform == "win32" else "linux64/*.so"
+    # The library stays loaded, so Windows can't remove it.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch, zipfile.ZipFile(fmu) as archive:
+        archive.extractall(scratch)
+        (binary,) = (Path(scratch) / "binaries").glob(pattern)
+        try:
+            ctypes.CDLL(str(binary))
+        except OSError as error:
+            raise UnitError(f"this Python can't run FMUs of pythonfmu: {error}") from error

@@ -1,0 +1,100 @@
+"""The drive report: one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pushbelt import page
+from pushbelt.belt_picture import belt_picture
+from pushbelt.fmu.data import curve_at, parameter_set
+from pushbelt.page import image
+
+from . import figures
+from .car import demo_car
+from .runs import LOW_FRICTION, Results
+from .simulate import STEP, Run
+
+CSV_STEP = 0.1
+"""Time between the rows of the results, s."""
+
+
+def speed_error(run: Run) -> tuple[float, float]:
+    """Root mean square and largest deviation from the cycle, km/h."""
+    error = 3.6 * (run["speed.car"] - run["speed.target"])
+    return float(np.sqrt(np.mean(error**2))), float(np.abs(error).max())
+
+
+def ratio_error(run: Run) -> float:
+    """Root mean square of ln(ratio/target) while the primary pulley turns fast enough to shift."""
+    turning = run["primary.speed"] > 60.0
+    if not turning.any():
+        return 0.0
+    return float(np.sqrt(np.mean(np.log(run["ratio.geometric"] / run["ratio.target"])[turning] ** 2)))
+
+
+def balance_gap(run: Run) -> float:
+    """What the engine's net work leaves over when all losses and stored energies are taken off, J.
+
+    The FMU's stored energy holds the car; the engine's flywheel is added. The work of the clamping forces is small and
+    inside the gap.
+    """
+    energies, inertia = run.energies(), demo_car().engine_inertia
+    stored = run["stored.energy"] + 0.5 * inertia * run["engine.speed"] ** 2
+    spent = sum(energies[part] for part in ("variator", "launch clutch", "road load", "brakes"))
+    return energies["engine, driving"] - energies["engine, braking"] - spent - float(stored[-1] - stored[0])
+
+
+def write_trace(run: Run, path: Path) -> None:
+    """Writes a run over the cycle's time, one row every 0.1 s; SI units, FMU variables by their names."""
+    every = round(CSV_STEP / STEP)
+    table = np.column_stack([run.time, *run.columns.values()])[::every]
+    page.write_table(path, ["time", *run.columns], table.tolist(), digits=7)
+
+
+def write_html(results: Results, path: Path) -> None:
+    """Writes the report."""
+    page.write_html("drive/drive.html.j2", context(results), path)
+
+
+def context(results: Results) -> dict[str, Any]:
+    """What the template shows."""
+    parameters = parameter_set("bench168")
+    fixed, slip = results.fixed, results.slip
+    pitch = parameters["belt.pitchOffset"]
+    belts = [
+        (moment, state, image(belt_picture(state, curve_at(parameters, state), pitch)))
+        for moment, state in sorted(slip.snapshots.items())
+    ]
+    return {
+        "version": results.version,
+        "plan": results.plan,
+        "car": demo_car(),
+        "rows": [
+            {
+                "run": run,
+                "energies": run.energies(),
+                "speed": speed_error(run),
+                "ratio": ratio_error(run),
+                "macro": STEP * float(run["macroSlip"].sum()),
+                "gap": balance_gap(run),
+            }
+            for run in results.runs
+        ],
+        "saved": fixed.variator_loss - slip.variator_loss,
+        "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
+        "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
+        "step": STEP,
+        "low_friction": LOW_FRICTION,
+        "belts": belts,
+        "pictures": {
+            "drive": image(figures.drive(slip)),
+            "close_up": image(figures.drive(results.close_up)),
+            "savings": image(figures.savings(fixed, slip)),
+            "energy": image(figures.energy_shares(fixed, slip)),
+            "low_friction": image(figures.low_friction(results.fixed_low_friction, results.slip_low_friction)),
+            "map": image(figures.operating_points(results.thrust_map, slip)),
+        },
+    }

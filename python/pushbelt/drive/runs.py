@@ -1,0 +1,111 @@
+"""Which runs make up the report, and running them side by side in processes, with a progress bar."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pushbelt import side_by_side
+from pushbelt.fmu.unit import Archive
+from pushbelt.side_by_side import tick
+
+from . import simulate, thrust_map
+from .car import demo_car
+from .cycle import CYCLES
+from .simulate import Run, Setup
+from .thrust_map import ThrustMap
+
+LOW_FRICTION = 0.7
+"""Friction in the runs with low friction, as a share of what the controllers believe."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The runs of a report."""
+
+    cycle: tuple[float, float]
+    """Section that both clamping strategies drive, s."""
+    close_up: tuple[float, float]
+    """Section that is driven once more on the FMU's own mesh, s."""
+    ring: str = "ALE"
+    """Ring model of the first."""
+    low_friction: tuple[float, float] = (10.0, 20.0)
+    """Section that both strategies drive with less friction than they believe in, s."""
+    snapshots: tuple[float, ...] = ()
+    """Moments of the belt pictures, s."""
+    trace: str = "wltc"
+    """The cycle, a name in `CYCLES`."""
+
+    @property
+    def title(self) -> str:
+        """Name of the cycle."""
+        return CYCLES[self.trace][0]
+
+    def setups(self) -> tuple[Setup, ...]:
+        """Fixed safety factor, slip control, close-up with slip control, both strategies with low friction."""
+        whole = CYCLES[self.trace][1]()
+        start, stop = self.cycle
+        cycle = whole.section(start, stop)
+        slippery = whole.section(*self.low_friction)
+        moments = tuple(moment for moment in self.snapshots if start < moment < stop)
+        return (
+            Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
+            Setup("slip control", "slip", cycle, self.ring, "coarse", moments),
+            Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default"),
+            *(
+                Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION)
+                for strategy in ("safety", "slip")
+            ),
+        )
+
+
+FULL = Plan((0.0, 1800.0), (1478.0, 1598.0), snapshots=(20.0, 560.0, 1530.0, 1780.0))
+"""The whole cycle; the first 120 s of its last part as close-up, with the launch and the largest torques."""
+FULL_NEDC = Plan((0.0, 1179.0), (780.0, 900.0), snapshots=(60.0, 850.0, 1110.0), trace="nedc")
+SHORT = Plan((10.0, 40.0), (10.0, 20.0), snapshots=(18.0, 38.0))
+
+
+@dataclass(frozen=True)
+class Results:
+    """What the report shows."""
+
+    plan: Plan
+    version: str
+    thrust_map: ThrustMap
+    fixed: Run
+    slip: Run
+    close_up: Run
+    fixed_low_friction: Run
+    slip_low_friction: Run
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """All of them."""
+        return self.fixed, self.slip, self.close_up, self.fixed_low_friction, self.slip_low_friction
+
+
+def _work(archive: Archive, table: ThrustMap, setup: Setup) -> Run:
+    return simulate.run(archive, demo_car(), table, setup, tick)
+
+
+def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
+    """Runs a plan with an FMU; the thrust-ratio maps are stored in the folder `cache`."""
+    with Archive.unpack(fmu) as archive:
+        return _run_all(fmu, archive, plan, cache)
+
+
+def _map(fmu: Path, archive: Archive, ring: str, cache: Path) -> ThrustMap:
+    parameters = simulate.unit_parameters(demo_car(), ring, "coarse")
+    return thrust_map.load(fmu, archive, parameters, cache / f"thrust-ratio-map-{ring}.csv")
+
+
+def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
+    setups = plan.setups()
+    maps = {ring: _map(fmu, archive, ring, cache) for ring in {setup.ring for setup in setups}}
+    done = side_by_side.run_all(
+        [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
+        total=round(sum(setup.cycle.duration for setup in setups)),
+        title="driving",
+        workers=len(setups),
+    )
+    return Results(plan, archive.version, maps[plan.ring], *done)

@@ -1,0 +1,287 @@
+"""The thrust-ratio map: what holds the ratio, and how much slip goes with it, from the FMU's own steady states."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from operator import mul
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from pushbelt.fmu.data import torque_capacity
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.unit import Archive, UnitError, Variator
+
+from .piecewise import clip, interpolate, interval
+
+RATIOS = (0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2)
+UTILISATIONS = (-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.8, 0.9, 0.97)
+SPEED = 200.0
+"""Primary speed of the map, rad/s: it moves the thrust ratio by little."""
+FORCE = 12e3
+"""Secondary clamping force of the map, N."""
+SHIFT_SHARES = (0.3, 0.4, 0.55, 0.75, 1.3, 1.8, 2.4, 3.0)
+"""Primary forces at which the shift rate is measured, as shares of what holds the ratio."""
+SHIFT_UTILISATIONS = (-0.3, 0.3)
+"""Torque utilisations at which it is measured."""
+STILL = 1e-4
+"""Slip that a step of the utilisation moves by at least, where both of its ends are steady states."""
+NEARBY = 0.2
+"""How far the excess may be from where it is believed to be, for the shift gain."""
+SHIFT_TIME, SHIFT_STEP, SHIFT_REACH = 0.1, 0.005, 0.05
+"""For how long, s, in which steps, s, and over which change of ln i at most."""
+
+Parameters = Mapping[str, float]
+
+
+class _Plain(NamedTuple):
+    """The tables of a map as plain numbers."""
+
+    ratios: list[float]
+    utilisations: list[float]
+    thrust: list[list[float]]
+    slips: list[list[float]]
+    excesses: list[float]
+    shift_rates: list[list[list[float]]]
+
+
+def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
+    """Utilisations up to the last steady state, and the steepest −dκ/du up to each of them, of a row of a map."""
+    # Where there is no steady state its neighbour was filled in: there slip stands still.
+    steady = 1 + int(np.sum(np.diff(slips) > STILL))
+    slopes = np.diff(thrust[:steady]) / np.diff(places[:steady])
+    middles = 0.5 * (places[: steady - 1] + places[1:steady])
+    falls = np.maximum.accumulate(-np.append(slopes, slopes[-1]))
+    return np.append(middles, places[steady - 1]).tolist(), falls.tolist()
+
+
+@dataclass(frozen=True)
+class ThrustMap:
+    """Steady states over ratio × torque utilisation; between the points bilinear, beyond them constant."""
+
+    ratios: Array
+    """Shape (m,), ascending."""
+    utilisations: Array
+    """Shape (n,), ascending; positive where the primary pulley drives."""
+    thrust: Array
+    """Thrust ratio, shape (m, n)."""
+    slips: Array
+    """Slip, shape (m, n)."""
+    excesses: Array
+    """ε = ln(F_P/(κ F_S)), shape (k,), ascending, 0 among them."""
+    shift_rates: Array
+    """R of d(ln i)/dt = −ω_P F_S R(ε) at the utilisations `SHIFT_UTILISATIONS`, 1/(N·rad), shape (m, 2, k), ascending along
+    ε, 0 at ε = 0."""
+
+    @cached_property
+    def _plain(self) -> _Plain:
+        fields = (self.ratios, self.utilisations, self.thrust, self.slips, self.excesses, self.shift_rates)
+        return _Plain(*(field.tolist() for field in fields))
+
+    @cached_property
+    def _falls(self) -> list[tuple[list[float], list[float]]]:
+        """At each ratio utilisations, driving, and the steepest −dκ/du up to there."""
+        driving = self.utilisations >= 0.0
+        rows = zip(self.thrust[:, driving], self.slips[:, driving], strict=True)
+        return [_steepest_falls(self.utilisations[driving], *row) for row in rows]
+
+    def excess(self, ratio: float, utilisation: float, rate: float) -> float:
+        """ε that shifts at a rate R, 1/(N·rad); linear between the points, constant beyond them."""
+        return interpolate(rate, self._rates(ratio, utilisation), self._plain.excesses)
+
+    def shift_gain(self, ratio: float, utilisation: float, excess: float = 0.0) -> float:
+        """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad): the steepest R within ±`NEARBY` of it."""
+        low, high = excess - NEARBY, excess + NEARBY
+        points = list(zip(self._plain.excesses, self._rates(ratio, utilisation), strict=True))
+        steepest = max(
+            # F_P = κ F_S exp ε
+            (rate - rate_before) / (end - start) / math.exp(clip(0.5 * (start + end), low, high))
+            for (start, rate_before), (end, rate) in pairwise(points)
+            if end > low and start < high
+        )
+        return steepest / self.thrust_ratio(ratio, utilisation)
+
+    def _rates(self, ratio: float, utilisation: float) -> list[float]:
+        """R at the excesses, of length k."""
+        m, p = interval(self._plain.ratios, ratio)
+        n, q = interval(SHIFT_UTILISATIONS, utilisation)
+        (a, b), (c, d) = self._plain.shift_rates[m][n : n + 2], self._plain.shift_rates[m + 1][n : n + 2]
+        shares = (1.0 - p) * (1.0 - q), (1.0 - p) * q, p * (1.0 - q), p * q
+        return [sum(map(mul, shares, corners)) for corners in zip(a, b, c, d, strict=True)]
+
+    def stable_utilisation(self, ratio: float, flywheel: float) -> float:
+        """Largest torque utilisation, driving, that has a steady state and at which −dκ/du · `flywheel` ≥ 0 stays below 1.
+
+        The thrust ratio falls towards capacity. Its slopes count at the middle of their intervals, linear in between.
+        """
+        m, p = interval(self._plain.ratios, ratio)
+        low, high = (
+            interpolate(1.0, [flywheel * fall for fall in falls], places) for places, falls in self._falls[m : m + 2]
+        )
+        return (1.0 - p) * low + p * high
+
+    def thrust_ratio(self, ratio: float, utilisation: float) -> float:
+        """Thrust ratio that holds a ratio."""
+        return self._at(self._plain.thrust, ratio, utilisation)
+
+    def slip(self, ratio: float, utilisation: float) -> float:
+        """Slip in the steady state."""
+        return self._at(self._plain.slips, ratio, utilisation)
+
+    def _at(self, table: Sequence[Sequence[float]], ratio: float, utilisation: float) -> float:
+        m, p = interval(self._plain.ratios, ratio)
+        n, q = interval(self._plain.utilisations, utilisation)
+        low, high = ((1.0 - q) * row[n] + q * row[n + 1] for row in table[m : m + 2])
+        return (1.0 - p) * low + p * high
+
+    def write(self, path: Path, key: str) -> None:
+        """Writes it as CSV, to the last bit: a comment with key and shift rates, then one row a point."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", encoding="utf-8", newline="") as file:
+            shifting = {"excesses": self.excesses.tolist(), "shiftRates": self.shift_rates.tolist()}
+            file.write("# " + json.dumps({"key": key, **shifting}) + "\n")
+            writer = csv.writer(file)
+            writer.writerow(["ratio", "utilisation", "thrustRatio", "slip"])
+            for m, ratio in enumerate(self.ratios):
+                for n, utilisation in enumerate(self.utilisations):
+                    writer.writerow([repr(float(x)) for x in (ratio, utilisation, self.thrust[m, n], self.slips[m, n])])
+
+    @classmethod
+    def read(cls, path: Path, key: str | None = None) -> ThrustMap | None:
+        """Reads what `write` wrote; none if there is none or it was made with another key than the one given."""
+        try:
+            with path.open(encoding="utf-8", newline="") as file:
+                head = json.loads(file.readline().removeprefix("#"))
+                rows = np.array(list(csv.reader(file))[1:], dtype=float)
+        except (OSError, ValueError):
+            return None
+        if (key is not None and head.get("key") != key) or "shiftRates" not in head:
+            return None
+        ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
+        shape = (len(ratios), len(utilisations))
+        thrust, slips = (rows[:, k].reshape(shape) for k in (2, 3))
+        return cls(ratios, utilisations, thrust, slips, np.array(head["excesses"]), np.array(head["shiftRates"]))
+
+
+def map_key(fmu: Path, parameters: Parameters) -> str:
+    """What a cached map depends on: the FMU's bytes, the parameters and the grid."""
+    text = json.dumps(
+        [
+            dict(parameters),
+            RATIOS,
+            UTILISATIONS,
+            SPEED,
+            FORCE,
+            SHIFT_UTILISATIONS,
+            SHIFT_SHARES,
+            SHIFT_TIME,
+            SHIFT_STEP,
+            SHIFT_REACH,
+        ],
+        sort_keys=True,
+    )
+    return hashlib.sha256(fmu.read_bytes() + text.encode()).hexdigest()
+
+
+def torque_at(parameters: Parameters, ratio: float, utilisation: float) -> float:
+    """Primary torque of a utilisation under the map's clamping force, N·m."""
+    return utilisation * torque_capacity(parameters, ratio, FORCE)
+
+
+def _start(archive: Archive, parameters: Parameters, ratio: float, torque: float) -> Variator:
+    unit = Variator(
+        archive,
+        {
+            **parameters,
+            "initial.ratio": ratio,
+            "initial.primarySpeed": SPEED,
+            "initial.steady": True,
+            "primary.torque": torque,
+            "secondary.torque": -torque * ratio,
+            "secondary.clampingForce": FORCE,
+        },
+    )
+    unit.initialise()
+    return unit
+
+
+def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array, Array]:
+    """Thrust ratio and slip over the utilisations at one ratio."""
+    found = []
+    for utilisation in UTILISATIONS:
+        wanted = torque_at(parameters, ratio, utilisation)
+        try:
+            with _start(archive, parameters, ratio, wanted) as unit:
+                state, steady = unit.outputs(), unit.not_steady is None
+        except UnitError:
+            continue
+        if steady and not state["macroSlip"]:
+            share = -state["primary.shaftTorque"] / torque_at(parameters, ratio, 1.0)
+            found.append((share, state["thrustRatio"], state["slip"]))
+    if len(found) < 3:
+        raise UnitError(f"hardly a steady state at ratio {ratio:g}: {len(found)} of {len(UTILISATIONS)}")
+    share, thrust, slip = np.array(sorted(found)).T
+    return np.interp(UTILISATIONS, share, thrust), np.interp(UTILISATIONS, share, slip)
+
+
+def _shift_rates(archive: Archive, parameters: Parameters, ratio: float, utilisation: float) -> Array:
+    """Shift rates, from the clamping forces of the steady state with a jump of the primary one."""
+    rates = []
+    with (
+        _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation)) as unit,
+        unit.stored() as restore,
+    ):
+        outputs = unit.reals(["primary.axialForce", "ratio.geometric"])
+        force, begin = unit.get_reals(outputs)
+        for share in SHIFT_SHARES:
+            restore()
+            unit.set({"primary.clampingForce": share * force})
+            logs = [math.log(begin)]
+            while abs(logs[-1] - logs[0]) < SHIFT_REACH and len(logs) * SHIFT_STEP <= SHIFT_TIME:
+                unit.step_to(len(logs) * SHIFT_STEP)
+                logs.append(math.log(unit.get_reals(outputs)[1]))
+            # The first half belongs to what the jump itself does.
+            half = (len(logs) - 1) // 2
+            rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * FORCE))
+    return np.array(rates)
+
+
+def _ascending(rates: Array, excesses: Array) -> Array:
+    """Rates with their sign, made to rise with the excess: beyond what a step still shows, they stay where they are."""
+    zero = int(np.argmin(np.abs(excesses)))
+    least = 1e-6 * np.abs(rates).max() * np.abs(excesses)
+    rising = np.maximum.accumulate(np.maximum(rates[zero:], least[zero:]))
+    falling = np.maximum.accumulate(np.maximum(-rates[zero::-1], least[zero::-1]))[::-1]
+    return np.concatenate([-falling[:-1], rising])
+
+
+def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
+    """Solves for the map. Points that slip through are left out and filled from their neighbour."""
+    rows = [_row(archive, parameters, ratio) for ratio in RATIOS]
+    thrust, slip = (np.array([row[k] for row in rows]) for k in (0, 1))
+    below = sum(share < 1.0 for share in SHIFT_SHARES)
+    excesses = np.insert(np.log(SHIFT_SHARES), below, 0.0)
+
+    def rates(ratio: float, utilisation: float) -> Array:
+        return _ascending(np.insert(_shift_rates(archive, parameters, ratio, utilisation), below, 0.0), excesses)
+
+    found = np.array([[rates(ratio, utilisation) for utilisation in SHIFT_UTILISATIONS] for ratio in RATIOS])
+    return ThrustMap(np.array(RATIOS), np.array(UTILISATIONS), thrust, slip, excesses, found)
+
+
+def load(fmu: Path, archive: Archive, parameters: Parameters, cache: Path) -> ThrustMap:
+    """The map from its cache; if it is not there, it is solved for and written to it."""
+    key = map_key(fmu, parameters)
+    found = ThrustMap.read(cache, key)
+    if found is None:
+        found = compute(archive, parameters)
+        found.write(cache, key)
+    return found

@@ -1,0 +1,4 @@
+"""The FMU and what is known of it.
+
+geometry → results → unit (the FMU, call by call), data (published parameters and inputs) → load_cases (steady states)
+"""

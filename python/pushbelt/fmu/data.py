@@ -1,0 +1,141 @@
+"""The data that the demo runs on, read from `resources/`."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .geometry import Array, TwoPulleyCurve, theta_of
+from .results import BeltState, LoadCase
+
+RESOURCES = Path(__file__).parents[3] / "resources"
+
+
+def parameter_set(name: str) -> dict[str, float]:
+    """Start values of the FMU for a published variator, `bench168` or `belt155`."""
+    document = json.loads((RESOURCES / "parameters" / f"{name}.json").read_text(encoding="utf-8"))
+    return {variable: entry["value"] for variable, entry in document["parameters"].items()}
+
+
+def published_data() -> dict[str, Any]:
+    """The whole of `variators.json`."""
+    return json.loads((RESOURCES / "variators.json").read_text(encoding="utf-8"))
+
+
+def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
+    """Reference curve of a variator at a ratio coordinate."""
+    return TwoPulleyCurve(parameters["geometry.centerDistance"], parameters["geometry.beltLength"], theta)
+
+
+def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
+    """Reference curve of a variator in a state that was found."""
+    return curve_of(parameters, state["reference.theta"])
+
+
+def slip_torque(friction: float, wedge_angle: float, force: float, pitch_radius: float) -> float:
+    """Torque at which a belt slips through on a pulley, 2 μ F r/cosβ, N·m; angle β in rad, axial force in N, radius in m."""
+    return 2.0 * friction * force * pitch_radius / math.cos(wedge_angle)
+
+
+def clamping_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float, safety: float) -> float:
+    """Clamping force that carries a torque with a safety factor: F_S = S_f |T_P| cosβ/(2 μ r_P), N.
+
+    Torque in N·m, pitch radius on the primary pulley in m (positive), wedge angle β in rad, safety 1 or more.
+    """
+    return safety * abs(torque) / slip_torque(friction, wedge_angle, 1.0, pitch_radius)
+
+
+def load_case_force(torque: float, pitch_radius: float, friction: float, wedge_angle: float) -> float:
+    """Secondary clamping force of a load case, N: a safety factor of 1.3, at least 6 kN."""
+    return max(clamping_force(torque, pitch_radius, friction, wedge_angle, safety=1.3), 6000.0)
+
+
+def torque_capacity(parameters: Mapping[str, float], ratio: float, force: float) -> float:
+    """Primary torque at which the belt slips through on S, 2 μ r_P F_S/cosβ, N·m: torque utilisation 1.
+
+    The pitch radius r_P is that of the reference curve at a geometric ratio; clamping force F_S on S in N.
+    """
+    pitch_radius = curve_of(parameters, theta_of(ratio)).primary_radius - parameters["belt.pitchOffset"]
+    return slip_torque(parameters["friction.pulley"], parameters["geometry.wedgeAngle"], force, pitch_radius)
+
+
+def load_cases(parameters: Mapping[str, float]) -> list[LoadCase]:
+    """The nine load cases in their published order."""
+    described = published_data()["loadCases"]
+    friction, wedge_angle = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
+    cases = []
+    for name in described["order"]:
+        ratio_name, torque = name.rsplit("-", 1)
+        theta = described["theta"][ratio_name]
+        pitch_radius = curve_of(parameters, theta).primary_radius - parameters["belt.pitchOffset"]
+        force = load_case_force(float(torque), pitch_radius, friction, wedge_angle)
+        cases.append(LoadCase(ratio_name, theta, float(torque), float(force)))
+    return cases
+
+
+def load_case_speed() -> float:
+    """Primary speed of the load cases, rad/s."""
+    return published_data()["loadCases"]["primarySpeedRpm"] * 2.0 * np.pi / 60.0
+
+
+def reference_case() -> dict[str, Any]:
+    """The published steady state of `belt155`."""
+    variators = published_data()["variators"]
+    return next(entry["referenceCase"] for entry in variators if entry["id"] == "belt155")
+
+
+@dataclass(frozen=True)
+class EfficiencyPoint:
+    """A measured point of a production transmission (variator and final drive together)."""
+
+    ratio: float
+    speed: float
+    """Primary speed, rpm."""
+    torque: float
+    """Primary torque, N·m."""
+    efficiency: float
+
+
+def measured_efficiency(ratio: float, speed: float, torque: float) -> EfficiencyPoint:
+    """The measured point nearest to a working point (speed in rpm, torque in N·m).
+
+    The ratio decides; among the points of the nearest ratio the distance is |Δ ln speed| + |Δ ln torque|.
+    """
+    keys = {"ratio": "ratio", "rpm": "speed", "torque": "torque", "efficiency": "efficiency"}
+    points = [
+        EfficiencyPoint(**{field: float(point[key]) for key, field in keys.items()})
+        for point in published_data()["measuredEfficiency"]["points"]
+    ]
+
+    def distance(point: EfficiencyPoint) -> tuple[float, float]:
+        by_ratio = abs(np.log(point.ratio / ratio))
+        return round(by_ratio, 6), abs(np.log(point.speed / speed)) + abs(np.log(point.torque / torque))
+
+    return min(points, key=distance)
+
+
+@dataclass(frozen=True)
+class InputTable:
+    """Inputs over time; between the rows they run linearly."""
+
+    time: Array
+    columns: Mapping[str, Array]
+
+    def at(self, time: float) -> dict[str, float]:
+        """Inputs at a time."""
+        return {name: float(np.interp(time, self.time, values)) for name, values in self.columns.items()}
+
+
+def manoeuvre_inputs() -> InputTable:
+    """The inputs of `manoeuvre.csv`."""
+    with (RESOURCES / "manoeuvre.csv").open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    table = np.array(rows, dtype=float)
+    return InputTable(table[:, 0], {name: table[:, k] for k, name in enumerate(header) if k > 0})

@@ -1,0 +1,38 @@
+"""Enumerations of the FMU by name. A test compares them with the model description."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class RingModel(IntEnum):
+    """Values of `ring.model`."""
+
+    ALE0 = 1
+    ALE = 2
+    RCM = 3
+    ANCF = 4
+
+
+class Drive(IntEnum):
+    """Values of `primary.drive` and `secondary.drive`: whether torque or speed of the shaft is given."""
+
+    TORQUE = 1
+    SPEED = 2
+
+
+class Axial(IntEnum):
+    """Values of `primary.axial` and `secondary.axial`: whether the clamping force is given or the sheave is held."""
+
+    FORCE = 1
+    HELD = 2
+
+
+class StartState(IntEnum):
+    """Values of `initial.found`: what a run started from."""
+
+    UNLOADED = 1
+    STEADY = 2
+    REDUCED_TORQUE = 3
+    NO_EQUILIBRIUM = 4
+    NOT_FOUND = 5

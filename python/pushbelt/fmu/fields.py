@@ -1,0 +1,26 @@
+"""Fields along the belt: means between places, push force gained over arcs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .geometry import Array, TwoPulleyCurve
+from .results import Profile
+
+EDGE = 0.012
+"""A strand's field is read this far from the arcs: pressure rises over some millimetres beside them, m."""
+
+
+def mean_between(profile: Profile, values: Array, start: float, stop: float) -> float:
+    """Mean of a field between two places, m; between the two nearest points if there is none inside."""
+    inside = (profile.position >= start) & (profile.position <= stop)
+    if inside.any():
+        return float(values[inside].mean())
+    return float(np.interp(0.5 * (start + stop), profile.position, values))
+
+
+def push_force_gains(curve: TwoPulleyCurve, position: Array, push_force: Array) -> tuple[float, float, float]:
+    """Change of the push force over the primary arc, the push strand and the secondary arc, N."""
+    _, upper_start, upper_end, lower_start, lower_end, _ = curve.borders
+    places = [upper_end - EDGE, lower_start + EDGE, lower_end - EDGE, upper_start + EDGE]
+    return tuple(np.diff(np.interp(places, position, push_force)).tolist())

@@ -1,0 +1,131 @@
+"""Geometry of a belt on two pulleys: the curve of the ring's centre line at a ratio coordinate Θ.
+
+Signs and places as in the FMU: the secondary pulley S stands at the origin, the primary pulley P at (d, 0); ξ starts at
+the leftmost point of S, goes over the upper strand to P and back along the lower strand. SI units.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def ratio_of(theta: float) -> float:
+    """Geometric ratio i = r_S/r_P of a ratio coordinate: i = (1−Θ)/(1+Θ)."""
+    return (1.0 - theta) / (1.0 + theta)
+
+
+def theta_of(ratio: float) -> float:
+    """Ratio coordinate of a geometric ratio: Θ = (1−i)/(1+i)."""
+    return (1.0 - ratio) / (1.0 + ratio)
+
+
+def primary_radius(theta: float, center_distance: float, length: float) -> float:
+    """Radius of the ring's centre line on the primary pulley, m.
+
+    Solves the closure of the belt, L = 2b + 2 r_P(π−φ) + 2 r_S φ with r_S = i r_P, φ = arccos((r_P−r_S)/d) and
+    b = √(d²−(r_P−r_S)²), by Newton's method; its derivative is 2(π−φ) + 2 i φ exactly.
+    """
+    ratio = ratio_of(theta)
+    if not ratio > 0.0:
+        raise ValueError(f"a ratio coordinate of {theta} has no pulleys: it lies between −1 and 1")
+    if not length > 2.0 * center_distance:
+        raise ValueError(f"a belt of {length} m does not go round two axes {center_distance} m apart")
+    largest = np.inf if ratio == 1.0 else center_distance / abs(1.0 - ratio)
+    radius = min((length - 2.0 * center_distance) / (np.pi * (1.0 + ratio)), 0.999 * largest)
+    for _ in range(50):
+        difference = (1.0 - ratio) * radius
+        phi = np.arccos(difference / center_distance)
+        strand = np.sqrt(center_distance**2 - difference**2)
+        excess = 2.0 * strand + 2.0 * radius * (np.pi - phi) + 2.0 * ratio * radius * phi - length
+        step = excess / (2.0 * (np.pi - phi) + 2.0 * ratio * phi)
+        radius = min(radius - step, 0.5 * (radius + largest))
+        if abs(step) < 1e-15:
+            return float(radius)
+    raise ValueError(f"no belt of {length} m closes at Θ = {theta} with the axes {center_distance} m apart")
+
+
+@dataclass(frozen=True)
+class TwoPulleyCurve:
+    """The reference curve at one ratio."""
+
+    center_distance: float
+    """Distance of the axes, m."""
+    length: float
+    """Length of the ring's centre line, m."""
+    theta: float
+    """Ratio coordinate Θ."""
+
+    @cached_property
+    def primary_radius(self) -> float:
+        """Centre-line radius on P, m."""
+        return primary_radius(self.theta, self.center_distance, self.length)
+
+    @cached_property
+    def secondary_radius(self) -> float:
+        """Centre-line radius on S, m."""
+        return ratio_of(self.theta) * self.primary_radius
+
+    @cached_property
+    def phi(self) -> float:
+        """Half wrap angle of S, rad; that of P is π−φ."""
+        return float(np.arccos((self.primary_radius - self.secondary_radius) / self.center_distance))
+
+    @cached_property
+    def strand(self) -> float:
+        """Length of a strand, m."""
+        return float(np.sqrt(self.center_distance**2 - (self.primary_radius - self.secondary_radius) ** 2))
+
+    @cached_property
+    def borders(self) -> tuple[float, float, float, float, float, float]:
+        """Borders of the five segments in ξ: half S arc, upper strand, P arc, lower strand, half S arc, m."""
+        half_arc = self.secondary_radius * self.phi
+        upper_end = half_arc + self.strand
+        return 0.0, half_arc, upper_end, self.length - upper_end, self.length - half_arc, self.length
+
+    def radius(self, pulley: str) -> float:
+        """Centre-line radius on `primary` or `secondary`, m."""
+        return self.primary_radius if pulley == "primary" else self.secondary_radius
+
+    def arc_length(self, pulley: str) -> float:
+        """Length of the arc on `primary` or `secondary`, m."""
+        half_angle = np.pi - self.phi if pulley == "primary" else self.phi
+        return 2.0 * float(half_angle) * self.radius(pulley)
+
+    def from_middle(self, pulley: str, xi: ArrayLike) -> Array:
+        """Distances of places ξ from the middle of a pulley's arc, in the direction of ξ, −L/2 to L/2, m."""
+        opposite = 0.0 if pulley == "primary" else 0.5 * self.length
+        return np.mod(np.asarray(xi, dtype=float) - opposite, self.length) - 0.5 * self.length
+
+    def frame(self, xi: ArrayLike) -> tuple[Array, Array]:
+        """Points and outward unit normals at places ξ, each of shape (n, 2)."""
+        xi = np.mod(np.atleast_1d(np.asarray(xi, dtype=float)), self.length)
+        lower = xi > 0.5 * self.length
+        upper_xi = np.where(lower, self.length - xi, xi)
+        _, arc_end, strand_end, *_ = self.borders
+
+        angle_s = upper_xi / self.secondary_radius
+        angle_p = self.phi + (upper_xi - strand_end) / self.primary_radius
+        on_s, on_strand = upper_xi < arc_end, upper_xi < strand_end
+        angle = np.where(on_s, angle_s, np.where(on_strand, self.phi, angle_p))
+        normal = np.stack([-np.cos(angle), np.sin(angle)], axis=1)
+
+        along = np.where(on_s, 0.0, upper_xi - arc_end)[:, None] * [np.sin(self.phi), np.cos(self.phi)]
+        from_s = self.secondary_radius * normal + along
+        from_p = np.array([self.center_distance, 0.0]) + self.primary_radius * normal
+        point = np.where((on_s | on_strand)[:, None], from_s, from_p)
+
+        mirror = np.where(lower, -1.0, 1.0)
+        point[:, 1] *= mirror
+        normal[:, 1] *= mirror
+        return point, normal
+
+    def outline(self, xi: ArrayLike, deviation: ArrayLike) -> Array:
+        """Points of a belt that lies `deviation` (m, outward positive) off the curve at the places ξ."""
+        point, normal = self.frame(xi)
+        return point + np.asarray(deviation, dtype=float)[:, None] * normal

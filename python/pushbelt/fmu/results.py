@@ -1,0 +1,85 @@
+"""What the simulations give, as plain data. SI units; names of FMU variables where a mapping is keyed by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from .geometry import Array
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Fields along the belt, one value a place."""
+
+    position: Array
+    """Place ξ on the ring's centre line, m."""
+    push_force: Array
+    """Push force between the elements, N."""
+    ring_tension: Array
+    """Tension of the ring, N."""
+    normal_force: Array
+    """Normal force per flank and length, N/m."""
+    radial_deviation: Array
+    """Radius less the mean radius of the arc; on strands the distance from the tangent line, outward positive, m."""
+    sliding_speed: Array
+    """Tangential sliding speed of the flanks, m/s; 0 off the pulleys."""
+
+
+@dataclass(frozen=True)
+class BeltState:
+    """Outputs and fields of the FMU at one time."""
+
+    outputs: Mapping[str, float]
+    profile: Profile
+
+    def __getitem__(self, name: str) -> float:
+        return self.outputs[name]
+
+
+@dataclass(frozen=True)
+class SteadyState(BeltState):
+    """A steady state that the FMU has found at a wanted belt torque."""
+
+    load_torque: float
+    """Secondary torque that goes with it, N·m."""
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """One of the nine load cases."""
+
+    ratio_name: str
+    """overdrive, medium or underdrive."""
+    theta: float
+    """Ratio coordinate."""
+    torque: float
+    """Steady belt torque on the primary pulley, N·m."""
+    clamping_force: float
+    """Secondary clamping force, N."""
+
+    @property
+    def name(self) -> str:
+        """E.g. `overdrive-30`."""
+        return f"{self.ratio_name}-{self.torque:g}"
+
+
+@dataclass(frozen=True)
+class LoadCaseResult:
+    """A load case and the steady state it leads to."""
+
+    case: LoadCase
+    steady: SteadyState
+    drift: float
+    """Change of the thrust ratio when the steady state is stepped on for a while, relative."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A simulated run: time and one column a variable, Booleans as 0 and 1."""
+
+    time: Array
+    columns: Mapping[str, Array]
+
+    def __getitem__(self, name: str) -> Array:
+        return self.columns[name]

@@ -1,0 +1,290 @@
+"""The FMU, driven call by call through fmpy."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import fmpy
+import numpy as np
+from fmpy import fmi2, logging
+
+from .enumerations import StartState
+from .geometry import Array
+from .results import Profile
+
+PROFILE_POINTS = 72
+PROFILE_FIELDS = {
+    "position": "position",
+    "push_force": "pushForce",
+    "ring_tension": "ringTension",
+    "normal_force": "normalForce",
+    "radial_deviation": "radialDeviation",
+    "sliding_speed": "slidingSpeed",
+}
+
+
+class UnitError(RuntimeError):
+    """The FMU refused a call; the text holds what it logged."""
+
+
+class Message(NamedTuple):
+    """A message of the FMU's log."""
+
+    status: int
+    """`fmi2Status`."""
+    category: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Archive:
+    """An unpacked FMU. A context manager: the directory is removed at its end."""
+
+    directory: Path
+    description: Any
+
+    @classmethod
+    def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
+        """Unpacks an FMU to a directory, or to a temporary one."""
+        return cls(Path(fmpy.extract(str(fmu), directory)), fmpy.read_model_description(str(fmu)))
+
+    def __enter__(self) -> Archive:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.remove()
+
+    @property
+    def version(self) -> str:
+        """Version in the model description."""
+        return self.description.version or ""
+
+    def remove(self) -> None:
+        """Removes the directory."""
+        shutil.rmtree(self.directory, ignore_errors=True)
+
+
+class Reals:
+    """Real variables that are read, or set, together again and again."""
+
+    def __init__(self, names: Iterable[str], references: Iterable[int]) -> None:
+        self.names = tuple(names)
+        references = list(references)
+        self.references = (ctypes.c_uint32 * len(references))(*references)
+        self.values = (ctypes.c_double * len(references))()
+
+
+class State(NamedTuple):
+    """A stored state of an instance."""
+
+    pointer: Any
+    time: float
+    """s."""
+
+
+class Variator:
+    """One instance of the FMU. A context manager: the instance is freed at its end."""
+
+    def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
+        description = archive.description
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.log: list[Message] = []
+        self.time = 0.0
+        self._freed = False
+        self._callbacks = fmi2.fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._record)
+        # fmpy hands every message to the logger that was registered last: none may ever be freed.
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
+        logging.addLoggerProxy(ctypes.byref(self._callbacks))
+        self._slave = fmi2.FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(archive.directory),
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self._call(self._slave.instantiate, callbacks=self._callbacks)
+        try:
+            self._set_up(start_values)
+        except UnitError:
+            self.free()
+            raise
+
+    def __enter__(self) -> Variator:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.free()
+
+    def free(self) -> None:
+        """Frees the instance; it can't be used any more."""
+        self._slave.freeInstance()
+        self._freed = True
+
+    # Initialisation and steps
+
+    def restart(self, start_values: Mapping[str, float]) -> None:
+        """Back to where a new instance with these start values is: nothing else of the past is left."""
+        self._call(self._slave.reset)
+        self.log.clear()
+        self.time = 0.0
+        self._set_up(start_values)
+
+    def _set_up(self, start_values: Mapping[str, float]) -> None:
+        self._call(self._slave.setupExperiment, startTime=0.0)
+        self.set(start_values)
+
+    def initialise(self) -> None:
+        """Finds the state to start from."""
+        self.enter_initialisation()
+        self._call(self._slave.exitInitializationMode)
+
+    def enter_initialisation(self) -> None:
+        """The first half of `initialise`: outputs can be read, parameters and inputs still set."""
+        self._call(self._slave.enterInitializationMode)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Texts of all warnings since the start."""
+        return [message.text for message in self.log if message.status == fmi2.fmi2Warning]
+
+    @property
+    def not_steady(self) -> str | None:
+        """Why the FMU did not start from the steady state that was asked for; none if it did."""
+        if self.get("initial.found") == StartState.STEADY:
+            return None
+        return "; ".join(self.warnings) or "none was asked for"
+
+    def step_to(self, time: float) -> None:
+        """Advances to a time, s, with the inputs as last set."""
+        self._call(
+            self._slave.doStep,
+            currentCommunicationPoint=self.time,
+            communicationStepSize=time - self.time,
+        )
+        self.time = time
+
+    # Stored states
+
+    def get_state(self) -> State:
+        """Stores the present state; `free_state` gives its memory back."""
+        return State(self._call(self._slave.getFMUState), self.time)
+
+    def set_state(self, state: State) -> None:
+        """Goes on from a stored state, of this instance or another."""
+        self._call(self._slave.setFMUState, state.pointer)
+        self.time = state.time
+
+    def free_state(self, state: State) -> None:
+        """Frees a stored state."""
+        self._call(self._slave.freeFMUState, state.pointer)
+
+    def serialise(self, state: State) -> bytes:
+        """A stored state as bytes."""
+        return self._call(self._slave.serializeFMUstate, state.pointer)
+
+    def deserialise(self, data: bytes, time: float) -> State:
+        """A stored state from its bytes and its time, s."""
+        return State(self._call(self._slave.deSerializeFMUstate, data), time)
+
+    @contextmanager
+    def stored(self) -> Iterator[Callable[[], None]]:
+        """Stores the present state; the function it gives goes back there, any number of times."""
+        state = self.get_state()
+        try:
+            yield lambda: self.set_state(state)
+        finally:
+            self.free_state(state)
+
+    # Variables
+
+    def set(self, values: Mapping[str, float]) -> None:
+        """Sets variables of any type by name."""
+        setters = {
+            "Real": self._slave.setReal,
+            "Integer": self._slave.setInteger,
+            "Enumeration": self._slave.setInteger,
+            "Boolean": self._slave.setBoolean,
+        }
+        for name, value in values.items():
+            variable = self.variables[name]
+            self._call(setters[variable.type], [variable.valueReference], [value])
+
+    def get(self, name: str) -> float:
+        """Value of a variable of any type."""
+        getters = {
+            "Real": self._slave.getReal,
+            "Integer": self._slave.getInteger,
+            "Enumeration": self._slave.getInteger,
+            "Boolean": self._slave.getBoolean,
+        }
+        variable = self.variables[name]
+        value = self._call(getters[variable.type], [variable.valueReference])[0]
+        return bool(value) if variable.type == "Boolean" else value
+
+    def reals(self, names: Iterable[str]) -> Reals:
+        """Prepares real variables to be read or set together."""
+        names = list(names)
+        return Reals(names, (self.variables[name].valueReference for name in names))
+
+    def get_reals(self, reals: Reals) -> Array:
+        """Values of real variables."""
+        count = len(reals.names)
+        self._call(self._slave.fmi2GetReal, self._slave.component, reals.references, count, reals.values)
+        return np.array(reals.values)
+
+    def set_ramps(self, inputs: Reals, values: Iterable[float], rates: Iterable[float]) -> None:
+        """Sets real inputs that change in proportion to time over the next step: values now and rates, 1/s."""
+        count = len(inputs.names)
+        array = ctypes.c_double * count
+        slave = self._slave
+        self._call(slave.fmi2SetReal, slave.component, inputs.references, count, array(*values))
+        orders = (ctypes.c_int32 * count)(*[1] * count)
+        self._call(slave.fmi2SetRealInputDerivatives, slave.component, inputs.references, count, orders, array(*rates))
+
+    def outputs(self) -> dict[str, float]:
+        """All outputs and the energies at the present time."""
+        reals = self.reals(output_names(self.variables.values()))
+        values = dict(zip(reals.names, self.get_reals(reals).tolist(), strict=True))
+        values["macroSlip"] = float(self.get("macroSlip"))
+        return values
+
+    def profile(self) -> Profile:
+        """Fields along the belt at the present time."""
+        fields = {}
+        for field, variable in PROFILE_FIELDS.items():
+            names = [f"profile.{variable}[{k + 1}]" for k in range(PROFILE_POINTS)]
+            fields[field] = self.get_reals(self.reals(names))
+        return Profile(**fields)
+
+    # Calls
+
+    def _call(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
+        # The library would read memory that is no longer its own.
+        if self._freed:
+            raise UnitError("the instance is freed already")
+        before = len(self.log)
+        try:
+            return function(*arguments, **keywords)
+        except Exception as error:
+            errors = [message.text for message in self.log[before:] if message.status > fmi2.fmi2Warning]
+            raise UnitError("; ".join(errors) or str(error)) from error
+
+    def _record(self, _environment: Any, _instance: Any, status: int, category: bytes, message: bytes) -> None:
+        self.log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
+
+
+def output_names(variables: Iterable[Any]) -> list[str]:
+    """Real outputs and the locals that are no fields along the belt."""
+    return [
+        variable.name
+        for variable in variables
+        if variable.type == "Real"
+        and variable.causality in ("output", "local")
+        and not variable.name.startswith("profile.")
+    ]

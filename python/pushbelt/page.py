@@ -1,0 +1,54 @@
+"""What all reports share: numbers as in print, pictures inside the page, templates, tables as CSV."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import platform
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+MINUS = "\N{MINUS SIGN}"
+
+
+def number(value: float, digits: int = 0) -> str:
+    """A number with a fixed count of decimals, thin spaces between thousands and a real minus."""
+    text = f"{value:,.{digits}f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
+    negative_zero = float(f"{value:.{digits}f}") == 0.0
+    return text.removeprefix("-") if negative_zero else text.replace("-", MINUS)
+
+
+def percent(value: float, digits: int = 1) -> str:
+    """A share as per cent, without the sign."""
+    return number(100.0 * value, digits)
+
+
+def image(svg: str) -> str:
+    """An SVG as a data address, so that the ids of several can't clash in one page."""
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
+
+
+def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:
+    """Writes a page from a template, named by its path inside this package."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(__package__, "."),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(number=number, percent=percent, **filters)
+    machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
+    path.write_text(environment.get_template(template).render(context, machine=machine), encoding="utf-8")
+
+
+def write_table(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int = 9) -> None:
+    """Writes a table as CSV; floating-point numbers with so many significant digits."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        for row in rows:
+            writer.writerow([f"{value:.{digits}g}" if isinstance(value, float) else value for value in row])

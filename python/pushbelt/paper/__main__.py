@@ -1,0 +1,40 @@
+"""The paper again: `python -m pushbelt.paper --fmu … --rings … --output target/paper [--short]`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from pushbelt.fmu.load_cases import NotFoundError
+from pushbelt.fmu.unit import UnitError
+
+from . import report, runs
+from .rings import RingsError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Simulates, writes report and tables, and says where they are."""
+    parser = argparse.ArgumentParser(prog="pushbelt.paper", description=__doc__)
+    parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
+    parser.add_argument("--rings", type=Path, required=True, help="the compiled example `paper_rings`")
+    parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the CSV files")
+    parser.add_argument("--short", action="store_true", help="two load cases, coarse tests of rings")
+    options = parser.parse_args(arguments)
+    begin = time.perf_counter()
+    options.output.mkdir(parents=True, exist_ok=True)
+    try:
+        results = runs.run_all(options.fmu, options.rings, options.output, runs.SHORT if options.short else runs.FULL)
+    except (UnitError, NotFoundError, RingsError) as error:
+        print(f"The simulation failed: {error}", file=sys.stderr)
+        return 1
+    report.write_tables(results, options.output)
+    path = options.output / "report.html"
+    report.write_html(results, path)
+    print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,269 @@
+"""The report: one HTML file that needs nothing else, and the tables behind it as CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pushbelt import page
+from pushbelt.fmu.data import load_case_speed
+from pushbelt.fmu.results import LoadCase
+
+from . import cases, figures, profiles, statements
+from .results import CHOSEN_CASE, MODELS, REFERENCE, CaseRun, PaperResults
+from .rings import RingCheck
+from .statement import Verdict, signed
+
+ABOUT = {
+    "ALE": (
+        "Deflections over a moving reference curve; the mesh stands still, steel flows through",
+        "Default: spiral running, steady states, linear models, drivetrain simulation",
+    ),
+    "ALE0": (
+        "The reference curve alone: drift and ratio, a tension carried along by friction",
+        "Sketches and controllers that must run many times; not for thrust ratios or near capacity",
+    ),
+    "ANCF": (
+        "Absolute nodal coordinates on a mesh that travels with the ring",
+        "A second opinion: large deflections without a reference curve",
+    ),
+    "RCM": (
+        "Co-rotational elements in redundant coordinates on a mesh that travels with the ring",
+        "The reference to check ALE by: large deflections, a membrane that does not lock",
+    ),
+}
+"""What a model is, and what it is for."""
+
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A line of the table of ring models."""
+
+    model: str
+    what: str
+    use: str
+    thrust: tuple[float, float] | None
+    """Smallest and largest difference of the thrust ratio to the reference model's, relative."""
+    efficiency: tuple[float, float] | None
+    """The same of the efficiency, absolute."""
+    spiral: tuple[float, float]
+    """Smallest and largest spiral running, m."""
+    steady: int
+    """Load cases in which the unit finds a steady state of this model, or of the one that it starts from."""
+    slipping: int
+    """Load cases in which it slips."""
+    time: tuple[float, float, float]
+    """Smallest, median and largest computing time relative to the reference model's."""
+    wavy: float | None
+    """The same with a load that swings, median."""
+
+
+def _ends(values: list[float]) -> tuple[float, float]:
+    return min(values), max(values)
+
+
+def choices(results: PaperResults) -> list[Choice]:
+    """Which model to choose, ALE first."""
+    lines = []
+    for model in sorted(MODELS, key=lambda name: name != "ALE"):
+        runs = results.of(model)
+        what, use = ABOUT[model]
+        other = model != REFERENCE
+        times = [results.time_ratio(case, model) for case in results.cases]
+        wavy = [value for case in results.cases if (value := results.wavy_time_ratio(case, model)) is not None]
+        lines.append(
+            Choice(
+                model,
+                what,
+                use,
+                _ends([results.thrust_difference(case, model) for case in results.cases]) if other else None,
+                _ends([results.efficiency_difference(case, model) for case in results.cases]) if other else None,
+                _ends([run.window.mean(f"spiral.{p}") for run in runs for p in ("primary", "secondary")]),
+                sum(run.steady for run in runs),
+                sum(run.slipped for run in runs),
+                (min(times), float(np.median(times)), max(times)),
+                float(np.median(wavy)) if wavy else None,
+            )
+        )
+    return lines
+
+
+def chosen_runs(results: PaperResults) -> Callable[[str], CaseRun]:
+    """The run of the case that is shown along the belt, by model."""
+    case = next((case for case in results.cases if case.name == CHOSEN_CASE), results.cases[0])
+    return lambda model: results.run(case, model)
+
+
+def case_rows(results: PaperResults) -> list[tuple[LoadCase, list[CaseRun]]]:
+    """All runs, grouped by load case."""
+    return [(case, [results.run(case, model) for model in MODELS]) for case in results.cases]
+
+
+def checks_by_number(results: PaperResults) -> list[tuple[str, list[RingCheck]]]:
+    """The checks of rings alone under the names of their groups."""
+    names = {
+        "1": "Derivatives: P (12), −∂V/∂q (18), inertia (13), (14)",
+        "2": "Reference motion alone (fig. 6)",
+        "3": "Deformable ring (fig. 7)",
+        "4": "Running ring on a circle",
+        "5": "Free ring",
+        "6": "Orders of convergence",
+    }
+    return [
+        (name, [check for check in results.rings.checks if check.number == number]) for number, name in names.items()
+    ]
+
+
+def write_html(results: PaperResults, path: Path) -> None:
+    """Writes the report."""
+    page.write_html("paper/paper.html.j2", context(results), path, signed=signed, brief=brief)
+
+
+def brief(value: float) -> str:
+    """A number with three digits, as short as it goes."""
+    if value == 0.0 or 1e-2 <= abs(value) < 1e7:
+        return f"{value:.6g}".replace("-", page.MINUS)
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return f"{mantissa}·10".replace("-", page.MINUS) + str(int(exponent)).translate(SUPERSCRIPT)
+
+
+def context(results: PaperResults) -> dict[str, Any]:
+    """What the template shows."""
+    found = statements.evaluate(results)
+    run_of = chosen_runs(results)
+    judged = [check for check in results.rings.checks if check.passed is not None]
+    rings = results.rings
+    pictures = {
+        "figure6": figures.reference_oscillation(rings),
+        "figure7": figures.deformable_ring(rings),
+        "meshes": figures.mesh_energy(rings),
+        "convergence": figures.convergence(rings),
+        "levels": figures.thrust_and_efficiency(results),
+        "push_force": figures.push_force(results, run_of),
+        "spiral": figures.spiral_running(results, run_of),
+        "times": figures.computing_times(results),
+    }
+    return {
+        "version": results.fmu_version,
+        "results": results,
+        "effort": results.effort,
+        "models": MODELS,
+        "reference": REFERENCE,
+        "choices": choices(results),
+        "statements": found,
+        "counts": {verdict.value: sum(s.verdict is verdict for s in found) for verdict in Verdict},
+        "checks": checks_by_number(results),
+        "checks_passed": sum(bool(check.passed) for check in judged),
+        "checks_judged": len(judged),
+        "rows": case_rows(results),
+        "speed": load_case_speed() * 30.0 / np.pi,
+        "wave": (cases.WAVE_FREQUENCY, cases.WAVE_DEPTH),
+        "step": cases.STEP,
+        "mesh_names": [name for name in cases.MESHES if name != "fine"],
+        "residuals": {name: float(np.abs(shift.residual).max()) for name, shift in results.shifts.items()},
+        "label": figures.label,
+        "pictures": {name: page.image(svg) for name, svg in pictures.items()},
+    }
+
+
+def write_tables(results: PaperResults, folder: Path) -> None:
+    """Writes what figures 8 and 9 show, the meshes, and the statements."""
+    for write in (_write_cases, _write_elements, _write_arcs, _write_meshes, _write_times, _write_statements):
+        write(results, folder)
+
+
+def _write_cases(results: PaperResults, folder: Path) -> None:
+    page.write_table(
+        folder / "figure-8ab.csv",
+        ["case", "model", "loadTorque", "thrustRatio", "efficiency", "loss", "thrustRatioDifference",
+         "efficiencyDifference", "spiral.primary", "spiral.secondary", "slips", "steady", "change"],
+        (
+            [
+                run.case.name,
+                run.model,
+                run.load_torque,
+                run.window.thrust_ratio,
+                run.window.efficiency,
+                run.window.loss,
+                results.thrust_difference(run.case, run.model),
+                results.efficiency_difference(run.case, run.model),
+                run.window.mean("spiral.primary"),
+                run.window.mean("spiral.secondary"),
+                int(run.slipped),
+                int(run.steady),
+                run.window.change,
+            ]
+            for run in results.runs
+        ),
+    )  # fmt: skip
+
+
+def _write_elements(results: PaperResults, folder: Path) -> None:
+    run_of = chosen_runs(results)
+    elements = [(run, *profiles.element(results.parameters, run)) for run in map(run_of, MODELS)]
+    page.write_table(
+        folder / "figure-8c.csv",
+        ["case", "model", "time", "xi", "pushForce"],
+        (
+            [run.case.name, run.model, *map(float, row)]
+            for run, path, force in elements
+            for row in zip(path.time, path.xi, force, strict=True)
+        ),
+        digits=6,
+    )
+
+
+def _write_arcs(results: PaperResults, folder: Path) -> None:
+    page.write_table(
+        folder / "figure-8d.csv",
+        ["case", "model", "pulley", "fractionOfArc", "radialDeviation"],
+        (
+            [run.case.name, run.model, pulley, *map(float, row)]
+            for run in results.runs
+            for pulley in ("primary", "secondary")
+            for row in zip(*profiles.arc(results.parameters, run, pulley), strict=True)
+        ),
+        digits=6,
+    )
+
+
+def _write_meshes(results: PaperResults, folder: Path) -> None:
+    page.write_table(
+        folder / "meshes.csv",
+        ["case", "mesh", "thrustRatio", "efficiency", "ring.tensionMin", "ring.tensionMax"],
+        (
+            [case, mesh, *(state[name] for name in ("thrustRatio", "efficiency", "ring.tensionMin", "ring.tensionMax"))]
+            for case, states in results.meshes.items()
+            for mesh, state in states.items()
+        ),
+    )
+
+
+def _write_times(results: PaperResults, folder: Path) -> None:
+    page.write_table(
+        folder / "figure-9.csv",
+        ["case", "model", "load", "repetition", "simulated", "stepping", "starting"],
+        (
+            [run.case.name, run.model, load, number, times.simulated, *pair]
+            for run in results.runs
+            for load, times in (("constant", run.times), ("swinging", run.wavy_times))
+            if times is not None
+            for number, pair in enumerate(zip(times.stepping, times.starting, strict=True), start=1)
+        ),
+        digits=6,
+    )
+
+
+def _write_statements(results: PaperResults, folder: Path) -> None:
+    page.write_table(
+        folder / "statements.csv",
+        ["source", "claim", "verdict", "found", "reason"],
+        ([s.source, s.claim, s.verdict.value, s.found, s.reason] for s in statements.evaluate(results)),
+    )

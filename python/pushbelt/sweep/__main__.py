@@ -1,0 +1,115 @@
+"""Runs a study: `python -m pushbelt.sweep --fmu target/PushbeltVariator.fmu --output target/sweep [--short]`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from pushbelt.fmu.enumerations import RingModel
+from pushbelt.progress import progress_bar
+
+from . import measure
+from .cluster import ClusterError
+from .run import Progress, sweep
+from .store import Store, write_parquet
+from .study import AXES, DEFAULT, SHORT, Study, variator
+
+
+def numbers(text: str) -> tuple[float, ...]:
+    """Numbers between commas."""
+    return tuple(float(number) for number in text.split(","))
+
+
+def assignment(text: str) -> tuple[str, float]:
+    """`name=value`."""
+    name, separator, value = text.partition("=")
+    if not separator:
+        raise argparse.ArgumentTypeError(f"{text} is not of the form name=value")
+    return name, float(value)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    found = argparse.ArgumentParser(prog="pushbelt.sweep", description=__doc__)
+    found.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
+    found.add_argument(
+        "--output", type=Path, required=True, help="folder for report, maps, results and finished points"
+    )
+    found.add_argument("--short", action="store_true", help=f"{len(SHORT)} points instead of {len(DEFAULT)}")
+    found.add_argument("--scheduler", metavar="ADDRESS", help="dask scheduler, tcp://host:port; else a local cluster")
+    found.add_argument("--workers", type=int, metavar="N", help="processes of the local cluster; else one a processor")
+    found.add_argument("--variator", default="bench168", help="parameter set")
+    found.add_argument("--model", choices=list(RingModel.__members__), default="ALE", help="ring model")
+    found.add_argument("--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter")
+    for name, axis in AXES.items():
+        text = f"{axis.description}, {axis.unit}; numbers between commas"
+        found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=text)
+    found.add_argument("--chunk", type=int, metavar="N", help="points that a worker takes at once")
+    found.add_argument("--anew", action="store_true", help="forget what an interrupted or finished run has left")
+    found.add_argument("--measure", action="store_true", help="measure points per second instead")
+    return found
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs a study, writes results, maps and report, and says where they are."""
+    options = parser().parse_args(arguments)
+    try:
+        grid = measure.GRID if options.measure else SHORT if options.short else DEFAULT
+        grid = replace(grid, **{name: getattr(options, name) for name in AXES if getattr(options, name) is not None})
+        study = Study(options.fmu, variator(options.variator, options.model, dict(options.set)), grid)
+        if options.measure:
+            print(measure.table(study, options.scheduler, options.workers))
+            return 0
+        return _run(study, options)
+    except (ClusterError, ValueError, OSError) as error:
+        print(f"The study failed: {error}", file=sys.stderr)
+        return 1
+
+
+def _run(study: Study, options: argparse.Namespace) -> int:
+    # Processes of a local cluster import this module, but need not wait for matplotlib.
+    from . import report
+
+    store = Store(options.output, study)
+    if options.anew:
+        store.clear()
+    before, begin = store.count(), time.perf_counter()
+    if before:
+        print(f"  {before} of {len(study.grid)} points are there already")
+    try:
+        with progress_bar(len(study.grid), "steady states", before) as bar:
+            table = sweep(
+                study,
+                options.output,
+                scheduler=options.scheduler,
+                workers=options.workers,
+                chunk=options.chunk,
+                progress=_shown(bar),
+            )
+    except KeyboardInterrupt:
+        print(f"\n{store.count()} of {len(study.grid)} points are finished; the same command goes on from there.")
+        return 130
+    seconds = time.perf_counter() - begin
+    write_parquet(table, options.output / "results.parquet")
+    path = report.write(study, table, options.output, report.Effort(len(study.grid) - before, seconds))
+    failed = len(table) - table["reason"].null_count
+    print(f"{path.resolve()} ({len(table)} points, {failed} without a steady state, {seconds:.0f} s)")
+    return 0 if failed < len(table) else 1
+
+
+def _shown(bar) -> Callable[[Progress], None]:
+    """Shows progress on a bar."""
+
+    def show(progress: Progress) -> None:
+        bar.set_postfix_str(f"{progress.failed} failed, {progress.workers} workers", refresh=False)
+        bar.update(progress.done - bar.n)
+
+    return show
+
+
+if __name__ == "__main__":
+    sys.exit(main())

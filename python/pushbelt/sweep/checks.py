@@ -1,0 +1,159 @@
+"""What steady states must show, checked on the results of every study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pushbelt.checks import Check
+from pushbelt.fmu.geometry import Array
+
+from .maps import Results, in_rpm
+from .study import AXES
+
+ROUGHEST = 10
+"""Spots that are shown."""
+AXIS = {name: place for place, name in enumerate(AXES)}
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A point that lies off the line through its neighbours."""
+
+    where: str
+    quantity: str
+    value: float
+    expected: float
+    """Between its two neighbours along an axis."""
+    axis: str
+
+    @property
+    def share(self) -> float:
+        """Distance from what is expected, relative."""
+        return self.value / self.expected - 1.0
+
+
+def name_of(results: Results, place: Sequence[int]) -> str:
+    """A point in words."""
+    grid = results.grid
+    force, friction, speed, ratio, utilisation = place
+    return (
+        f"ratio {grid.ratio[ratio]:.3g}, utilisation {grid.utilisation[utilisation]:g}, μ {grid.friction[friction]:g}, "
+        f"{in_rpm(grid.speed[speed]):.0f} rpm" + (f", {grid.force[force]:.0f} N" if len(grid.force) > 1 else "")
+    )
+
+
+def evaluate(results: Results) -> list[Check]:
+    """All checks."""
+    power = np.maximum(results["primary.power"], results["secondary.power"])
+    gap = results["primary.power"] + results["secondary.power"] - results["loss.total"]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        imbalance = 100.0 * np.abs(np.where(power > 1.0, gap / power, 0.0))
+    # Where friction is saturated a small change of load is a large one of slip: what holds there is not what is asked.
+    carried = results.steady & (results["macroSlip"] == 0.0)
+    torque = np.broadcast_to(np.array(results.grid.utilisation) >= 0.0, carried.shape)
+    return [
+        _falls(
+            results,
+            "Thrust ratio falls from overdrive to underdrive",
+            np.where(carried, -results["thrustRatio"], np.nan),
+            "ratio",
+        ),
+        _falls(
+            results,
+            "Slip grows with torque utilisation",
+            np.where(results.steady & torque, results["slip"], np.nan),
+            "utilisation",
+        ),
+        _single_peak(results, np.where(results.steady & torque, results["efficiency"], np.nan)),
+        _at_most(results, "Losses sum to the net power within 0.2 % of the driving power", imbalance, 0.2, " %"),
+        _at_most(
+            results,
+            "Steady states stay where they are: thrust ratio over a step of 1 ms within 0.01 %",
+            100.0 * np.abs(np.where(carried, results["drift"], 0.0)),
+            0.01,
+            " %",
+        ),
+        _no_holes(results),
+    ]
+
+
+def _check(results: Results, statement: str, wrong: np.ndarray, asked: int, found: str = "") -> Check:
+    """A check that fails where `wrong` holds; the first such points are named."""
+    places = np.argwhere(wrong)
+    named = "; ".join(name_of(results, place) for place in places[:3])
+    count = f"{asked - len(places)} of {asked}"
+    return Check(
+        statement, not len(places), ", ".join(filter(None, [count, found])) + (f". Not: {named}" if named else "")
+    )
+
+
+def _falls(results: Results, statement: str, values: Array, axis: str) -> Check:
+    """Values ascend along an axis."""
+    along = AXIS[axis]
+    steps = np.diff(values, axis=along)
+    wrong = np.zeros(values.shape, dtype=bool)
+    np.moveaxis(wrong, along, 0)[1:] = np.moveaxis(steps <= 0.0, along, 0)
+    return _check(results, statement, wrong, int(np.isfinite(steps).sum()), "steps from point to point")
+
+
+def _single_peak(results: Results, values: Array) -> Check:
+    """Over the utilisation values have one maximum: never a fall before a rise."""
+    wrong = np.zeros(values.shape, dtype=bool)
+    for place in np.ndindex(values.shape[:-1]):
+        line = values[place]
+        found = np.flatnonzero(np.isfinite(line))
+        if found.size > 2:
+            steps = np.diff(line[found])
+            valley = np.flatnonzero((steps[:-1] < 0.0) & (steps[1:] > 0.0)) + 1
+            wrong[(*place, found[valley])] = True
+    lines = int(np.prod(values.shape[:-1]))
+    statement = "Efficiency has one peak over the torque utilisation"
+    return _check(results, statement, wrong, lines, "lines")
+
+
+def _at_most(results: Results, statement: str, values: Array, limit: float, unit: str) -> Check:
+    values = np.where(results.steady, values, np.nan)
+    worst = np.nanmax(values) if results.steady.any() else 0.0
+    return _check(results, statement, values > limit, int(results.steady.sum()), f"at most {worst:.2g}{unit}")
+
+
+def _no_holes(results: Results) -> Check:
+    """No point lacks a steady state where a larger utilisation has one."""
+    positive = np.array(results.grid.utilisation) >= 0.0
+    steady = results.steady & positive
+    beyond = np.flip(np.logical_or.accumulate(np.flip(steady, -1), -1), -1)
+    wrong = ~results.steady & beyond & positive
+    return _check(results, "Every utilisation below one that can be carried can be carried", wrong, wrong.size)
+
+
+def spots(results: Results) -> list[Spot]:
+    """The points that lie farthest from between their neighbours along ratio and utilisation, worst first."""
+    carried = results.steady & (results["macroSlip"] == 0.0)
+    found = [
+        spot
+        for column, axis in (("thrustRatio", "ratio"), ("thrustRatio", "utilisation"), ("efficiency", "ratio"))
+        for spot in _spots(results, column, axis, carried)
+    ]
+    return sorted(found, key=lambda spot: -abs(spot.share))[:ROUGHEST]
+
+
+def _spots(results: Results, column: str, axis: str, carried: np.ndarray) -> Iterable[Spot]:
+    grid = np.array(getattr(results.grid, axis))
+    if len(grid) < 3:
+        return
+    x = np.log(grid) if axis == "ratio" else grid
+    values = np.moveaxis(np.where(carried, results[column], np.nan), AXIS[axis], -1)
+    share = (x[1:-1] - x[:-2]) / (x[2:] - x[:-2])
+    expected = (1.0 - share) * values[..., :-2] + share * values[..., 2:]
+    distance = np.abs(values[..., 1:-1] / expected - 1.0)
+    for flat in np.argsort(-np.nan_to_num(distance, nan=-1.0), axis=None)[:ROUGHEST]:
+        inner = np.unravel_index(flat, distance.shape)
+        if not np.isfinite(distance[inner]):
+            continue
+        moved = [*inner[:-1], inner[-1] + 1]
+        place = list(moved[:-1])
+        place.insert(AXIS[axis], moved[-1])
+        yield Spot(name_of(results, place), column, float(values[tuple(moved)]), float(expected[inner]), axis)

@@ -1,0 +1,182 @@
+"""Pictures of the results: maps over ratio and torque utilisation, and cuts through them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pyarrow as pa
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, Colormap
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from pushbelt.fmu.geometry import Array
+from pushbelt.style import INK, RED, STYLE
+
+from .study import Grid
+
+RATIO_TICKS = (0.5, 0.7, 1.0, 1.4, 2.0)
+
+
+class Results:
+    """Columns of the results as arrays over the grid, in the order of `AXES`; NaN where there is no steady state."""
+
+    def __init__(self, grid: Grid, table: pa.Table) -> None:
+        self.grid = grid
+        self.table = table
+
+    def __getitem__(self, column: str) -> Array:
+        values = self.table[column].to_numpy(zero_copy_only=False).astype(float)
+        return values.reshape(self.grid.shape)
+
+    @cached_property
+    def steady(self) -> np.ndarray:
+        """Where there is a steady state."""
+        return np.isfinite(self["thrustRatio"])
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a map shows."""
+
+    name: str
+    column: str
+    scale: float
+    unit: str
+    levels: tuple[float, ...] | None = None
+    """Borders of the colours; evenly spaced ones if there are none."""
+
+
+SLIPS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
+QUANTITIES = (
+    Quantity("thrust ratio", "thrustRatio", 1.0, ""),
+    Quantity(
+        "efficiency", "efficiency", 100.0, "%", (50, 60, 70, 80, 85, 90, 92, 94, 95, 96, 96.5, 97, 97.5, 98, 98.5, 99)
+    ),
+    Quantity("slip", "slip", 100.0, "%", (*(-level for level in reversed(SLIPS)), 0.0, *SLIPS)),
+)
+
+
+def in_rpm(speed: float) -> float:
+    """Revolutions a minute of a speed in rad/s."""
+    return speed * 30.0 / np.pi
+
+
+def maps(results: Results, quantity: Quantity, force: int) -> Figure:
+    """Maps of a quantity at the clamping force of that index, one a friction and speed. More of them lie side by side."""
+    grid = results.grid
+    values = quantity.scale * results[quantity.column][force]
+    slipping = results["macroSlip"][force] > 0.0
+    down, across = [f"μ = {friction:g}" for friction in grid.friction], [f"{in_rpm(w):.0f} rpm" for w in grid.speed]
+    if len(down) > len(across):
+        values, slipping = np.swapaxes(values, 0, 1), np.swapaxes(slipping, 0, 1)
+        down, across = across, down
+    levels = _levels(quantity, values)
+    colours = plt.get_cmap("viridis")
+    rows, columns = len(down), len(across)
+    with plt.rc_context(STYLE):
+        figure, panels = plt.subplots(
+            rows,
+            columns,
+            figsize=(2.45 * columns + 1.4, 2.15 * rows + 0.5),
+            sharex=True,
+            sharey=True,
+            squeeze=False,
+            layout="constrained",
+        )
+        for m, n in np.ndindex(rows, columns):
+            _panel(panels[m, n], grid, values[m, n], slipping[m, n], levels, colours)
+            panels[m, n].set_title(f"{down[m]}, {across[n]}" if rows > 1 or columns > 1 else "")
+        for axes in panels[-1]:
+            axes.set_xlabel("ratio $r_S/r_P$")
+        for axes in panels[:, 0]:
+            axes.set_ylabel("torque utilisation")
+        shown = plt.cm.ScalarMappable(BoundaryNorm(levels, colours.N, extend="both"), colours)
+        bar = figure.colorbar(shown, ax=panels, shrink=min(1.0, 1.6 / rows), aspect=32, pad=0.015, ticks=levels)
+        bar.ax.set_yticklabels([f"{level:g}" for level in levels])
+        bar.set_label(f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name)
+        bar.outline.set_visible(False)
+    return figure
+
+
+def _levels(quantity: Quantity, values: Array) -> Array:
+    found = values[np.isfinite(values)]
+    if found.size == 0:
+        return np.array([0.0, 1.0])
+    low, high = np.percentile(found, 1), np.percentile(found, 99)
+    if quantity.levels is None:
+        return MaxNLocator(14).tick_values(low, max(high, low + 1e-6))
+    levels = np.array(quantity.levels)
+    inside = np.flatnonzero((levels >= low) & (levels <= high))
+    if inside.size < 2:
+        return MaxNLocator(10).tick_values(low, max(high, low + 1e-6))
+    return levels[max(inside[0] - 1, 0) : inside[-1] + 2]
+
+
+def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: Array, colours: Colormap) -> None:
+    """One map; `values` over ratio × utilisation."""
+    ratio, utilisation = (np.array(axis) for axis in (grid.ratio, grid.utilisation))
+    field = np.ma.masked_invalid(values.T)
+    axes.set_facecolor("#f1f3f5")
+    if min(values.shape) > 1 and field.count() > 3:
+        norm = BoundaryNorm(levels, colours.N, extend="both")
+        axes.contourf(ratio, utilisation, field, levels, cmap=colours, norm=norm, extend="both")
+        axes.contour(ratio, utilisation, field, levels, colors="white", linewidths=0.4, alpha=0.6)
+    places = np.array(np.meshgrid(ratio, utilisation, indexing="ij"))
+    missing = ~np.isfinite(values)
+    marks = (
+        (~missing & ~slipping, {"marker": ".", "color": "white", "markersize": 1.2, "alpha": 0.8}),
+        (~missing & slipping, {"marker": "o", "color": INK, "fillstyle": "none", "markersize": 2.8}),
+        (missing, {"marker": "x", "color": RED, "markersize": 3.2}),
+    )
+    for where, mark in marks:
+        if where.any():
+            # Not clipped: many lie on the border.
+            axes.plot(*places[:, where], linestyle="", markeredgewidth=0.7, clip_on=False, **mark)
+    axes.set_xscale("log")
+    axes.set_xticks(RATIO_TICKS, [f"{tick:g}" for tick in RATIO_TICKS])
+    axes.minorticks_off()
+    axes.grid(visible=False)
+    for axis, limits in ((ratio, axes.set_xlim), (utilisation, axes.set_ylim)):
+        if len(axis) > 1:
+            limits(axis[0], axis[-1])
+
+
+def cuts(results: Results, force: int, friction: int, speed: int) -> Figure:
+    """The quantities over the utilisation, a line a ratio."""
+    grid = results.grid
+    colours = plt.get_cmap("plasma")(np.linspace(0.0, 0.88, len(grid.ratio)))
+    with plt.rc_context(STYLE):
+        figure, panels = plt.subplots(1, len(QUANTITIES), figsize=(11.2, 3.6), layout="constrained")
+        for axes, quantity in zip(panels, QUANTITIES, strict=True):
+            values = quantity.scale * results[quantity.column][force, friction, speed]
+            for ratio, colour, line in zip(grid.ratio, colours, values, strict=True):
+                axes.plot(grid.utilisation, line, ".-", color=colour, linewidth=1.1, markersize=4, label=f"{ratio:.3g}")
+            # A belt that slips through would leave no room for the others.
+            carried = values[results["macroSlip"][force, friction, speed] == 0.0]
+            if carried.size:
+                margin = 0.08 * np.ptp(carried) + 0.01
+                axes.set_ylim(carried.min() - margin, carried.max() + margin)
+            name = f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name
+            axes.set(title=name[0].upper() + name[1:], xlabel="torque utilisation")
+        figure.legend(
+            *panels[0].get_legend_handles_labels(),
+            title="ratio",
+            loc="outside right center",
+            labelcolor=INK,
+            title_fontproperties={"size": 8.5},
+        )
+    return figure
+
+
+def sheets(results: Results) -> dict[str, Figure]:
+    """All maps by file name."""
+    several = len(results.grid.force) > 1
+    return {
+        quantity.name.replace(" ", "-") + (f"-{force:.0f}N" if several else ""): maps(results, quantity, index)
+        for index, force in enumerate(results.grid.force)
+        for quantity in QUANTITIES
+    }

@@ -1,0 +1,101 @@
+"""The report of a study: one HTML file that needs nothing else, and the maps as pictures beside it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pyarrow as pa
+
+from pushbelt.page import image, write_html
+from pushbelt.style import svg
+
+from . import checks, maps
+from .maps import Results
+from .store import METADATA, schema
+from .study import AXES, Study
+
+PICTURE_DPI = 160
+FEW = 12
+"""Failed points that are listed one by one."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Points and time of a run."""
+
+    points: int
+    """Solved in this run."""
+    seconds: float
+    """Wall-clock time with the start of the cluster."""
+
+
+def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
+    """Writes report and maps; returns where the report is."""
+    results = Results(study.grid, table)
+    pictures = folder / "maps"
+    pictures.mkdir(parents=True, exist_ok=True)
+    for old in pictures.glob("*.png"):
+        old.unlink()
+    sheets = maps.sheets(results)
+    for name, figure in sheets.items():
+        figure.savefig(pictures / f"{name}.png", dpi=PICTURE_DPI)
+        figure.set_layout_engine("none")  # It is laid out now; a second time would take as long.
+    path = folder / "report.html"
+    write_html("sweep/sweep.html.j2", _context(study, results, sheets, effort), path)
+    plt.close("all")
+    return path
+
+
+def _context(study: Study, results: Results, sheets: dict[str, Any], effort: Effort) -> dict[str, Any]:
+    grid, table = study.grid, results.table
+    nearest = {
+        "friction": int(np.argmin(np.abs(np.array(grid.friction) - 0.09))),
+        "speed": int(np.argmin(np.abs(np.array(grid.speed) - 209.44))),
+        "force": len(grid.force) // 2,
+    }
+    reasons = Counter(reason for reason in table["reason"].to_pylist() if reason is not None)
+    failed = np.argwhere(~results.steady)
+    times = [seconds for seconds in table["time"].to_pylist() if seconds is not None]
+    steady = {column: results[column][results.steady] for column in ("thrustRatio", "efficiency", "slip", "macroSlip")}
+    return {
+        "version": study.description.version or "",
+        "identity": study.identity,
+        "axes": [(axis, getattr(grid, name)) for name, axis in AXES.items()],
+        "points": len(grid),
+        "steady": steady,
+        "effort": effort,
+        "processor_time": sum(times),
+        "reasons": reasons.most_common(),
+        "failed": [checks.name_of(results, place) for place in failed[:FEW]],
+        "failed_count": len(failed),
+        "checks": checks.evaluate(results) if results.steady.any() else [],
+        "spots": checks.spots(results) if results.steady.any() else [],
+        "cut": {
+            "picture": image(svg(maps.cuts(results, **nearest))),
+            "friction": grid.friction[nearest["friction"]],
+            "rpm": maps.in_rpm(grid.speed[nearest["speed"]]),
+            "force": grid.force[nearest["force"]],
+        },
+        "maps": {name: image(svg(figure)) for name, figure in sheets.items()},
+        "columns": [
+            (field.name, {key.decode(): text.decode() for key, text in field.metadata.items()})
+            for field in schema(study)
+        ],
+        "metadata_key": METADATA.decode(),
+        "parameters": [
+            (name, _shown(study.variables[name], value), study.variables[name].unit or "1")
+            for name, value in study.parameters.items()
+        ],
+    }
+
+
+def _shown(variable: Any, value: float) -> str:
+    """Value of a parameter; of an enumeration its name."""
+    if variable.type == "Enumeration":
+        return next(item.name for item in variable.declaredType.items if int(item.value) == value)
+    return f"{value:g}"

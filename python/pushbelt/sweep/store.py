@@ -1,0 +1,140 @@
+"""Rows on disk: finished points of a study that may be interrupted at any time, and its results. Parquet throughout."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from pushbelt.fmu.unit import output_names
+
+from .point import SHORT_STEP, Row
+from .study import AXES, Study
+
+METADATA = b"pushbelt.study"
+"""Key of the study's description (JSON) in the metadata of the results."""
+
+
+def schema(study: Study) -> pa.Schema:
+    """Columns of the results. The metadata of each holds its unit and description."""
+
+    def column(name: str, kind: pa.DataType, unit: str, description: str) -> pa.Field:
+        return pa.field(name, kind, metadata={"unit": unit, "description": description})
+
+    def output(name: str, kind: pa.DataType) -> pa.Field:
+        variable = study.variables[name]
+        return column(name, kind, variable.unit or "1", variable.description)
+
+    return pa.schema(
+        [
+            column("point", pa.int64(), "1", "Index of the point in the study"),
+            *(column(axis.column, pa.float64(), axis.unit, axis.description) for axis in AXES.values()),
+            output("primary.torque", pa.float64()),
+            *(output(name, pa.float64()) for name in output_names(study.variables.values())),
+            output("macroSlip", pa.bool_()),
+            column("drift", pa.float64(), "1", f"Change of the thrust ratio over the step of {SHORT_STEP} s, relative"),
+            column("remarks", pa.string(), "", "Warnings of the FMU"),
+            column("reason", pa.string(), "", "Why there is no steady state; null where there is one"),
+            column("time", pa.float64(), "s", "Processor time of the point"),
+        ]
+    )
+
+
+def table(study: Study, rows: Iterable[Row]) -> pa.Table:
+    """A table of rows by point, the coordinates of each point filled in."""
+    points = study.grid.points()
+    columns = schema(study)
+    given = [axis.column for axis in AXES.values() if axis.column in study.variables] + ["primary.torque"]
+    full = []
+    for row in sorted(rows, key=lambda row: row["point"]):
+        point = points[row["point"]]
+        values = study.start_values(point)
+        full.append({"utilisation": point.utilisation, **{name: values[name] for name in given}, **row})
+    return pa.Table.from_pylist(full, columns)
+
+
+class Store:
+    """Finished points of a study, in a folder that only this study has: a file for each chunk, whole or not there."""
+
+    def __init__(self, folder: Path, study: Study) -> None:
+        self._study = study
+        self.folder = folder / "studies" / study.identity[:16]
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_whole(self.folder / "study.json", json.dumps(describe(study), indent=1).encode())
+
+    def add(self, rows: list[Row]) -> None:
+        """Stores finished points."""
+        chunk = table(self._study, rows)
+        first, last = chunk["point"][0].as_py(), chunk["point"][-1].as_py()
+        write_parquet(chunk, self.folder / f"points-{first}-{last}.parquet")
+
+    def count(self) -> int:
+        """How many points are stored."""
+        return len(self.rows())
+
+    def clear(self) -> None:
+        """Forgets all points."""
+        for path in self._files():
+            path.unlink()
+
+    def _files(self) -> list[Path]:
+        return sorted(self.folder.glob("points-*.parquet"))
+
+    def rows(self) -> list[Row]:
+        """All stored points, each once. A file that is no Parquet is removed: its points come again.
+
+        Raises OSError where the disk fails: what is there may be whole.
+        """
+        found: dict[int, Row] = {}
+        for path in self._files():
+            try:
+                part = pq.read_table(path)
+            except pa.ArrowInvalid:
+                path.unlink()
+                continue
+            found |= {row["point"]: row for row in part.to_pylist()}
+        return list(found.values())
+
+
+def describe(study: Study) -> dict[str, Any]:
+    """What the metadata say of a study."""
+    description = study.description
+    return {
+        "study": study.identity,
+        "fmu": {"model": description.modelName, "version": description.version, "guid": description.guid},
+        "parameters": {
+            name: {"value": value, "unit": study.variables[name].unit or "1"}
+            for name, value in study.parameters.items()
+        },
+        "grid": {axis.column: {"unit": axis.unit, "values": asdict(study.grid)[name]} for name, axis in AXES.items()},
+    }
+
+
+def with_metadata(study: Study, results: pa.Table) -> pa.Table:
+    """Results whose metadata name the study, its parameters and how many points failed."""
+    failed = len(results) - results["reason"].null_count
+    document = {**describe(study), "points": len(results), "failed": failed}
+    return results.replace_schema_metadata({METADATA: json.dumps(document)})
+
+
+def write_parquet(contents: pa.Table, path: Path) -> None:
+    """Writes a table whole or not at all."""
+    buffer = pa.BufferOutputStream()
+    pq.write_table(contents, buffer, compression="zstd")
+    write_whole(path, buffer.getvalue().to_pybytes())
+
+
+def write_whole(path: Path, contents: bytes) -> None:
+    """Writes a file so that, whenever the process ends, it is there whole or not at all."""
+    passing = path.with_name(f"{path.name}.{os.getpid()}.partial")
+    with passing.open("wb") as file:
+        file.write(contents)
+        file.flush()
+        os.fsync(file.fileno())
+    passing.replace(path)

@@ -1,0 +1,155 @@
+"""What a study is: an FMU, parameters, a grid of working points, and an identity that only the same results share."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import fmpy
+
+from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.enumerations import RingModel
+
+from . import point as law
+from .point import Point, start_values
+
+
+@dataclass(frozen=True)
+class Axis:
+    """How a field of the grid is called in the results."""
+
+    column: str
+    unit: str
+    description: str
+
+
+AXES: Mapping[str, Axis] = {
+    "force": Axis("secondary.clampingForce", "N", "Secondary clamping force"),
+    "friction": Axis("friction.pulley", "1", "Friction coefficient between element and sheave"),
+    "speed": Axis("initial.primarySpeed", "rad/s", "Primary speed without slip"),
+    "ratio": Axis("initial.ratio", "1", "Geometric ratio secondary radius / primary radius"),
+    "utilisation": Axis("utilisation", "1", "Primary torque / 2 mu r_P F_S / cos(beta)"),
+}
+"""Axes from the slowest to the fastest."""
+
+
+def rpm(*speeds: float) -> tuple[float, ...]:
+    """Speeds in rad/s from rpm, to 1e-6 rad/s."""
+    return tuple(round(speed * math.pi / 30.0, 6) for speed in speeds)
+
+
+def spread(low: float, high: float, count: int) -> tuple[float, ...]:
+    """Values evenly spaced in their logarithm, to 1e-6."""
+    step = (high / low) ** (1.0 / (count - 1))
+    return tuple(round(low * step**k, 6) for k in range(count))
+
+
+@dataclass(frozen=True)
+class Grid:
+    """All combinations of the values of its axes; each axis ascending."""
+
+    force: tuple[float, ...] = (12e3,)
+    """Secondary clamping force, N, above 0."""
+    friction: tuple[float, ...] = (0.05, 0.07, 0.09, 0.11)
+    """Between element and sheave, above 0."""
+    speed: tuple[float, ...] = rpm(500, 1000, 2000, 4000)
+    """Primary speed, rad/s, above 0."""
+    ratio: tuple[float, ...] = spread(0.45, 1.0 / 0.45, 13)
+    """Geometric ratio r_S/r_P, above 0."""
+    utilisation: tuple[float, ...] = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
+    """Torque utilisation; negative where the secondary pulley drives."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            values = tuple(float(value) for value in getattr(self, field.name))
+            object.__setattr__(self, field.name, values)
+            if not values or any(low >= high for low, high in itertools.pairwise(values)):
+                raise ValueError(f"the values of {field.name} must be there, and ascend: {values}")
+            if not all(map(math.isfinite, values)) or (field.name != "utilisation" and values[0] <= 0.0):
+                raise ValueError(f"the values of {field.name} must be positive: {values}")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Counts of values in the order of `AXES`."""
+        return tuple(len(getattr(self, name)) for name in AXES)
+
+    def __len__(self) -> int:
+        return math.prod(self.shape)
+
+    def points(self) -> list[Point]:
+        """All points by index; the utilisation runs fastest."""
+        combinations = itertools.product(*(getattr(self, name) for name in AXES))
+        return [Point(index, **dict(zip(AXES, values, strict=True))) for index, values in enumerate(combinations)]
+
+
+DEFAULT = Grid()
+"""2288 points."""
+SHORT = Grid(
+    friction=(0.07, 0.09), speed=rpm(2000), ratio=(0.5, 0.7, 1.0, 1.4, 2.0), utilisation=(0.2, 0.4, 0.6, 0.8, 0.9, 1.0)
+)
+"""60 points."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """A grid of points with an FMU and parameters that hold for all of them."""
+
+    fmu: Path
+    parameters: Mapping[str, float]
+    """Start values of the FMU by name; the geometry and `belt.pitchOffset` must be among them."""
+    grid: Grid = DEFAULT
+
+    def __post_init__(self) -> None:
+        for name, value in self.parameters.items():
+            variable = self.variables.get(name)
+            if variable is None or variable.causality != "parameter":
+                raise ValueError(f"the FMU has no parameter {name}")
+            if not math.isfinite(value) or (variable.type != "Real" and value != int(value)):
+                raise ValueError(f"{name} = {value} is no value of the type {variable.type}")
+        if taken := self.parameters.keys() & start_values(self.parameters, self.grid.points()[0]).keys():
+            raise ValueError(f"the points of a study set these themselves: {', '.join(sorted(taken))}")
+        typed = {n: v if self.variables[n].type == "Real" else int(v) for n, v in self.parameters.items()}
+        object.__setattr__(self, "parameters", typed)
+
+    @cached_property
+    def archive(self) -> bytes:
+        """The FMU's bytes."""
+        return self.fmu.read_bytes()
+
+    @cached_property
+    def description(self) -> Any:
+        """The FMU's model description."""
+        return fmpy.read_model_description(str(self.fmu))
+
+    @cached_property
+    def variables(self) -> Mapping[str, Any]:
+        """The FMU's variables by name."""
+        return {variable.name: variable for variable in self.description.modelVariables}
+
+    @cached_property
+    def identity(self) -> str:
+        """A hash of the FMU, the parameters, the grid and the law by which points are solved."""
+        document = {
+            "fmu": hashlib.sha256(self.archive).hexdigest(),
+            "law": hashlib.sha256(Path(law.__file__).read_bytes()).hexdigest(),
+            "parameters": dict(self.parameters),
+            "grid": asdict(self.grid),
+        }
+        return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+    def start_values(self, point: Point) -> dict[str, float]:
+        """All start values of a point."""
+        return {**self.parameters, **start_values(self.parameters, point)}
+
+
+def variator(name: str, model: str = "ALE", changes: Mapping[str, float] | None = None) -> dict[str, float]:
+    """Parameters of a published variator (`bench168` or `belt155`) for a study, some of them changed."""
+    values = {**parameter_set(name), "ring.model": RingModel[model], **(changes or {})}
+    return {parameter: value for parameter, value in values.items() if parameter != AXES["friction"].column}

@@ -1,9 +1,0 @@
-"""The pushbelt FMU at work: published data in, a report out.
-
-Data flows one way:
-
-    data → load_cases, reference_case, manoeuvre (each drives the FMU through `unit`) → results → events, checks
-         → figures → report
-
-`simulate` runs the simulations side by side; `python -m pushbelt_demo` does all of it.
-"""

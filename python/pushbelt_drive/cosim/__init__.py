@@ -1,8 +1,0 @@
-"""The drive as a co-simulation of FMUs: variator, vehicle and transmission control, coupled by masters of others.
-
-    slaves/vehicle_unit, slaves/control_unit (Python in FMUs, by `pythonfmu`) ─┐
-    PushbeltVariator.fmu ──────────────────────────────────────────────────────┴→ drive.ssp → ecos, libcosim
-
-The units call the classes that `pushbelt_drive.simulate` calls; `study` compares what comes out.
-`python -m pushbelt_drive.cosim` builds, runs and compares.
-"""

@@ -1,0 +1,92 @@
+"""The package: which part may import which, and its version."""
+
+from __future__ import annotations
+
+import ast
+from xml.etree import ElementTree
+
+import pytest
+from conftest import ROOT
+
+import pushbelt
+
+PACKAGE = ROOT / "python" / "pushbelt"
+PROGRAMS = ("demo", "drive", "paper", "sweep")
+MODULES = {
+    ".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
+    for path in sorted(PACKAGE.rglob("*.py"))
+}
+
+
+def part_of(module: str) -> str:
+    """`fmu`, a program, or `shared` for what lies beside them."""
+    names = module.split(".")
+    return names[1] if len(names) > 1 and names[1] in ("fmu", *PROGRAMS) else "shared"
+
+
+def imported(module: str) -> set[str]:
+    """Modules of this package that a module imports, at the top or inside a function."""
+    path, found = MODULES[module], set()
+    here = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = here[: len(here) - node.level + 1] if node.level else []
+            source = ".".join([*base, *(node.module or "").split(".")]).strip(".")
+            found |= {source, *(f"{source}.{alias.name}" for alias in node.names)}
+    return found & MODULES.keys() - {module}
+
+
+MAY_IMPORT = {"fmu": {"fmu"}, "shared": {"fmu", "shared"}} | {
+    program: {"fmu", "shared", program} for program in PROGRAMS
+}
+
+
+def test_all_parts_are_there() -> None:
+    assert {part_of(module) for module in MODULES} == MAY_IMPORT.keys()
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_imports_go_one_way(module: str) -> None:
+    """From a program to what is shared, from there to the FMU, and never from one program to another."""
+    wrong = {other for other in imported(module) if part_of(other) not in MAY_IMPORT[part_of(module)]}
+    # The version is read from the package itself.
+    assert wrong - {"pushbelt"} == set()
+
+
+def test_no_module_imports_itself_in_a_circle() -> None:
+    # A package imports its modules, and they name it when they import each other: that is no circle.
+    graph = {
+        module: {other for other in imported(module) if MODULES[other].name != "__init__.py"} for module in MODULES
+    }
+    while graph:
+        leaves = {module for module, others in graph.items() if not others & graph.keys()}
+        assert leaves, f"a circle among {sorted(graph)}"
+        graph = {module: others for module, others in graph.items() if module not in leaves}
+
+
+def test_version_is_that_of_the_model_description() -> None:
+    description = ElementTree.parse(ROOT / "modelDescription.xml").getroot()
+    assert pushbelt.__version__ == description.get("version")
+
+
+def test_project_takes_its_version_and_data_from_the_package() -> None:
+    tomllib = pytest.importorskip("tomllib", reason="Python 3.10 has no tomllib")
+    project = tomllib.loads((ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8"))
+    assert "version" not in project["project"]
+    assert project["tool"]["setuptools"]["dynamic"]["version"] == {"attr": "pushbelt._version.__version__"}
+    packages = {path.parent for path in PACKAGE.rglob("__init__.py")}
+    listed = {
+        path
+        for name, patterns in project["tool"]["setuptools"]["package-data"].items()
+        for folder in (packages if name == "*" else [ROOT.joinpath("python", *name.split("."))])
+        for pattern in patterns
+        for path in folder.glob(pattern)
+    }
+    data = {
+        path
+        for path in PACKAGE.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts and (path.suffix != ".py" or path.parent not in packages)
+    }
+    assert listed == data
