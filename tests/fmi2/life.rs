@@ -1,0 +1,268 @@
+//! An instance from its start to its end: creation, the states of a run, reset, what fails.
+
+use std::ffi::{CStr, c_char, c_int};
+use std::ptr::{null, null_mut};
+
+use pushbelt::fmi2::c_abi::*;
+use pushbelt::fmi2::log::Status::{self, Error, Ok};
+use pushbelt::unit::c_abi::*;
+use pushbelt::unit::model_description;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
+use pushbelt_lab::checks::assert_close;
+
+use crate::importer::*;
+
+#[test]
+fn platform_and_version_are_the_standards() {
+    // SAFETY: both are constant strings.
+    unsafe {
+        assert_eq!(CStr::from_ptr(fmi2GetTypesPlatform()), c"default");
+        assert_eq!(CStr::from_ptr(fmi2GetVersion()), c"2.0");
+    }
+}
+
+#[test]
+fn an_instance_needs_a_name_the_right_guid_and_co_simulation() {
+    let guid = guid();
+    let make = |name: *const c_char, kind, guid: *const c_char, location: *const c_char| {
+        // SAFETY: null or valid strings; what comes back is freed at once.
+        unsafe {
+            let c = fmi2Instantiate(name, kind, guid, location, null(), 0, 1);
+            fmi2FreeInstance(c);
+            !c.is_null()
+        }
+    };
+    let name = c"a".as_ptr();
+    assert!(make(name, 1, guid.as_ptr(), null()), "no logger, no location");
+    for location in [c"file:/tmp", c"file:///tmp", c"https://x/y", c"", c"%"] {
+        assert!(make(name, 1, guid.as_ptr(), location.as_ptr()), "{location:?}");
+    }
+    assert!(!make(null(), 1, guid.as_ptr(), null()));
+    assert!(!make(c"".as_ptr(), 1, guid.as_ptr(), null()));
+    assert!(!make(name, 0, guid.as_ptr(), null()), "model exchange");
+    assert!(!make(name, 1, null(), null()));
+    assert!(!make(
+        name,
+        1,
+        c"{8c4e810f-3df3-4a00-8276-176fa3c9f003}".as_ptr(),
+        null()
+    ));
+    assert!(model_description().contains(guid.to_str().expect("ASCII")));
+}
+
+/// The variator that [`Importer::make_cheap`] sets, without the interface.
+fn cheap_variator() -> Variator {
+    let mut parameters = Parameters {
+        ring_model: RingModel::Ale0,
+        ..Parameters::default()
+    };
+    (parameters.mesh.primary_arc, parameters.mesh.secondary_arc) = (4, 4);
+    parameters.mesh.strand = 4;
+    parameters.initial.steady = false;
+    let mut variator = Variator::new(parameters).expect("valid parameters");
+    variator.initialise(0.0, &Inputs::default()).expect("a start");
+    variator
+}
+
+/// Outputs are those that the library calculates for the same variator.
+#[test]
+fn a_run_without_wiring_goes_through_all_its_states() {
+    let importer = Importer::running(c"run");
+    let mut variator = cheap_variator();
+    assert_eq!(importer.real("primary.clampingForce"), 13_000.0);
+    for k in 0..10 {
+        assert_eq!(importer.step(f64::from(k) * 0.001, 0.001), Ok, "{:?}", importer.heard);
+        variator
+            .advance(f64::from(k + 1) * 0.001, &Inputs::default())
+            .expect("a step");
+        let outputs = variator.outputs().clone();
+        let tension = variator.profile().ring_tension[71];
+        for (name, expected) in [
+            ("thrustRatio", outputs.thrust_ratio),
+            ("belt.speed", outputs.belt_speed),
+            ("loss.ring", outputs.losses.ring),
+            ("profile.ringTension[72]", tension),
+        ] {
+            assert_close(importer.real(name), expected, 1e-9, name);
+        }
+        assert_eq!(importer.boolean("macroSlip"), c_int::from(outputs.macro_slip));
+    }
+    let last = importer.readings();
+    // SAFETY: an instance.
+    unsafe {
+        let mut time = 0.0;
+        assert_eq!(fmi2GetRealStatus(importer.c, 2, &mut time), Ok);
+        assert!((time - 0.01).abs() < 1e-12);
+        assert_eq!(fmi2Terminate(importer.c), Ok);
+        assert_eq!(fmi2DoStep(importer.c, 0.01, 0.001, 0), Error);
+    }
+    assert_eq!(importer.readings(), last, "a terminated run keeps its outputs");
+}
+
+/// Every load at the end of its range at once, with the tightest tolerance and the sharpest friction: too much for the
+/// error control.
+#[test]
+fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
+    let importer = Importer::new(c"discard");
+    importer.make_cheap();
+    assert_eq!(importer.set_real("solver.tolerance", 1e-10), Ok);
+    assert_eq!(importer.set_real("friction.velocity", 1e-6), Ok);
+    importer.start();
+    assert_eq!(importer.step(0.0, 1e-4), Ok, "{:?}", importer.heard);
+    let (c, mut stored, mut reached, mut status) = (importer.c, null_mut(), f64::NAN, -1);
+    // SAFETY: an instance and a state of it.
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(c, &mut stored), Ok);
+        let discard = || {
+            for (name, load) in [
+                ("primary.clampingForce", 1e7),
+                ("secondary.clampingForce", 1e7),
+                ("primary.torque", 1e6),
+                ("secondary.torque", -1e6),
+            ] {
+                assert_eq!(importer.set_real(name, load), Ok);
+            }
+            assert_eq!(importer.step(1e-4, 1e-3), Status::Discard);
+            assert!(importer.last().contains("stalled at 0.000"), "{}", importer.last());
+        };
+        discard();
+        assert_eq!(fmi2GetRealStatus(c, 2, &mut reached), Ok);
+        assert!(reached > 1e-4 && reached < 1.1e-3, "{reached}");
+        assert_eq!(fmi2GetStatus(c, 0, &mut status), Ok);
+        assert_eq!(status, Status::Discard as c_int);
+        assert!(importer.real("primary.speed").is_finite());
+        // Back, and smaller: the same bits as if nothing had been tried.
+        assert_eq!(fmi2SetFMUstate(c, stored), Ok);
+        assert_eq!(importer.step(1e-4, 2e-4), Ok);
+        let expected = importer.readings();
+        assert_eq!(fmi2SetFMUstate(c, stored), Ok);
+        discard();
+        assert_eq!(fmi2SetFMUstate(c, stored), Ok);
+        assert_eq!(importer.step(1e-4, 2e-4), Ok);
+        assert_eq!(importer.readings(), expected);
+        assert_eq!(fmi2FreeFMUstate(c, &mut stored), Ok);
+    }
+}
+
+#[test]
+fn what_is_not_offered_says_so() {
+    let importer = Importer::running(c"not offered");
+    let c = importer.c;
+    let says = |status, flag: &str| {
+        assert_eq!(status, Error);
+        assert!(importer.last().contains(flag), "{}", importer.last());
+        assert!(!model_description().contains(&format!("{flag}=\"true\"")));
+    };
+    let (vr, mut value) = (101, 0.0);
+    // SAFETY: an instance and valid pointers.
+    unsafe {
+        says(
+            fmi2GetDirectionalDerivative(c, &1, 1, &vr, 1, &1.0, &mut value),
+            "providesDirectionalDerivative",
+        );
+        assert_eq!(fmi2CancelStep(c), Error);
+    }
+    assert_eq!(importer.step(0.0, 0.001), Ok, "and harms nothing");
+}
+
+#[test]
+fn status_calls_answer_what_is_known() {
+    let importer = Importer::running(c"status");
+    let c = importer.c;
+    let (mut real, mut integer, mut text) = (f64::NAN, -1, null());
+    // SAFETY: an instance and valid or null pointers.
+    unsafe {
+        assert_eq!(fmi2GetRealStatus(c, 2, &mut real), Ok);
+        assert_eq!(real, 0.0);
+        assert_eq!(fmi2GetStatus(c, 0, &mut integer), Ok);
+        assert_eq!(integer, 0);
+        assert_eq!(fmi2GetBooleanStatus(c, 3, &mut integer), Ok);
+        assert_eq!(integer, 0);
+        assert_eq!(fmi2GetRealStatus(c, 0, &mut real), Status::Discard);
+        assert_eq!(fmi2GetStatus(c, 2, &mut integer), Status::Discard);
+        assert_eq!(fmi2GetBooleanStatus(c, 0, &mut integer), Status::Discard);
+        assert_eq!(fmi2GetIntegerStatus(c, 0, &mut integer), Status::Discard);
+        assert_eq!(fmi2GetStringStatus(c, 1, &mut text), Status::Discard);
+        assert_eq!(fmi2GetRealStatus(c, 9, &mut real), Error);
+        assert_eq!(fmi2GetRealStatus(c, 2, null_mut()), Error);
+    }
+}
+
+#[test]
+fn null_pointers_are_answered_with_an_error() {
+    let importer = Importer::running(c"null");
+    let c = importer.c;
+    let vr = 1;
+    // SAFETY: null is what the functions are to stand.
+    unsafe {
+        fmi2FreeInstance(null_mut());
+        assert_eq!(fmi2Reset(null_mut()), Error);
+        assert_eq!(fmi2DoStep(null_mut(), 0.0, 1.0, 1), Error);
+        assert_eq!(fmi2GetReal(null_mut(), &vr, 1, &mut 0.0), Error);
+        assert_eq!(fmi2GetReal(c, null(), 1, &mut 0.0), Error);
+        assert_eq!(fmi2GetReal(c, &vr, 1, null_mut()), Error);
+        assert_eq!(fmi2GetInteger(c, null(), 1, null_mut()), Error);
+        assert_eq!(fmi2GetBoolean(c, null(), 1, null_mut()), Error);
+        assert_eq!(fmi2GetString(c, null(), 1, null_mut()), Error);
+        assert_eq!(fmi2SetReal(c, null(), 1, null()), Error);
+        assert_eq!(fmi2SetInteger(c, null(), 1, null()), Error);
+        assert_eq!(fmi2SetBoolean(c, null(), 1, null()), Error);
+        assert_eq!(fmi2SetString(c, null(), 1, null()), Error);
+        assert_eq!(fmi2SetDebugLogging(c, 1, 1, null()), Error);
+        assert_eq!(fmi2SetDebugLogging(c, 1, 1, &null()), Error);
+        assert_eq!(fmi2GetReal(c, null(), usize::MAX, null_mut()), Error);
+        // No element, no array needed.
+        assert_eq!(fmi2GetReal(c, null(), 0, null_mut()), Ok);
+        assert_eq!(fmi2SetReal(c, null(), 0, null()), Ok);
+        assert_eq!(fmi2GetString(c, null(), 0, null_mut()), Ok);
+        assert_eq!(fmi2SetString(c, null(), 0, null()), Ok);
+        assert_eq!(fmi2SetDebugLogging(c, 1, 0, null()), Ok);
+        // There is no string at all.
+        assert_eq!(fmi2GetString(c, &vr, 1, &mut null()), Error);
+    }
+    assert_eq!(importer.step(0.0, 0.001), Ok, "and nothing has changed");
+}
+
+#[test]
+fn an_instance_without_a_logger_fails_silently() {
+    let functions = CallbackFunctions {
+        logger: None,
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: null_mut(),
+    };
+    // SAFETY: all pointers are valid.
+    unsafe {
+        let c = fmi2Instantiate(c"mute".as_ptr(), 1, guid().as_ptr(), null(), &functions, 0, 1);
+        assert!(!c.is_null());
+        assert_eq!(fmi2DoStep(c, 0.0, 1.0, 1), Error);
+        assert_eq!(fmi2SetReal(c, &reference("primary.torque"), 1, &f64::NAN), Error);
+        fmi2FreeInstance(c);
+    }
+}
+
+#[test]
+fn reset_is_allowed_in_every_state() {
+    // SAFETY: an instance.
+    unsafe {
+        let importer = Importer::new(c"reset");
+        let c = importer.c;
+        assert_eq!(fmi2Reset(c), Ok, "instantiated");
+        assert_eq!(fmi2EnterInitializationMode(c), Ok);
+        assert_eq!(fmi2Reset(c), Ok, "initialization mode");
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(fmi2Reset(c), Ok, "step mode");
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(fmi2Terminate(c), Ok);
+        assert_eq!(fmi2Reset(c), Ok, "terminated");
+        assert_eq!(importer.set_real("primary.torque", f64::NAN), Error);
+        assert_eq!(fmi2Reset(c), Ok, "error");
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(importer.step(0.0, 0.001), Ok, "time is back at the start");
+    }
+}

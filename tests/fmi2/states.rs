@@ -1,0 +1,161 @@
+//! Stored states, and their bytes.
+
+use std::ptr::{null, null_mut};
+
+use pushbelt::fmi2::log::Status::{self, Error, Ok};
+use pushbelt::unit::c_abi::*;
+
+use crate::importer::*;
+
+#[test]
+fn a_stored_state_is_continued_bit_for_bit() {
+    let importer = Importer::running(c"stored");
+    assert_eq!(importer.step(0.0, 0.003), Ok);
+    let mut state = null_mut();
+    let go_on = || {
+        assert_eq!(importer.step(0.003, 0.002), Ok, "{:?}", importer.heard);
+        importer.readings()
+    };
+    // SAFETY: an instance and a state of it.
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(importer.c, &mut state), Ok);
+        assert!(!state.is_null());
+        let at_first = go_on();
+        assert_eq!(fmi2SetFMUstate(importer.c, state), Ok);
+        assert_eq!(go_on(), at_first);
+        let handle = state;
+        assert_eq!(fmi2GetFMUstate(importer.c, &mut state), Ok);
+        assert_eq!(state, handle, "a state that is not null is used again");
+        assert_eq!(fmi2SetFMUstate(importer.c, null_mut()), Error);
+        assert_eq!(fmi2GetFMUstate(importer.c, null_mut()), Error);
+        assert_eq!(fmi2FreeFMUstate(importer.c, &mut state), Ok);
+        assert!(state.is_null());
+        assert_eq!(fmi2FreeFMUstate(importer.c, &mut state), Ok, "null is legal");
+        assert_eq!(fmi2FreeFMUstate(importer.c, null_mut()), Ok, "null is legal");
+    }
+}
+
+/// A state as bytes.
+fn serialized(importer: &Importer) -> Vec<u8> {
+    let (c, mut state, mut size) = (importer.c, null_mut(), 0);
+    // SAFETY: an instance, a state of it, and as many bytes as it asks for.
+    unsafe {
+        assert_eq!(fmi2GetFMUstate(c, &mut state), Ok);
+        assert_eq!(fmi2SerializedFMUstateSize(c, state, &mut size), Ok);
+        let mut bytes = vec![0_u8; size];
+        assert_eq!(fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr().cast(), size), Ok);
+        assert_eq!(
+            fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr().cast(), size - 1),
+            Error
+        );
+        assert!(importer.last().contains("not enough"), "{}", importer.last());
+        assert_eq!(fmi2FreeFMUstate(c, &mut state), Ok);
+        bytes
+    }
+}
+
+/// Goes to the state that the bytes hold.
+fn continue_from(importer: &Importer, bytes: &[u8]) -> Status {
+    let mut state = null_mut();
+    // SAFETY: an instance and a state of it.
+    unsafe {
+        let status = fmi2DeSerializeFMUstate(importer.c, bytes.as_ptr().cast(), bytes.len(), &mut state);
+        if status == Ok {
+            assert_eq!(fmi2SetFMUstate(importer.c, state), Ok);
+            assert_eq!(fmi2FreeFMUstate(importer.c, &mut state), Ok);
+        }
+        status
+    }
+}
+
+#[test]
+fn bytes_continue_bit_for_bit_in_another_instance() {
+    let importer = Importer::new(c"bytes");
+    importer.make_cheap();
+    assert_eq!(importer.set_integer("secondary.drive", 2), Ok);
+    importer.start();
+    assert_eq!(importer.step(0.0, 0.004), Ok, "in the ramp of the loads");
+    let early = serialized(&importer);
+    assert_eq!(importer.set_real("friction.pulley", 0.08), Ok);
+    assert_eq!(importer.step(0.004, 0.009), Ok);
+    assert_eq!(
+        importer.set_real("friction.ring", 0.04),
+        Ok,
+        "set, but not yet in force"
+    );
+    assert_eq!(importer.set_derivative("primary.torque", 3e3), Ok);
+    let late = serialized(&importer);
+    for (bytes, from) in [(early, 0.004), (late, 0.013)] {
+        let (one, other) = (Importer::new(c"one"), Importer::running(c"other"));
+        assert_eq!(other.step(0.0, 0.007), Ok);
+        let go_on = |importer: &Importer| -> Vec<_> {
+            assert_eq!(continue_from(importer, &bytes), Ok, "{}", importer.last());
+            assert_eq!(serialized(importer), bytes, "a state at rest is itself");
+            let step = |k: u32| {
+                assert_eq!(
+                    importer.step(from + f64::from(k) * 1e-3, 1e-3),
+                    Ok,
+                    "{:?}",
+                    importer.heard
+                );
+                (importer.readings(), importer.derivatives())
+            };
+            (0..12).map(step).collect()
+        };
+        let expected = go_on(&importer);
+        assert_eq!(go_on(&one), expected);
+        assert_eq!(go_on(&other), expected);
+    }
+}
+
+#[test]
+fn a_state_before_the_start_can_be_bytes_too() {
+    let importer = Importer::new(c"before");
+    importer.make_cheap();
+    assert_eq!(importer.set_real("friction.pulley", 0.08), Ok);
+    let bytes = serialized(&importer);
+    importer.start();
+    let expected = importer.run();
+    let other = Importer::new(c"after");
+    assert_eq!(continue_from(&other, &bytes), Ok);
+    other.start();
+    assert_eq!(other.run(), expected);
+}
+
+#[test]
+fn wrong_bytes_are_refused_and_harm_nothing() {
+    let importer = Importer::running(c"wrong");
+    let bytes = serialized(&importer);
+    let refuses = |bytes: &[u8], words: &str| {
+        assert_eq!(continue_from(&importer, bytes), Error);
+        assert!(importer.last().contains(words), "{}", importer.last());
+    };
+    refuses(&[], "too early");
+    refuses(
+        b"a file of some other kind, long enough to have a head and a checksum",
+        "no stored state",
+    );
+    refuses(&bytes[..bytes.len() / 2], "incomplete");
+    refuses(&[&bytes[..], b"x"].concat(), "followed");
+    let damaged = |at: usize| {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x10;
+        damaged
+    };
+    refuses(&damaged(8), "version");
+    refuses(&damaged(12), "GUID");
+    refuses(&damaged(bytes.len() / 2), "checksum");
+    refuses(&damaged(bytes.len() - 1), "checksum");
+    // SAFETY: null is what the functions are to stand.
+    unsafe {
+        let (c, mut size) = (importer.c, 0);
+        assert_eq!(fmi2SerializedFMUstateSize(c, null_mut(), &mut size), Error);
+        assert_eq!(fmi2SerializeFMUstate(c, null_mut(), null_mut(), 0), Error);
+        assert_eq!(fmi2DeSerializeFMUstate(c, null(), 9, &mut null_mut()), Error);
+        assert_eq!(
+            fmi2DeSerializeFMUstate(c, bytes.as_ptr().cast(), bytes.len(), null_mut()),
+            Error
+        );
+    }
+    assert_eq!(importer.step(0.0, 0.001), Ok, "and harms nothing");
+}

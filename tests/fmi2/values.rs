@@ -1,0 +1,135 @@
+//! Settings, bad values and the messages about them.
+
+use pushbelt::fmi2::log::Status::{Error, Ok};
+use pushbelt::unit::c_abi::*;
+
+use crate::importer::*;
+
+#[test]
+fn settings_read_back_what_was_set() {
+    let importer = Importer::new(c"settings");
+    importer.make_cheap();
+    assert_eq!(importer.set_real("friction.pulley", 0.08), Ok);
+    assert_eq!(importer.set_integer("secondary.drive", 2), Ok);
+    importer.start();
+    assert_eq!(importer.real("friction.pulley"), 0.08);
+    assert_eq!(importer.integer("secondary.drive"), 2);
+    assert_eq!(importer.integer("mesh.strand"), 4);
+    assert_eq!(importer.boolean("initial.steady"), 0);
+    assert_eq!(importer.set_real("friction.pulley", 0.07), Ok, "tunable");
+    assert_eq!(importer.step(0.0, 0.001), Ok);
+    assert_eq!(importer.real("friction.pulley"), 0.07);
+}
+
+/// Bad values, with what the message must name: variable, value, allowed range.
+#[test]
+fn bad_values_are_named_when_they_are_set() {
+    let forever = f64::INFINITY;
+    for (name, value, words) in [
+        (
+            "primary.clampingForce",
+            -1.0,
+            "primary.clampingForce = -1 is out of range: 0 to",
+        ),
+        (
+            "secondary.torque",
+            f64::NAN,
+            "secondary.torque = NaN is not a finite number",
+        ),
+        (
+            "secondary.speedSetpoint",
+            forever,
+            "secondary.speedSetpoint = inf is not a finite",
+        ),
+        (
+            "friction.pulley",
+            -0.1,
+            "friction.pulley = -0.1 is out of range: 0 to 1",
+        ),
+    ] {
+        let importer = Importer::running(c"bad");
+        assert_eq!(importer.set_real(name, value), Error);
+        assert!(importer.last().contains(words), "{}", importer.last());
+        // SAFETY: an instance.
+        assert_eq!(unsafe { fmi2Reset(importer.c) }, Ok);
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(importer.step(0.0, 0.001), Ok);
+    }
+    for (name, value, words) in [
+        (
+            "ring.model",
+            5,
+            "ring.model = 5 is out of range: 1 ALE0, 2 ALE, 3 RCM, 4 ANCF",
+        ),
+        ("primary.axial", 0, "primary.axial = 0 is out of range: 1 Force, 2 Held"),
+        ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
+    ] {
+        let importer = Importer::new(c"bad");
+        assert_eq!(importer.set_integer(name, value), Error);
+        assert!(importer.last().contains(words), "{}", importer.last());
+    }
+}
+
+#[test]
+fn values_that_do_not_fit_each_other_are_named_when_initialising() {
+    for (name, value, words) in [
+        (
+            "geometry.beltLength",
+            0.3,
+            "geometry.beltLength = 0.3 is out of range: between",
+        ),
+        ("initial.ratio", 5.0, "initial.ratio = 5 is out of range: 0.3"),
+        ("friction.pulley", 0.3, "geometry.wedgeAngle = 0.19"),
+    ] {
+        let importer = Importer::new(c"misfit");
+        importer.make_cheap();
+        assert_eq!(importer.set_real(name, value), Ok, "{}", importer.last());
+        // SAFETY: an instance.
+        unsafe {
+            assert_eq!(fmi2EnterInitializationMode(importer.c), Ok);
+            assert_eq!(fmi2ExitInitializationMode(importer.c), Error);
+            assert!(importer.last().contains(words), "{}", importer.last());
+            assert_eq!(fmi2Reset(importer.c), Ok);
+        }
+        importer.make_cheap();
+        importer.start();
+        assert_eq!(importer.step(0.0, 0.001), Ok);
+    }
+}
+
+#[test]
+fn messages_carry_instance_status_and_category() {
+    let importer = Importer::new(c"the 100 %s variator");
+    assert_eq!(importer.step(0.0, 1.0), Error);
+    let heard = importer.heard.0.borrow();
+    let (instance, status, category, _) = heard.last().expect("a message");
+    assert_eq!(instance, "the 100 %s variator");
+    assert_eq!((*status, category.as_str()), (3, "logStatusError"));
+}
+
+#[test]
+fn reset_and_rerun_give_the_same_bits_as_a_fresh_instance() {
+    let importer = Importer::running(c"twice");
+    let first = importer.run();
+    assert_eq!(importer.set_real("friction.ring", 0.01), Ok);
+    // SAFETY: an instance.
+    assert_eq!(unsafe { fmi2Reset(importer.c) }, Ok);
+    importer.make_cheap();
+    importer.start();
+    assert_eq!(importer.real("friction.ring"), 0.05, "back to the default");
+    assert_eq!(importer.real("secondary.torque"), -49.0, "back to the default");
+    assert_eq!(importer.run(), first);
+}
+
+#[test]
+fn instances_do_not_see_each_other() {
+    let alone = Importer::running(c"alone").run();
+    let (one, other) = (Importer::running(c"one"), Importer::running(c"other"));
+    assert_eq!(other.set_real("friction.pulley", 0.05), Ok);
+    assert_eq!(other.step(0.0, 0.004), Ok);
+    assert_eq!(one.run(), alone);
+    assert_eq!(other.set_real("primary.torque", f64::NAN), Error);
+    assert_eq!(one.step(0.01, 0.001), Ok);
+    assert!(one.heard.0.borrow().iter().all(|message| message.0 == "one"));
+}
