@@ -20,7 +20,7 @@ import dask
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-
+from distributed import Client
 from pushbelt.fmu.unit import Archive, UnitError, Variator
 from pushbelt.sweep import Grid, Progress, Study, checks, cluster, maps, sweep
 from pushbelt.sweep.point import Point, Row, failure, start_values
@@ -382,7 +382,11 @@ def cluster_of_processes(folder: Path) -> Iterator[tuple[str, list[subprocess.Po
         own = ("--scheduler-file", str(file), "--no-nanny", "--nthreads", "1", "--local-directory", str(folder))
         wait_until(file.is_file)
         workers = [process(stack, folder, "dask_worker", *local, *own) for _ in range(2)]
-        yield json.loads(file.read_text())["address"], workers
+        address = json.loads(file.read_text())["address"]
+        # On a busy machine one worker may have done all before the other comes.
+        with Client(address, set_as_default=False) as client:
+            client.wait_for_workers(len(workers), timeout=60)
+        yield address, workers
 
 
 def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path: Path) -> None:
