@@ -1,5 +1,6 @@
 //! Rings whose nodes travel with the material, under the cells.
 
 pub(crate) mod assembly;
+mod evaluation;
 pub(crate) mod lay;
 mod passing;
