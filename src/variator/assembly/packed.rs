@@ -1,6 +1,6 @@
 //! Cells on a mesh that stands still, in packs, gathered into the residual, and sampled.
 
-use crate::chain::{self, Transport};
+use crate::chain::Transport;
 use crate::pulley::PerPulley;
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
@@ -58,20 +58,18 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> PackedCells<K, D, C> {
 
     /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
     fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
-        let cells = belt.mesh.cells.len();
-        for cell in 0..cells {
-            let row = belt.cells_at[cell].amount;
+        for face in self.transports.faces(belt) {
+            let [before, cell] = face.cells;
+            let row = face.amounts[1];
             out.add(row, row, alpha);
-            let before = (cell + cells - 1) % cells;
-            let [by_before, by_own] = chain::flux_slopes(&self.transports.get(before), &self.transports.get(cell));
-            let (of_before, of_own) = (&self.transport_slopes[before], &self.transport_slopes[cell]);
             let [own, other] = &self.flux_entries[cell];
             for k in 0..K::COUNT {
-                let (slope, slope_before) = (by_own.along(of_own, k), by_before.along(of_before, k));
-                for (entries, slope) in [(own[k], slope), (other[k], slope_before)] {
-                    for (entry, value) in entries.into_iter().zip([slope, -slope]) {
+                let of_own = face.slopes(1, &self.transport_slopes[cell], k);
+                let of_before = face.slopes(0, &self.transport_slopes[before], k);
+                for (entries, slopes) in [(own[k], of_own), (other[k], of_before)] {
+                    for (entry, slope) in entries.into_iter().zip(slopes) {
                         if entry != NOWHERE {
-                            out.add_at(entry, value);
+                            out.add_at(entry, slope);
                         }
                     }
                 }
@@ -110,7 +108,7 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<
         }
         out[belt.layout.drift()] += drift.sum();
         out[belt.layout.theta()] += theta.sum();
-        add_fluxes(belt, &mut self.transports, view, out);
+        self.transports.add_fluxes(belt, view, out);
         loads.map(|of| of.sum())
     }
 
@@ -205,20 +203,4 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<
 pub(crate) fn add_loads(loads: &mut PerPulley<PulleyLoad<Lanes>>, pack: &Pack, b: &CellBalance<Lanes>) {
     loads.secondary.add(b, pack.group.on.secondary);
     loads.primary.add(b, pack.group.on.primary);
-}
-
-/// Adds the balance of the amounts: fluxes through the left faces.
-pub(crate) fn add_fluxes(belt: &Belt, transports: &mut Transports, view: View<'_>, out: &mut [f64]) {
-    transports.close();
-    let cells = belt.mesh.cells.len();
-    let mut from = belt.cells_at[cells - 1].amount;
-    for (pack, at) in belt.cells_at.chunks(LANES).enumerate() {
-        let [before, after] = transports.beside(LANES * pack);
-        for (at, flux) in at.iter().zip(chain::flux(&before, &after).to_array()) {
-            let into = at.amount;
-            out[into] += view.y_dot[into] - flux;
-            out[from] += flux;
-            from = into;
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! Equations of a ring that travels with its mesh, under the cells.
 
-use crate::chain::{self, Transport};
+use crate::chain::Transport;
 use crate::pulley::PerPulley;
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
@@ -9,7 +9,6 @@ use crate::scalar::{Lanes, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::variator::assembly::equations::{Assembly, InForce};
-use crate::variator::assembly::packed::add_fluxes;
 use crate::variator::assembly::sums::PulleyLoad;
 use crate::variator::assembly::transports::Transports;
 use crate::variator::belt::Belt;
@@ -94,19 +93,15 @@ impl<E: LagrangianElement> TravellingCells<E> {
 
     /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
     fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
-        let cells = belt.mesh.cells.len();
-        for cell in 0..cells {
-            let before = (cell + cells - 1) % cells;
-            let rows = [before, cell].map(|cell| belt.cells_at[cell].amount);
-            out.add(rows[1], rows[1], alpha);
-            let (own, other) = (&self.slopes[cell], &self.slopes[before]);
-            let slopes = chain::flux_slopes(&self.transports.get(before), &self.transports.get(cell));
-            for (of, by) in [other, own].into_iter().zip(slopes) {
+        for face in self.transports.faces(belt) {
+            out.add(face.amounts[1], face.amounts[1], alpha);
+            for (side, cell) in face.cells.into_iter().enumerate() {
+                let of = &self.slopes[cell];
                 for k in 0..of.count {
-                    let slope = by.along(&of.transport, k);
-                    for (row, value) in rows.into_iter().zip([slope, -slope]) {
+                    let slopes = face.slopes(side, &of.transport, k);
+                    for (row, slope) in face.amounts.into_iter().zip(slopes) {
                         if let Some(index) = out.index(row, of.at[k]) {
-                            out.add_at(index, value);
+                            out.add_at(index, slope);
                         }
                     }
                 }
@@ -218,7 +213,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
             loads[belt.mesh.cells[cell].pulley].add(b, 1.0);
             self.transports.set(cell, &b.transport);
         }
-        add_fluxes(belt, &mut self.transports, view, out);
+        self.transports.add_fluxes(belt, view, out);
         for i in layout.free() {
             out[i] = view.y[i];
         }
