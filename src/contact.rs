@@ -86,7 +86,7 @@ pub struct FlankForce<T> {
     pub along_flank: T,
 }
 
-/// Forces on an element that moves like this; `cos_beta` = cos β.
+/// Forces on an element whose flank moves by `motion`; `cos_beta` = cos β.
 #[inline(always)]
 pub fn flank_force<T: Real>(
     contact: &Contact,
@@ -128,7 +128,8 @@ fn square_of_speed<T: Real>(friction: &Friction, [tangential, along_flank]: [T; 
 pub(crate) struct FrictionSlopes<T> {
     /// (v_t, v_f)/√(v_t² + v_f² + v₀²).
     pub direction: [T; 2],
-    /// Of friction around by v_t, of friction along the flank by v_f, and minus that of each by the other speed.
+    /// Slope of friction around by v_t, slope of friction along the flank by v_f, and the negative slope of each by the other
+    /// speed.
     pub slopes: [T; 3],
 }
 

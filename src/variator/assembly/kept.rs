@@ -2,8 +2,8 @@
 //!
 //! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their
 //! regime from one to the next: contact, friction, push, flow. The others' derivatives are still good for Newton's
-//! method, which needs a direction and not a derivative. So each pack of cells remembers where it was differentiated,
-//! and what it was in.
+//! method, which needs a direction and not a derivative. So each pack of cells keeps the unknowns and the regime at which
+//! it was differentiated.
 
 use crate::chain::{closing_slopes, stack_contact_slopes};
 use crate::contact::{Friction, FrictionSlopes, friction_slopes, touch};
@@ -28,7 +28,7 @@ const TURNED: f64 = 1.0e-4;
 struct StationRegime {
     /// Contact of the deeper flank, from 0 (apart) to 1.
     touching: Lanes,
-    /// The same of the other flank.
+    /// Contact of the other flank, from 0 to 1.
     other_touching: Lanes,
     /// Direction of sliding where the flank touches.
     direction: [Lanes; 2],
@@ -83,11 +83,11 @@ impl StationRegime {
 struct StackRegime {
     /// Contact of neighbouring elements, from 0 (apart) to 1.
     contact: Lanes,
-    /// How its change bends the damping force.
+    /// Slope of the damping force by the density, in units of the stiffness.
     bend: Lanes,
-    /// How far elements close up, from 0 to 1.
+    /// Share of closing, from 0 (elements part) to 1.
     closing: Lanes,
-    /// How its change bends the force of collisions.
+    /// Slope of the share of closing, times the difference of V.
     closing_bend: Lanes,
 }
 
@@ -108,7 +108,7 @@ impl StackRegime {
     }
 }
 
-/// What the derivatives of a pack of cells depend on besides what changes little.
+/// Regime of a pack of cells: the slopes of its forces that change much.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Regime {
     stations: [StationRegime; STATIONS],
@@ -137,13 +137,13 @@ impl Regime {
         }
     }
 
-    /// Records how far elements close up where V has this `difference` across a cell, m/s.
+    /// Records the share of closing where V has this `difference` across a cell, m/s.
     #[inline(always)]
     pub(crate) fn record_difference(&mut self, difference: Lanes) {
         [self.stack.closing, self.stack.closing_bend] = closing_slopes(difference);
     }
 
-    /// Whether derivatives taken in `earlier` are good here.
+    /// Whether derivatives in the regime `earlier` are good in this one.
     #[inline(always)]
     fn is_like(&self, earlier: &Self) -> bool {
         let stations = self.stations.iter().zip(&earlier.stations);
@@ -191,7 +191,7 @@ impl RegimeProbe<'_> {
     }
 }
 
-/// Derivatives of a pack of cells, and where they were taken.
+/// Derivatives of a pack of cells, and the unknowns and regime at which they were evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct Kept {
     /// Factors of ẏ and q in the derivatives; NaN where there are none.
@@ -218,6 +218,7 @@ impl Kept {
         }
     }
 
+    /// Drops the derivatives.
     pub(crate) fn forget(&mut self) {
         self.slopes = [f64::NAN; 2];
     }
@@ -254,8 +255,8 @@ impl Kept {
         most
     }
 
-    /// Passes by a tape where `directions` derivatives were taken; they can be taken there again. Lanes beyond `used`
-    /// repeat the last.
+    /// Writes to a tape, or reads from it, the unknowns at which the derivatives were evaluated, in so many `directions`. They
+    /// can be evaluated there again. Lanes beyond `used` repeat the last.
     pub(crate) fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
         for slope in &mut self.slopes {
             tape.real(slope);

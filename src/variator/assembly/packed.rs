@@ -1,4 +1,4 @@
-//! Cells on a mesh that stands still, in packs, gathered into the residual, and sampled.
+//! Cells on a mesh that stands still: residual, Jacobian and samples, a pack of cells at a time.
 
 use crate::chain::Transport;
 use crate::pulley::PerPulley;
@@ -10,9 +10,9 @@ use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 #[cfg(test)]
 use crate::variator::assembly::jacobian::worst_of_pack;
-use crate::variator::assembly::jacobian::{Differentiate, Frames, look};
+use crate::variator::assembly::jacobian::{Differentiate, Frames, regime_and_balance};
 use crate::variator::assembly::kept::Kept;
-use crate::variator::assembly::kinds::Standing;
+use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::sums::PulleyLoad;
 use crate::variator::assembly::transports::Transports;
@@ -24,23 +24,22 @@ use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
 use std::marker::PhantomData;
 
-/// Cells with a ring of kind `K` in D components, whose mesh stands on the curve as `C` says.
+/// Cells with a ring of kind `K` in D components, whose mesh lies on the curve `C`.
 #[derive(Clone, Debug)]
 pub(crate) struct PackedCells<K, const D: usize, C> {
     pub(crate) packs: Vec<Pack>,
-    /// Derivatives of each pack.
+    /// Kept derivatives of each pack.
     pub(crate) kept: Vec<Kept>,
-    /// How often packs were differentiated.
+    /// Number of packs that were differentiated.
     pub(crate) differentiations: u64,
-    /// What the balance of the amounts needs of each cell.
     pub(crate) transports: Transports,
-    /// Its slopes in the cell's directions: kept as those of the packs are.
+    /// Slopes of `transports` in the cell's directions, kept as those of the packs are.
     pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
     pub(crate) flux_entries: Vec<FluxEntries>,
     kind: PhantomData<(K, C)>,
 }
 
-impl<K: Differentiate<D>, const D: usize, C: Standing> PackedCells<K, D, C> {
+impl<K: Differentiate<D>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     /// The cells of a belt.
     pub fn new(belt: &Belt) -> Self {
         let cells = belt.mesh.cells.len();
@@ -78,7 +77,7 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> PackedCells<K, D, C> {
     }
 }
 
-impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<K, D, C> {
+impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells<K, D, C> {
     fn boxed(&self) -> Box<dyn Assembly> {
         Box::new(self.clone())
     }
@@ -125,7 +124,7 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             let unknowns = InPlace { pack, view }.gather(K::COUNT);
-            let (regime, b) = look::<K, D, C>(acting, pack, &frames.plain, &unknowns, alpha);
+            let (regime, b) = regime_and_balance::<K, D, C>(acting, pack, &frames.plain, &unknowns, alpha);
             let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
             if !kept.holds::<K>(&regime, &unknowns, length, alpha) {
                 self.differentiations += 1;
@@ -159,12 +158,13 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<
         self.kept.iter_mut().for_each(Kept::forget);
     }
 
-    fn retake_derivatives(&mut self, acting: InForce<'_>) {
+    fn restore_derivatives(&mut self, acting: InForce<'_>) {
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             if !kept.slopes[0].is_nan() {
                 let theta = kept.unknowns.position[K::THETA].re();
                 let frames = Frames::<C>::new(&acting.belt.curve, theta, kept.slopes[1]);
-                (kept.regime, _) = look::<K, D, C>(acting, pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
+                (kept.regime, _) =
+                    regime_and_balance::<K, D, C>(acting, pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
                 K::differentiate(acting, pack, &frames, kept, &mut self.transport_slopes);
             }
         }

@@ -4,7 +4,7 @@ use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation};
 use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, zero_vector};
 use crate::variator::cell::flank_variation::{Flank, FlankVariation};
-use crate::variator::cell::state::{Given, Station, StationForces};
+use crate::variator::cell::state::{CellInput, Station, StationForces};
 use crate::variator::law::flanks::FlankLoads;
 use crate::variator::law::place::{CellBalance, CellLaw};
 use crate::variator::law::ring_friction::ring_friction;
@@ -68,7 +68,7 @@ impl<const D: usize> LinearisedStation<D> {
     /// Station `i` of a cell, under `forces`.
     #[inline(always)]
     pub fn new(
-        given: &Given<'_, Lanes>,
+        given: &CellInput<'_, Lanes>,
         (i, station): (usize, &Station<Lanes, D>),
         forces: StationForces<Lanes, D>,
     ) -> Self {
@@ -149,7 +149,7 @@ impl<const D: usize> LinearisedStation<D> {
     #[inline(always)]
     pub fn vary_approach<const MOVES: bool>(
         &self,
-        given: &Given<'_, Lanes>,
+        given: &CellInput<'_, Lanes>,
         by: &RingVariation<Lanes, D>,
         chain: &ChainVariation<Lanes>,
     ) -> FlankVariation {
@@ -189,7 +189,7 @@ impl<const D: usize> LinearisedStation<D> {
 
     /// Variation of the loads of both flanks.
     #[inline(always)]
-    pub fn vary_flanks(&self, given: &Given<'_, Lanes>, flank: &FlankVariation) -> BothFlanksVariation {
+    pub fn vary_flanks(&self, given: &CellInput<'_, Lanes>, flank: &FlankVariation) -> BothFlanksVariation {
         let (law, at, lambda) = (given.law, &self.forces.approach, self.chain.lambda);
         if D == 2 {
             let one = self.flanks[0].vary(law, at, lambda, flank, &flank.motion);

@@ -13,7 +13,7 @@ use crate::ring::kinematics::{Load, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
-use crate::variator::cell::state::{CellState, Given, StationForces};
+use crate::variator::cell::state::{CellInput, CellState, StationForces};
 use crate::variator::cell::station_variation::{LinearisedStation, StackForce, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -23,7 +23,7 @@ use num_traits::Zero;
 /// A pack of cells, and the coefficients of the variations of its balance.
 #[derive(Debug)]
 pub(crate) struct Linearised<'a, R, const D: usize> {
-    given: Given<'a, Lanes>,
+    given: CellInput<'a, Lanes>,
     ring: &'a R,
     cell: CellState<Lanes, D>,
     stations: [Option<LinearisedStation<D>>; STATIONS],
@@ -65,7 +65,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// motion were applied; `slopes` are the factors of acceleration and position.
     #[inline(always)]
     pub fn new(
-        given: Given<'a, Lanes>,
+        given: CellInput<'a, Lanes>,
         ring: &'a R,
         reference: impl Fn(usize) -> ReferencePoint<Lanes>,
         slopes: [f64; 2],

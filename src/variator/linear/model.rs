@@ -26,13 +26,13 @@ pub struct LinearModel {
     pub outputs: Box<Outputs>,
     /// Inputs u, in the order of the columns of B and D.
     pub loads: Vec<Load>,
-    /// A; x are coordinates of the slow modes, without units of their own.
+    /// A, whose states x are coordinates of the slow modes, without units of their own.
     pub a: Vec<Vec<f64>>,
-    /// B.
+    /// B, a column for each load.
     pub b: Vec<Vec<f64>>,
-    /// C, a row for each output asked for.
+    /// C, a row for each output that `read` picks.
     pub c: Vec<Vec<f64>>,
-    /// D.
+    /// D: direct effect of the loads on the outputs, by modes that are not in A.
     pub d: Vec<Vec<f64>>,
     /// Eigenvalues of A, 1/s: real and imaginary part.
     pub poles: Vec<[f64; 2]>,

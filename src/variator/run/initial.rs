@@ -1,4 +1,4 @@
-//! The state that a run starts from: unloaded, steady, or the nearest to what was asked for that there is.
+//! The state that a run starts from: unloaded or steady as the parameters want it, else the nearest that exists.
 
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
@@ -42,7 +42,7 @@ const STANDSTILL: f64 = 1.0e-3;
 impl Variator {
     /// Finds the state to start from at `time`.
     ///
-    /// What can't be solved starts from the nearest state, with a warning that says what and why.
+    /// A state that can't be solved for is replaced by the nearest one, with a warning that names it and the reason.
     ///
     /// # Errors
     /// Inputs out of range, or no state found.
@@ -148,7 +148,7 @@ impl Variator {
         );
     }
 
-    /// Puts the state in force that a run starts from.
+    /// Sets the state that a run starts from.
     fn find_state(&mut self, time: f64, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         self.time = time;
         (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
@@ -157,7 +157,7 @@ impl Variator {
         self.integrator = integrator(&self.system);
         self.system.forget_derivatives();
         if self.system.parameters.ring_model.travels() {
-            self.lay_on_ale(inputs, start)
+            self.start_on_ale(inputs, start)
         } else if self.system.parameters.initial.steady && start.primary_speed.abs() > STANDSTILL {
             self.start_cold(inputs, start)?;
             self.solve_steady(inputs, start)
@@ -189,8 +189,8 @@ impl Variator {
         Ok(())
     }
 
-    /// Starts as `ALE` would: a ring that travels is laid on it.
-    fn lay_on_ale(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
+    /// Starts in the state of `ALE`: a ring that travels gets the shape of that ring.
+    fn start_on_ale(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         let mut ale = Self::new(Parameters {
             ring_model: RingModel::Ale,
             ..self.system.parameters.clone()
@@ -250,7 +250,7 @@ impl Variator {
         torque / full_slip_torque(&p.friction, self.system.belt.law.wedge[1], force, radius).max(1.0e-6)
     }
 
-    /// Solves for the steady state that was asked for, or for the nearest one; returns which it is.
+    /// Solves for the steady state that the parameters want, or for the nearest one; returns which it is.
     fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         let mut newton = Newton::new(&self.system);
         let task = self.steady_task(inputs, 1.0);

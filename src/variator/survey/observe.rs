@@ -28,7 +28,7 @@ struct ElementTension {
     length: f64,
 }
 
-/// Memory that observing reuses.
+/// Working memory for outputs and profile.
 #[derive(Clone, Debug, Default)]
 pub struct Observer {
     tensions: Vec<ElementTension>,
@@ -36,7 +36,7 @@ pub struct Observer {
     stations: Vec<f64>,
 }
 
-/// What outputs need beside the state.
+/// Values that outputs need beside the state.
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
     /// External torques as held over the last step, N·m.
@@ -49,7 +49,7 @@ pub struct Context {
     pub lost: f64,
     /// Stored energy at the start, J.
     pub initial_energy: f64,
-    /// What the run started from.
+    /// State that the run started from.
     pub start_state: StartState,
 }
 
@@ -259,7 +259,7 @@ fn pulley(belt: &Belt, view: View<'_>, j: Pulley, survey: &Survey, radius: f64, 
 }
 
 /// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second.
-/// `right` is the place of the last answer: ask in ascending order.
+/// `right` is the index of the last result, so `xi` must ascend from call to call.
 fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (usize, usize, f64) {
     let n = list.len();
     while *right < n && at(&list[*right]) < xi {

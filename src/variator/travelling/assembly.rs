@@ -1,4 +1,4 @@
-//! Equations of a ring that travels with its mesh, under the cells.
+//! Equations of the belt with a ring that travels with its mesh under the cells.
 
 use crate::chain::Transport;
 use crate::pulley::PerPulley;
@@ -20,7 +20,7 @@ use crate::variator::travelling::evaluation::{
 };
 use crate::variator::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
 
-/// Slopes of what the balance of the amounts needs of a cell, in the directions `at`.
+/// Slopes of a cell's figures in the balance of the amounts, in the directions `at`.
 #[derive(Clone, Copy, Debug)]
 struct CellSlopes {
     at: [usize; MOST],
@@ -116,7 +116,7 @@ struct Frames {
     moving: [TwoPulleyFrame<Slopes>; PASS],
 }
 
-/// Adds the derivatives of a cell's rows to the matrix, and records those of what the balance of the amounts needs.
+/// Adds the derivatives of a cell's rows to the matrix, and records those of its figures in the balance of the amounts.
 fn add_cell_slopes<E: LagrangianElement>(
     evaluation: &Evaluation<'_, E>,
     over: &CellOver,

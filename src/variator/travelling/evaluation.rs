@@ -10,7 +10,7 @@ use crate::solver::View;
 use crate::variator::assembly::equations::InForce;
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::sample::Probe;
-use crate::variator::cell::state::Given;
+use crate::variator::cell::state::CellInput;
 use crate::variator::law::place::{CellMotion, Place};
 use crate::variator::mesh::belt_mesh::SLOTS;
 use crate::variator::mesh::layout::Layout;
@@ -184,7 +184,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let multipliers = [of.value(own + GAUGE), of.value(own + GAUGE + 1)];
         let mut passing = Passing::<_, _, E>::new(slots, &motion.reference, multipliers);
         let reference = |slot: usize| references[slot].expect("a slot of the cell");
-        let given = Given {
+        let given = CellInput {
             law: &belt.law,
             friction,
             place: &place,

@@ -2,5 +2,5 @@
 
 pub(crate) mod assembly;
 mod evaluation;
-pub(crate) mod lay;
 mod passing;
+pub(crate) mod start;
