@@ -329,7 +329,7 @@ pub struct Push<T> {
 /// Push force from element density `nu` and its material rate `nu_rate`, 1/s.
 #[inline(always)]
 pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
-    let (strain, contact) = smooth_plus(nu - 1.0, belt.contact_strain);
+    let [strain, contact, _] = stack_contact(belt, nu);
     let viscous = contact * nu_rate * (belt.push_stiffness * belt.damping);
     Push {
         force: strain * belt.push_stiffness + viscous,
@@ -338,11 +338,39 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     }
 }
 
+/// ⟨ν−1⟩₊, its slope H and the slope of H.
+#[inline(always)]
+fn stack_contact<T: Real>(belt: &Belt, nu: T) -> [T; 3] {
+    (nu - 1.0).smooth_plus(belt.contact_strain)
+}
+
+/// H, and the slope of d_e H Dν/Dt by ν, at the density `nu` and the push force `push`, N.
+#[inline(always)]
+pub(crate) fn stack_contact_slopes<T: Real>(belt: &Belt, nu: T, push: T) -> [T; 2] {
+    let [strain, contact, bend] = stack_contact(belt, nu);
+    let viscous = (push * (1.0 / belt.push_stiffness) - strain) / contact;
+    [contact, bend * viscous]
+}
+
+/// Share of closing where V has this `difference` across a cell, m/s, from 0 (elements part) to 1, and its slope.
+#[inline(always)]
+fn closing<T: Real>(difference: T) -> [T; 2] {
+    let [_, closing, bend] = (-difference).smooth_plus(CLOSING_SMOOTHING);
+    [closing, bend]
+}
+
+/// Share of closing where V has this `difference` across a cell, m/s, and its slope times the difference.
+#[inline(always)]
+pub(crate) fn closing_slopes<T: Real>(difference: T) -> [T; 2] {
+    let [closing, bend] = closing(difference);
+    [closing, bend * difference]
+}
+
 /// Weight of upwind convection, from 0 to 1: 1 where elements close up and near standstill, 0 where they part in a fast
 /// flow.
 #[inline(always)]
 pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
-    let closing = smooth_plus(-difference, CLOSING_SMOOTHING).1;
+    let [closing, _] = closing(difference);
     let slow = (flow * flow * FREE_FLOW.powi(-2) + 1.0).recip();
     closing + (-closing + 1.0) * slow
 }

@@ -86,7 +86,7 @@ pub struct FlankForce<T> {
     pub along_flank: T,
 }
 
-/// Forces on an element that moves like this; `cos_beta` = cos β.
+/// Forces on an element whose flank moves by `motion`; `cos_beta` = cos β.
 #[inline(always)]
 pub fn flank_force<T: Real>(
     contact: &Contact,
@@ -94,12 +94,11 @@ pub fn flank_force<T: Real>(
     cos_beta: f64,
     motion: &FlankMotion<T>,
 ) -> FlankForce<T> {
-    let (depth, touching) = smooth_plus(motion.penetration, PENETRATION_SMOOTHING);
+    let [depth, touching] = touch(motion.penetration);
     let k = contact.stiffness * cos_beta;
     let elastic = depth * k;
     let viscous = touching * motion.closing * (k * contact.damping);
-    let v0 = friction.velocity;
-    let square = motion.tangential * motion.tangential + motion.along_flank * motion.along_flank + v0 * v0;
+    let square = square_of_speed(friction, [motion.tangential, motion.along_flank]);
     let (_, inverse_speed) = square.root_and_inverse();
     let drag = elastic * (-friction.pulley) * inverse_speed;
     FlankForce {
@@ -107,6 +106,48 @@ pub fn flank_force<T: Real>(
         viscous,
         tangential: drag * motion.tangential,
         along_flank: drag * motion.along_flank,
+    }
+}
+
+/// ⟨g⟩₊ and H at the penetration g, m.
+#[inline(always)]
+pub(crate) fn touch<T: Real>(penetration: T) -> [T; 2] {
+    let (depth, touching) = smooth_plus(penetration, PENETRATION_SMOOTHING);
+    [depth, touching]
+}
+
+/// v_t² + v_f² + v₀², m²/s².
+#[inline(always)]
+fn square_of_speed<T: Real>(friction: &Friction, [tangential, along_flank]: [T; 2]) -> T {
+    let v0 = friction.velocity;
+    tangential * tangential + along_flank * along_flank + v0 * v0
+}
+
+/// Slopes of the friction of [`flank_force`] by the sliding speed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrictionSlopes<T> {
+    /// (v_t, v_f)/√(v_t² + v_f² + v₀²).
+    pub direction: [T; 2],
+    /// Slope of friction around by v_t, slope of friction along the flank by v_f, and the negative slope of each by the other
+    /// speed.
+    pub slopes: [T; 3],
+}
+
+/// Slopes of friction, less their sign, under the elastic load of the depth ⟨g⟩₊, m, by cos β and times `scale`.
+#[inline(always)]
+pub(crate) fn friction_slopes<T: Real>(
+    contact: &Contact,
+    friction: &Friction,
+    depth: T,
+    sliding: [T; 2],
+    scale: f64,
+) -> FrictionSlopes<T> {
+    let speed = square_of_speed(friction, sliding).sqrt();
+    let drag = depth * (friction.pulley * contact.stiffness * scale) / speed;
+    let [u, w] = sliding.map(|of| of / speed);
+    FrictionSlopes {
+        direction: [u, w],
+        slopes: [drag * (-(u * u) + 1.0), drag * (-(w * w) + 1.0), drag * u * w],
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the belt is: constants of its cells, mesh, layout of the unknowns, reference curve. Never changes in a run.
+//! The belt: constants of its cells, mesh, layout of the unknowns, reference curve. It never changes in a run.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
@@ -12,24 +12,24 @@ use crate::variator::settings::parameters::Parameters;
 /// Scale of rows that hold a quantity: of the order of the other entries of its row.
 pub(crate) const HOLD: f64 = 1.0e6;
 
-/// The belt.
+/// The constants of a belt, shared by all that evaluate it.
 #[derive(Clone, Debug)]
 pub struct Belt {
     /// Constants of the cells.
     pub law: CellLaw,
     /// Elements and cells along the belt.
     pub mesh: BeltMesh,
-    /// Where each unknown stands.
+    /// Indices of the unknowns.
     pub layout: Layout,
-    /// Reference curve.
+    /// Reference curve of the ring.
     pub curve: TwoPulley,
-    /// Where V at its left face and the amount of each cell stand.
+    /// Indices of V at the left face and of the amount, for each cell.
     pub cells_at: Vec<CellUnknowns>,
-    /// Which unknowns are rates of positions.
+    /// Whether each unknown is the rate of a position.
     pub has_position: Vec<bool>,
 }
 
-/// Where the unknowns of a cell's elements stand.
+/// Indices of the unknowns of a cell's elements.
 #[derive(Clone, Copy, Debug)]
 pub struct CellUnknowns {
     /// Speed V at the left face.

@@ -1,4 +1,4 @@
-//! The variator: what is set and read, the equations of the belt and of the pulleys, steady states, runs, linear models.
+//! The variator: parameters and outputs, the equations of belt and pulleys, steady states, runs, linear models.
 //!
 //! Rooms from the ground up, each of which uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`, `belt`, `assembly`,
 //! `travelling`, `pulleys`, `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and

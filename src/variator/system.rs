@@ -13,7 +13,7 @@ use crate::solver::{State, System, View};
 use crate::tape::Tape;
 use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::jacobian::Differentiate;
-use crate::variator::assembly::kinds::Standing;
+use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::packed::PackedCells;
 use crate::variator::assembly::sums::PulleyLoad;
 use crate::variator::belt::{Belt, HOLD};
@@ -24,26 +24,26 @@ use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
 use crate::variator::pulleys::rows::Pulleys;
 use crate::variator::settings::parameters::{Parameters, RingModel};
 use crate::variator::travelling::assembly::TravellingCells;
-use crate::variator::travelling::lay::state_on_ale;
+use crate::variator::travelling::start::state_on_ale;
 use std::sync::Arc;
 
 /// The assembled variator.
 #[derive(Clone, Debug)]
 pub struct VariatorSystem {
-    /// What the belt is.
+    /// Constants of the belt.
     pub belt: Arc<Belt>,
     /// Shafts and sheaves.
     pub pulleys: Pulleys,
-    /// Loads and set points.
+    /// Loads and set points at the pulleys.
     pub loads: Loads,
-    /// What was set. The one owner of what can change in a run: the friction coefficients.
+    /// Parameters as set. They own the friction coefficients, which can change in a run.
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
     assembly: Box<dyn Assembly>,
 }
 
-/// The equations of the ring that the belt has: the one place that chooses.
+/// The equations for the ring model of the belt: the one place that chooses them.
 fn assembly(parameters: &Parameters, belt: &Belt) -> Box<dyn Assembly> {
     match belt.layout.ring {
         RingUnknowns::Tension => on_mesh::<GuidedRing, 2>(belt),
@@ -70,7 +70,7 @@ fn on_mesh<K: Differentiate<D>, const D: usize>(belt: &Belt) -> Box<dyn Assembly
     }
 }
 
-fn on_curve<K: Differentiate<D>, const D: usize, C: Standing>(belt: &Belt) -> Box<dyn Assembly> {
+fn on_curve<K: Differentiate<D>, const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
     Box::new(PackedCells::<K, D, C>::new(belt))
 }
 
@@ -135,44 +135,44 @@ impl VariatorSystem {
         self.assembly.sample(InForce { belt, friction }, view, out);
     }
 
-    /// Energies of a ring that counts them on elements of its own, J, and the power that its damping takes, W.
+    /// Energies, J, and damping loss, W, of a ring that has elements of its own; else zero.
     #[must_use]
     pub fn ring_energy(&self, view: View<'_>) -> (Energy, f64) {
         self.assembly.ring_energy(&self.belt, view)
     }
 
-    /// The state in which a ring that travels lies on that of `ale`, which has the same mesh and the deflecting ring.
+    /// The state in which a ring that travels has the shape of that of `ale`, which has the same mesh and the deflecting ring.
     pub(crate) fn state_on_ale(&self, ale: &Self, state: &State) -> State {
         state_on_ale(&self.belt, &*self.assembly, &ale.belt, state)
     }
 
-    /// Puts loads in force that are those of `start` at the time `from` and change at `rates`. At `time` they take over
-    /// from those before, and the rates `y_dot` jump with them.
+    /// Sets loads that are those of `start` at the time `from` and change at `rates`. At `time` they replace those before, and
+    /// the rates `y_dot` jump with them.
     pub fn change_loads(&mut self, from: f64, start: Boundary, rates: LoadRates, time: f64, y_dot: &mut [f64]) {
         let before = self.loads.at(time);
         self.loads = Loads::changing(from, start, rates);
         self.pulleys.jump(&before, &self.loads.at(time), y_dot);
     }
 
-    /// Forgets the derivatives that are kept: the next Jacobian takes all anew.
+    /// Drops the kept derivatives: the next Jacobian evaluates all of them.
     pub(crate) fn forget_derivatives(&mut self) {
         self.assembly.forget_derivatives();
     }
 
-    /// Takes the derivatives that are kept once more, after they were read from a tape.
-    pub(crate) fn retake_derivatives(&mut self) {
+    /// Evaluates the kept derivatives at the places that were read from a tape.
+    pub(crate) fn restore_derivatives(&mut self) {
         let friction = &self.friction();
         let belt = &*self.belt;
-        self.assembly.retake_derivatives(InForce { belt, friction });
+        self.assembly.restore_derivatives(InForce { belt, friction });
     }
 
-    /// Passes by a tape the loads, and where the derivatives that are kept were taken.
+    /// Writes to a tape, or reads from it, the loads and the places of the kept derivatives.
     pub(crate) fn pass(&mut self, tape: &mut Tape<'_>) {
         self.loads.pass(tape);
         self.assembly.pass_derivatives(&self.belt, tape);
     }
 
-    /// How often packs of cells were differentiated.
+    /// Number of packs of cells that were differentiated.
     #[must_use]
     pub fn differentiations(&self) -> u64 {
         self.assembly.differentiations()
@@ -198,14 +198,14 @@ impl VariatorSystem {
     }
 }
 
-/// What does not matter: ring position, m (1 N of tension, 5 N/m of contact), and ring speed, m/s.
+/// Negligible errors: ring position, m (1 N of tension, 5 N/m of contact), and ring speed, m/s.
 const PLACE: f64 = 1.0e-9;
 const RING_SPEED: f64 = 1.0e-3;
 /// Share of the friction velocity, by which all speeds of sliding may be off.
 const SLIP: f64 = 2.0e-3;
 /// Slopes of the overlay per metre of its deflections: an element is some millimetres long.
 const PER_METRE: f64 = 1.0e3;
-/// Element amount, m (1e-7 of chain strain, 1 N), tension, N, and tilt, rad, that do not matter.
+/// Negligible errors of the element amount, m (1e-7 of chain strain, 1 N), of tension, N, and of tilt, rad.
 const AMOUNT: f64 = 1.0e-9;
 const TENSION: f64 = 0.1;
 const TILT: f64 = 1.0e-8;

@@ -1,4 +1,4 @@
-//! What adds up ring, elements and contact to equations: one implementation for rings whose mesh stands still
+//! The equations of ring, elements and contact: one implementation for rings whose mesh stands still
 //! ([`PackedCells`](crate::variator::assembly::packed::PackedCells)), one for rings that travel with theirs.
 
 use crate::contact::Friction;
@@ -20,17 +20,17 @@ pub(crate) struct InForce<'a> {
     pub friction: &'a Friction,
 }
 
-/// Equations of ring and elements. What it remembers are derivatives and working memory: results depend on the arguments
-/// alone, those of [`Assembly::jacobian`] on the derivatives that are kept too.
+/// Equations of ring and elements. It keeps derivatives and working memory. Results depend on the arguments alone; those of
+/// [`Assembly::jacobian`] depend on the kept derivatives too.
 pub(crate) trait Assembly: Debug + Send + Sync {
-    /// A copy that goes on as the original does.
+    /// A copy with the same kept derivatives.
     fn boxed(&self) -> Box<dyn Assembly>;
 
     /// Adds the equations of the belt to `out`; returns its loads on the pulleys.
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
     /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to `out`; returns the loads on the
-    /// pulleys. Derivatives that are still good for Newton's method are those of an earlier call.
+    /// pulleys. Derivatives of an earlier call are used where they are still good for Newton's method.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
@@ -42,7 +42,7 @@ pub(crate) trait Assembly: Debug + Send + Sync {
     /// Values at the stations of each group of cells.
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]);
 
-    /// Energies of a ring that counts them on elements of its own, J, and the power that its damping takes, W.
+    /// Energies, J, and damping loss, W, of a ring that has elements of its own; else zero.
     fn ring_energy(&self, _belt: &Belt, _view: View<'_>) -> (Energy, f64) {
         (Energy::default(), 0.0)
     }
@@ -52,16 +52,16 @@ pub(crate) trait Assembly: Debug + Send + Sync {
         None
     }
 
-    /// Forgets the derivatives that are kept: the next Jacobian takes all anew.
+    /// Drops the kept derivatives: the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Takes the derivatives that are kept once more, after they were read from a tape.
-    fn retake_derivatives(&mut self, _acting: InForce<'_>) {}
+    /// Evaluates the kept derivatives at the places that were read from a tape.
+    fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
 
-    /// Passes by a tape where the derivatives that are kept were taken.
+    /// Writes to a tape, or reads from it, the places of the kept derivatives.
     fn pass_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
 
-    /// How often packs of cells were differentiated.
+    /// Number of packs of cells that were differentiated.
     fn differentiations(&self) -> u64 {
         0
     }

@@ -3,26 +3,26 @@
 use crate::scalar::{Lanes, Real};
 use crate::solver::View;
 use crate::variator::assembly::equations::InForce;
-use crate::variator::assembly::kinds::{RingKind, Standing};
+use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
 use crate::variator::belt::Belt;
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::sample::{Probe, Sample, Sampler};
-use crate::variator::cell::state::Given;
+use crate::variator::cell::state::CellInput;
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{EulerianRing, RingForces};
 use num_traits::Zero;
 
 /// The frame of the curve at a state.
 #[inline(always)]
-pub(crate) fn frame<C: Standing>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
-    C::stand(&belt.curve, belt.curve.shape(belt.theta(view)).frame(Lanes::zero()))
+pub(crate) fn frame<C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
+    C::mesh_frame(&belt.curve, belt.curve.shape(belt.theta(view)).frame(Lanes::zero()))
 }
 
 /// The balance of a pack of cells while `record` gets the values at every station.
 #[inline(never)]
-pub(crate) fn sampled_balance<K: RingKind<D>, const D: usize, C: Standing>(
+pub(crate) fn sampled_balance<K: RingKind<D>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Lanes>,
@@ -35,7 +35,7 @@ pub(crate) fn sampled_balance<K: RingKind<D>, const D: usize, C: Standing>(
 
 /// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
 #[inline(always)]
-pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D>, const D: usize, C: Standing>(
+pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D>, const D: usize, C: MeshCurve>(
     InForce { belt, friction }: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<T>,
@@ -49,7 +49,7 @@ pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
     let mut ring = K::ring::<T, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
-    let given = Given {
+    let given = CellInput {
         law: &belt.law,
         friction,
         place: &place,

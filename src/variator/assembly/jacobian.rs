@@ -6,13 +6,13 @@ use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::{pack_balance, sampled_balance};
 use crate::variator::assembly::kept::{Kept, Regime, RegimeProbe};
-use crate::variator::assembly::kinds::{RingKind, Standing};
+use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, RotatingRing};
 use crate::variator::cell::sample::NoProbe;
-use crate::variator::cell::state::Given;
+use crate::variator::cell::state::CellInput;
 use crate::variator::cell::variation::Linearised;
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::VaryingRing;
@@ -23,8 +23,8 @@ const PASS: usize = 2;
 
 /// A ring whose cells can be differentiated.
 pub(crate) trait Differentiate<const D: usize>: RingKind<D> {
-    /// Differentiates a pack where `kept` says, by the fastest way that is known.
-    fn differentiate<C: Standing>(
+    /// Differentiates a pack at the unknowns of `kept`: by hand if the ring has such derivatives.
+    fn differentiate<C: MeshCurve>(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Frames<C>,
@@ -34,7 +34,7 @@ pub(crate) trait Differentiate<const D: usize>: RingKind<D> {
 }
 
 impl Differentiate<2> for GuidedRing {
-    fn differentiate<C: Standing>(
+    fn differentiate<C: MeshCurve>(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Frames<C>,
@@ -46,7 +46,7 @@ impl Differentiate<2> for GuidedRing {
 }
 
 impl<const D: usize> Differentiate<D> for DeflectingRing<D> {
-    fn differentiate<C: Standing>(
+    fn differentiate<C: MeshCurve>(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Frames<C>,
@@ -58,7 +58,7 @@ impl<const D: usize> Differentiate<D> for DeflectingRing<D> {
 }
 
 impl<const D: usize> Differentiate<D> for RotatingRing<D> {
-    fn differentiate<C: Standing>(
+    fn differentiate<C: MeshCurve>(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Frames<C>,
@@ -69,8 +69,8 @@ impl<const D: usize> Differentiate<D> for RotatingRing<D> {
     }
 }
 
-/// By hand; along Θ by forward differentiation.
-fn by_hand<K: RingKind<D>, const D: usize, C: Standing>(
+/// Differentiates a pack by hand, and along Θ by forward differentiation.
+fn by_hand<K: RingKind<D>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frames: &Frames<C>,
@@ -87,8 +87,8 @@ fn by_hand<K: RingKind<D>, const D: usize, C: Standing>(
     columns.record(K::THETA, &rows.map(|row| row.eps[0]), &transport.map(|of| of.eps[0]));
 }
 
-/// By forward differentiation alone.
-fn forward<K: RingKind<D>, const D: usize, C: Standing>(
+/// Differentiates a pack by forward differentiation alone.
+fn forward<K: RingKind<D>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frames: &Frames<C>,
@@ -98,7 +98,7 @@ fn forward<K: RingKind<D>, const D: usize, C: Standing>(
     let (unknowns, slopes, mut columns) = Columns::of::<K>(pack, kept, transports);
     for first in (0..K::COUNT).step_by(PASS) {
         let moving = Tangent::seed(Lanes::zero(), K::THETA.wrapping_sub(first), slopes[1]);
-        let frame = C::stand(&acting.belt.curve, frames.shape.frame(moving));
+        let frame = C::mesh_frame(&acting.belt.curve, frames.shape.frame(moving));
         let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, unknowns, slopes, first);
         for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
             columns.record(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
@@ -108,7 +108,7 @@ fn forward<K: RingKind<D>, const D: usize, C: Standing>(
 
 /// One pass over a pack: derivatives in the directions `first` and on.
 #[inline(never)]
-fn pack_pass<const N: usize, K: RingKind<D>, const D: usize, C: Standing>(
+fn pack_pass<const N: usize, K: RingKind<D>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Tangent<N>>,
@@ -121,10 +121,10 @@ fn pack_pass<const N: usize, K: RingKind<D>, const D: usize, C: Standing>(
     (rows::<_, K, D>(&b, &ring), b.transport)
 }
 
-/// Hands `record` the derivatives of a pack in all directions but Θ: rows of the balance, and what the balance of the
-/// amounts needs.
+/// Hands `record` the derivatives of a pack in all directions but Θ: rows of the balance, and the figures of the
+/// transport.
 #[inline(never)]
-fn vary_pack<K: RingKind<D>, const D: usize, C: Standing>(
+fn vary_pack<K: RingKind<D>, const D: usize, C: MeshCurve>(
     InForce { belt, friction }: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Lanes>,
@@ -140,7 +140,7 @@ fn vary_pack<K: RingKind<D>, const D: usize, C: Standing>(
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
     let mut ring = K::ring::<Lanes, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, plain);
-    let given = Given {
+    let given = CellInput {
         law: &belt.law,
         friction,
         place: &place,
@@ -158,8 +158,8 @@ fn vary_pack<K: RingKind<D>, const D: usize, C: Standing>(
     }
 }
 
-/// The regime that a pack is in, and its balance.
-pub(crate) fn look<K: RingKind<D>, const D: usize, C: Standing>(
+/// The regime of a pack, and its balance.
+pub(crate) fn regime_and_balance<K: RingKind<D>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Lanes>,
@@ -181,9 +181,9 @@ pub(crate) fn look<K: RingKind<D>, const D: usize, C: Standing>(
 }
 
 /// Largest difference between the derivatives of a pack by hand and by forward differentiation, as a share of the largest
-/// entry of its column, and of all figures that the amounts need (at least 1e-6: they are of the order of 1).
+/// entry of its column, and of all figures of the transport (at least 1e-6: they are of the order of 1).
 #[cfg(test)]
-pub(crate) fn worst_of_pack<K: Differentiate<D>, const D: usize, C: Standing>(
+pub(crate) fn worst_of_pack<K: Differentiate<D>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frames: &Frames<C>,
@@ -216,7 +216,7 @@ pub(crate) fn worst_of_pack<K: Differentiate<D>, const D: usize, C: Standing>(
     worst
 }
 
-/// Where the derivatives of a pack go, a direction after the other.
+/// Memory for the derivatives of a pack: a column for each direction.
 struct Columns<'a> {
     pack: &'a Pack,
     /// Directions, and the one whose row the fluxes fill.
@@ -227,7 +227,7 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// The unknowns and slopes at which a pack is differentiated, and where its columns go.
+    /// The unknowns and slopes at which a pack is differentiated, and its columns.
     #[inline(always)]
     fn of<K: Directions>(
         pack: &'a Pack,
@@ -244,7 +244,7 @@ impl<'a> Columns<'a> {
         (&kept.unknowns, kept.slopes, columns)
     }
 
-    /// Records the derivatives in a direction: rows of the balance, and what the balance of the amounts needs.
+    /// Records the derivatives in a direction: rows of the balance, and figures of the transport.
     #[inline(always)]
     fn record(&mut self, direction: usize, rows: &[Lanes; MOST], transport: &Transport<Lanes>) {
         let amount = self.amount;
@@ -260,20 +260,20 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The curve as it stands, without derivatives and with that along Θ.
-pub(crate) struct Frames<C: Standing> {
+/// The curve without derivatives and with that along Θ.
+pub(crate) struct Frames<C: MeshCurve> {
     shape: TwoPulleyShape,
     pub plain: C::Frame<Lanes>,
     of_theta: C::Frame<Tangent<1>>,
 }
 
-impl<C: Standing> Frames<C> {
+impl<C: MeshCurve> Frames<C> {
     /// Frames at `theta`, whose slope is `beta`.
     pub fn new(curve: &TwoPulley, theta: f64, beta: f64) -> Self {
         let shape = curve.shape(theta);
         Self {
-            plain: C::stand(curve, shape.frame(Lanes::zero())),
-            of_theta: C::stand(curve, shape.frame(Tangent::seed(Lanes::zero(), 0, beta))),
+            plain: C::mesh_frame(curve, shape.frame(Lanes::zero())),
+            of_theta: C::mesh_frame(curve, shape.frame(Tangent::seed(Lanes::zero(), 0, beta))),
             shape,
         }
     }

@@ -2,18 +2,18 @@
 //!
 //! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their
 //! regime from one to the next: contact, friction, push, flow. The others' derivatives are still good for Newton's
-//! method, which needs a direction and not a derivative. So each pack of cells remembers where it was differentiated,
-//! and what it was in.
+//! method, which needs a direction and not a derivative. So each pack of cells keeps the unknowns and the regime at which
+//! it was differentiated.
 
-use crate::chain::CLOSING_SMOOTHING;
-use crate::contact::{Friction, PENETRATION_SMOOTHING};
-use crate::scalar::{Lanes, Real};
+use crate::chain::{closing_slopes, stack_contact_slopes};
+use crate::contact::{Friction, FrictionSlopes, friction_slopes, touch};
+use crate::scalar::Lanes;
 use crate::tape::Tape;
 use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::cell::directions::{Directions, MOST};
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellLaw;
-use crate::variator::law::ring_friction::{pressing, ring_load};
+use crate::variator::law::ring_friction::{pressing, ring_friction_slope};
 use crate::variator::mesh::belt_mesh::STATIONS;
 
 /// Change of a figure at which the derivatives are no longer good, relative to its size and that of the inertia.
@@ -28,7 +28,7 @@ const TURNED: f64 = 1.0e-4;
 struct StationRegime {
     /// Contact of the deeper flank, from 0 (apart) to 1.
     touching: Lanes,
-    /// The same of the other flank.
+    /// Contact of the other flank, from 0 to 1.
     other_touching: Lanes,
     /// Direction of sliding where the flank touches.
     direction: [Lanes; 2],
@@ -83,11 +83,11 @@ impl StationRegime {
 struct StackRegime {
     /// Contact of neighbouring elements, from 0 (apart) to 1.
     contact: Lanes,
-    /// How its change bends the damping force.
+    /// Slope of the damping force by the density, in units of the stiffness.
     bend: Lanes,
-    /// How far elements close up, from 0 to 1.
+    /// Share of closing, from 0 (elements part) to 1.
     closing: Lanes,
-    /// How its change bends the force of collisions.
+    /// Slope of the share of closing, times the difference of V.
     closing_bend: Lanes,
 }
 
@@ -108,7 +108,7 @@ impl StackRegime {
     }
 }
 
-/// What the derivatives of a pack of cells depend on besides what changes little.
+/// Regime of a pack of cells: the slopes of its forces that change much.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Regime {
     stations: [StationRegime; STATIONS],
@@ -137,15 +137,13 @@ impl Regime {
         }
     }
 
-    /// Records what the `difference` of V across a cell does, m/s.
+    /// Records the share of closing where V has this `difference` across a cell, m/s.
     #[inline(always)]
     pub(crate) fn record_difference(&mut self, difference: Lanes) {
-        let [_, closing, bend] = (-difference).smooth_plus(CLOSING_SMOOTHING);
-        self.stack.closing = closing;
-        self.stack.closing_bend = bend * difference;
+        [self.stack.closing, self.stack.closing_bend] = closing_slopes(difference);
     }
 
-    /// Whether derivatives taken in `earlier` are good here.
+    /// Whether derivatives in the regime `earlier` are good in this one.
     #[inline(always)]
     fn is_like(&self, earlier: &Self) -> bool {
         let stations = self.stations.iter().zip(&earlier.stations);
@@ -172,35 +170,28 @@ impl RegimeProbe<'_> {
     pub(crate) fn record(&mut self, s: &Sample<Lanes>) {
         let Self { law, friction, .. } = *self;
         let inertia = 1.0 / (law.chain.mass_per_length * self.alpha);
-        let v0 = friction.velocity;
         let station = &mut self.regime.stations[self.regime.recorded];
         // In space one flank is deeper in than the other.
-        let flank = |depth: Lanes| depth.smooth_plus(PENETRATION_SMOOTHING);
-        let ([deep, touching, _], [flat, other_touching, _]) =
-            (flank(s.penetration + s.offset), flank(s.penetration - s.offset));
-        let square = s.sliding * s.sliding + s.flank_sliding * s.flank_sliding + v0 * v0;
-        let speed = square.sqrt();
-        let drag = (deep + flat) * (friction.pulley * law.contact.stiffness * inertia) / speed;
-        let (u, w) = (s.sliding / speed, s.flank_sliding / speed);
+        let [[deep, touching], [flat, other_touching]] =
+            [s.penetration + s.offset, s.penetration - s.offset].map(touch);
+        let sliding = [s.sliding, s.flank_sliding];
+        let FrictionSlopes { direction, slopes } =
+            friction_slopes(&law.contact, friction, deep + flat, sliding, inertia);
         station.touching = touching;
-        station.direction = [touching * u, touching * w];
-        station.friction = [drag * (-(u * u) + 1.0), drag * (-(w * w) + 1.0), drag * u * w];
         station.other_touching = other_touching;
-        let speed = (s.ring_sliding * s.ring_sliding + v0 * v0).sqrt();
-        let side = s.ring_sliding / speed;
-        let load = ring_load(pressing(&law.ring, s.tension, self.ring_speed));
-        station.ring_friction = load * s.curvature[0] * (friction.ring * inertia) * (-(side * side) + 1.0) / speed;
+        station.direction = direction.map(|along| touching * along);
+        station.friction = slopes;
+        let pressing = pressing(&law.ring, s.tension, self.ring_speed);
+        station.ring_friction = ring_friction_slope(friction, pressing, s.curvature[0], s.ring_sliding, inertia);
         station.convection = s.flow / (s.weight * self.alpha);
         station.curvature = s.curvature[0];
-        let [strain, contact, bend] = (s.density - 1.0).smooth_plus(law.chain.contact_strain);
-        let viscous = (s.push * (1.0 / law.chain.push_stiffness) - strain) / contact;
         let stack = &mut self.regime.stack;
-        (stack.contact, stack.bend) = (contact, bend * viscous);
+        [stack.contact, stack.bend] = stack_contact_slopes(&law.chain, s.density, s.push);
         self.regime.recorded += 1;
     }
 }
 
-/// Derivatives of a pack of cells, and where they were taken.
+/// Derivatives of a pack of cells, and the unknowns and regime at which they were evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct Kept {
     /// Factors of ẏ and q in the derivatives; NaN where there are none.
@@ -227,6 +218,7 @@ impl Kept {
         }
     }
 
+    /// Drops the derivatives.
     pub(crate) fn forget(&mut self) {
         self.slopes = [f64::NAN; 2];
     }
@@ -263,8 +255,8 @@ impl Kept {
         most
     }
 
-    /// Passes by a tape where `directions` derivatives were taken; they can be taken there again. Lanes beyond `used`
-    /// repeat the last.
+    /// Writes to a tape, or reads from it, the unknowns at which the derivatives were evaluated, in so many `directions`. They
+    /// can be evaluated there again. Lanes beyond `used` repeat the last.
     pub(crate) fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
         for slope in &mut self.slopes {
             tape.real(slope);

@@ -1,4 +1,4 @@
-//! Which ring the cells have, and on which mesh: known at compile time, chosen once.
+//! Kinds of ring and of mesh that the cells can have, as types: the choice is made once, at the start.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, Unaligned};
 use crate::ring::Ring;
@@ -12,23 +12,23 @@ use crate::variator::rings::guided::Guided;
 use crate::variator::rings::ring::EulerianRing;
 use crate::variator::rings::rotating::Rotating;
 
-/// The reference curve as a mesh stands on it.
-pub(crate) trait Standing: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// What a frame of the curve is to the mesh.
-    fn stand<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T>;
+/// The reference curve of a mesh that stands still or follows the arcs.
+pub(crate) trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {
+    /// The frame of this curve from that of the two pulleys.
+    fn mesh_frame<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T>;
 }
 
 /// Element borders follow the arc borders.
-impl Standing for TwoPulley {
+impl MeshCurve for TwoPulley {
     #[inline(always)]
-    fn stand<T: Real>(_curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> TwoPulleyFrame<T> {
+    fn mesh_frame<T: Real>(_curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> TwoPulleyFrame<T> {
         frame
     }
 }
 
 /// Elements stand still.
-impl Standing for Unaligned<TwoPulley> {
-    fn stand<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T> {
+impl MeshCurve for Unaligned<TwoPulley> {
+    fn mesh_frame<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T> {
         Self::frame_of(curve, frame)
     }
 }
@@ -40,7 +40,7 @@ pub(crate) trait RingKind<const D: usize>: Directions {
 
     /// The ring between two nodes of a cell `at` a place under a reference motion, from the cell's `unknowns`; `seed` makes
     /// a scalar of a value, its direction and its slope. `curve` gives frame and segment of the reference curve there.
-    fn ring<'a, T: Real, C: Standing>(
+    fn ring<'a, T: Real, C: MeshCurve>(
         ring: &'a Ring,
         at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         curve: (&C::Frame<T>, usize),
@@ -54,7 +54,7 @@ impl RingKind<2> for GuidedRing {
     type Ring<'a, T: Real> = Guided<'a, T>;
 
     #[inline(always)]
-    fn ring<'a, T: Real, C: Standing>(
+    fn ring<'a, T: Real, C: MeshCurve>(
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         _: (&C::Frame<T>, usize),
@@ -70,7 +70,7 @@ impl<const D: usize> RingKind<D> for DeflectingRing<D> {
     type Ring<'a, T: Real> = Deflecting<'a, T, D>;
 
     #[inline(always)]
-    fn ring<'a, T: Real, C: Standing>(
+    fn ring<'a, T: Real, C: MeshCurve>(
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         _: (&C::Frame<T>, usize),
@@ -86,7 +86,7 @@ impl<const D: usize> RingKind<D> for RotatingRing<D> {
     type Ring<'a, T: Real> = Rotating<'a, T, D>;
 
     #[inline(always)]
-    fn ring<'a, T: Real, C: Standing>(
+    fn ring<'a, T: Real, C: MeshCurve>(
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         (frame, segment): (&C::Frame<T>, usize),

@@ -1,4 +1,4 @@
-//! Cells in packs, one in each lane of a register: where they lie, and where their unknowns stand.
+//! Cells in packs, one in each lane of a register: their places on the belt, and the places of their unknowns.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::Jet;
@@ -7,7 +7,7 @@ use crate::ring::mesh::{Element, parts};
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
 use crate::solver::arrow::Shape;
-use crate::variator::assembly::kinds::Standing;
+use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::unknowns::{Part, ReadUnknowns, Unknowns};
 use crate::variator::belt::Belt;
 use crate::variator::cell::directions::{Directions, MOST};
@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// cache.
 #[derive(Debug)]
 pub(crate) struct Slots {
-    /// Which part of its element each cell is.
+    /// Number of each cell in its element.
     parts: [usize; LANES],
     face: Station<Lanes>,
     stations: Vec<Station<Lanes>>,
@@ -43,9 +43,9 @@ pub(crate) struct Pack {
 }
 
 impl Pack {
-    /// Where its cells lie.
+    /// Place of its cells on the belt.
     #[inline(always)]
-    pub fn place<T: Real<Constant = Lanes>, C: Standing>(&self, frame: &C::Frame<T>) -> Place<'_, T> {
+    pub fn place<T: Real<Constant = Lanes>, C: MeshCurve>(&self, frame: &C::Frame<T>) -> Place<'_, T> {
         Place {
             of_segment: self.of_segment,
             face: &self.slots.face,
@@ -79,7 +79,7 @@ impl Pack {
     }
 }
 
-/// The unknowns of a pack where they stand.
+/// The unknowns of a pack, read from the vectors of the state.
 pub(crate) struct InPlace<'a> {
     pub pack: &'a Pack,
     pub view: View<'a>,
@@ -95,7 +95,7 @@ impl InPlace<'_> {
         }
     }
 
-    /// All of them, in `count` directions.
+    /// Copies of them all, in `count` directions.
     #[inline(always)]
     pub fn gather(&self, count: usize) -> Unknowns<Lanes> {
         let all = |part: Part| {
@@ -120,7 +120,7 @@ impl ReadUnknowns<Lanes> for InPlace<'_> {
         Lanes::new(self.pack.at[k].map(|i| from[i]))
     }
 
-    /// They follow each other.
+    /// The unknowns of a node are contiguous.
     #[inline(always)]
     fn read_node<const D: usize>(&self, part: Part, first: usize) -> impl Fn(usize) -> Lanes {
         let from = self.part(part);
@@ -145,7 +145,7 @@ impl Station<Lanes> {
     }
 }
 
-/// Stands for a place outside the matrix.
+/// Index of a place outside the matrix.
 pub(crate) const NOWHERE: usize = usize::MAX;
 
 /// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts before and in the cell; then the same for the

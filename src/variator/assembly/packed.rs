@@ -1,6 +1,6 @@
-//! Cells on a mesh that stands still, in packs, gathered into the residual, and sampled.
+//! Cells on a mesh that stands still: residual, Jacobian and samples, a pack of cells at a time.
 
-use crate::chain::{self, Transport};
+use crate::chain::Transport;
 use crate::pulley::PerPulley;
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
@@ -10,9 +10,9 @@ use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 #[cfg(test)]
 use crate::variator::assembly::jacobian::worst_of_pack;
-use crate::variator::assembly::jacobian::{Differentiate, Frames, look};
+use crate::variator::assembly::jacobian::{Differentiate, Frames, regime_and_balance};
 use crate::variator::assembly::kept::Kept;
-use crate::variator::assembly::kinds::Standing;
+use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::sums::PulleyLoad;
 use crate::variator::assembly::transports::Transports;
@@ -24,23 +24,22 @@ use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
 use std::marker::PhantomData;
 
-/// Cells with a ring of kind `K` in D components, whose mesh stands on the curve as `C` says.
+/// Cells with a ring of kind `K` in D components, whose mesh lies on the curve `C`.
 #[derive(Clone, Debug)]
 pub(crate) struct PackedCells<K, const D: usize, C> {
     pub(crate) packs: Vec<Pack>,
-    /// Derivatives of each pack.
+    /// Kept derivatives of each pack.
     pub(crate) kept: Vec<Kept>,
-    /// How often packs were differentiated.
+    /// Number of packs that were differentiated.
     pub(crate) differentiations: u64,
-    /// What the balance of the amounts needs of each cell.
     pub(crate) transports: Transports,
-    /// Its slopes in the cell's directions: kept as those of the packs are.
+    /// Slopes of `transports` in the cell's directions, kept as those of the packs are.
     pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
     pub(crate) flux_entries: Vec<FluxEntries>,
     kind: PhantomData<(K, C)>,
 }
 
-impl<K: Differentiate<D>, const D: usize, C: Standing> PackedCells<K, D, C> {
+impl<K: Differentiate<D>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     /// The cells of a belt.
     pub fn new(belt: &Belt) -> Self {
         let cells = belt.mesh.cells.len();
@@ -58,20 +57,18 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> PackedCells<K, D, C> {
 
     /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
     fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
-        let cells = belt.mesh.cells.len();
-        for cell in 0..cells {
-            let row = belt.cells_at[cell].amount;
+        for face in self.transports.faces(belt) {
+            let [before, cell] = face.cells;
+            let row = face.amounts[1];
             out.add(row, row, alpha);
-            let before = (cell + cells - 1) % cells;
-            let [by_before, by_own] = chain::flux_slopes(&self.transports.get(before), &self.transports.get(cell));
-            let (of_before, of_own) = (&self.transport_slopes[before], &self.transport_slopes[cell]);
             let [own, other] = &self.flux_entries[cell];
             for k in 0..K::COUNT {
-                let (slope, slope_before) = (by_own.along(of_own, k), by_before.along(of_before, k));
-                for (entries, slope) in [(own[k], slope), (other[k], slope_before)] {
-                    for (entry, value) in entries.into_iter().zip([slope, -slope]) {
+                let of_own = face.slopes(1, &self.transport_slopes[cell], k);
+                let of_before = face.slopes(0, &self.transport_slopes[before], k);
+                for (entries, slopes) in [(own[k], of_own), (other[k], of_before)] {
+                    for (entry, slope) in entries.into_iter().zip(slopes) {
                         if entry != NOWHERE {
-                            out.add_at(entry, value);
+                            out.add_at(entry, slope);
                         }
                     }
                 }
@@ -80,7 +77,7 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> PackedCells<K, D, C> {
     }
 }
 
-impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<K, D, C> {
+impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells<K, D, C> {
     fn boxed(&self) -> Box<dyn Assembly> {
         Box::new(self.clone())
     }
@@ -110,7 +107,7 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<
         }
         out[belt.layout.drift()] += drift.sum();
         out[belt.layout.theta()] += theta.sum();
-        add_fluxes(belt, &mut self.transports, view, out);
+        self.transports.add_fluxes(belt, view, out);
         loads.map(|of| of.sum())
     }
 
@@ -127,7 +124,7 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             let unknowns = InPlace { pack, view }.gather(K::COUNT);
-            let (regime, b) = look::<K, D, C>(acting, pack, &frames.plain, &unknowns, alpha);
+            let (regime, b) = regime_and_balance::<K, D, C>(acting, pack, &frames.plain, &unknowns, alpha);
             let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
             if !kept.holds::<K>(&regime, &unknowns, length, alpha) {
                 self.differentiations += 1;
@@ -161,12 +158,13 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<
         self.kept.iter_mut().for_each(Kept::forget);
     }
 
-    fn retake_derivatives(&mut self, acting: InForce<'_>) {
+    fn restore_derivatives(&mut self, acting: InForce<'_>) {
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             if !kept.slopes[0].is_nan() {
                 let theta = kept.unknowns.position[K::THETA].re();
                 let frames = Frames::<C>::new(&acting.belt.curve, theta, kept.slopes[1]);
-                (kept.regime, _) = look::<K, D, C>(acting, pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
+                (kept.regime, _) =
+                    regime_and_balance::<K, D, C>(acting, pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
                 K::differentiate(acting, pack, &frames, kept, &mut self.transport_slopes);
             }
         }
@@ -205,20 +203,4 @@ impl<K: Differentiate<D>, const D: usize, C: Standing> Assembly for PackedCells<
 pub(crate) fn add_loads(loads: &mut PerPulley<PulleyLoad<Lanes>>, pack: &Pack, b: &CellBalance<Lanes>) {
     loads.secondary.add(b, pack.group.on.secondary);
     loads.primary.add(b, pack.group.on.primary);
-}
-
-/// Adds the balance of the amounts: fluxes through the left faces.
-pub(crate) fn add_fluxes(belt: &Belt, transports: &mut Transports, view: View<'_>, out: &mut [f64]) {
-    transports.close();
-    let cells = belt.mesh.cells.len();
-    let mut from = belt.cells_at[cells - 1].amount;
-    for (pack, at) in belt.cells_at.chunks(LANES).enumerate() {
-        let [before, after] = transports.beside(LANES * pack);
-        for (at, flux) in at.iter().zip(chain::flux(&before, &after).to_array()) {
-            let into = at.amount;
-            out[into] += view.y_dot[into] - flux;
-            out[from] += flux;
-            from = into;
-        }
-    }
 }

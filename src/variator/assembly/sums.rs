@@ -1,4 +1,4 @@
-//! What the belt does to a pulley: sums over its cells.
+//! Loads of the belt on the pulleys: sums over its cells.
 
 use crate::scalar::{Lanes, Real};
 use crate::variator::law::place::CellBalance;
@@ -15,7 +15,7 @@ pub(crate) struct PulleyLoad<T = f64> {
 }
 
 impl<T: Real> PulleyLoad<T> {
-    /// Adds `on` times what a cell does.
+    /// Adds the load of a cell, times `on`.
     #[inline(always)]
     pub(crate) fn add(&mut self, cell: &CellBalance<T>, on: T) {
         self.axial += cell.axial * on;
@@ -38,7 +38,7 @@ impl PulleyLoad<Lanes> {
 }
 
 impl PulleyLoad {
-    /// What one cell does.
+    /// Load of one cell.
     pub(crate) fn of_cell<T: Real<Constant = f64>>(cell: &CellBalance<T>) -> Self {
         Self {
             axial: cell.axial.re(),

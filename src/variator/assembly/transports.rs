@@ -1,10 +1,14 @@
-//! What the balance of the amounts needs of every cell, kept so that neighbours stand side by side.
+//! The balance of the amounts: flow, density and lag of every cell, and the fluxes through the left faces.
 
-use crate::chain::Transport;
+use crate::chain::{self, Transport};
 use crate::scalar::{LANES, Lanes};
+use crate::solver::View;
+use crate::variator::belt::Belt;
 
-/// A figure after the other, in each the last cell, then all cells in their order, then room for a pack that ends beyond
-/// them.
+/// Flow, density and lag of every cell.
+///
+/// Each figure is a list. It begins with the last cell, which stands before the first. All cells follow in their order,
+/// then room for a pack that ends beyond them.
 #[derive(Clone, Debug)]
 pub(crate) struct Transports {
     figures: Transport<Vec<f64>>,
@@ -12,7 +16,7 @@ pub(crate) struct Transports {
 }
 
 impl Transports {
-    /// For as many cells.
+    /// Room for so many cells.
     pub fn new(cells: usize) -> Self {
         Self {
             figures: Transport::default().map(|()| vec![0.0; 1 + cells + LANES]),
@@ -20,21 +24,21 @@ impl Transports {
         }
     }
 
-    /// Of a cell.
+    /// The figures of a cell.
     pub fn get(&self, cell: usize) -> Transport<f64> {
         let [flow, density, lag] = self.figures.each().map(|of| of[1 + cell]);
         Transport { flow, density, lag }
     }
 
-    /// Records that of a cell.
+    /// Records the figures of a cell.
     pub fn set(&mut self, cell: usize, transport: &Transport<f64>) {
         for (to, value) in self.figures.each_mut().into_iter().zip(transport.each()) {
             to[1 + cell] = *value;
         }
     }
 
-    /// Records those of a pack that starts with cell `first`. Lanes that it doesn't use are those of the next pack, so packs
-    /// come in their order.
+    /// Records the figures of a pack that starts with cell `first`. Lanes that it doesn't use are overwritten by the next
+    /// pack, so packs come in their order.
     #[inline(always)]
     pub fn set_pack(&mut self, first: usize, transport: &Transport<Lanes>) {
         for (to, value) in self.figures.each_mut().into_iter().zip(transport.each()) {
@@ -42,20 +46,67 @@ impl Transports {
         }
     }
 
-    /// Lets the last cell stand before the first.
-    pub fn close(&mut self) {
+    /// Copies the last cell to the place before the first.
+    fn close(&mut self) {
         let last = self.cells;
         for figure in self.figures.each_mut() {
             figure[0] = figure[last];
         }
     }
 
-    /// On both sides of the left faces of the cells from `first` on, once the loop is closed.
+    /// The figures on both sides of the left faces of the cells from `first` on, once the loop is closed.
     #[inline(always)]
-    pub fn beside(&self, first: usize) -> [Transport<Lanes>; 2] {
+    fn beside(&self, first: usize) -> [Transport<Lanes>; 2] {
         [first, first + 1].map(|start| {
             let [flow, density, lag] = self.figures.each().map(|of| Lanes::read(&of[start..]));
             Transport { flow, density, lag }
         })
+    }
+
+    /// Adds the balance of the amounts to `out`: fluxes through the left faces.
+    pub fn add_fluxes(&mut self, belt: &Belt, view: View<'_>, out: &mut [f64]) {
+        self.close();
+        let mut from = belt.cells_at[self.cells - 1].amount;
+        for (pack, at) in belt.cells_at.chunks(LANES).enumerate() {
+            let [before, after] = self.beside(LANES * pack);
+            for (at, flux) in at.iter().zip(chain::flux(&before, &after).to_array()) {
+                let into = at.amount;
+                out[into] += view.y_dot[into] - flux;
+                out[from] += flux;
+                from = into;
+            }
+        }
+    }
+
+    /// The left faces of all cells.
+    pub fn faces<'a>(&'a self, belt: &'a Belt) -> impl Iterator<Item = Face> + 'a {
+        (0..self.cells).map(|cell| {
+            let before = (cell + self.cells - 1) % self.cells;
+            let cells = [before, cell];
+            Face {
+                cells,
+                amounts: cells.map(|cell| belt.cells_at[cell].amount),
+                by: chain::flux_slopes(&self.get(before), &self.get(cell)),
+            }
+        })
+    }
+}
+
+/// The left face of a cell, with the cell before it (0) and the cell itself (1).
+pub(crate) struct Face {
+    pub cells: [usize; 2],
+    /// Their amounts: unknowns, and rows of the balance.
+    pub amounts: [usize; 2],
+    /// Derivatives of the flux by their figures.
+    by: [Transport<f64>; 2],
+}
+
+impl Face {
+    /// Derivatives of the balances of both amounts in direction `k` of the cell on that side; `slopes` are those of its
+    /// figures.
+    #[inline(always)]
+    pub fn slopes<const N: usize>(&self, side: usize, slopes: &Transport<[f64; N]>, k: usize) -> [f64; 2] {
+        let slope = self.by[side].along(slopes, k);
+        [slope, -slope]
     }
 }

@@ -12,7 +12,7 @@ use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::in_plane;
 use crate::scalar::Real;
 use crate::variator::cell::sample::{Probe, Sample};
-use crate::variator::cell::state::{CellState, Given, Station, StationForces};
+use crate::variator::cell::state::{CellInput, CellState, Station, StationForces};
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{Action, CellRing};
 use nalgebra::Vector2;
@@ -21,7 +21,7 @@ use nalgebra::Vector2;
 /// curve at the face (0) and at the stations (1 and on); `probe` records every station.
 #[inline(always)]
 pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
-    given: &Given<'_, T>,
+    given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
     probe: &mut S,
@@ -54,7 +54,7 @@ pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
 /// Adds what happens at station `i`: to the ring, to the elements, and to the pulley.
 #[inline(always)]
 fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
-    given: &Given<'_, T>,
+    given: &CellInput<'_, T>,
     (i, station): (usize, &Station<T, D>),
     forces: &StationForces<T, D>,
     ring: &mut R,
@@ -103,7 +103,7 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
 /// The values at a station that outputs, losses and energies need.
 #[inline(always)]
 fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
-    given: &Given<'_, T>,
+    given: &CellInput<'_, T>,
     cell: &CellState<T, D>,
     station: &Station<T, D>,
     forces: &StationForces<T, D>,

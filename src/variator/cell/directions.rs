@@ -23,8 +23,8 @@ pub(crate) trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// Number of all.
     const COUNT: usize = Self::DRIFT + GLOBALS;
 
-    /// What varies in direction `k`; none in that of Θ, whose derivatives [`variation`](crate::variator::cell::variation)
-    /// does not know.
+    /// Unknown that varies in direction `k`; none for Θ, whose derivatives [`variation`](crate::variator::cell::variation)
+    /// does not have.
     fn direction(k: usize) -> Option<Direction> {
         if k < Self::NODES {
             return Some(Direction::Ring(k));
@@ -73,7 +73,7 @@ impl<const D: usize> Directions for RotatingRing<D> {
     const TENSIONS: usize = 0;
 }
 
-/// What varies.
+/// An unknown of a cell that varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
     /// An unknown of the ring's own: of a node, or (`ALE0`) the tension at a face.

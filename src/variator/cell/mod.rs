@@ -2,6 +2,8 @@
 
 pub(crate) mod balance;
 pub(crate) mod directions;
+pub(crate) mod flank_variation;
 pub mod sample;
 pub(crate) mod state;
+pub(crate) mod station_variation;
 pub(crate) mod variation;

@@ -1,4 +1,4 @@
-//! Values at a station beside its balance, for outputs, losses and energies, and who records them.
+//! Values at a station for outputs, losses and energies, and the probes that record them.
 
 use crate::scalar::{Lanes, Real};
 
@@ -73,7 +73,7 @@ macro_rules! for_each_figure {
 }
 
 impl Sample<Lanes> {
-    /// The sample of the cell in a lane. Inlined, it reads only what is asked of it.
+    /// The sample of the cell in a lane. Inlined, it reads only the values that are used.
     #[inline(always)]
     #[must_use]
     pub fn get(&self, lane: usize) -> Sample {
@@ -104,13 +104,13 @@ impl Sample {
 
 /// Records every station of a cell as it is evaluated.
 pub trait Probe<T> {
-    /// Whether samples are wanted.
+    /// Whether samples are needed: if not, they are not evaluated.
     const ACTIVE: bool;
     /// Records a sample.
     fn record(&mut self, sample: Sample<T>);
 }
 
-/// Wants no samples.
+/// A probe that needs no samples.
 #[derive(Debug)]
 pub struct NoProbe;
 
@@ -119,7 +119,7 @@ impl<T> Probe<T> for NoProbe {
     fn record(&mut self, _sample: Sample<T>) {}
 }
 
-/// Hands samples to a closure.
+/// A probe that hands samples to a closure.
 pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
 
 impl<T> Probe<T> for Sampler<'_, T> {

@@ -1,4 +1,4 @@
-//! The state of a cell and of its stations: what its balance and the derivatives of that start from.
+//! The state of a cell and of its stations, from which its balance and the derivatives of that follow.
 
 use crate::chain::{ChainPoint, Stack};
 use crate::contact::Friction;
@@ -10,11 +10,11 @@ use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
 use crate::variator::law::ring_friction::{pressing, ring_friction};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector2};
 
-/// What a cell is given: constants, friction, place and motion.
+/// Arguments of the cell law: constants, friction, place and motion.
 #[derive(Debug)]
-pub(crate) struct Given<'a, T: Real> {
+pub(crate) struct CellInput<'a, T: Real> {
     pub law: &'a CellLaw,
     pub friction: &'a Friction,
     pub place: &'a Place<'a, T>,
@@ -29,7 +29,7 @@ pub(crate) struct Station<T: Real, const D: usize> {
     pub weight: T,
 }
 
-/// Ring and chain in a cell, and what the stack of its elements depends on.
+/// Ring and chain in a cell, and the arguments of the laws of its stack.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellState<T: Real, const D: usize> {
     /// Ring and chain at the left face.
@@ -55,11 +55,11 @@ impl<T: Real, const D: usize> CellState<T, D> {
     /// slots go through one loop, so that what they need is compiled in once.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>>(
-        given: &Given<'_, T>,
+        given: &CellInput<'_, T>,
         ring: &R,
         reference: impl Fn(usize) -> ReferencePoint<T>,
     ) -> Self {
-        let Given { law, place, motion, .. } = given;
+        let CellInput { law, place, motion, .. } = given;
         let e = law.chain.pitch_offset;
         let theta_dot = motion.reference.theta.rate;
         let length = place.length.v;
@@ -145,8 +145,8 @@ pub(crate) struct StationForces<T: Real, const D: usize> {
     pub v_e: SVector<T, D>,
     pub approach: Approach<T>,
     pub flanks: BothFlanks<T>,
-    /// What the flanks do at the pitch line (tangentially) and at the ring centre line, N/m.
-    pub at_pitch_line: nalgebra::Vector2<T>,
+    /// Forces of the flanks at the pitch line (tangential) and at the ring centre line, N/m.
+    pub at_pitch_line: Vector2<T>,
     pub at_ring_line: SVector<T, D>,
     /// Forces along the normals, inwards, N/m.
     pub inward: [T; 2],
@@ -162,13 +162,13 @@ impl<T: Real, const D: usize> StationForces<T, D> {
     /// At station `i` of a cell whose elements push with `push`, N.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>>(
-        given: &Given<'_, T>,
+        given: &CellInput<'_, T>,
         cell: &CellState<T, D>,
         (i, station): (usize, &Station<T, D>),
         ring: &R,
         push: T,
     ) -> Self {
-        let Given {
+        let CellInput {
             law,
             friction,
             place,
@@ -191,11 +191,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             (point, &v_e),
             chain.lambda,
         );
-        let mut at_ring_line: SVector<T, D> = embed(approach.e_r * -flanks.loads.radial);
-        if D > 2 {
-            at_ring_line[D - 1] += flanks.lateral;
-        }
-        let at_pitch_line = approach.e_t * -flanks.loads.around;
+        let (at_pitch_line, at_ring_line) = flank_forces::<T, D>(&approach, &flanks);
         let mut inward = [T::zero(); 2];
         for (k, inward) in inward.iter_mut().enumerate().take(D - 1) {
             let normal = &chain.normals[k];
@@ -226,4 +222,17 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             tangential: at_ring_line.dot(&point.t) - ring_friction,
         }
     }
+}
+
+/// Forces of the flanks at the pitch line (tangential) and at the ring centre line, N/m.
+#[inline(always)]
+fn flank_forces<T: Real, const D: usize>(
+    approach: &Approach<T>,
+    flanks: &BothFlanks<T>,
+) -> (Vector2<T>, SVector<T, D>) {
+    let mut at_ring_line: SVector<T, D> = embed(approach.e_r * -flanks.loads.radial);
+    if D > 2 {
+        at_ring_line[D - 1] += flanks.lateral;
+    }
+    (approach.e_t * -flanks.loads.around, at_ring_line)
 }

@@ -1,193 +1,63 @@
-//! The derivatives of [`balance`](crate::variator::cell::balance::balance) by hand, in every direction that leaves the reference curve
-//! where it is.
+//! The derivatives of [`balance`](crate::variator::cell::balance::balance) by hand, in every direction that leaves the
+//! reference curve where it is.
 //!
 //! Forward differentiation repeats the whole law for each direction, though a node moves only the ring, a sheave only
-//! the flanks, and nearly everything is linear between them. Here each station keeps what its variation is linear in;
-//! laws that are not linear (flanks, stack) are differentiated forward, in their few arguments. Less than half the
-//! time, to the same digits (a test of [`super::system`] holds both against each other). Θ moves everything and stays
-//! with forward differentiation.
+//! the flanks, and nearly everything is linear between them. Here each station keeps the coefficients of its variation.
+//! Laws that are not linear (flanks, stack) are differentiated forward, in their few arguments. This takes less than half
+//! the time and gives the same digits: a test of `variator` compares the two. Θ moves everything and stays with forward
+//! differentiation.
 
-use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation, Stack, Transport};
-use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
+use crate::chain::{ChainPoint, ChainVariation, Stack, Transport};
 use crate::reference_curve::ReferencePoint;
-use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
-use crate::scalar::{Lanes, Real, Tangent, zero_vector};
+use crate::ring::kinematics::{Load, RingPoint, RingVariation};
+use crate::scalar::{Lanes, Tangent};
 use crate::variator::cell::directions::Direction;
-use crate::variator::cell::state::{CellState, Given, Station, StationForces};
-use crate::variator::law::flanks::{Approach, FlankLoads};
-use crate::variator::law::place::{CellBalance, CellLaw, between, share};
-use crate::variator::law::ring_friction::ring_friction;
+use crate::variator::cell::flank_variation::FlankVariation;
+use crate::variator::cell::state::{CellInput, CellState, StationForces};
+use crate::variator::cell::station_variation::{LinearisedStation, StackForce, StationVariation};
+use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
-use nalgebra::SVector;
 use num_traits::Zero;
 
-/// Forces of a flank with their derivatives with respect to its motion.
-#[derive(Clone, Copy, Debug)]
-struct Flank {
-    force: FlankForce<Lanes>,
-    /// Of normal force, friction around and along the flank: by penetration, closing, sliding around and along.
-    slopes: [[Lanes; 4]; 3],
-}
-
-impl Flank {
-    #[inline(always)]
-    fn new(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> Self {
-        let seeded = FlankMotion {
-            penetration: Tangent::<4>::seed(motion.penetration, 0, 1.0),
-            closing: Tangent::seed(motion.closing, 1, 1.0),
-            tangential: Tangent::seed(motion.tangential, 2, 1.0),
-            along_flank: Tangent::seed(motion.along_flank, 3, 1.0),
-        };
-        let force = flank_force(&law.contact, friction, law.wedge[1], &seeded);
-        Self {
-            force: FlankForce {
-                normal: force.normal.re,
-                viscous: force.viscous.re,
-                tangential: force.tangential.re,
-                along_flank: force.along_flank.re,
-            },
-            slopes: [force.normal.eps, force.tangential.eps, force.along_flank.eps],
-        }
-    }
-
-    /// How its loads vary with its motion, with λ and with how it stands to the pulley.
-    #[inline(always)]
-    fn vary(
-        &self,
-        law: &CellLaw,
-        at: &Approach<Lanes>,
-        lambda: Lanes,
-        by: &FlankVariation,
-        motion: &FlankMotion<Lanes>,
-    ) -> FlankLoads<Lanes> {
-        let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let of = |slopes: &[Lanes; 4]| {
-            slopes[0] * motion.penetration
-                + slopes[1] * motion.closing
-                + slopes[2] * motion.tangential
-                + slopes[3] * motion.along_flank
-        };
-        let [normal, tangential, along_flank] = [0, 1, 2].map(|k| of(&self.slopes[k]));
-        let force = &self.force;
-        // Per ring length: forces times λ.
-        let normal_by = normal * lambda + force.normal * by.lambda;
-        let tangential_by = tangential * lambda + force.tangential * by.lambda;
-        let along_by = along_flank * lambda + force.along_flank * by.lambda;
-        let (axial_normal, axial_normal_by) = (force.normal * lambda * cos_beta, normal_by * cos_beta);
-        let axial_friction = force.along_flank * lambda * sin_beta;
-        let axial_friction_by = along_by * sin_beta;
-        let around = force.tangential * lambda + axial_friction * at.opening_slope;
-        let around_by = tangential_by + axial_friction_by * at.opening_slope + axial_friction * by.opening_slope;
-        let zero = Lanes::zero();
-        FlankLoads {
-            radial: axial_normal_by * (at.opening + tan_beta) + axial_normal * by.opening + along_by * cos_beta,
-            around: axial_normal_by * at.opening_slope + axial_normal * by.opening_slope + tangential_by,
-            torque: -(around_by * at.rho + around * by.rho),
-            axial: axial_normal_by - axial_friction_by,
-            normal: zero,
-            loss: zero,
-            viscous: zero,
-        }
-    }
-}
-
-/// How a point stands to its pulley, and how its flanks move, otherwise: the derivatives of an [`Approach`].
-#[derive(Clone, Copy, Debug)]
-struct FlankVariation {
-    motion: FlankMotion<Lanes>,
-    lambda: Lanes,
-    rho: Lanes,
-    opening: Lanes,
-    opening_slope: Lanes,
-    /// Angle by which e_r turns towards e_t.
-    turn: Lanes,
-    /// In space: offset from the middle, and its rate.
-    offset: [Lanes; 2],
-}
-
-impl FlankVariation {
-    /// None but that λ varies.
-    #[inline(always)]
-    fn of_lambda(lambda: Lanes) -> Self {
-        let zero = Lanes::zero();
-        Self {
-            motion: FlankMotion {
-                penetration: zero,
-                closing: zero,
-                tangential: zero,
-                along_flank: zero,
-            },
-            lambda,
-            rho: zero,
-            opening: zero,
-            opening_slope: zero,
-            turn: zero,
-            offset: [zero; 2],
-        }
-    }
-}
-
-/// A station, and what its loads are linear in.
-#[derive(Clone, Copy, Debug)]
-struct Point<const D: usize> {
-    ring: RingPoint<Lanes, D>,
-    chain: ChainPoint<Lanes, D>,
-    terms: AccelerationTerms<Lanes>,
-    weight: Lanes,
-    right: Lanes,
-    forces: StationForces<Lanes, D>,
-    /// v_e·e_t and v_p·e_r, m/s.
-    crosswise: [Lanes; 2],
-    /// On the movable sheave; in space also on the other.
-    flanks: [Flank; 2],
-    /// Derivatives of ring friction by the load's argument T − m_r ṡ² and by the sliding speed.
-    friction_by: [Lanes; 2],
-}
-
-impl<const D: usize> Point<D> {
-    #[inline(always)]
-    fn new(
-        given: &Given<'_, Lanes>,
-        (i, station): (usize, &Station<Lanes, D>),
-        forces: StationForces<Lanes, D>,
-    ) -> Self {
-        let Station { ring, chain, weight } = *station;
-        let StationForces { v_e, v_p, approach, .. } = &forces;
-        let friction = ring_friction(
-            given.friction,
-            Tangent::<2>::seed(forces.pressing, 0, 1.0),
-            Tangent::constant(ring.reference.kappa),
-            Tangent::seed(forces.sliding, 1, 1.0),
-        );
-        Self {
-            terms: chain.acceleration_terms(&ring),
-            weight,
-            right: given.place.stations[i].right,
-            crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
-            flanks: forces
-                .flanks
-                .motions
-                .map(|motion| Flank::new(given.law, given.friction, &motion)),
-            friction_by: friction.eps,
-            forces,
-            ring,
-            chain,
-        }
-    }
-}
-
-/// A pack of cells, and what its balance is linear in.
+/// A pack of cells, and the coefficients of the variations of its balance.
 #[derive(Debug)]
 pub(crate) struct Linearised<'a, R, const D: usize> {
-    given: Given<'a, Lanes>,
+    given: CellInput<'a, Lanes>,
     ring: &'a R,
     cell: CellState<Lanes, D>,
-    points: [Option<Point<D>>; STATIONS],
+    stations: [Option<LinearisedStation<D>>; STATIONS],
     push: Lanes,
     /// Push force, collision force and lag: by density, its rate, flow and difference of V.
     stack: [[Lanes; 4]; 3],
+    /// Factors of acceleration and position.
     slopes: [f64; 2],
+}
+
+/// Variation of ring and chain in a cell.
+#[derive(Clone, Copy, Debug)]
+struct CellVariation<const D: usize> {
+    stations: [Option<(RingVariation<Lanes, D>, ChainVariation<Lanes>)>; STATIONS],
+    /// Flow through the left face, m/s.
+    flow_in: Lanes,
+    /// Length of the pitch line, m.
+    pitch_length: Lanes,
+    /// ∫κ̂ n̂·ṙ dξ, m/s.
+    carried: Lanes,
+    /// ∫J dξ, m²/s.
+    through: Lanes,
+    /// Difference of V across the cell, m/s.
+    difference: Lanes,
+}
+
+/// Variation of the stack in a cell.
+#[derive(Clone, Copy, Debug)]
+struct StackVariation {
+    density: Lanes,
+    /// Push force and collision force, N.
+    push: Lanes,
+    collision: Lanes,
+    lag: Lanes,
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
@@ -195,7 +65,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// motion were applied; `slopes` are the factors of acceleration and position.
     #[inline(always)]
     pub fn new(
-        given: Given<'a, Lanes>,
+        given: CellInput<'a, Lanes>,
         ring: &'a R,
         reference: impl Fn(usize) -> ReferencePoint<Lanes>,
         slopes: [f64; 2],
@@ -207,25 +77,25 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let seeded = std::array::from_fn(|k| Tangent::<4>::seed(arguments[k], k, 1.0));
         let Stack { push, collision, lag } = Stack::new(&given.law.chain, seeded);
         let lag = if given.law.has_lag { lag.eps } else { [Lanes::zero(); 4] };
-        let mut points = [None; STATIONS];
-        for (i, (point, station)) in points.iter_mut().zip(&cell.stations).enumerate() {
+        let mut stations = [None; STATIONS];
+        for (i, (linearised, station)) in stations.iter_mut().zip(&cell.stations).enumerate() {
             if let Some(station) = station {
                 let forces = StationForces::new(&given, &cell, (i, station), ring, push.force.re);
-                *point = Some(Point::new(&given, (i, station), forces));
+                *linearised = Some(LinearisedStation::new(&given, (i, station), forces));
             }
         }
         Self {
             given,
             ring,
             cell,
-            points,
+            stations,
             push: push.force.re,
             stack: [push.force.eps, collision.eps, lag],
             slopes,
         }
     }
 
-    /// How balance and ring forces vary in a direction.
+    /// Variation of balance and ring forces in a direction.
     #[inline(always)]
     pub fn vary(&self, direction: Direction) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let own = match direction {
@@ -248,107 +118,34 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         direction: Direction,
         own: Option<usize>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
-        let zero = Lanes::zero();
         let [alpha, beta] = self.slopes;
-        let mut speed = [zero; 2];
-        if let Direction::Speed(face) = direction {
-            speed[face] = Lanes::from(1.0);
-        }
-        let at = |slot: usize, ring: &RingPoint<Lanes, D>, chain: &ChainPoint<Lanes, D>, speed| {
-            if !MOVES {
-                return (RingVariation::none(), ChainVariation::of_speed(chain, speed));
-            }
-            let by = match own {
-                Some(own) => self.ring.vary(slot, ring, own, self.slopes),
-                None => RingVariation {
-                    w: Lanes::from(1.0),
-                    w_dot: Lanes::from(alpha),
-                    ..RingVariation::none()
-                },
-            };
-            (by, chain.vary(ring, &by, speed))
-        };
-
-        // Cell.
-        let (mut pitch_length, mut carried, mut through, mut steepness) = (zero, zero, zero, zero);
-        let mut varied = [None; STATIONS];
-        for (i, (varied, point)) in varied.iter_mut().zip(&self.points).enumerate() {
-            let Some(point) = point else { continue };
-            let chain = &point.chain;
-            let speed = between(&speed, point.right);
-            let (by, chain_by) = at(i + 1, &point.ring, chain, speed);
-            pitch_length += point.weight * by.stretch;
-            if MOVES {
-                for k in 0..D - 1 {
-                    carried += point.weight
-                        * (chain_by.curvature[k] * chain.normal_speed[k]
-                            + chain.curvature[k] * chain_by.normal_speed[k]);
-                }
-            }
-            through += point.weight * chain_by.flow;
-            steepness += point.weight * by.strain_gradient;
-            *varied = Some((by, chain_by));
-        }
-        if MOVES {
-            for (by, _) in varied.iter_mut().flatten() {
-                by.strain_gradient = steepness * self.cell.inverse_length;
-            }
-        }
-        let (ring, chain) = &self.cell.face;
-        let (_, face) = at(0, ring, chain, speed[0]);
-        let amount = if direction == Direction::Amount {
-            Lanes::from(1.0)
-        } else {
-            zero
-        };
-        let difference = speed[1] - speed[0];
-        let lengthening = difference - carried;
-        let inverse = self.cell.inverse_pitch_length;
-        let density = (amount - self.cell.density * pitch_length) * inverse;
-        let thinning = (self.cell.density * self.cell.lengthening * inverse * pitch_length
-            - density * self.cell.lengthening
-            - self.cell.density * lengthening)
-            * inverse;
-        let arguments = [density, thinning, through * self.cell.inverse_length, difference];
-        let [push, collision, lag] = [0, 1, 2].map(|k| {
-            let slopes = &self.stack[k];
-            slopes[0] * arguments[0] + slopes[1] * arguments[1] + slopes[2] * arguments[2] + slopes[3] * arguments[3]
-        });
+        let cell = self.vary_cell::<MOVES>(direction, own);
+        let stack = self.vary_stack(direction, &cell);
         let mut out = nothing();
-        out.speed = [push - collision, collision - push];
+        out.speed = [stack.push - stack.collision, stack.collision - stack.push];
         out.transport = Transport {
-            flow: face.flow,
-            density,
-            lag,
+            flow: cell.flow_in,
+            density: stack.density,
+            lag: stack.lag,
         };
-
-        // Stations.
-        let gradient = self.cell.speed_gradient();
+        let on_stations = StackForce {
+            density: [self.cell.density, stack.density],
+            push: [self.push, stack.push],
+            gradient: [self.cell.speed_gradient(), cell.difference * self.cell.inverse_length],
+        };
         let mut sum = self.ring.empty();
-        for (i, (point, varied)) in self.points.iter().zip(&varied).enumerate() {
-            let (Some(point), Some((by, chain_by))) = (point, varied) else {
+        for (i, (station, varied)) in self.stations.iter().zip(&cell.stations).enumerate() {
+            let (Some(station), Some((by, chain))) = (station, varied) else {
                 continue;
             };
-            let (ring, chain) = (&point.ring, &point.chain);
             let mut load = Load::zero();
-            let tension = self.ring.vary_own_load(i + 1, ring, by, own, &mut load);
-            let mass = (density * chain.lambda + self.cell.density * by.stretch) * self.given.law.chain.mass_per_length;
-            let speed_dot = chain_by.speed * alpha;
-            let gradients = [gradient, difference * self.cell.inverse_length];
-            let (a_t, a_n) = chain.vary_acceleration(ring, &point.terms, (by, chain_by), speed_dot, gradients);
-            let (base_t, base_n) = point.forces.acceleration;
-            let mut inward = [zero; 2];
-            for k in 0..D - 1 {
-                inward[k] = mass * base_n[k]
-                    + point.forces.mass * a_n[k]
-                    + push * chain.curvature[k]
-                    + self.push * chain_by.curvature[k];
-            }
-            let change = Change {
+            let tension = self.ring.vary_own_load(i + 1, &station.ring, by, own, &mut load);
+            let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &on_stations);
+            let change = StationVariation {
                 by,
-                chain: chain_by,
-                flank: &self.flank::<MOVES>(point, by, chain_by),
-                along: mass * base_t + point.forces.mass * a_t,
+                chain,
+                flank: &station.vary_approach::<MOVES>(&self.given, by, chain),
+                along,
                 inward,
                 tension,
                 pressing: if direction == Direction::Drift {
@@ -357,9 +154,104 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                     tension
                 },
             };
-            self.contact::<MOVES>(i, point, &change, load, &mut out, &mut sum);
+            self.add_station::<MOVES>((i, station), &change, load, &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, own, beta))
+    }
+
+    /// Variation of ring and chain at the face (0) or at a station (1 and on), where V varies by `speed` there. In a
+    /// direction that moves the ring (`MOVES`) an unknown of its own varies, else the drift rate.
+    #[inline(always)]
+    fn vary_slot<const MOVES: bool>(
+        &self,
+        (slot, ring, chain): (usize, &RingPoint<Lanes, D>, &ChainPoint<Lanes, D>),
+        own: Option<usize>,
+        speed: Lanes,
+    ) -> (RingVariation<Lanes, D>, ChainVariation<Lanes>) {
+        if !MOVES {
+            return (RingVariation::none(), ChainVariation::of_speed(chain, speed));
+        }
+        let by = match own {
+            Some(own) => self.ring.vary(slot, ring, own, self.slopes),
+            None => RingVariation {
+                w: Lanes::from(1.0),
+                w_dot: Lanes::from(self.slopes[0]),
+                ..RingVariation::none()
+            },
+        };
+        (by, chain.vary(ring, &by, speed))
+    }
+
+    /// Variation of ring and chain.
+    #[inline(always)]
+    fn vary_cell<const MOVES: bool>(&self, direction: Direction, own: Option<usize>) -> CellVariation<D> {
+        let zero = Lanes::zero();
+        let mut speed = [zero; 2];
+        if let Direction::Speed(face) = direction {
+            speed[face] = Lanes::from(1.0);
+        }
+        let (mut pitch_length, mut carried, mut through, mut steepness) = (zero, zero, zero, zero);
+        let mut stations = [None; STATIONS];
+        for (i, (varied, station)) in stations.iter_mut().zip(&self.stations).enumerate() {
+            let Some(station) = station else { continue };
+            let (chain, weight) = (&station.chain, station.weight);
+            let slot = (i + 1, &station.ring, chain);
+            let (by, chain_by) = self.vary_slot::<MOVES>(slot, own, between(&speed, station.right));
+            pitch_length += weight * by.stretch;
+            if MOVES {
+                for k in 0..D - 1 {
+                    carried += weight
+                        * (chain_by.curvature[k] * chain.normal_speed[k]
+                            + chain.curvature[k] * chain_by.normal_speed[k]);
+                }
+            }
+            through += weight * chain_by.flow;
+            steepness += weight * by.strain_gradient;
+            *varied = Some((by, chain_by));
+        }
+        if MOVES {
+            for (by, _) in stations.iter_mut().flatten() {
+                by.strain_gradient = steepness * self.cell.inverse_length;
+            }
+        }
+        let (ring, chain) = &self.cell.face;
+        let (_, face) = self.vary_slot::<MOVES>((0, ring, chain), own, speed[0]);
+        CellVariation {
+            stations,
+            flow_in: face.flow,
+            pitch_length,
+            carried,
+            through,
+            difference: speed[1] - speed[0],
+        }
+    }
+
+    /// Variation of the stack where that of ring and chain is `by`.
+    #[inline(always)]
+    fn vary_stack(&self, direction: Direction, by: &CellVariation<D>) -> StackVariation {
+        let amount = if direction == Direction::Amount {
+            Lanes::from(1.0)
+        } else {
+            Lanes::zero()
+        };
+        let lengthening = by.difference - by.carried;
+        let inverse = self.cell.inverse_pitch_length;
+        let density = (amount - self.cell.density * by.pitch_length) * inverse;
+        let thinning = (self.cell.density * self.cell.lengthening * inverse * by.pitch_length
+            - density * self.cell.lengthening
+            - self.cell.density * lengthening)
+            * inverse;
+        let arguments = [density, thinning, by.through * self.cell.inverse_length, by.difference];
+        let [push, collision, lag] = [0, 1, 2].map(|k| {
+            let slopes = &self.stack[k];
+            slopes[0] * arguments[0] + slopes[1] * arguments[1] + slopes[2] * arguments[2] + slopes[3] * arguments[3]
+        });
+        StackVariation {
+            density,
+            push,
+            collision,
+            lag,
+        }
     }
 
     /// In a direction that moves the pulley only.
@@ -367,39 +259,18 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     fn pulley_column(&self, direction: Direction) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let zero = Lanes::zero();
         let [alpha, beta] = self.slopes;
-        let [sin_beta, ..] = self.given.law.wedge;
+        let wedge = self.given.law.wedge;
         let (mut out, mut sum) = (nothing(), self.ring.empty());
         let (by, chain) = (RingVariation::none(), ChainVariation::none());
-        for (i, point) in self.points.iter().enumerate() {
-            let Some(point) = point else { continue };
-            let at = &point.forces.approach;
-            let mut flank = FlankVariation::of_lambda(zero);
-            let motion = &mut flank.motion;
-            match direction {
-                Direction::Tilt(axis) => {
-                    let [opening, slope] = if axis == 0 {
-                        [at.e_r.x, at.e_r.y]
-                    } else {
-                        [-at.e_r.y, at.e_r.x]
-                    };
-                    let rate = opening * at.rho * alpha;
-                    motion.penetration = -(opening * at.rho);
-                    motion.closing = -(rate + opening * at.v_r + slope * at.v_around);
-                    motion.along_flank = (rate + self.given.motion.pulley.omega * at.rho * slope) * -sin_beta;
-                    (flank.opening, flank.opening_slope) = (opening, slope);
-                }
-                Direction::Shaft => {
-                    motion.tangential = -at.rho;
-                    motion.along_flank = at.rho * at.opening_slope * -sin_beta;
-                }
-                _ => {
-                    motion.penetration = Lanes::from(0.5 * beta);
-                    motion.closing = Lanes::from(0.5);
-                    motion.along_flank = Lanes::from(0.5 * sin_beta);
-                    flank.offset = [0.5 * beta, 0.5].map(Lanes::from);
-                }
-            }
-            let change = Change {
+        for (i, station) in self.stations.iter().enumerate() {
+            let Some(station) = station else { continue };
+            let at = &station.forces.approach;
+            let flank = match direction {
+                Direction::Tilt(axis) => FlankVariation::of_tilt(axis, wedge, &self.given.motion.pulley, at, alpha),
+                Direction::Shaft => FlankVariation::of_shaft(wedge, at),
+                _ => FlankVariation::of_sheave(wedge, beta),
+            };
+            let change = StationVariation {
                 by: &by,
                 chain: &chain,
                 flank: &flank,
@@ -408,133 +279,29 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 tension: zero,
                 pressing: zero,
             };
-            self.contact::<false>(i, point, &change, Load::zero(), &mut out, &mut sum);
+            self.add_station::<false>((i, station), &change, Load::zero(), &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, None, beta))
     }
 
-    /// How a station stands to its pulley where ring and chain vary.
+    /// Adds the variation of contact, ring friction and `load` at station `i`.
     #[inline(always)]
-    fn flank<const MOVES: bool>(
+    fn add_station<const MOVES: bool>(
         &self,
-        point: &Point<D>,
-        by: &RingVariation<Lanes, D>,
-        chain: &ChainVariation<Lanes>,
-    ) -> FlankVariation {
-        let [sin_beta, cos_beta, tan_beta] = self.given.law.wedge;
-        let (at, pulley) = (&point.forces.approach, &self.given.motion.pulley);
-        let (ring, base) = (&point.ring, &point.chain);
-        let mut flank = FlankVariation::of_lambda(by.stretch);
-        let mut v_e = ring.t * (chain.speed * base.lead);
-        let mut v_p = ring.t * chain.speed;
-        if MOVES {
-            let r = in_plane(&by.r);
-            flank.rho = at.e_r.dot(&r);
-            flank.turn = at.e_t.dot(&r) * at.inverse_distance;
-            flank.opening = at.opening_slope * flank.turn;
-            flank.opening_slope = -(at.opening * flank.turn);
-            v_e += ring.t * (base.speed * chain.lead) + by.t * base.ring_line_speed();
-            v_p += by.t * base.speed;
-            for k in 0..D - 1 {
-                let across = by.normals[k] * base.normal_speed[k] + base.normals[k] * chain.normal_speed[k];
-                v_e += across;
-                v_p += across;
-            }
-        }
-        let v_r = at.e_r.dot(&in_plane(&v_e)) + flank.turn * point.crosswise[0];
-        let v_around = at.e_t.dot(&in_plane(&v_p)) - flank.turn * point.crosswise[1];
-        let motion = &mut flank.motion;
-        motion.closing = -((at.opening + tan_beta) * v_r + at.opening_slope * v_around);
-        motion.tangential = v_around;
-        motion.along_flank = v_r * cos_beta;
-        if MOVES {
-            let [rate_x, rate_y] = pulley.psi_dot;
-            let rate = (rate_x * at.e_r.y + rate_y * at.e_r.x) * at.rho * flank.turn
-                + (rate_x * at.e_r.x - rate_y * at.e_r.y) * flank.rho;
-            let sliding = flank.rho * at.opening_slope + at.rho * flank.opening_slope;
-            motion.penetration = -(flank.rho * tan_beta + flank.opening * at.rho + at.opening * flank.rho);
-            motion.closing -= rate + flank.opening * at.v_r + flank.opening_slope * at.v_around;
-            motion.tangential -= pulley.omega * flank.rho;
-            motion.along_flank -= (rate + pulley.omega * sliding) * sin_beta;
-        }
-        if D == 3 {
-            let [side, _] = self.given.place.plane;
-            flank.offset = [by.r[D - 1] * side, v_e[D - 1] * side];
-        }
-        flank
-    }
-
-    /// Adds what contact, ring friction and `load` do at a station that changes.
-    #[inline(always)]
-    fn contact<const MOVES: bool>(
-        &self,
-        i: usize,
-        point: &Point<D>,
-        change: &Change<'_, D>,
+        (i, station): (usize, &LinearisedStation<D>),
+        change: &StationVariation<'_, D>,
         mut load: Load<Lanes, D>,
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
-        let (ring, chain, at) = (&point.ring, &point.chain, &point.forces.approach);
-        let Change { by, flank, .. } = *change;
+        let (ring, by, weight) = (&station.ring, change.by, station.weight);
         let ring_along = load.position.dot(&ring.t);
-        let mut at_ring_line: SVector<Lanes, D> = zero_vector();
-        let (loads, on_movable) = if D == 2 {
-            let one = point.flanks[0].vary(self.given.law, at, chain.lambda, flank, &flank.motion);
-            (one.plus(&one), one.axial)
-        } else {
-            let [side, _] = self.given.place.plane;
-            let [offset, speed] = flank.offset;
-            let [movable, fixed] = [1.0, -1.0].map(|sign| {
-                flank
-                    .motion
-                    .shifted(offset * sign, speed * sign, self.given.law.wedge[0])
-            });
-            let movable = point.flanks[0].vary(self.given.law, at, chain.lambda, flank, &movable);
-            let fixed = point.flanks[1].vary(self.given.law, at, chain.lambda, flank, &fixed);
-            at_ring_line[D - 1] += (movable.axial - fixed.axial) * side;
-            (movable.plus(&fixed), movable.axial)
-        };
-        let mut push_out = at.e_r * loads.radial;
-        let mut drag = at.e_t * loads.around;
-        if MOVES {
-            push_out += at.e_t * (flank.turn * point.forces.flanks.loads.radial);
-            drag -= at.e_r * (flank.turn * point.forces.flanks.loads.around);
-        }
-        at_ring_line -= embed(push_out);
-        let mut along = change.along - drag.dot(&in_plane(&ring.t));
-        let mut tangential = at_ring_line.dot(&ring.t);
-        let base_drag = at.e_t * point.forces.flanks.loads.around;
-        if MOVES {
-            tangential += point.forces.at_ring_line.dot(&by.t);
-            along += point.forces.tangential * change.chain.lead - base_drag.dot(&in_plane(&by.t));
-        }
-        for k in 0..D - 1 {
-            let normal = &chain.normals[k];
-            let mut inward = change.inward[k] - drag.dot(&in_plane(normal)) + at_ring_line.dot(normal);
-            if MOVES {
-                inward += point.forces.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));
-                load.position += by.normals[k] * point.forces.inward[k];
-            }
-            load.position += normal * inward;
-        }
-        let weight = point.weight;
-        let [axial, base_axial] = [loads.axial * 0.5, point.forces.flanks.loads.axial * 0.5];
-        let mut moment = at.e_r * (axial * at.rho);
-        if MOVES {
-            moment += at.e_r * (base_axial * flank.rho) + at.e_t * (base_axial * at.rho * flank.turn);
-        }
-        out.axial += on_movable * weight;
-        out.tilting[0] += moment.x * weight;
-        out.tilting[1] -= moment.y * weight;
-        out.torque += loads.torque * weight;
+        let flanks = station.vary_flanks(&self.given, change.flank);
+        let [mut along, tangential] = station.add_flank_forces::<MOVES>(change, &flanks, &mut load);
+        station.add_pulley_loads::<MOVES>(change.flank, &flanks, out);
 
-        let ([by_load, by_sliding], friction) = (point.friction_by, point.forces.ring_friction);
-        let mut sliding = by.w * ring.stretch - change.chain.speed * chain.lead;
-        if MOVES {
-            sliding += change.chain.along + ring.w * by.stretch - chain.speed * change.chain.lead;
-        }
-        let friction_by = by_load * change.pressing + by_sliding * sliding;
+        let friction = station.forces.ring_friction;
+        let friction_by = station.vary_ring_friction::<MOVES>(change);
         let across = load.position.dot(&ring.n);
         load.position += ring.t * friction_by;
         let mut dragged = friction_by * ring.stretch;
@@ -543,7 +310,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             dragged += friction * by.stretch;
         }
         load.drift += dragged;
-        along += (tangential - friction_by) * chain.lead;
+        along += (tangential - friction_by) * station.chain.lead;
         let action = Action {
             load,
             tension: change.tension,
@@ -552,25 +319,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             weight,
         };
         self.ring
-            .apply_varied(sum, i + 1, (ring, by), &point.forces.own_load, &action);
+            .apply_varied(sum, i + 1, (ring, by), &station.forces.own_load, &action);
         for face in [0, 1] {
-            out.speed[face] += along * weight * share::<Lanes>(face, point.right);
+            out.speed[face] += along * weight * share::<Lanes>(face, station.right);
         }
     }
-}
-
-/// How the station varies before contact is looked at.
-#[derive(Clone, Copy, Debug)]
-struct Change<'a, const D: usize> {
-    by: &'a RingVariation<Lanes, D>,
-    chain: &'a ChainVariation<Lanes>,
-    flank: &'a FlankVariation,
-    /// Of inertia along the belt, and of inertia and push force across it, N/m.
-    along: Lanes,
-    inward: [Lanes; 2],
-    /// Of T, and of T − m_r ṡ², N.
-    tension: Lanes,
-    pressing: Lanes,
 }
 
 /// No forces.

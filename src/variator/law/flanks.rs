@@ -1,4 +1,4 @@
-//! How a point of the belt stands to its pulley, and what its two flanks do to it.
+//! Motion of a point of the belt relative to its pulley, and the loads of its two flanks.
 
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
 use crate::ring::kinematics::{RingPoint, in_plane};
@@ -6,7 +6,7 @@ use crate::scalar::Real;
 use crate::variator::law::place::{CellLaw, PulleyMotion};
 use nalgebra::{SVector, Vector2};
 
-/// What flanks do to an element, per ring length.
+/// Loads of flanks on an element, per ring length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlankLoads<T> {
     /// Outward, at the ring centre line, N/m.
@@ -27,6 +27,7 @@ pub(crate) struct FlankLoads<T> {
 
 impl<T: Real> FlankLoads<T> {
     #[inline(always)]
+    /// Sum of both.
     pub(crate) fn plus(&self, other: &Self) -> Self {
         Self {
             radial: self.radial + other.radial,
@@ -49,13 +50,13 @@ pub(crate) struct BothFlanks<T> {
     pub loads: FlankLoads<T>,
     /// Axial load on the movable sheave, N/m.
     pub on_movable: T,
-    /// How far the element is off the middle, towards the movable sheave, m.
+    /// Distance of the element from the middle, towards the movable sheave, m.
     pub offset: T,
     /// Lateral load on the ring along z, N/m.
     pub lateral: T,
 }
 
-/// How a point of the belt stands to its pulley, and how its flanks move on the sheaves.
+/// Position of a point of the belt relative to its pulley, and the motion of its flanks on the sheaves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach<T: Real> {
     /// Unit vector from the axis.
@@ -154,8 +155,8 @@ impl<T: Real> Approach<T> {
         }
     }
 
-    /// How far an element is off the middle towards the movable sheave, m, and how its flanks move there and on the fixed
-    /// one.
+    /// Distance of an element from the middle towards the movable sheave, m, and the motion of its flanks on that sheave and
+    /// on the fixed one.
     #[inline(always)]
     pub fn flanks<const D: usize>(
         &self,
@@ -178,7 +179,7 @@ impl<T: Real> Approach<T> {
         (offset, flanks)
     }
 
-    /// Loads of a flank that moves like this under `force`.
+    /// Loads of a flank with this motion under `force`.
     #[inline(always)]
     pub fn loads(&self, law: &CellLaw, lambda: T, flank: &FlankMotion<T>, force: &FlankForce<T>) -> FlankLoads<T> {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;

@@ -1,4 +1,4 @@
-//! What a cell is given: constants, place and motion; how it stands to its pulley; friction of the ring.
+//! Laws of a cell: its arguments and results, contact of its flanks with the pulley, friction of the ring.
 
 pub(crate) mod flanks;
 pub mod place;

@@ -1,4 +1,4 @@
-//! What a cell of the belt is given, and what it answers: constants, place, motion, balance.
+//! Arguments and results of the cell law: constants, place, motion, balance.
 
 use crate::chain::{self, Transport};
 use crate::contact::Contact;
@@ -24,7 +24,7 @@ pub struct CellLaw {
     pub r0: f64,
     /// Pulley axes, x coordinate, m.
     pub axes: PerPulley<f64>,
-    /// Where the sheaves stand along z.
+    /// Position of the sheaves along z.
     pub planes: PerPulley<SheavePlane>,
     /// Whether amounts leave with a lag. Not with one cell an element: what it depends on would leave the band of the
     /// matrix.
@@ -37,7 +37,7 @@ pub struct CellLaw {
 /// They part by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii don't change equally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheavePlane {
-    /// Where the movable sheave stands: +1 or −1 along z.
+    /// Side of the movable sheave: +1 or −1 along z.
     pub side: f64,
     /// Middle of the pulley at z_j = 0, m.
     pub middle: f64,
@@ -70,7 +70,7 @@ impl SheavePlane {
     }
 }
 
-/// Motion of a pulley.
+/// Motion of a pulley: sheave, tilt, shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct PulleyMotion<T> {
     /// z, m.
@@ -94,7 +94,7 @@ pub struct CellMotion<T: Real> {
     pub speed_dot: [T; 2],
     /// Amount N, m.
     pub amount: T,
-    /// Reference motion.
+    /// Motion of the reference curve and drift of the ring.
     pub reference: ReferenceMotion<T>,
     /// The pulley this cell can touch.
     pub pulley: PulleyMotion<T>,
@@ -146,11 +146,11 @@ pub struct CellBalance<T: Real> {
     pub tilting: [T; 2],
     /// Torque of the belt on the pulley, N·m.
     pub torque: T,
-    /// What the balance of the amounts needs.
+    /// Quantities from which the fluxes of elements follow.
     pub transport: Transport<T>,
 }
 
-/// Where cells lie: constants of the mesh, and the element at the present Θ.
+/// Place of cells on the belt: constants of the mesh, and the element at the present Θ.
 #[derive(Debug)]
 pub struct Place<'a, T: Real> {
     /// Start and length of the element as fractions of the segment.

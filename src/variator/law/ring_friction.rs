@@ -13,17 +13,30 @@ pub(crate) fn pressing<T: Real>(ring: &Ring, tension: T, s_dot: T) -> T {
     tension - s_dot * s_dot * ring.mass_per_length
 }
 
-/// The same where it is no pull, N.
+/// Load of the ring on the elements under the tension `pressing`, N: never negative.
 #[inline(always)]
-pub(crate) fn ring_load<T: Real>(pressing: T) -> T {
+fn ring_load<T: Real>(pressing: T) -> T {
     smooth_plus(pressing, RING_LOAD_SMOOTHING).0
 }
 
 /// Friction of the ring on elements per dξ, N/m, under the tension `pressing`, N, where it slides at `sliding`, m/s.
 #[inline(always)]
 pub(crate) fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
-    let load = ring_load(pressing);
+    let (_, inverse_speed) = square_of_speed(friction, sliding).root_and_inverse();
+    ring_load(pressing) * kappa * friction.ring * sliding * inverse_speed
+}
+
+/// Slope of [`ring_friction`] by the sliding speed, times `scale`.
+#[inline(always)]
+pub(crate) fn ring_friction_slope<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T, scale: f64) -> T {
+    let speed = square_of_speed(friction, sliding).sqrt();
+    let direction = sliding / speed;
+    ring_load(pressing) * kappa * (friction.ring * scale) * (-(direction * direction) + 1.0) / speed
+}
+
+/// v² + v₀², m²/s².
+#[inline(always)]
+fn square_of_speed<T: Real>(friction: &Friction, sliding: T) -> T {
     let v0 = friction.velocity;
-    let (_, inverse_speed) = (sliding * sliding + v0 * v0).root_and_inverse();
-    load * kappa * friction.ring * sliding * inverse_speed
+    sliding * sliding + v0 * v0
 }

@@ -6,7 +6,7 @@
 //! layer (√(EI/T) ≈ 2 mm).
 //!
 //! The other mesh is the paper's: elements evenly spaced along ξ, which stand still while arc borders move through
-//! them. Where a border passes a quadrature point, the reference curvature jumps there. A cell knows its pulley here
+//! them. Where a border passes a quadrature point, the reference curvature jumps there. Each cell has one pulley here
 //! too: no arc reaches the quarters of the belt, ξ = L/4 and 3L/4, at any ratio that the stops allow.
 
 use crate::pulley::{PerPulley, Pulley};
@@ -98,7 +98,7 @@ fn segments(mesh: &Mesh) -> Vec<(usize, Spacing)> {
     }
 }
 
-/// Divides cells into groups, and tells them where they are.
+/// Divides cells into groups, and records group and lane in each cell.
 fn group(cells: &mut [Cell], elements: &[Element]) -> Vec<Group> {
     let mut groups = Vec::new();
     for segment in cells.chunk_by_mut(|a, b| elements[a.element].segment == elements[b.element].segment) {

@@ -1,11 +1,11 @@
-//! Where each unknown stands. The unknowns are velocities and first-order states; positions follow from q̇ = y.
+//! Indices of the unknowns. The unknowns are velocities and first-order states; positions follow from q̇ = y.
 //!
 //! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z), then for each cell
 //! the speed V of its left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left
 //! face. The border holds the globals.
 //!
 //! With a ring that travels with its mesh the cells stand first, each with V and N, then the nodes of the ring, then
-//! what is left free in the blocks; [`order`](crate::variator::mesh::order) puts them in the order of the matrix.
+//! what is left free in the blocks; [`order`](crate::variator::mesh::order) sorts them into the order of the matrix.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::{ReferenceCurve, TwoPulley};
@@ -26,7 +26,7 @@ const GAUGE: usize = 10;
 /// Conditions that hold the gauge, where the ring has nodes.
 pub const CONDITIONS: usize = 2;
 
-/// Which unknowns the ring has beside drift and Θ.
+/// Unknowns of the ring beside drift and Θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RingUnknowns {
     /// `ALE0`: the tension at each face.
@@ -50,7 +50,7 @@ pub struct Travelling {
     pub nodes: usize,
     /// Unknowns of a node and the element after it.
     pub block: usize,
-    /// Which of them are lengths, as bits; the others are angles or slopes.
+    /// A bit for each unknown that is a length; the others are angles or slopes.
     lengths: u32,
     /// Unstretched length of an element, m.
     pub length: f64,
@@ -192,7 +192,7 @@ impl Layout {
         self.node(element + k / block, k % block)
     }
 
-    /// What is left free in the blocks of the matrix.
+    /// Unknowns that fill up the blocks of the matrix and stand for nothing.
     pub(crate) fn free(&self) -> std::ops::Range<usize> {
         match self.travelling() {
             Some(t) => self.cell_unknowns() + t.nodes * t.block..t.blocks[0] * t.blocks[1],
@@ -343,7 +343,7 @@ impl Layout {
     }
 
     /// Calls `f` with every unknown of the ring's nodes that is a length, not a slope or an angle.
-    pub(crate) fn for_each_ring_length(&self, mut f: impl FnMut(usize)) {
+    pub(crate) fn for_each_length_unknown(&self, mut f: impl FnMut(usize)) {
         match &self.ring {
             RingUnknowns::Tension => {}
             RingUnknowns::Deflection { components, .. } => {
@@ -369,7 +369,7 @@ impl Layout {
         self.shape().len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no unknowns.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

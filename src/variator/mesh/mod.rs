@@ -1,4 +1,4 @@
-//! The mesh along the belt, and where each unknown stands.
+//! The mesh along the belt, and the indices of the unknowns.
 
 pub mod belt_mesh;
 pub mod layout;

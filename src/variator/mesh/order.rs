@@ -1,7 +1,7 @@
-//! Where the unknowns of a ring that travels with its mesh stand in the matrix.
+//! Order of the unknowns in the matrix where the ring travels with its mesh.
 //!
-//! Its nodes pass under the cells, so who neighbours whom changes. The vector keeps its order; each Jacobian puts cells
-//! and nodes in the order in which they lie along the belt at that moment and cuts this into blocks of equal size.
+//! Its nodes pass under the cells, so neighbours change. The vector keeps its order. Each Jacobian sorts cells and nodes
+//! by their position along the belt at that moment, and divides this order into blocks of equal size.
 //! Blocks hold as many unknowns as any coupling reaches, so the matrix is an arrow again.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
@@ -9,11 +9,11 @@ use crate::variator::mesh::belt_mesh::{BeltMesh, Cell, SLOTS};
 use crate::variator::mesh::layout::{Layout, Travelling};
 use crate::variator::settings::parameters::Parameters;
 
-/// Unknowns beyond the farthest coupling that was found, for states in between those looked at.
+/// Unknowns beyond the farthest coupling that was found, for states in between those examined.
 const MARGIN: usize = 4;
 /// Shapes of the curve, between the end stops, for which the matrix must hold every coupling.
 const SHAPES: u32 = 16;
-/// Drifts within an element at which the couplings are looked at.
+/// Drifts within an element at which the couplings are examined.
 const DRIFTS: u32 = 8;
 
 /// Places ξ of the slots of every cell, m.
@@ -75,25 +75,25 @@ fn line_up(layout: &Layout, travelling: &Travelling, faces: &[f64], s: f64, plac
     let count = -(s / length).floor();
     let (first, offset) = (travelling.wrap(count), count * length + s);
     let mut next = 0;
-    let mut put = |unknown: usize| {
+    let mut append = |unknown: usize| {
         places[unknown] = next;
         next += 1;
     };
     let mut passed = 0;
-    let mut pass = |to: f64, put: &mut dyn FnMut(usize)| {
+    let mut append_nodes_before = |to: f64, append: &mut dyn FnMut(usize)| {
         while passed < nodes && offset + passed as f64 * length < to {
             for k in 0..block {
-                put(layout.node(first + passed, k));
+                append(layout.node(first + passed, k));
             }
             passed += 1;
         }
     };
     for (cell, face) in faces.iter().enumerate() {
-        pass(*face, &mut put);
-        put(layout.belt_speed(cell));
-        put(layout.amount(cell));
+        append_nodes_before(*face, &mut append);
+        append(layout.belt_speed(cell));
+        append(layout.amount(cell));
     }
-    pass(f64::INFINITY, &mut put);
+    append_nodes_before(f64::INFINITY, &mut append);
 }
 
 /// Distance of the two unknowns farthest apart that depend on each other.

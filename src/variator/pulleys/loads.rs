@@ -3,35 +3,35 @@
 use crate::pulley::{PerPulley, Pulley};
 use crate::tape::Tape;
 
-/// How a sheave's axial position is determined.
+/// Condition that determines a sheave's axial position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SheaveMode {
-    /// By the clamping force, N.
+    /// The clamping force, N, is given.
     Force(f64),
-    /// It stands still.
+    /// The sheave stands still.
     Held,
-    /// It goes where Θ takes the value `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ), and
-    /// whoever solves for a steady state moves `force` to the reaction.
+    /// Θ is drawn to `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ). The steady solver moves `force`
+    /// to the reaction.
     Ratio {
-        /// Θ to go to.
+        /// Wanted Θ.
         theta: f64,
         /// Force at `theta`, N.
         force: f64,
     },
 }
 
-/// Stiffness with which a steady solution is drawn to its ratio, N per unit of Θ: a clamping force of 20 kN is off by no
-/// more than 1e-3 of Θ.
+/// Stiffness of the spring that holds the ratio of a steady solution, N per unit of Θ: a clamping force of 20 kN moves Θ by
+/// no more than 1e-3.
 pub const RATIO_STIFFNESS: f64 = 2.0e7;
 
-/// How a pulley's speed is determined.
+/// Condition that determines a pulley's speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShaftMode {
-    /// By the external torque, N·m.
+    /// The external torque, N·m, is given.
     Torque(f64),
-    /// It follows the set point with a lag, rad/s.
+    /// The speed follows the set point, rad/s, with a lag.
     Setpoint(f64),
-    /// It stays what it is.
+    /// The speed stays constant.
     Fixed,
     /// Secondary only: both speeds change in proportion, ω̇_S/ω_S = ω̇_P/ω_P, under the two external torques, N·m.
     Balanced {
@@ -40,16 +40,16 @@ pub enum ShaftMode {
         /// At the primary shaft.
         primary: f64,
     },
-    /// Secondary only: it goes where the belt takes the given torque from the primary shaft, N·m.
+    /// Secondary only: the speed at which the belt transmits the given torque of the primary shaft, N·m.
     Transmit(f64),
 }
 
 /// Boundary conditions at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boundary {
-    /// Of the movable sheaves.
+    /// Conditions of the movable sheaves.
     pub sheave: PerPulley<SheaveMode>,
-    /// Of the shafts.
+    /// Conditions of the shafts.
     pub shaft: PerPulley<ShaftMode>,
 }
 
@@ -89,12 +89,12 @@ impl Boundary {
     }
 }
 
-/// How fast the loads of a [`Boundary`] change.
+/// Rates of the loads of a [`Boundary`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadRates {
-    /// Of clamping forces, N/s.
+    /// Rates of clamping forces, N/s.
     pub force: PerPulley<f64>,
-    /// Of external torques, N·m/s, or of speed set points, rad/s².
+    /// Rates of external torques, N·m/s, or of speed set points, rad/s².
     pub shaft: PerPulley<f64>,
 }
 
@@ -139,7 +139,7 @@ impl Loads {
         boundary
     }
 
-    /// Passes the loads by a tape. To read, boundary conditions of the same kinds must be in force.
+    /// Writes the loads to a tape, or reads them. To read, boundary conditions of the same kinds must be in force.
     pub(crate) fn pass(&mut self, tape: &mut Tape<'_>) {
         tape.real(&mut self.from);
         self.start.pass(tape);

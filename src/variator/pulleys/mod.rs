@@ -1,4 +1,4 @@
-//! Shafts and sheaves: what drives them, and their equations of motion.
+//! Shafts and sheaves: their loads and their equations of motion.
 
 pub mod loads;
 pub(crate) mod rows;

@@ -21,7 +21,7 @@ pub struct Pulleys {
     parameters: PerPulley<PulleyParameters>,
     /// Axial travel.
     travel: PerPulley<Travel>,
-    /// Factor on the inertias, 1 in a run. A steady solution takes more, so that speeds follow the belt instead of
+    /// Factor on the inertias, 1 in a run. A steady solution uses more, so that speeds follow the belt instead of
     /// running ahead of it.
     pub inertia_factor: f64,
 }
@@ -56,8 +56,8 @@ impl Pulleys {
         axial - self.stop(pulley, view).force
     }
 
-    /// Makes the rates `y_dot` jump that jump with the loads, from `before` to `after`: loads act on the pulleys' own
-    /// inertia alone. The integrator's error estimate needs them.
+    /// Adds to the rates `y_dot` the jumps that follow from a jump of the loads from `before` to `after`: loads act on the
+    /// pulleys' own inertia alone. The integrator's error estimate needs them.
     pub fn jump(&self, before: &Boundary, after: &Boundary, y_dot: &mut [f64]) {
         for pulley in Pulley::BOTH {
             let of = &self.parameters[pulley];

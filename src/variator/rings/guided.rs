@@ -125,7 +125,7 @@ impl<T: Real> CellRing<T> for Guided<'_, T> {
     }
 }
 
-/// Of the tensions at the faces, and what is taken under them.
+/// The ring's own unknowns are the tensions at the faces.
 impl<T: Real> VaryingRing<T> for Guided<'_, T> {
     type Sum = GuidedSum<T>;
 

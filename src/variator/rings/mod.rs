@@ -1,4 +1,4 @@
-//! The ring inside a cell: what a cell asks of it, and the Eulerian rings.
+//! The ring inside a cell: the trait that a cell uses, and the Eulerian rings.
 
 pub(crate) mod deflecting;
 pub(crate) mod guided;

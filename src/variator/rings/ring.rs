@@ -1,12 +1,12 @@
-//! The ring inside a cell: what chain and contact see of a ring model, and where their loads on it go.
+//! The ring inside a cell: the traits through which chain and contact act on a ring model.
 //!
-//! [`balance`](crate::variator::cell::balance) asks any ring the same four questions and doesn't know which one it has.
+//! [`balance`](crate::variator::cell::balance) uses any ring through the four functions of [`CellRing`].
 
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, Node, RingPoint, RingVariation};
 use crate::scalar::Real;
 
-/// What happens at a station, per dξ.
+/// Loads at a station, per dξ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Action<T: Real, const D: usize = 2> {
     /// Loads on the ring: its own, and those of chain and contact.
@@ -21,7 +21,7 @@ pub(crate) struct Action<T: Real, const D: usize = 2> {
     pub weight: T,
 }
 
-/// Energies of the ring per dξ, J/m, and the power that its damping takes, W/m.
+/// Energies of the ring per dξ, J/m, and the power of its damping, W/m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RingDensity<T> {
     /// Kinetic energy.
@@ -32,7 +32,7 @@ pub(crate) struct RingDensity<T> {
     pub viscous: T,
 }
 
-/// A ring as a cell sees it. Slot 0 is the left face of the cell, the slots from 1 on are its stations.
+/// A ring inside a cell. Slot 0 is the left face of the cell, the slots from 1 on are its stations.
 pub(crate) trait CellRing<T: Real, const D: usize = 2> {
     /// The ring where the reference curve is at `reference`.
     fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D>;
@@ -44,18 +44,18 @@ pub(crate) trait CellRing<T: Real, const D: usize = 2> {
     /// Applies the loads at a station.
     fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>);
 
-    /// Energies at a station; none of a ring that counts them on elements of its own.
+    /// Energies at a station; zero for a ring that has elements of its own.
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T>;
 }
 
-/// A ring whose mesh stands still, as a cell sees it.
+/// A ring whose mesh stands still, inside a cell.
 pub(crate) trait EulerianRing<T: Real, const D: usize = 2>: CellRing<T, D> {
     /// Forces of the loads that were applied.
     fn forces(&self) -> RingForces<T, D>;
 }
 
-/// A ring whose derivatives are known by hand in directions that leave the reference curve where it is: its own unknowns,
-/// and the drift.
+/// A ring with derivatives by hand in the directions that leave the reference curve where it is: its own unknowns, and the
+/// drift.
 pub(crate) trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     /// Sums of varied loads.
     type Sum;
@@ -63,10 +63,10 @@ pub(crate) trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     /// Whether the ring moves in its own directions.
     const MOVES: bool;
 
-    /// How the ring varies at a slot in its own direction `own`; `slopes` are the factors of acceleration and position.
+    /// Variation of the ring at a slot in its own direction `own`; `slopes` are the factors of acceleration and position.
     fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D>;
 
-    /// Adds how [`CellRing::own_load`] varies; returns how the tension does. `own` as above, if it is such a direction.
+    /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` as above, if it is such a direction.
     fn vary_own_load(
         &self,
         slot: usize,
@@ -76,7 +76,7 @@ pub(crate) trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
         load: &mut Load<T, D>,
     ) -> T;
 
-    /// No loads.
+    /// The sum of no loads.
     fn empty(&self) -> Self::Sum;
 
     /// Applies the variation of the loads at a station, where the ring's own load is `own_load`.
@@ -89,7 +89,7 @@ pub(crate) trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
         action: &Action<T, D>,
     );
 
-    /// How its forces vary. The loads of the cell must have been applied to a ring that moves.
+    /// Variation of its forces. The loads of the cell must have been applied to a ring that moves.
     fn varied_forces(&self, sum: &Self::Sum, own: Option<usize>, beta: f64) -> RingForces<T, D>;
 }
 

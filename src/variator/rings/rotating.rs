@@ -18,8 +18,8 @@ pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
 }
 
 impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
-    /// The ring between two nodes; `curve` tells turning angle and curvature of the reference curve at a fraction of
-    /// the segment, `ends` where on it the element begins and ends.
+    /// The ring between two nodes. `curve` gives angle and curvature of the reference curve at a fraction of the segment;
+    /// `ends` are the fractions at which the element begins and ends.
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,

@@ -1,4 +1,4 @@
-//! The state that a run starts from: unloaded, steady, or the nearest to what was asked for that there is.
+//! The state that a run starts from: unloaded or steady as the parameters want it, else the nearest that exists.
 
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
@@ -7,7 +7,7 @@ use crate::solver::newton::Newton;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::run::variator::{Held, InitialisationError, Variator, integrator};
-use crate::variator::settings::parameters::{Axial, Drive, Parameters, RingModel};
+use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
 use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio};
@@ -42,12 +42,35 @@ const STANDSTILL: f64 = 1.0e-3;
 impl Variator {
     /// Finds the state to start from at `time`.
     ///
-    /// What can't be solved starts from the nearest state, with a warning that says what and why.
+    /// A state that can't be solved for is replaced by the nearest one, with a warning that names it and the reason.
     ///
     /// # Errors
     /// Inputs out of range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
+        self.clamp_initial_ratio();
+        let start = self.start_point(inputs);
+        self.start_state = self.find_state(time, inputs, &start)?;
+        self.warn_of_held_sheaves();
+        self.state.y_dot.fill(0.0);
+        self.held = Held {
+            from: time,
+            inputs: *inputs,
+            rates: Inputs::ZERO,
+        };
+        self.apply();
+        self.ledger = Ledger::open(&self.system, self.state.view());
+        self.macro_slip = macro_slip(&self.system, self.state.view(), &self.ledger.last.sums, false);
+        self.warn_of_slip();
+        self.hold_external();
+        self.initial_energy =
+            self.ledger.last.belt_energy(&self.system.belt) + self.system.pulleys.energy(self.state.view());
+        self.stale = true;
+        Ok(())
+    }
+
+    /// Moves an initial ratio beyond an end stop to the stop.
+    fn clamp_initial_ratio(&mut self) {
         let (lowest, highest) = self.system.parameters.ratio_range();
         let asked = self.system.parameters.initial.ratio;
         let ratio = asked.clamp(lowest, highest);
@@ -60,68 +83,72 @@ impl Variator {
                 ),
             );
         }
-        let parameters = self.system.parameters.clone();
+    }
+
+    /// The kinematic state to start from: a set point of a shaft's speed comes before `initial.primarySpeed`.
+    fn start_point(&mut self, inputs: &Inputs) -> Start {
+        let parameters = &self.system.parameters;
+        let Initial {
+            ratio,
+            primary_speed: asked,
+            ..
+        } = parameters.initial;
         let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
             (Drive::Speed, _) => inputs.primary.speed_setpoint,
-            (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * parameters.initial.ratio,
-            (Drive::Torque, Drive::Torque) => parameters.initial.primary_speed,
+            (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * ratio,
+            (Drive::Torque, Drive::Torque) => asked,
         };
-        if primary_speed != parameters.initial.primary_speed {
+        if primary_speed != asked {
             self.log(
                 false,
                 format!(
                     "a shaft follows its set point: the run starts near {primary_speed} rad/s at the primary pulley, not at \
-                     initial.primarySpeed = {} rad/s",
-                    parameters.initial.primary_speed
+                     initial.primarySpeed = {asked} rad/s"
                 ),
             );
         }
-        let start = Start {
-            ratio: parameters.initial.ratio,
+        Start {
+            ratio,
             primary_speed,
             clamping: clamping(inputs),
-        };
-        self.start_state = self.find_state(time, inputs, &start)?;
-        if parameters.primary.axial == Axial::Held && parameters.secondary.axial == Axial::Held {
-            let text = if self.start_state == StartState::Steady || self.start_state == StartState::ReducedTorque {
-                "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
-                 forces are ignored"
-            } else {
-                "both sheaves are held in a start without load: the belt has no tension and carries next to nothing, clamping \
-                 forces are ignored"
-            };
-            self.log(true, text.into());
         }
-        self.state.y_dot.fill(0.0);
-        self.held = Held {
-            from: time,
-            inputs: *inputs,
-            rates: Inputs::ZERO,
-        };
-        self.apply();
-        self.ledger = Ledger::open(&self.system, self.state.view());
-        self.macro_slip = macro_slip(&self.system, self.state.view(), &self.ledger.last.sums, false);
-        if self.macro_slip {
-            let speeds = self.system.belt.shaft_speeds(self.state.view());
-            self.log(
-                true,
-                format!(
-                    "the belt slips through (macro-slip) in the state that the run starts from: {:.4} rad/s at the primary \
-                     pulley, {:.4} rad/s at the secondary, geometric ratio {:.4}",
-                    speeds.primary,
-                    speeds.secondary,
-                    geometric_ratio(&self.system, self.state.view())
-                ),
-            );
-        }
-        self.hold_external();
-        self.initial_energy =
-            self.ledger.last.belt_energy(&self.system.belt) + self.system.pulleys.energy(self.state.view());
-        self.stale = true;
-        Ok(())
     }
 
-    /// Puts the state in force that a run starts from.
+    /// Warns where both sheaves are held: clamping forces have no effect in the run.
+    fn warn_of_held_sheaves(&mut self) {
+        let p = &self.system.parameters;
+        if p.primary.axial != Axial::Held || p.secondary.axial != Axial::Held {
+            return;
+        }
+        let text = if matches!(self.start_state, StartState::Steady | StartState::ReducedTorque) {
+            "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
+             forces are ignored"
+        } else {
+            "both sheaves are held in a start without load: the belt has no tension and carries next to nothing, clamping \
+             forces are ignored"
+        };
+        self.log(true, text.into());
+    }
+
+    /// Warns where the belt slips through from the start.
+    fn warn_of_slip(&mut self) {
+        if !self.macro_slip {
+            return;
+        }
+        let speeds = self.system.belt.shaft_speeds(self.state.view());
+        self.log(
+            true,
+            format!(
+                "the belt slips through (macro-slip) in the state that the run starts from: {:.4} rad/s at the primary \
+                 pulley, {:.4} rad/s at the secondary, geometric ratio {:.4}",
+                speeds.primary,
+                speeds.secondary,
+                geometric_ratio(&self.system, self.state.view())
+            ),
+        );
+    }
+
+    /// Sets the state that a run starts from.
     fn find_state(&mut self, time: f64, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         self.time = time;
         (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
@@ -130,7 +157,7 @@ impl Variator {
         self.integrator = integrator(&self.system);
         self.system.forget_derivatives();
         if self.system.parameters.ring_model.travels() {
-            self.lay_on_ale(inputs, start)
+            self.start_on_ale(inputs, start)
         } else if self.system.parameters.initial.steady && start.primary_speed.abs() > STANDSTILL {
             self.start_cold(inputs, start)?;
             self.solve_steady(inputs, start)
@@ -162,8 +189,8 @@ impl Variator {
         Ok(())
     }
 
-    /// Starts as `ALE` would: a ring that travels is laid on it.
-    fn lay_on_ale(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
+    /// Starts in the state of `ALE`: a ring that travels gets the shape of that ring.
+    fn start_on_ale(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         let mut ale = Self::new(Parameters {
             ring_model: RingModel::Ale,
             ..self.system.parameters.clone()
@@ -223,52 +250,25 @@ impl Variator {
         torque / full_slip_torque(&p.friction, self.system.belt.law.wedge[1], force, radius).max(1.0e-6)
     }
 
-    /// Solves for the steady state that was asked for, or for the nearest one; says which.
+    /// Solves for the steady state that the parameters want, or for the nearest one; returns which it is.
     fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         let mut newton = Newton::new(&self.system);
         let task = self.steady_task(inputs, 1.0);
         let clamped = task.reaction.other();
         if task.clamping[clamped] < NO_FORCE {
-            let name = clamped.name();
-            self.log(
-                true,
-                format!(
-                    "no steady state without a clamping force ({name}.clampingForce = {} N): the run starts unloaded and the \
-                     loads ramp in over {LOAD_RAMP} s",
-                    task.clamping[clamped]
-                ),
-            );
-            self.start_unloaded(inputs, start)?;
-            return Ok(StartState::NotFound);
+            let (name, force) = (clamped.name(), task.clamping[clamped]);
+            let why = format!("no steady state without a clamping force ({name}.clampingForce = {force} N)");
+            return self.start_without_steady_state(&why, inputs, start);
         }
         let found = match self.carry(&mut newton, inputs) {
             Ok(1.0) => StartState::Steady,
             Ok(share) => {
-                self.log(
-                    true,
-                    format!(
-                        "no steady state at the given torques{}: the run starts from the steady state at {:.0} % of them",
-                        if self.of_full_slip(inputs).abs() > CARRIED_AT_LEAST {
-                            " (beyond the capacity of the clamping forces)"
-                        } else {
-                            " was found"
-                        },
-                        100.0 * share
-                    ),
-                );
+                self.warn_of_reduced_torque(inputs, share);
                 StartState::ReducedTorque
             }
-            Err(report) => {
-                self.log(
-                    true,
-                    format!(
-                        "no steady state was found (pseudo-time step {:.1e} s after {} solves): the run starts unloaded and \
-                         the loads ramp in over {LOAD_RAMP} s",
-                        report.step, report.solves
-                    ),
-                );
-                self.start_unloaded(inputs, start)?;
-                return Ok(StartState::NotFound);
+            Err(Settled { step, solves }) => {
+                let why = format!("no steady state was found (pseudo-time step {step:.1e} s after {solves} solves)");
+                return self.start_without_steady_state(&why, inputs, start);
             }
         };
         self.integrator.step = WARM_STEP;
@@ -290,6 +290,37 @@ impl Variator {
             );
         }
         Ok(found)
+    }
+
+    /// Starts unloaded, with a warning that has the reason `why`.
+    fn start_without_steady_state(
+        &mut self,
+        why: &str,
+        inputs: &Inputs,
+        start: &Start,
+    ) -> Result<StartState, InitialisationError> {
+        self.log(
+            true,
+            format!("{why}: the run starts unloaded and the loads ramp in over {LOAD_RAMP} s"),
+        );
+        self.start_unloaded(inputs, start)?;
+        Ok(StartState::NotFound)
+    }
+
+    /// Warns that the run starts with this `share` of the given torques.
+    fn warn_of_reduced_torque(&mut self, inputs: &Inputs, share: f64) {
+        let why = if self.of_full_slip(inputs).abs() > CARRIED_AT_LEAST {
+            " (beyond the capacity of the clamping forces)"
+        } else {
+            " was found"
+        };
+        self.log(
+            true,
+            format!(
+                "no steady state at the given torques{why}: the run starts from the steady state at {:.0} % of them",
+                100.0 * share
+            ),
+        );
     }
 
     /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque

@@ -1,4 +1,4 @@
-//! The variator as a user holds it.
+//! A run of a variator: start, steps, outputs, stored states.
 
 mod initial;
 pub(crate) mod soft_start;

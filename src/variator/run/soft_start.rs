@@ -1,6 +1,6 @@
-//! Starts without load. Friction that takes hold of a slack belt at a standstill makes cells stick and slide by turns,
-//! one after the other: half of the Jacobians of a launch went there. So loads ramp in, and friction is soft at first:
-//! its velocity v₀ is large and falls.
+//! Starts without load. Sharp friction on a slack belt at a standstill makes one cell after the other stick and slide by
+//! turns: half of the Jacobians of a launch went there. So loads ramp in, and friction is soft at first: its velocity v₀ is
+//! large and falls.
 
 /// Time over which the loads ramp in, s.
 pub const LOAD_RAMP: f64 = 2.0e-3;
@@ -16,7 +16,7 @@ const SOFT_VELOCITY: f64 = 0.02;
 const LOAD_PIECE: f64 = 1.25e-4;
 const FRICTION_PIECE: f64 = 5.0e-4;
 
-/// When a run started without load, if it did.
+/// Time at which a run started without load, if it did.
 #[derive(Clone, Copy, Debug)]
 pub struct SoftStart {
     /// Time of the start, s; −∞ if it was none.

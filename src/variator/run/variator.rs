@@ -1,4 +1,4 @@
-//! The variator as a user holds it: build from parameters, initialise, advance, read.
+//! A run of a variator: build from parameters, initialise, advance, read.
 
 use crate::pulley::PerPulley;
 use crate::solver::State;
@@ -21,11 +21,10 @@ const COLD_STEP: f64 = 1.0e-6;
 /// Shortest time to advance by, s: rates over less are rounding errors.
 const SHORTEST_STEP: f64 = 1.0e-9;
 
-/// Time without net compression in a strand after which it is told of again, s: a strand at the limit does not fill the
-/// log.
+/// Time without net compression in a strand after which it is logged again, s: a strand at the limit does not fill the log.
 const QUIET: f64 = 1.0;
 
-/// Time after which a change between gripping and slipping through is told again, s.
+/// Time after which a change between gripping and slipping through is logged again, s.
 const CHATTER: f64 = 0.1;
 
 /// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and
@@ -65,7 +64,7 @@ pub enum StepError {
         from: f64,
         /// Last successful time, s.
         reached: f64,
-        /// What the solver saw.
+        /// Cause, as the solver reports it.
         reason: String,
     },
 }
@@ -92,9 +91,9 @@ pub struct Variator {
     pub(super) soft_start: SoftStart,
     pub(super) start_state: StartState,
     pub(super) macro_slip: bool,
-    /// Time at which a strand was last seen in net compression, s.
+    /// Last time at which a strand was in net compression, s.
     pub(super) buckled: f64,
-    /// When the belt last began or ceased to slip through, s.
+    /// Last time at which the belt began or ceased to slip through, s.
     pub(super) slipped: f64,
     pub(super) initial_energy: f64,
     external_torque: PerPulley<f64>,
@@ -175,18 +174,18 @@ impl Variator {
         self.messages.push(Message { warning, text });
     }
 
-    /// Puts the friction velocity of this time in force.
+    /// Sets the friction velocity of the present time.
     pub(super) fn soften(&mut self) {
         let sharp = self.system.parameters.friction.velocity;
         let velocity = self.soft_start.friction_velocity(self.time, sharp);
         if self.system.friction_velocity != velocity {
             self.system.friction_velocity = velocity;
-            // All that are kept are of the same law, so a stored state needs to know one only.
+            // All kept derivatives are of the same law, so a stored state holds one law only.
             self.system.forget_derivatives();
         }
     }
 
-    /// Boundary conditions from the inputs, and friction.
+    /// Sets the boundary conditions that follow from the inputs, and friction.
     pub(super) fn apply(&mut self) {
         self.soften();
         let share = self.soft_start.load_share(self.time);
@@ -216,6 +215,7 @@ impl Variator {
             .change_loads(*from, boundary, rates, self.time, &mut self.state.y_dot);
     }
 
+    /// Records the external torques under the present loads.
     pub(super) fn hold_external(&mut self) {
         let torques = self.ledger.last.sums.torque;
         let boundary = self.system.loads.at(self.time);
@@ -336,7 +336,8 @@ impl Variator {
         }
     }
 
-    /// Passes by a tape all that later steps and outputs depend on. To read, build a variator from the same parameters.
+    /// Writes to a tape, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
+    /// parameters.
     pub fn pass(&mut self, tape: &mut Tape<'_>) {
         if tape.is_reading() {
             // For the kinds of boundary conditions: the loads themselves are on the tape.
@@ -375,7 +376,7 @@ impl Variator {
             None => tape.reject(),
         }
         if tape.is_reading() {
-            self.system.retake_derivatives();
+            self.system.restore_derivatives();
             self.ledger.last.update(&self.system, self.state.view());
             self.stale = true;
         }
@@ -399,7 +400,7 @@ impl Variator {
         &self.system
     }
 
-    /// The energy books, and the belt at the end of the last step, for reports and tests.
+    /// The energy balance, and the belt at the end of the last step, for reports and tests.
     #[must_use]
     pub fn ledger(&self) -> &Ledger {
         &self.ledger
@@ -429,13 +430,13 @@ impl Variator {
         self.system.parameters.friction = changed.friction;
         self.ledger.last.update(&self.system, self.state.view());
         self.integrator.newton.forget_rate();
-        // All that are kept are of the same law, see `soften`.
+        // All kept derivatives are of the same law, see `soften`.
         self.system.forget_derivatives();
         self.stale = true;
         Ok(())
     }
 
-    /// What outputs need beside the state.
+    /// Values that outputs need beside the state.
     fn context(&self, external_torque: PerPulley<f64>) -> Context {
         Context {
             external_torque,
@@ -457,7 +458,7 @@ impl Variator {
         &self.readings(true).profile
     }
 
-    /// Outputs at the present time, and if it is asked for the profile, which takes as long as all of them.
+    /// Outputs at the present time, and if `profile` is set the profile, whose evaluation costs as much as all of them.
     pub(crate) fn readings(&mut self, profile: bool) -> &Readings {
         let survey = &self.ledger.last;
         if self.stale {
@@ -476,7 +477,7 @@ impl Variator {
         &self.readings
     }
 
-    /// Takes the messages that have come up since the last call.
+    /// Returns the messages since the last call, and removes them.
     pub fn take_messages(&mut self) -> Vec<Message> {
         std::mem::take(&mut self.messages)
     }

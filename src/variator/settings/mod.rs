@@ -1,4 +1,4 @@
-//! What a user sets and reads: parameters with their ranges, inputs, outputs.
+//! Parameters with their ranges, inputs, outputs.
 
 pub(crate) mod parameters;
 pub(crate) mod signals;

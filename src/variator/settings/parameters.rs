@@ -1,11 +1,12 @@
-//! What a user sets before a run. One struct a group, one field a parameter of the interface; SI units, angles in rad.
+//! Parameters, which are set before a run: one struct a group, one field a parameter of the interface. SI units, angles in
+//! rad.
 
 pub use crate::chain::Belt;
 pub use crate::contact::{Contact, Friction};
 use crate::pulley::Pulley;
 pub use crate::ring::Ring;
 
-/// Which ring stands inside the variator.
+/// Model of the ring inside the variator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum RingModel {
@@ -27,17 +28,17 @@ impl RingModel {
     }
 }
 
-/// What drives the shaft of a pulley.
+/// Drive of a pulley's shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Drive {
     /// The shaft torque is the input; the speed follows from `J ω̇ = T + belt torque`.
     Torque = 1,
-    /// The speed follows its set point with a lag of [`SPEED_LAG`]; the torque this takes is an output.
+    /// The speed follows its set point with a lag of [`SPEED_LAG`]; the torque that it needs is an output.
     Speed = 2,
 }
 
-/// What holds the movable sheave of a pulley.
+/// Support of a pulley's movable sheave along its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Axial {
@@ -56,7 +57,7 @@ pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
 /// All parameters of a variator. [`Default`] is the laboratory variator `bench168`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
-    /// Level of detail of the ring.
+    /// Model of the ring.
     pub ring_model: RingModel,
     /// Whether the ring deflects along z too, out of the plane of the drive (`ALE`).
     pub spatial: bool,
@@ -106,9 +107,9 @@ pub struct Geometry {
 /// One pulley.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PulleyParameters {
-    /// What drives the shaft.
+    /// Drive of the shaft.
     pub drive: Drive,
-    /// What holds the movable sheave.
+    /// Support of the movable sheave.
     pub axial: Axial,
     /// Moment of inertia J of the pulley and what is rigidly connected to it, kg·m².
     pub inertia: f64,

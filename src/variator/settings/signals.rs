@@ -1,4 +1,4 @@
-//! What goes into a variator at every communication step, and what comes out.
+//! Inputs and outputs of a variator at every communication step.
 
 use crate::pulley::Pulley;
 
@@ -19,9 +19,9 @@ pub struct PulleyInputs {
 /// Inputs of the variator: held over a communication step, or in proportion to time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
-    /// Primary pulley.
+    /// Inputs of the primary pulley.
     pub primary: PulleyInputs,
-    /// Secondary pulley.
+    /// Inputs of the secondary pulley.
     pub secondary: PulleyInputs,
 }
 
@@ -137,13 +137,13 @@ impl Default for Profile {
     }
 }
 
-/// What a run started from. The numbers are those of the FMU.
+/// State that a run started from. The numbers are those of the FMU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StartState {
-    /// The unloaded kinematic state that was asked for: `initial.steady` is false, or the primary pulley stands still.
+    /// The unloaded kinematic state, as wanted: `initial.steady` is false, or the primary pulley stands still.
     #[default]
     Unloaded = 1,
-    /// The steady state that was asked for; with `initial.equilibrium` the ratio too, or an end stop.
+    /// The steady state, as wanted; with `initial.equilibrium` its ratio was solved for too, or it is at an end stop.
     Steady = 2,
     /// A steady state at part of the torques: the belt doesn't carry them.
     ReducedTorque = 3,
@@ -169,13 +169,13 @@ impl StartState {
     }
 }
 
-/// Everything a variator tells about its present state. No entry depends on the present inputs
+/// Scalar outputs of a variator in its present state. No entry depends on the present inputs
 /// (a torque drive's `external_torque` aside, which is the input as held over the last step).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outputs {
-    /// Primary pulley.
+    /// Outputs of the primary pulley.
     pub primary: PulleyOutputs,
-    /// Secondary pulley.
+    /// Outputs of the secondary pulley.
     pub secondary: PulleyOutputs,
     /// Axial belt force primary / secondary; 0 where the secondary force is below 1 N, at most 100.
     pub thrust_ratio: f64,
@@ -191,7 +191,7 @@ pub struct Outputs {
     pub reference_theta: f64,
     /// 1 − (ω_S/ω_P)·ratio_geometric; 0 near standstill, clamped to ±2.
     pub slip: f64,
-    /// Losses.
+    /// Losses by their causes.
     pub losses: Losses,
     /// Driven power / driving power, 0 where no power flows.
     pub efficiency: f64,
@@ -215,14 +215,14 @@ pub struct Outputs {
     pub stored_energy: f64,
     /// Energy balance since the start: supplied − lost − stored, J.
     pub energy_residual: f64,
-    /// What the run started from.
+    /// State that the run started from.
     pub start_state: StartState,
 }
 
-/// All that a variator tells.
+/// Outputs and profile of a variator.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Readings {
-    /// Outputs.
+    /// Scalar outputs.
     pub outputs: Outputs,
     /// Fields along the belt.
     pub profile: Profile,

@@ -1,6 +1,6 @@
-//! Ranges of parameters and inputs, and the one error that says which value left its range.
+//! Ranges of parameters and inputs, and the error that names the value out of its range.
 //!
-//! Two kinds of rule: each value has a range of its own, which [`range_of`] also tells the outside; and values must fit
+//! Two kinds of rule: each value has a range of its own, which [`range_of`] returns too; and values must fit
 //! each other (the belt around the pulleys, the stops, the wedge above the friction angle). The ranges only shut out
 //! what can't be meant, so they are wide: a limit case of theory is a legal variator.
 
@@ -18,7 +18,7 @@ const BEYOND_STOP: f64 = 1.06;
 pub struct ParameterError {
     /// Name of the variable in the interface, e.g. `geometry.wedgeAngle`.
     pub variable: &'static str,
-    /// The value found.
+    /// The value that was set.
     pub value: Value,
     /// The allowed range in words.
     pub range: String,
@@ -42,9 +42,9 @@ impl ParameterError {
 /// A value that is out of range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// Of a real, integer or enumeration.
+    /// Value of a real, integer or enumeration.
     Number(f64),
-    /// Of a Boolean.
+    /// Value of a Boolean.
     Flag(bool),
 }
 
@@ -201,7 +201,7 @@ impl Parameters {
         })
     }
 
-    /// Below the friction angle a sheave clamps the elements and never lets go.
+    /// Below the friction angle a sheave clamps the elements and never releases them.
     fn validate_wedge(&self) -> Result<(), ParameterError> {
         let wedge_angle = self.geometry.wedge_angle;
         let friction = self.friction.pulley;
@@ -329,7 +329,7 @@ impl Parameters {
         )
     }
 
-    /// Cells of a mesh that stands still know their pulley if no arc reaches a quarter of the belt.
+    /// Each cell of a mesh that stands still has one pulley if no arc reaches a quarter of the belt.
     fn validate_quarters(&self) -> Result<(), ParameterError> {
         if self.mesh.aligned {
             return Ok(());

@@ -5,7 +5,7 @@ use crate::solver::continuation::{Settled, Settling, settle};
 use crate::solver::newton::Newton;
 use crate::solver::{State, View};
 use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
-use crate::variator::steady::solve::{self, LAST_STEP, SHARP_WAY, SteadyTask, cold, geometric_ratio, leaps};
+use crate::variator::steady::solve::{self, LAST_STEP, SHARP_WAY, SteadyTask, cold_start, geometric_ratio, leaps};
 use crate::variator::system::VariatorSystem;
 
 /// Force that an end stop carries where a sheave rests against it, N.
@@ -25,8 +25,9 @@ const EQUILIBRIUM_ITERATIONS: usize = 150;
 /// Most Newton solves for one state on the way.
 const EQUILIBRIUM_SOLVES: usize = 200;
 
-/// Largest change of ln(ratio) between two states on the way: solved for anew, which takes as long from near as from
-/// far; from the last one; in small changes, for which friction stays sharp. Each where the one before finds no state.
+/// Largest change of ln(ratio) between two states on the way. The first limit is for states that are solved for anew, which
+/// needs as many solves from near as from far. The second is for states that start from the last one, the third for small
+/// changes with sharp friction. Each is used where the one before finds no state.
 const COLD_RATIO_STEP: f64 = 0.5;
 
 const LARGEST_RATIO_STEP: f64 = 0.05;
@@ -71,7 +72,7 @@ fn rest_at_stop(
     outcome
 }
 
-/// Where the clamping forces balance.
+/// The state in which the clamping forces balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equilibrium {
     /// r_S/r_P of the pressure-weighted radii.
@@ -90,12 +91,23 @@ impl Equilibrium {
     }
 }
 
+/// Replaces a state by the kinematic one at the ratio of the task, if there is one.
+fn restart(system: &VariatorSystem, state: &mut State, task: &SteadyTask) {
+    let mut speeds = system.belt.shaft_speeds(state.view());
+    if task.shaft.secondary != ShaftMode::Fixed {
+        speeds.secondary = speeds.primary / task.ratio;
+    }
+    if let Ok(found) = cold_start(&system.belt, task, speeds) {
+        *state = found;
+    }
+}
+
 /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
 /// secant method on ln(force/reaction) over ln(ratio), each state solved for anew or, where it is near, from the last. At
 /// the ends of `range`, where the sheaves are near their stops, they are let go.
 ///
 /// # Errors
-/// What was reached, when a state on the way could not be found, or the forces don't balance in the end.
+/// The report of the last solution, when a state on the way could not be found or the forces don't balance in the end.
 pub fn solve_equilibrium(
     system: &mut VariatorSystem,
     newton: &mut Newton,
@@ -132,13 +144,7 @@ pub fn solve_equilibrium(
             ..*task
         };
         if !there.warm {
-            let mut speeds = system.belt.shaft_speeds(state.view());
-            if task.shaft.secondary != ShaftMode::Fixed {
-                speeds.secondary = speeds.primary / there.ratio;
-            }
-            if let Ok(found) = cold(&system.belt, &there, speeds) {
-                *state = found;
-            }
+            restart(system, state, &there);
         }
         match solve::solve(system, newton, state, &there, EQUILIBRIUM_SOLVES) {
             Ok(report) => last = report,

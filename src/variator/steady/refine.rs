@@ -1,7 +1,7 @@
 //! A steady state on a coarse mesh as the start on a fine one.
 //!
-//! What a cold solution does most is to find which elements stick, slide and part. A mesh with half the elements knows
-//! that nearly as well, and with one cell an element its Jacobian costs a quarter.
+//! A cold solution mainly finds which elements stick, slide and part. A mesh with half the elements finds nearly the same,
+//! and with one cell an element its Jacobian costs a quarter.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulleyFrame};
 use crate::ring::kinematics::Hermite;
@@ -17,7 +17,7 @@ use nalgebra::{Vector2, Vector3};
 /// Fewest elements of an arc and of a strand on a coarse mesh.
 const FEWEST: [i32; 2] = [6, 3];
 
-/// Half the elements with half the cells, where so few still make a belt.
+/// Parameters with half the elements and one cell in each; none if a belt needs more.
 #[must_use]
 pub fn coarser(parameters: &Parameters) -> Option<Parameters> {
     let fine = &parameters.mesh;
@@ -55,13 +55,13 @@ impl<'a> Coarse<'a> {
         }
     }
 
-    /// Where `along` an element of the `fine` mesh lies: an element here, and how far along it, from 0 to 1.
+    /// Element of this mesh at a place `along` an element of the `fine` mesh, and the place along it, from 0 to 1.
     fn element(&self, fine: &BeltMesh, element: usize, along: f64) -> (usize, f64) {
         let Element { segment, start, share } = fine.elements[element];
         find(&self.belt.mesh.elements, segment, start + share * along)
     }
 
-    /// The same for a place along a cell: here a cell, and how far along it.
+    /// Cell of this mesh at a place `along` a cell of the `fine` mesh, and the place along it, from 0 to 1.
     fn cell(&self, fine: &BeltMesh, cell: usize, along: f64) -> (usize, f64) {
         let of_fine = fine.cells_per_element;
         let along = ((cell % of_fine) as f64 + along) / of_fine as f64;

@@ -41,7 +41,7 @@ pub struct SteadyTask {
 const LARGEST_SPEED_CHANGE: f64 = 0.02;
 const LARGEST_THETA_CHANGE: f64 = 0.02;
 
-/// Time from which the state counts as steady, s: a belt revolution takes 0.05 s, ratio changes some seconds.
+/// Time from which the state counts as steady, s: a belt revolution lasts 0.05 s, a ratio change some seconds.
 pub(super) const LAST_STEP: f64 = 200.0;
 
 /// Friction velocity that the solution starts with, m/s: stick and slip are then one smooth law, and the start-up does
@@ -68,7 +68,7 @@ const RATIO_TIME: f64 = 0.2;
 /// Finds the steady state from `state`, in place.
 ///
 /// # Errors
-/// What was reached, when there is no steady state near by; `state` is then the last one solved.
+/// The report of the solution, when there is no steady state near by; `state` is then the last one solved.
 pub fn solve(
     system: &mut VariatorSystem,
     newton: &mut Newton,
@@ -100,7 +100,7 @@ pub fn solve(
 }
 
 /// The kinematic state at a task's ratio with shafts at `speeds`, rad/s.
-pub(super) fn cold(belt: &Belt, task: &SteadyTask, speeds: PerPulley<f64>) -> Result<State, GeometryError> {
+pub(super) fn cold_start(belt: &Belt, task: &SteadyTask, speeds: PerPulley<f64>) -> Result<State, GeometryError> {
     let start = Start {
         ratio: task.ratio,
         primary_speed: speeds.primary,
@@ -113,7 +113,7 @@ pub(super) fn cold(belt: &Belt, task: &SteadyTask, speeds: PerPulley<f64>) -> Re
     Ok(state)
 }
 
-/// Moves a kinematic state near the steady one, as a mesh with fewer elements knows it; says whether there is one.
+/// Moves a kinematic state near the steady one that a mesh with fewer elements finds; returns whether it finds one.
 fn start_on_coarse_mesh(
     system: &VariatorSystem,
     newton: &mut Newton,
@@ -124,7 +124,7 @@ fn start_on_coarse_mesh(
 ) -> bool {
     let mut coarse = VariatorSystem::new(parameters);
     let speeds = system.belt.shaft_speeds(state.view());
-    let Ok(mut found) = cold(&coarse.belt, task, speeds) else {
+    let Ok(mut found) = cold_start(&coarse.belt, task, speeds) else {
         return false;
     };
     let mut coarse_newton = Newton::new(&coarse);
@@ -206,8 +206,8 @@ impl System for Loaded<'_> {
     }
 }
 
-/// What is moved on the way to a steady state: the reaction, the set point of Θ, the grip of the shafts, the softness
-/// of friction.
+/// Quantities that change on the way to a steady state: the reaction, the set point of Θ, the conditions of the shafts, the
+/// softness of friction.
 struct Control<'a> {
     task: &'a SteadyTask,
     /// Clamping forces, N; the reaction's follows the force that holds the sheave.

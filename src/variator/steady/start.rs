@@ -9,7 +9,7 @@ use crate::variator::belt::Belt;
 use crate::variator::mesh::belt_mesh::{Cell, Station};
 use std::f64::consts::TAU;
 
-/// What the start state is built for.
+/// Ratio, speed and clamping forces of a kinematic state.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
     /// Geometric ratio.
@@ -88,7 +88,7 @@ fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
     }
 }
 
-/// Mean reference curvature of a cell as its stations see it, 1/m.
+/// Mean reference curvature over the stations of a cell, 1/m.
 fn mean_curvature(belt: &Belt, frame: &TwoPulleyFrame<f64>, cell: &Cell) -> f64 {
     let of = |station: &Station| belt.reference_point(frame, cell.element, station.fraction).kappa;
     let first = of(&cell.stations[0]);

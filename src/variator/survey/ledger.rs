@@ -1,4 +1,4 @@
-//! What time integration needs beyond the residual: which errors matter, and the energy books.
+//! The error norm of time integration, its longest step, and the energy balance of a run.
 
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
@@ -8,12 +8,12 @@ use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::survey::survey::{BeltSums, Survey};
 use crate::variator::system::VariatorSystem;
 
-/// Energies since the start, J, and what the last accepted step showed.
+/// Energies since the start, J, and the belt at the end of the last accepted step.
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
-    /// Supplied from outside.
+    /// Energy supplied from outside.
     pub supplied: f64,
-    /// Lost.
+    /// Energy lost.
     pub lost: f64,
     /// ∫ of the sum of absolute powers over shafts and sheaves: the scale of the balance.
     pub moved: f64,
@@ -21,16 +21,16 @@ pub struct Ledger {
     pub last: Survey,
 }
 
-/// Part of its elements by which a ring that travels moves on in a step. Twice as much takes more work: Newton's method
-/// then needs twice the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
+/// Part of its elements by which a ring that travels moves on in a step. With twice as much, Newton's method
+/// needs twice the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
 const PASSING: f64 = 1.0 / 180.0;
 
-/// A system that runs, with its energy books.
+/// A system that runs, with its energy balance.
 #[derive(Debug)]
 pub struct Running<'a> {
     /// The equations.
     pub system: &'a mut VariatorSystem,
-    /// The books.
+    /// The energy balance.
     pub ledger: &'a mut Ledger,
 }
 
@@ -61,7 +61,7 @@ impl System for Running<'_> {
 }
 
 impl Evolution for Running<'_> {
-    /// Errors that users see: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm), speeds (10 rad/s and a tenth of
+    /// Errors in units of what outputs may be off by: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm), speeds (10 rad/s and a tenth of
     /// the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring positions (10 mm: tension, radial
     /// deviation). Each relative to its own working range, the last three as a mean over the belt.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
@@ -86,7 +86,7 @@ impl Evolution for Running<'_> {
             let amount = y_error[at.amount] / (5.0e-3 * tolerance);
             local += speed * speed + amount * amount;
         }
-        layout.for_each_ring_length(|i| {
+        layout.for_each_length_unknown(|i| {
             let x = q_error[i] / place_scale;
             local += x * x;
         });
@@ -119,7 +119,7 @@ impl Evolution for Running<'_> {
             supplied += of_sheave.work;
             moved += of_sheave.work.abs();
             lost += of_sheave.damped;
-            // A shaft follows its set point in less than a step. What accelerates the pulley's own inertia is known.
+            // A shaft follows its set point in less than a step. The work on the pulley's own inertia is known.
             if let ShaftMode::Setpoint(_) = at_end.shaft[pulley] {
                 let omega = self.system.belt.layout.shaft_speed(pulley);
                 let change = after.y[omega].powi(2) - before.y[omega].powi(2);
@@ -133,15 +133,15 @@ impl Evolution for Running<'_> {
     }
 }
 
-/// Work of a clamping force in a step, and what its damper takes beyond the trapezoidal rule, J.
+/// Work of a clamping force in a step, and the damper's loss beyond the trapezoidal rule, J.
 struct SheaveWork {
     work: f64,
     damped: f64,
 }
 
 impl Running<'_> {
-    /// A sheave's step response is shorter than a step, so its force's work and its damper's loss take Simpson's rule,
-    /// with ż in the middle from the way: under a constant force the work is exact. `forces` are those at the start, in
+    /// A sheave's step response is shorter than a step, so its force's work and its damper's loss follow from Simpson's
+    /// rule, with ż in the middle from the change of z: under a constant force the work is exact. `forces` are those at the start, in
     /// the middle and at the end.
     fn sheave_work(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64, forces: [f64; 3]) -> SheaveWork {
         let z = self.system.belt.layout.sheave(pulley);
@@ -181,7 +181,7 @@ impl Powers {
 }
 
 impl Ledger {
-    /// The books, opened at a state.
+    /// The energy balance of a run that starts at a state.
     #[must_use]
     pub fn open(system: &VariatorSystem, view: View<'_>) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! What a state shows: losses and energies, the books of energy, outputs.
+//! Evaluation of a state: losses and energies, the energy balance of a run, outputs.
 
 pub mod ledger;
 pub mod observe;

@@ -1,4 +1,4 @@
-//! From state to outputs.
+//! Outputs: scalar ones, and profiles along the belt.
 
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
@@ -28,7 +28,7 @@ struct ElementTension {
     length: f64,
 }
 
-/// Memory that observing reuses.
+/// Working memory for outputs and profile.
 #[derive(Clone, Debug, Default)]
 pub struct Observer {
     tensions: Vec<ElementTension>,
@@ -36,20 +36,20 @@ pub struct Observer {
     stations: Vec<f64>,
 }
 
-/// What outputs need beside the state.
+/// Values that outputs need beside the state.
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
     /// External torques as held over the last step, N·m.
     pub external_torque: PerPulley<f64>,
     /// Macro-slip flag with its hysteresis.
     pub macro_slip: bool,
-    /// Energies supplied and lost since the start, J.
+    /// Energy supplied since the start, J.
     pub supplied: f64,
-    /// See `supplied`.
+    /// Energy lost since the start, J.
     pub lost: f64,
     /// Stored energy at the start, J.
     pub initial_energy: f64,
-    /// What the run started from.
+    /// State that the run started from.
     pub start_state: StartState,
 }
 
@@ -66,55 +66,16 @@ impl Observer {
         let sums = &survey.sums;
         let belt = &*system.belt;
         let radii = sums.mean_radii(belt, view);
-        let layout = &belt.layout;
-        let omega = belt.shaft_speeds(view);
         out.primary = pulley(belt, view, Primary, survey, radii.primary, context);
         out.secondary = pulley(belt, view, Secondary, survey, radii.secondary, context);
-        out.thrust_ratio = if sums.axial.secondary.abs() < NO_FORCE {
-            0.0
-        } else {
-            (sums.axial.primary / sums.axial.secondary).clamp(-100.0, 100.0)
-        };
-        out.belt_speed = sums.carried / sums.pitch_length;
-        out.ring_speed = view.y[layout.drift()];
-        out.ratio_speed = if omega.secondary.abs() * radii.secondary < NO_SPEED {
-            0.0
-        } else {
-            omega.primary / omega.secondary
-        };
-        out.ratio_geometric = radii.secondary / radii.primary;
-        out.reference_theta = view.q[layout.theta()];
-        out.slip = if omega.primary.abs() * radii.primary < NO_SPEED {
-            0.0
-        } else {
-            (1.0 - omega.secondary / omega.primary * out.ratio_geometric).clamp(-2.0, 2.0)
-        };
+        out.thrust_ratio = thrust_ratio(sums);
+        motion(belt, view, sums, radii, out);
         out.losses = Losses {
             other: sums.losses.other + system.pulleys.losses(view),
             ..sums.losses
         };
-        let (driving, driven) = if out.primary.power >= out.secondary.power {
-            (out.primary.power, -out.secondary.power)
-        } else {
-            (out.secondary.power, -out.primary.power)
-        };
-        out.efficiency = if driving < NO_POWER {
-            0.0
-        } else {
-            // No −0 where the driven shaft stands.
-            (driven / driving).clamp(0.0, 1.0) + 0.0
-        };
-        out.torque_utilisation = if sums.axial.secondary < NO_FORCE {
-            0.0
-        } else {
-            let friction = &system.parameters.friction;
-            let capacity = full_slip_torque(friction, belt.law.wedge[1], sums.axial.secondary, radii.primary);
-            if capacity > 0.0 {
-                (sums.torque.primary.abs() / capacity).min(10.0)
-            } else {
-                10.0
-            }
-        };
+        out.efficiency = efficiency(&out.primary, &out.secondary);
+        out.torque_utilisation = torque_utilisation(system, sums, radii.primary);
         out.macro_slip = context.macro_slip;
         out.push_force_max = sums.push_force;
         self.mean_tensions(&belt.mesh, survey);
@@ -187,7 +148,63 @@ impl Observer {
     }
 }
 
-/// How far the pulleys are off each other along z, and what a ring in space makes of it.
+/// Primary axial force by the secondary one; 0 where that is none.
+fn thrust_ratio(sums: &BeltSums) -> f64 {
+    if sums.axial.secondary.abs() < NO_FORCE {
+        return 0.0;
+    }
+    (sums.axial.primary / sums.axial.secondary).clamp(-100.0, 100.0)
+}
+
+/// Fills in speeds of belt and ring, the two ratios and slip.
+fn motion(belt: &Belt, view: View<'_>, sums: &BeltSums, radii: PerPulley<f64>, out: &mut Outputs) {
+    let omega = belt.shaft_speeds(view);
+    out.belt_speed = sums.carried / sums.pitch_length;
+    out.ring_speed = view.y[belt.layout.drift()];
+    out.ratio_speed = if omega.secondary.abs() * radii.secondary < NO_SPEED {
+        0.0
+    } else {
+        omega.primary / omega.secondary
+    };
+    out.ratio_geometric = radii.secondary / radii.primary;
+    out.reference_theta = view.q[belt.layout.theta()];
+    out.slip = if omega.primary.abs() * radii.primary < NO_SPEED {
+        0.0
+    } else {
+        (1.0 - omega.secondary / omega.primary * out.ratio_geometric).clamp(-2.0, 2.0)
+    };
+}
+
+/// Power of the driven shaft by that of the driving one; 0 where that is none.
+fn efficiency(primary: &PulleyOutputs, secondary: &PulleyOutputs) -> f64 {
+    let (driving, driven) = if primary.power >= secondary.power {
+        (primary.power, -secondary.power)
+    } else {
+        (secondary.power, -primary.power)
+    };
+    if driving < NO_POWER {
+        return 0.0;
+    }
+    // No −0 where the driven shaft stands.
+    (driven / driving).clamp(0.0, 1.0) + 0.0
+}
+
+/// Torque at the primary pulley, where the belt runs at `radius`, m, as a share of that of full slip; at most 10.
+fn torque_utilisation(system: &VariatorSystem, sums: &BeltSums, radius: f64) -> f64 {
+    if sums.axial.secondary < NO_FORCE {
+        return 0.0;
+    }
+    let friction = &system.parameters.friction;
+    let cos_beta = system.belt.law.wedge[1];
+    let capacity = full_slip_torque(friction, cos_beta, sums.axial.secondary, radius);
+    if capacity > 0.0 {
+        (sums.torque.primary.abs() / capacity).min(10.0)
+    } else {
+        10.0
+    }
+}
+
+/// Fills in the distance between the pulleys' middles along z, and the lateral deflection of a ring in space.
 fn lateral(belt: &Belt, view: View<'_>, survey: &Survey, out: &mut Outputs) {
     let middles = belt.middles(view);
     out.misalignment = middles.primary - middles.secondary;
@@ -242,7 +259,7 @@ fn pulley(belt: &Belt, view: View<'_>, j: Pulley, survey: &Survey, radius: f64, 
 }
 
 /// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second.
-/// `right` is the place of the last answer: ask in ascending order.
+/// `right` is the index of the last result, so `xi` must ascend from call to call.
 fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &mut usize) -> (usize, usize, f64) {
     let n = list.len();
     while *right < n && at(&list[*right]) < xi {

@@ -22,7 +22,7 @@ pub struct Survey {
     samples: Vec<Sample<Lanes>>,
     /// Sums over them.
     pub sums: BeltSums,
-    /// Energy of a ring that counts it on elements of its own, J.
+    /// Energy of a ring that has elements of its own, J; else zero.
     ring_energy: f64,
 }
 
@@ -71,7 +71,7 @@ pub struct BeltSums<L = f64> {
     pub carried: L,
 }
 
-/// How the loaded stations of a pulley slide.
+/// Sliding of the loaded stations of a pulley.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sliding<L = f64> {
     /// ∫ normal dξ, N.
@@ -83,7 +83,7 @@ pub struct Sliding<L = f64> {
 }
 
 impl BeltSums<Lanes> {
-    /// Nothing yet.
+    /// The sums of no station.
     fn empty() -> Self {
         Self {
             strand_force: f64::INFINITY.into(),
@@ -118,7 +118,7 @@ impl BeltSums<Lanes> {
         self.carried += s.speed * length;
     }
 
-    /// Over all lanes.
+    /// The sums over all lanes.
     fn total(&self) -> BeltSums {
         let Losses { sheaves, ring, other } = self.losses;
         BeltSums {
@@ -144,7 +144,7 @@ impl BeltSums<Lanes> {
 }
 
 impl Survey {
-    /// The belt at a state. Allocates.
+    /// The survey at a state. Allocates.
     #[must_use]
     pub fn of(system: &VariatorSystem, view: View<'_>) -> Self {
         let mut survey = Self::default();

@@ -1,44 +1,26 @@
-//! Equations of a ring that travels with its mesh, under the cells.
+//! Equations of the belt with a ring that travels with its mesh under the cells.
 
-use crate::chain::{self, Transport};
+use crate::chain::Transport;
 use crate::pulley::PerPulley;
-use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
-use crate::ring::beam;
-use crate::ring::kinematics::Motion;
+use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
-use crate::ring::model::{Coordinates, DIRECTIONS, Energy, NODAL, RingModel as _, Shape};
-use crate::scalar::{Lanes, Real, Tangent};
+use crate::ring::model::{DIRECTIONS, Energy, NODAL, RingModel as _, Shape};
+use crate::scalar::{Lanes, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::variator::assembly::equations::{Assembly, InForce};
-use crate::variator::assembly::packed::add_fluxes;
 use crate::variator::assembly::sums::PulleyLoad;
 use crate::variator::assembly::transports::Transports;
 use crate::variator::belt::Belt;
-use crate::variator::cell::balance::balance;
-use crate::variator::cell::sample::{NoProbe, Probe, Sample, Sampler};
-use crate::variator::cell::state::Given;
-use crate::variator::law::place::{CellMotion, Place};
-use crate::variator::mesh::belt_mesh::SLOTS;
+use crate::variator::cell::sample::{NoProbe, Sample, Sampler};
 use crate::variator::mesh::layout::Layout;
 use crate::variator::mesh::order::Order;
-use crate::variator::travelling::passing::{
-    AMOUNT, CellOver, CellRows, DRIFT, GAUGE, MOST, Passing, RingAtSlot, THETA,
+use crate::variator::travelling::evaluation::{
+    Evaluation, MeanTension, Moving, PASS, Slopes, Still, Values, coordinates, values,
 };
-use std::ops::Mul;
+use crate::variator::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
 
-/// Directions differentiated in one pass over a cell.
-const PASS: usize = 4;
-type Slopes = Tangent<PASS, f64>;
-
-/// Tension of an element that carries its mean strain, N, and its slopes in the element's unknowns.
-#[derive(Clone, Copy, Debug, Default)]
-struct MeanTension {
-    value: f64,
-    slopes: [f64; NODAL],
-}
-
-/// Slopes of what the balance of the amounts needs of a cell, in the directions `at`.
+/// Slopes of a cell's figures in the balance of the amounts, in the directions `at`.
 #[derive(Clone, Copy, Debug)]
 struct CellSlopes {
     at: [usize; MOST],
@@ -64,210 +46,6 @@ pub(crate) struct TravellingCells<E: LagrangianElement> {
     slopes: Vec<CellSlopes>,
     transports: Transports,
     order: Order,
-}
-
-/// How values become scalars.
-trait Scalars: Copy {
-    /// Scalar of the equations.
-    type T: Real<Constant = f64> + Mul<Self::W, Output = Self::T>;
-    /// Scalar of places on the ring: a plain number where nothing moves the mesh.
-    type W: Real;
-    /// Factors of ẏ and q in the derivatives.
-    fn slopes(&self) -> [f64; 2];
-    /// The scalar of a value, its direction and its slope.
-    fn seed(&self, value: f64, direction: usize, slope: f64) -> Self::T;
-    /// The scalar of a place on the ring.
-    fn place(&self, place: Self::T) -> Self::W;
-}
-
-/// Plain numbers.
-#[derive(Clone, Copy)]
-struct Values;
-
-impl Scalars for Values {
-    type T = f64;
-    type W = f64;
-    fn slopes(&self) -> [f64; 2] {
-        [0.0; 2]
-    }
-    #[inline(always)]
-    fn seed(&self, value: f64, _direction: usize, _slope: f64) -> f64 {
-        value
-    }
-    #[inline(always)]
-    fn place(&self, place: f64) -> f64 {
-        place
-    }
-}
-
-/// Derivatives in the directions `first` and on, which leave the mesh where it is.
-#[derive(Clone, Copy)]
-struct Still {
-    first: usize,
-    slopes: [f64; 2],
-}
-
-impl Scalars for Still {
-    type T = Slopes;
-    type W = f64;
-    fn slopes(&self) -> [f64; 2] {
-        self.slopes
-    }
-    #[inline(always)]
-    fn seed(&self, value: f64, direction: usize, slope: f64) -> Slopes {
-        Slopes::seed(value, direction.wrapping_sub(self.first), slope)
-    }
-    #[inline(always)]
-    fn place(&self, place: Slopes) -> f64 {
-        place.re
-    }
-}
-
-/// Derivatives in the directions `first` and on, of which one moves the mesh.
-#[derive(Clone, Copy)]
-struct Moving(Still);
-
-impl Scalars for Moving {
-    type T = Slopes;
-    type W = Slopes;
-    fn slopes(&self) -> [f64; 2] {
-        self.0.slopes
-    }
-    #[inline(always)]
-    fn seed(&self, value: f64, direction: usize, slope: f64) -> Slopes {
-        self.0.seed(value, direction, slope)
-    }
-    #[inline(always)]
-    fn place(&self, place: Slopes) -> Slopes {
-        place
-    }
-}
-
-/// What cells are evaluated at.
-struct Evaluation<'a, E: LagrangianElement> {
-    acting: InForce<'a>,
-    view: View<'a>,
-    ring: &'a LagrangianRing<E, TwoPulley>,
-    mean_tensions: &'a [MeanTension],
-}
-
-impl<E: LagrangianElement> Evaluation<'_, E> {
-    /// Evaluates a cell.
-    #[inline(always)]
-    fn cell<S: Scalars, P: Probe<S::T>>(
-        &self,
-        over: &CellOver,
-        frame: &TwoPulleyFrame<S::T>,
-        scalars: S,
-        probe: &mut P,
-    ) -> CellRows<S::T> {
-        let InForce { belt, friction } = self.acting;
-        let (view, at) = (self.view, over.unknowns());
-        let [alpha, beta] = scalars.slopes();
-        let value = |k: usize| scalars.seed(view.y[at[k]], k, 1.0);
-        let rate = |k: usize| scalars.seed(view.y_dot[at[k]], k, alpha);
-        let position = |k: usize| scalars.seed(view.q[at[k]], k, beta);
-        let own = over.nodal();
-        let motion = CellMotion::of_directions([own, own + DRIFT], position, value, rate);
-        let of_mesh = &belt.mesh.cells[over.cell];
-        let element = &belt.mesh.elements[of_mesh.element];
-        let place = Place {
-            // The mesh's own stations tell fractions of the segment.
-            of_segment: [0.0, 1.0],
-            face: &of_mesh.face,
-            stations: &of_mesh.stations,
-            axis: belt.law.axes[of_mesh.pulley],
-            plane: belt.law.planes[of_mesh.pulley].constants(),
-            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
-        };
-        let references: [Option<ReferencePoint<S::T>>; SLOTS] = std::array::from_fn(|slot| {
-            (slot <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(slot)))
-        });
-        let drift = position(own + DRIFT);
-        let per_element = self.ring.element_length().recip();
-        let slots = std::array::from_fn(|slot| {
-            let reference = references[slot].as_ref()?;
-            let first = over.first(slot);
-            let unknowns: [Motion<S::T>; NODAL] = std::array::from_fn(|k| Motion {
-                value: position(first + k),
-                rate: value(first + k),
-                acceleration: rate(first + k),
-            });
-            let x = ((reference.xi.v - drift) * per_element - over.turn[slot]) * 2.0 - 1.0;
-            let motion = self.ring.motion(&unknowns);
-            let shape = E::shape(scalars.place(x));
-            let particle = E::particle(&motion, &shape);
-            let tension = if E::MEAN_STRAIN {
-                self.mean_tension::<S, P>(over.element(slot), first, scalars)
-            } else {
-                beam::tension(self.ring.ring(), particle.strain(), particle.strain_rate())
-            };
-            Some(RingAtSlot {
-                motion,
-                shape,
-                particle,
-                tension,
-            })
-        });
-        let multipliers = [value(own + GAUGE), value(own + GAUGE + 1)];
-        let mut passing = Passing::<_, _, E>::new(slots, &motion.reference, multipliers);
-        let reference = |slot: usize| references[slot].expect("a slot of the cell");
-        let given = Given {
-            law: &belt.law,
-            friction,
-            place: &place,
-            motion: &motion,
-        };
-        let balance = balance(&given, &mut passing, reference, probe);
-        CellRows {
-            balance,
-            ring: passing.into_forces(),
-        }
-    }
-
-    /// Tension of an element that carries its mean strain, N, whose first direction is `first`. Sampled, it is that of the
-    /// state at hand.
-    #[inline(always)]
-    fn mean_tension<S: Scalars, P: Probe<S::T>>(&self, element: usize, first: usize, scalars: S) -> S::T {
-        if P::ACTIVE {
-            let values = values(&self.acting.belt.layout, self.view, element);
-            return S::T::from(self.ring.mean_tension(&values));
-        }
-        let mean = &self.mean_tensions[element];
-        let slopes = mean.slopes.iter().enumerate();
-        slopes.fold(S::T::from(mean.value), |sum, (k, &slope)| {
-            sum + scalars.seed(0.0, first + k, slope)
-        })
-    }
-}
-
-/// Motion of the unknowns of an element; `seed` makes a scalar of a value, its direction and its slope.
-fn coordinates<T: Real>(
-    layout: &Layout,
-    view: View<'_>,
-    element: usize,
-    [alpha, beta]: [f64; 2],
-    seed: impl Fn(f64, usize, f64) -> T,
-) -> Coordinates<T> {
-    std::array::from_fn(|k| {
-        if k >= NODAL {
-            return Motion {
-                value: T::zero(),
-                rate: T::zero(),
-                acceleration: T::zero(),
-            };
-        }
-        let at = layout.nodal(element, k);
-        Motion {
-            value: seed(view.q[at], k, beta),
-            rate: seed(view.y[at], k, 1.0),
-            acceleration: seed(view.y_dot[at], k, alpha),
-        }
-    })
-}
-
-fn values(layout: &Layout, view: View<'_>, element: usize) -> Coordinates<f64> {
-    coordinates(layout, view, element, [0.0; 2], |value, _, _| value)
 }
 
 impl<E: LagrangianElement> TravellingCells<E> {
@@ -315,19 +93,15 @@ impl<E: LagrangianElement> TravellingCells<E> {
 
     /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
     fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
-        let cells = belt.mesh.cells.len();
-        for cell in 0..cells {
-            let before = (cell + cells - 1) % cells;
-            let rows = [before, cell].map(|cell| belt.cells_at[cell].amount);
-            out.add(rows[1], rows[1], alpha);
-            let (own, other) = (&self.slopes[cell], &self.slopes[before]);
-            let slopes = chain::flux_slopes(&self.transports.get(before), &self.transports.get(cell));
-            for (of, by) in [other, own].into_iter().zip(slopes) {
+        for face in self.transports.faces(belt) {
+            out.add(face.amounts[1], face.amounts[1], alpha);
+            for (side, cell) in face.cells.into_iter().enumerate() {
+                let of = &self.slopes[cell];
                 for k in 0..of.count {
-                    let slope = by.along(&of.transport, k);
-                    for (row, value) in rows.into_iter().zip([slope, -slope]) {
+                    let slopes = face.slopes(side, &of.transport, k);
+                    for (row, slope) in face.amounts.into_iter().zip(slopes) {
                         if let Some(index) = out.index(row, of.at[k]) {
-                            out.add_at(index, value);
+                            out.add_at(index, slope);
                         }
                     }
                 }
@@ -342,7 +116,7 @@ struct Frames {
     moving: [TwoPulleyFrame<Slopes>; PASS],
 }
 
-/// Adds the derivatives of a cell's rows to the matrix, and records those of what the balance of the amounts needs.
+/// Adds the derivatives of a cell's rows to the matrix, and records those of its figures in the balance of the amounts.
 fn add_cell_slopes<E: LagrangianElement>(
     evaluation: &Evaluation<'_, E>,
     over: &CellOver,
@@ -439,7 +213,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
             loads[belt.mesh.cells[cell].pulley].add(b, 1.0);
             self.transports.set(cell, &b.transport);
         }
-        add_fluxes(belt, &mut self.transports, view, out);
+        self.transports.add_fluxes(belt, view, out);
         for i in layout.free() {
             out[i] = view.y[i];
         }

@@ -1,5 +1,6 @@
 //! Rings whose nodes travel with the material, under the cells.
 
 pub(crate) mod assembly;
-pub(crate) mod lay;
+mod evaluation;
 mod passing;
+pub(crate) mod start;

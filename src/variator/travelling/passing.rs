@@ -1,12 +1,12 @@
 //! A Lagrangian ring that passes under the cells: `ANCF` and `RCM` in the variator.
 //!
-//! The stations of chain and contact stand in space. The ring passes under them: a station at ξ sees the particle
+//! The stations of chain and contact stand in space. The ring passes under them: the particle at a station ξ is
 //! x̄ = ξ − s (1). The ring's own forces are balanced on its own elements
-//! ([`LagrangianRing`](crate::ring::lagrangian::LagrangianRing)); what chain and contact do at a station goes to the nodes
-//! of the element that is there.
+//! ([`LagrangianRing`](crate::ring::lagrangian::LagrangianRing)). The loads of chain and contact at a station act on the
+//! nodes of the element that is there.
 //!
-//! s and Θ only say where the mesh of the stations lies, so they repeat motions of the ring, as in `ALE`, and as there
-//! two conditions with multipliers hold them: the reference curve R follows the ring as least squares would have it,
+//! s and Θ only move the mesh of the stations, so they repeat motions of the ring, as in `ALE`, and as there two
+//! conditions with multipliers hold them: the reference curve R follows the ring as least squares would have it,
 //!
 //! ∮ (ḋ + d/τ)·G dξ = 0, d = r − R, with G = R' for s and G = ∂R/∂Θ for Θ.
 //!
@@ -28,7 +28,7 @@ use crate::variator::mesh::layout::Layout;
 use crate::variator::rings::ring::{Action, CellRing, RingDensity};
 use std::ops::Mul;
 
-/// Time τ in which the reference curve is drawn to the ring where it is off, s: some passes of an element.
+/// Time τ within which the reference curve follows the ring, s: some passes of an element.
 const FOLLOWING_TIME: f64 = 0.02;
 
 /// Directions of a cell: unknowns of the elements under its slots, V, V, N, then s, Θ, z, ψ_x, ψ_y, ω and two
@@ -50,7 +50,7 @@ pub(super) struct CellOver {
     /// Each element once.
     elements: [usize; SLOTS],
     count: usize,
-    /// Which of them is under a slot.
+    /// Index in `elements` of the element under each slot.
     of_slot: [usize; SLOTS],
     /// Its number counted on over turns.
     pub turn: [f64; SLOTS],

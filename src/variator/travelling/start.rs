@@ -1,9 +1,9 @@
-//! Where a ring that travels with its mesh starts: on the deflecting ring of `ALE`.
+//! Start of a ring that travels with its mesh, on the shape of the deflecting ring of `ALE`.
 //!
 //! Its nodes pass under the stations, so it has no steady state, only one that repeats with every element. The steady
-//! solver finds the state of `ALE`, and the ring is laid on it: nodes on r(ξ) with its slope, velocities those of the
-//! material, everything else the same. What the elements cannot follow, and what they stretch by lying there, settles
-//! within the first pass of an element.
+//! solver finds the state of `ALE`. Nodes get its r(ξ) and its slope, and the velocity of the material; everything else is
+//! the same. The elements can't follow this shape exactly, and it stretches them; both settle within the first pass of an
+//! element.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::ale_ring::AleRing;
@@ -19,7 +19,7 @@ use std::f64::consts::{PI, TAU};
 /// Half the time over which the unknowns of the ring are differentiated, s: it moves by a micrometre.
 const MOMENT: f64 = 1.0e-7;
 
-/// The state in which the ring of `assembly` lies on that of `ale`, which has the same mesh and the deflecting ring.
+/// The state in which the ring of `assembly` has the shape of that of `ale`, which has the same mesh and the deflecting ring.
 #[must_use]
 pub(crate) fn state_on_ale(belt: &Belt, assembly: &dyn Assembly, ale: &Belt, state: &State) -> State {
     let layout = &belt.layout;

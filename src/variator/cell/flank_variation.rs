@@ -1,0 +1,160 @@
+//! Derivatives of a flank's loads by hand: its law is differentiated forward in its four arguments, and all else that
+//! they depend on enters through the chain rule.
+
+use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
+use crate::scalar::{Lanes, Tangent};
+use crate::variator::law::flanks::{Approach, FlankLoads};
+use crate::variator::law::place::{CellLaw, PulleyMotion};
+use num_traits::Zero;
+
+/// Forces of a flank with their derivatives with respect to its motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Flank {
+    force: FlankForce<Lanes>,
+    /// Slopes of the normal force, of friction around and of friction along the flank. Each has those by penetration, by
+    /// closing, by sliding around and by sliding along.
+    slopes: [[Lanes; 4]; 3],
+}
+
+impl Flank {
+    /// The flank that moves by `motion`.
+    #[inline(always)]
+    pub fn new(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> Self {
+        let seeded = FlankMotion {
+            penetration: Tangent::<4>::seed(motion.penetration, 0, 1.0),
+            closing: Tangent::seed(motion.closing, 1, 1.0),
+            tangential: Tangent::seed(motion.tangential, 2, 1.0),
+            along_flank: Tangent::seed(motion.along_flank, 3, 1.0),
+        };
+        let force = flank_force(&law.contact, friction, law.wedge[1], &seeded);
+        Self {
+            force: FlankForce {
+                normal: force.normal.re,
+                viscous: force.viscous.re,
+                tangential: force.tangential.re,
+                along_flank: force.along_flank.re,
+            },
+            slopes: [force.normal.eps, force.tangential.eps, force.along_flank.eps],
+        }
+    }
+
+    /// Variation of its loads where its motion varies by `motion`, and λ and its place on the pulley vary as `by` says.
+    #[inline(always)]
+    pub fn vary(
+        &self,
+        law: &CellLaw,
+        at: &Approach<Lanes>,
+        lambda: Lanes,
+        by: &FlankVariation,
+        motion: &FlankMotion<Lanes>,
+    ) -> FlankLoads<Lanes> {
+        let [sin_beta, cos_beta, tan_beta] = law.wedge;
+        let of = |slopes: &[Lanes; 4]| {
+            slopes[0] * motion.penetration
+                + slopes[1] * motion.closing
+                + slopes[2] * motion.tangential
+                + slopes[3] * motion.along_flank
+        };
+        let [normal, tangential, along_flank] = [0, 1, 2].map(|k| of(&self.slopes[k]));
+        let force = &self.force;
+        // Per ring length: forces times λ.
+        let normal_by = normal * lambda + force.normal * by.lambda;
+        let tangential_by = tangential * lambda + force.tangential * by.lambda;
+        let along_by = along_flank * lambda + force.along_flank * by.lambda;
+        let (axial_normal, axial_normal_by) = (force.normal * lambda * cos_beta, normal_by * cos_beta);
+        let axial_friction = force.along_flank * lambda * sin_beta;
+        let axial_friction_by = along_by * sin_beta;
+        let around = force.tangential * lambda + axial_friction * at.opening_slope;
+        let around_by = tangential_by + axial_friction_by * at.opening_slope + axial_friction * by.opening_slope;
+        let zero = Lanes::zero();
+        FlankLoads {
+            radial: axial_normal_by * (at.opening + tan_beta) + axial_normal * by.opening + along_by * cos_beta,
+            around: axial_normal_by * at.opening_slope + axial_normal * by.opening_slope + tangential_by,
+            torque: -(around_by * at.rho + around * by.rho),
+            axial: axial_normal_by - axial_friction_by,
+            normal: zero,
+            loss: zero,
+            viscous: zero,
+        }
+    }
+}
+
+/// Variation of an [`Approach`], and of λ: the place of a point of the belt on its pulley and the motion of its flanks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlankVariation {
+    /// Of a flank in the middle of the pulley.
+    pub motion: FlankMotion<Lanes>,
+    pub lambda: Lanes,
+    pub rho: Lanes,
+    pub opening: Lanes,
+    pub opening_slope: Lanes,
+    /// Angle by which e_r turns towards e_t.
+    pub turn: Lanes,
+    /// In space: offset from the middle, and its rate.
+    pub offset: [Lanes; 2],
+}
+
+impl FlankVariation {
+    /// Where λ alone varies.
+    #[inline(always)]
+    pub fn of_lambda(lambda: Lanes) -> Self {
+        let zero = Lanes::zero();
+        Self {
+            motion: FlankMotion {
+                penetration: zero,
+                closing: zero,
+                tangential: zero,
+                along_flank: zero,
+            },
+            lambda,
+            rho: zero,
+            opening: zero,
+            opening_slope: zero,
+            turn: zero,
+            offset: [zero; 2],
+        }
+    }
+
+    /// Where ψ_x (`axis` 0) or ψ_y of the `pulley` varies; `alpha` is the factor of its rate.
+    #[inline(always)]
+    pub fn of_tilt(
+        axis: usize,
+        [sin_beta, ..]: [f64; 3],
+        pulley: &PulleyMotion<Lanes>,
+        at: &Approach<Lanes>,
+        alpha: f64,
+    ) -> Self {
+        let [opening, slope] = if axis == 0 {
+            [at.e_r.x, at.e_r.y]
+        } else {
+            [-at.e_r.y, at.e_r.x]
+        };
+        let rate = opening * at.rho * alpha;
+        let mut by = Self::of_lambda(Lanes::zero());
+        by.motion.penetration = -(opening * at.rho);
+        by.motion.closing = -(rate + opening * at.v_r + slope * at.v_around);
+        by.motion.along_flank = (rate + pulley.omega * at.rho * slope) * -sin_beta;
+        (by.opening, by.opening_slope) = (opening, slope);
+        by
+    }
+
+    /// Where ω varies.
+    #[inline(always)]
+    pub fn of_shaft([sin_beta, ..]: [f64; 3], at: &Approach<Lanes>) -> Self {
+        let mut by = Self::of_lambda(Lanes::zero());
+        by.motion.tangential = -at.rho;
+        by.motion.along_flank = at.rho * at.opening_slope * -sin_beta;
+        by
+    }
+
+    /// Where ż varies; `beta` is the factor of z.
+    #[inline(always)]
+    pub fn of_sheave([sin_beta, ..]: [f64; 3], beta: f64) -> Self {
+        let mut by = Self::of_lambda(Lanes::zero());
+        by.motion.penetration = Lanes::from(0.5 * beta);
+        by.motion.closing = Lanes::from(0.5);
+        by.motion.along_flank = Lanes::from(0.5 * sin_beta);
+        by.offset = [0.5 * beta, 0.5].map(Lanes::from);
+        by
+    }
+}

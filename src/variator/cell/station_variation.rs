@@ -1,0 +1,287 @@
+//! Derivatives at a station of a cell by hand: its variations of ring and chain, and the loads that follow from them.
+
+use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation};
+use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
+use crate::scalar::{Lanes, Real, Tangent, zero_vector};
+use crate::variator::cell::flank_variation::{Flank, FlankVariation};
+use crate::variator::cell::state::{CellInput, Station, StationForces};
+use crate::variator::law::flanks::FlankLoads;
+use crate::variator::law::place::{CellBalance, CellLaw};
+use crate::variator::law::ring_friction::ring_friction;
+use nalgebra::SVector;
+
+/// A station, and the coefficients of its variations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LinearisedStation<const D: usize> {
+    pub ring: RingPoint<Lanes, D>,
+    pub chain: ChainPoint<Lanes, D>,
+    terms: AccelerationTerms<Lanes>,
+    /// Length dξ that the station stands for, m.
+    pub weight: Lanes,
+    /// Share of the right face in what is linear between the faces.
+    pub right: Lanes,
+    pub forces: StationForces<Lanes, D>,
+    /// v_e·e_t and v_p·e_r, m/s.
+    crosswise: [Lanes; 2],
+    /// On the movable sheave; in space also on the other.
+    flanks: [Flank; 2],
+    /// Derivatives of ring friction by the load's argument T − m_r ṡ² and by the sliding speed.
+    friction_by: [Lanes; 2],
+}
+
+/// Variation of a station before contact: what its forces on ring, elements and pulley follow from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StationVariation<'a, const D: usize> {
+    pub by: &'a RingVariation<Lanes, D>,
+    pub chain: &'a ChainVariation<Lanes>,
+    pub flank: &'a FlankVariation,
+    /// Of inertia along the belt, and of inertia and push force across it, N/m.
+    pub along: Lanes,
+    pub inward: [Lanes; 2],
+    /// Of T, and of T − m_r ṡ², N.
+    pub tension: Lanes,
+    pub pressing: Lanes,
+}
+
+/// Variation of the loads of both flanks, per dξ.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BothFlanksVariation {
+    loads: FlankLoads<Lanes>,
+    /// Of the axial load on the movable sheave, N/m.
+    on_movable: Lanes,
+    /// Of the lateral load on the ring along z, N/m.
+    lateral: Lanes,
+}
+
+/// Variation of mass and push force in a cell, which the forces at its stations depend on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StackForce {
+    /// Density ν and its variation.
+    pub density: [Lanes; 2],
+    /// Push force Q and its variation, N.
+    pub push: [Lanes; 2],
+    /// ∂V/∂ξ and its variation, 1/s.
+    pub gradient: [Lanes; 2],
+}
+
+impl<const D: usize> LinearisedStation<D> {
+    /// Station `i` of a cell, under `forces`.
+    #[inline(always)]
+    pub fn new(
+        given: &CellInput<'_, Lanes>,
+        (i, station): (usize, &Station<Lanes, D>),
+        forces: StationForces<Lanes, D>,
+    ) -> Self {
+        let Station { ring, chain, weight } = *station;
+        let StationForces { v_e, v_p, approach, .. } = &forces;
+        let friction = ring_friction(
+            given.friction,
+            Tangent::<2>::seed(forces.pressing, 0, 1.0),
+            Tangent::constant(ring.reference.kappa),
+            Tangent::seed(forces.sliding, 1, 1.0),
+        );
+        Self {
+            terms: chain.acceleration_terms(&ring),
+            weight,
+            right: given.place.stations[i].right,
+            crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
+            flanks: forces
+                .flanks
+                .motions
+                .map(|motion| Flank::new(given.law, given.friction, &motion)),
+            friction_by: friction.eps,
+            forces,
+            ring,
+            chain,
+        }
+    }
+
+    /// Variation of the inertia of the elements along the belt, and of inertia and push force along the normals, N/m;
+    /// `alpha` is the factor of ẏ.
+    #[inline(always)]
+    pub fn vary_inertia(
+        &self,
+        law: &CellLaw,
+        alpha: f64,
+        (by, chain_by): (&RingVariation<Lanes, D>, &ChainVariation<Lanes>),
+        stack: &StackForce,
+    ) -> (Lanes, [Lanes; 2]) {
+        let chain = &self.chain;
+        let [density, density_by] = stack.density;
+        let [push, push_by] = stack.push;
+        let mass = (density_by * chain.lambda + density * by.stretch) * law.chain.mass_per_length;
+        let speed_dot = chain_by.speed * alpha;
+        let (a_t, a_n) = chain.vary_acceleration(&self.ring, &self.terms, (by, chain_by), speed_dot, stack.gradient);
+        let (base_t, base_n) = self.forces.acceleration;
+        let mut inward = [Lanes::from(0.0); 2];
+        for k in 0..D - 1 {
+            inward[k] = mass * base_n[k]
+                + self.forces.mass * a_n[k]
+                + push_by * chain.curvature[k]
+                + push * chain_by.curvature[k];
+        }
+        (mass * base_t + self.forces.mass * a_t, inward)
+    }
+
+    /// Variation of v_e and v_p where ring (`MOVES`) and chain vary.
+    #[inline(always)]
+    fn vary_velocities<const MOVES: bool>(
+        &self,
+        by: &RingVariation<Lanes, D>,
+        chain: &ChainVariation<Lanes>,
+    ) -> [SVector<Lanes, D>; 2] {
+        let (ring, base) = (&self.ring, &self.chain);
+        let mut v_e = ring.t * (chain.speed * base.lead);
+        let mut v_p = ring.t * chain.speed;
+        if MOVES {
+            v_e += ring.t * (base.speed * chain.lead) + by.t * base.ring_line_speed();
+            v_p += by.t * base.speed;
+            for k in 0..D - 1 {
+                let across = by.normals[k] * base.normal_speed[k] + base.normals[k] * chain.normal_speed[k];
+                v_e += across;
+                v_p += across;
+            }
+        }
+        [v_e, v_p]
+    }
+
+    /// Variation of the place on the pulley, and of the flanks' motion, where ring (`MOVES`) and chain vary.
+    #[inline(always)]
+    pub fn vary_approach<const MOVES: bool>(
+        &self,
+        given: &CellInput<'_, Lanes>,
+        by: &RingVariation<Lanes, D>,
+        chain: &ChainVariation<Lanes>,
+    ) -> FlankVariation {
+        let [sin_beta, cos_beta, tan_beta] = given.law.wedge;
+        let (at, pulley) = (&self.forces.approach, &given.motion.pulley);
+        let mut flank = FlankVariation::of_lambda(by.stretch);
+        if MOVES {
+            let r = in_plane(&by.r);
+            flank.rho = at.e_r.dot(&r);
+            flank.turn = at.e_t.dot(&r) * at.inverse_distance;
+            flank.opening = at.opening_slope * flank.turn;
+            flank.opening_slope = -(at.opening * flank.turn);
+        }
+        let [v_e, v_p] = self.vary_velocities::<MOVES>(by, chain);
+        let v_r = at.e_r.dot(&in_plane(&v_e)) + flank.turn * self.crosswise[0];
+        let v_around = at.e_t.dot(&in_plane(&v_p)) - flank.turn * self.crosswise[1];
+        let motion = &mut flank.motion;
+        motion.closing = -((at.opening + tan_beta) * v_r + at.opening_slope * v_around);
+        motion.tangential = v_around;
+        motion.along_flank = v_r * cos_beta;
+        if MOVES {
+            let [rate_x, rate_y] = pulley.psi_dot;
+            let rate = (rate_x * at.e_r.y + rate_y * at.e_r.x) * at.rho * flank.turn
+                + (rate_x * at.e_r.x - rate_y * at.e_r.y) * flank.rho;
+            let sliding = flank.rho * at.opening_slope + at.rho * flank.opening_slope;
+            motion.penetration = -(flank.rho * tan_beta + flank.opening * at.rho + at.opening * flank.rho);
+            motion.closing -= rate + flank.opening * at.v_r + flank.opening_slope * at.v_around;
+            motion.tangential -= pulley.omega * flank.rho;
+            motion.along_flank -= (rate + pulley.omega * sliding) * sin_beta;
+        }
+        if D == 3 {
+            let [side, _] = given.place.plane;
+            flank.offset = [by.r[D - 1] * side, v_e[D - 1] * side];
+        }
+        flank
+    }
+
+    /// Variation of the loads of both flanks.
+    #[inline(always)]
+    pub fn vary_flanks(&self, given: &CellInput<'_, Lanes>, flank: &FlankVariation) -> BothFlanksVariation {
+        let (law, at, lambda) = (given.law, &self.forces.approach, self.chain.lambda);
+        if D == 2 {
+            let one = self.flanks[0].vary(law, at, lambda, flank, &flank.motion);
+            return BothFlanksVariation {
+                loads: one.plus(&one),
+                on_movable: one.axial,
+                lateral: Lanes::from(0.0),
+            };
+        }
+        let [side, _] = given.place.plane;
+        let [offset, speed] = flank.offset;
+        let [movable, fixed] = [1.0, -1.0].map(|sign| flank.motion.shifted(offset * sign, speed * sign, law.wedge[0]));
+        let movable = self.flanks[0].vary(law, at, lambda, flank, &movable);
+        let fixed = self.flanks[1].vary(law, at, lambda, flank, &fixed);
+        BothFlanksVariation {
+            loads: movable.plus(&fixed),
+            on_movable: movable.axial,
+            lateral: (movable.axial - fixed.axial) * side,
+        }
+    }
+
+    /// Adds the variation of the flanks' forces to the load on the ring. Returns those of the conjugates of V, N/m: of the
+    /// part that acts at the pitch line, with inertia, and of the part that acts at the ring centre line.
+    #[inline(always)]
+    pub fn add_flank_forces<const MOVES: bool>(
+        &self,
+        change: &StationVariation<'_, D>,
+        flanks: &BothFlanksVariation,
+        load: &mut Load<Lanes, D>,
+    ) -> [Lanes; 2] {
+        let (ring, chain, at) = (&self.ring, &self.chain, &self.forces.approach);
+        let StationVariation { by, flank, .. } = *change;
+        let (base, loads) = (&self.forces.flanks.loads, &flanks.loads);
+        let mut at_ring_line: SVector<Lanes, D> = zero_vector();
+        if D == 3 {
+            at_ring_line[D - 1] += flanks.lateral;
+        }
+        let mut push_out = at.e_r * loads.radial;
+        let mut drag = at.e_t * loads.around;
+        if MOVES {
+            push_out += at.e_t * (flank.turn * base.radial);
+            drag -= at.e_r * (flank.turn * base.around);
+        }
+        at_ring_line -= embed(push_out);
+        let mut along = change.along - drag.dot(&in_plane(&ring.t));
+        let mut tangential = at_ring_line.dot(&ring.t);
+        let base_drag = at.e_t * base.around;
+        if MOVES {
+            tangential += self.forces.at_ring_line.dot(&by.t);
+            along += self.forces.tangential * change.chain.lead - base_drag.dot(&in_plane(&by.t));
+        }
+        for k in 0..D - 1 {
+            let normal = &chain.normals[k];
+            let mut inward = change.inward[k] - drag.dot(&in_plane(normal)) + at_ring_line.dot(normal);
+            if MOVES {
+                inward += self.forces.at_ring_line.dot(&by.normals[k]) - base_drag.dot(&in_plane(&by.normals[k]));
+                load.position += by.normals[k] * self.forces.inward[k];
+            }
+            load.position += normal * inward;
+        }
+        [along, tangential]
+    }
+
+    /// Adds the variation of the loads on the pulley.
+    #[inline(always)]
+    pub fn add_pulley_loads<const MOVES: bool>(
+        &self,
+        flank: &FlankVariation,
+        flanks: &BothFlanksVariation,
+        out: &mut CellBalance<Lanes>,
+    ) {
+        let (at, weight) = (&self.forces.approach, self.weight);
+        let [axial, base_axial] = [flanks.loads.axial * 0.5, self.forces.flanks.loads.axial * 0.5];
+        let mut moment = at.e_r * (axial * at.rho);
+        if MOVES {
+            moment += at.e_r * (base_axial * flank.rho) + at.e_t * (base_axial * at.rho * flank.turn);
+        }
+        out.axial += flanks.on_movable * weight;
+        out.tilting[0] += moment.x * weight;
+        out.tilting[1] -= moment.y * weight;
+        out.torque += flanks.loads.torque * weight;
+    }
+
+    /// Variation of the friction between ring and elements, N/m.
+    #[inline(always)]
+    pub fn vary_ring_friction<const MOVES: bool>(&self, change: &StationVariation<'_, D>) -> Lanes {
+        let (ring, chain, by) = (&self.ring, &self.chain, change.by);
+        let [by_load, by_sliding] = self.friction_by;
+        let mut sliding = by.w * ring.stretch - change.chain.speed * chain.lead;
+        if MOVES {
+            sliding += change.chain.along + ring.w * by.stretch - chain.speed * change.chain.lead;
+        }
+        by_load * change.pressing + by_sliding * sliding
+    }
+}

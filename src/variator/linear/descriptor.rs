@@ -1,0 +1,81 @@
+//! The descriptor system E ẋ = A x about a working point.
+
+use faer::Mat;
+
+use crate::solver::arrow::Arrow;
+use crate::solver::{State, System};
+use crate::variator::linear::working_point::TIME;
+use crate::variator::system::VariatorSystem;
+
+/// E and A with x = (y, q), q without the drift position s, which nothing depends on.
+pub(super) struct Descriptor {
+    pub e: Mat<f64>,
+    pub a: Mat<f64>,
+    /// Unknowns whose positions follow the velocities in x.
+    pub positions: Vec<usize>,
+}
+
+impl Descriptor {
+    /// About a steady `state`.
+    pub fn new(system: &mut VariatorSystem, state: &State) -> Self {
+        let n = system.belt.layout.len();
+        let drift = system.belt.layout.drift();
+        let positions: Vec<usize> = (0..n).filter(|&i| system.has_position()[i] && i != drift).collect();
+        let mut slopes = |alpha, beta| dense_jacobian(system, state, alpha, beta);
+        let (by_y, by_rate, by_place) = (slopes(0.0, 0.0), slopes(1.0, 0.0), slopes(0.0, 1.0));
+        let size = n + positions.len();
+        let (mut e, mut a) = (Mat::<f64>::zeros(size, size), Mat::<f64>::zeros(size, size));
+        for i in 0..n {
+            for j in 0..n {
+                e[(i, j)] = by_rate[(i, j)] - by_y[(i, j)];
+                a[(i, j)] = -by_y[(i, j)];
+            }
+            for (k, &j) in positions.iter().enumerate() {
+                a[(i, n + k)] = by_y[(i, j)] - by_place[(i, j)];
+            }
+        }
+        for (k, &j) in positions.iter().enumerate() {
+            e[(n + k, n + k)] = 1.0;
+            a[(n + k, j)] = 1.0;
+        }
+        let mut descriptor = Self { e, a, positions };
+        descriptor.constrain_amounts(system);
+        descriptor
+    }
+
+    /// Elements on the belt are neither gained nor lost: as a constraint in place of one of the balances that together
+    /// say so. Left among the modes, it would be one with the eigenvalue 0, and rounding mixes it with slow ones.
+    fn constrain_amounts(&mut self, system: &VariatorSystem) {
+        let cells = system.belt.layout.cells();
+        let balance = system.belt.layout.amount(cells - 1);
+        for j in 0..self.a.ncols() {
+            (self.e[(balance, j)], self.a[(balance, j)]) = (0.0, 0.0);
+        }
+        for cell in 0..cells {
+            self.a[(balance, system.belt.layout.amount(cell))] = 1.0;
+        }
+    }
+
+    /// σE − A.
+    pub fn shifted(&self, sigma: f64) -> Mat<f64> {
+        &self.e * faer::Scale(sigma) - &self.a
+    }
+}
+
+/// The Jacobian with the factors `alpha` of ẏ and `beta` of q.
+fn dense_jacobian(system: &mut VariatorSystem, state: &State, alpha: f64, beta: f64) -> Mat<f64> {
+    let n = system.belt.layout.len();
+    let mut arrow = Arrow::new(system.shape());
+    system.jacobian(TIME, state.view(), alpha, beta, &mut arrow);
+    let (mut unit, mut image) = (vec![0.0; n], vec![0.0; n]);
+    let mut matrix = Mat::<f64>::zeros(n, n);
+    for j in 0..n {
+        unit[j] = 1.0;
+        arrow.multiply(&unit, &mut image);
+        unit[j] = 0.0;
+        for i in 0..n {
+            matrix[(i, j)] = image[i];
+        }
+    }
+    matrix
+}

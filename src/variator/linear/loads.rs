@@ -1,0 +1,84 @@
+//! Loads on the pulleys as inputs of the linear model.
+
+use faer::Mat;
+
+use crate::pulley::Pulley;
+use crate::variator::settings::parameters::{Axial, Drive, Parameters, SPEED_LAG};
+use crate::variator::settings::signals::Inputs;
+use crate::variator::system::VariatorSystem;
+
+/// An input of the linear model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Load {
+    /// Clamping force of a pulley, N.
+    ClampingForce(Pulley),
+    /// External torque on a pulley's shaft, N·m.
+    Torque(Pulley),
+    /// Speed set point of a pulley, rad/s.
+    SpeedSetpoint(Pulley),
+}
+
+impl Load {
+    /// The input among all `inputs`.
+    pub fn field(self, inputs: &mut Inputs) -> &mut f64 {
+        let Inputs { primary, secondary } = inputs;
+        let (Self::ClampingForce(j) | Self::Torque(j) | Self::SpeedSetpoint(j)) = self;
+        let pulley = match j {
+            Pulley::Primary => primary,
+            Pulley::Secondary => secondary,
+        };
+        match self {
+            Self::ClampingForce(_) => &mut pulley.clamping_force,
+            Self::Torque(_) => &mut pulley.torque,
+            Self::SpeedSetpoint(_) => &mut pulley.speed_setpoint,
+        }
+    }
+
+    /// Name of the variable of the FMU.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ClampingForce(Pulley::Primary) => "primary.clampingForce",
+            Self::ClampingForce(Pulley::Secondary) => "secondary.clampingForce",
+            Self::Torque(Pulley::Primary) => "primary.torque",
+            Self::Torque(Pulley::Secondary) => "secondary.torque",
+            Self::SpeedSetpoint(Pulley::Primary) => "primary.speedSetpoint",
+            Self::SpeedSetpoint(Pulley::Secondary) => "secondary.speedSetpoint",
+        }
+    }
+}
+
+/// Inputs that act with these parameters.
+pub(super) fn loads_in_force(parameters: &Parameters) -> Vec<Load> {
+    let mut loads = Vec::new();
+    for (j, pulley) in [
+        (Pulley::Primary, &parameters.primary),
+        (Pulley::Secondary, &parameters.secondary),
+    ] {
+        loads.push(match pulley.drive {
+            Drive::Torque => Load::Torque(j),
+            Drive::Speed => Load::SpeedSetpoint(j),
+        });
+        if pulley.axial == Axial::Force {
+            loads.push(Load::ClampingForce(j));
+        }
+    }
+    loads
+}
+
+/// B of the descriptor system: the negative derivatives of the residual by the loads.
+pub(super) fn load_columns(system: &VariatorSystem, loads: &[Load], size: usize) -> Mat<f64> {
+    let mut b = Mat::<f64>::zeros(size, loads.len());
+    for (l, load) in loads.iter().enumerate() {
+        let (row, factor) = match *load {
+            Load::ClampingForce(j) => (system.belt.layout.sheave(j), 1.0),
+            Load::Torque(j) => (system.belt.layout.shaft_speed(j), 1.0),
+            Load::SpeedSetpoint(j) => (
+                system.belt.layout.shaft_speed(j),
+                system.pulleys.parameters(j).inertia / SPEED_LAG,
+            ),
+        };
+        b[(row, l)] = factor;
+    }
+    b
+}

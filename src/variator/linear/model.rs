@@ -1,0 +1,224 @@
+//! The linear model: slow modes as its states, faster ones as its direct part.
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+
+use crate::solver::{State, System};
+use crate::variator::linear::descriptor::Descriptor;
+use crate::variator::linear::loads::{Load, load_columns, loads_in_force};
+use crate::variator::linear::modes::slow_modes;
+use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
+use crate::variator::settings::parameters::Parameters;
+use crate::variator::settings::signals::{Inputs, Outputs, StartState};
+use crate::variator::survey::observe::{Context, Observer};
+use crate::variator::survey::survey::Survey;
+use crate::variator::system::VariatorSystem;
+
+/// Part of the cut-off at which the static gain is evaluated: it must not meet a neutral mode.
+const NEARLY_STATIC: f64 = 1.0e-3;
+
+/// ẋ = A x + B u, y = C x + D u about the working point. Each matrix is a list of its rows; deviations in SI units.
+#[derive(Clone, Debug)]
+pub struct LinearModel {
+    /// Inputs that hold the working point.
+    pub inputs: Inputs,
+    /// Outputs at the working point.
+    pub outputs: Box<Outputs>,
+    /// Inputs u, in the order of the columns of B and D.
+    pub loads: Vec<Load>,
+    /// A, whose states x are coordinates of the slow modes, without units of their own.
+    pub a: Vec<Vec<f64>>,
+    /// B, a column for each load.
+    pub b: Vec<Vec<f64>>,
+    /// C, a row for each output that `read` picks.
+    pub c: Vec<Vec<f64>>,
+    /// D: direct effect of the loads on the outputs, by modes that are not in A.
+    pub d: Vec<Vec<f64>>,
+    /// Eigenvalues of A, 1/s: real and imaginary part.
+    pub poles: Vec<[f64; 2]>,
+}
+
+/// A direction of x = (y, q), with ẏ beside it.
+struct Direction {
+    y: Vec<f64>,
+    y_dot: Vec<f64>,
+    q: Vec<f64>,
+}
+
+impl Direction {
+    /// Of a column of x and its rate.
+    fn new(n: usize, positions: &[usize], column: &[f64], rate: &[f64]) -> Self {
+        let mut q = vec![0.0; n];
+        for (k, &i) in positions.iter().enumerate() {
+            q[i] = column[n + k];
+        }
+        Self {
+            y: column[..n].to_vec(),
+            y_dot: rate[..n].to_vec(),
+            q,
+        }
+    }
+}
+
+/// The descriptor system projected on its slow modes.
+struct SlowSystem {
+    /// Right modes, a column each, and their rates.
+    right: Mat<f64>,
+    rates: Mat<f64>,
+    a: Mat<f64>,
+    b: Mat<f64>,
+}
+
+impl SlowSystem {
+    /// Oblique projection on the modes slower than `cut_off`, 1/s; none if there are none.
+    fn new(descriptor: &Descriptor, b: &Mat<f64>, cut_off: f64) -> Result<Option<Self>, LinearError> {
+        let (right, left) = slow_modes(descriptor, cut_off)?;
+        if right.ncols() == 0 {
+            return Ok(None);
+        }
+        let factor = (&left * &descriptor.e * &right).partial_piv_lu();
+        let a = factor.solve(&left * &descriptor.a * &right);
+        let b = factor.solve(&left * b);
+        Ok(Some(Self {
+            rates: &right * &a,
+            right,
+            a,
+            b,
+        }))
+    }
+
+    /// Columns of x for each load, and their rates, that the slow modes leave of the whole system's response at the
+    /// nearly static frequency `sigma`, 1/s.
+    fn remainder(&self, descriptor: &Descriptor, b: &Mat<f64>, sigma: f64) -> Vec<[Vec<f64>; 2]> {
+        let whole = descriptor.shifted(sigma).partial_piv_lu().solve(b);
+        let modes = self.a.nrows();
+        let slow = (Mat::<f64>::identity(modes, modes) * faer::Scale(sigma) - &self.a)
+            .partial_piv_lu()
+            .solve(&self.b);
+        let of_load = |l: usize| {
+            let mut x = column(&whole, l);
+            let mut rate: Vec<f64> = x.iter().map(|x| sigma * x).collect();
+            for k in 0..self.right.ncols() {
+                for i in 0..x.len() {
+                    x[i] -= self.right[(i, k)] * slow[(k, l)];
+                    rate[i] -= self.rates[(i, k)] * slow[(k, l)];
+                }
+            }
+            [x, rate]
+        };
+        (0..b.ncols()).map(of_load).collect()
+    }
+}
+
+/// The linear model about the steady state at the initial ratio and speed: modes below `frequency`, Hz, and the outputs
+/// that `read` picks. The torques, and the clamping force of the pulley that reacts, are those that hold the state; they
+/// are among the inputs of the model.
+///
+/// # Errors
+/// See [`LinearError`].
+pub fn linearise(
+    parameters: &Parameters,
+    inputs: &Inputs,
+    frequency: f64,
+    read: &[&dyn Fn(&Outputs) -> f64],
+) -> Result<LinearModel, LinearError> {
+    let mut point = WorkingPoint::new(parameters, inputs)?;
+    let (system, state) = (&mut point.system, &point.state);
+    let loads = loads_in_force(parameters);
+    let descriptor = Descriptor::new(system, state);
+    let b = load_columns(system, &loads, descriptor.a.nrows());
+    let cut_off = std::f64::consts::TAU * frequency;
+    let slow = SlowSystem::new(&descriptor, &b, cut_off)?.ok_or(LinearError::NoMode(frequency))?;
+
+    let n = system.belt.layout.len();
+    let mut differentiate = |column: &[f64], rate: &[f64]| {
+        let direction = Direction::new(n, &descriptor.positions, column, rate);
+        slopes(system, state, &direction, read)
+    };
+    let c: Vec<Vec<f64>> = (0..slow.right.ncols())
+        .map(|k| differentiate(&column(&slow.right, k), &column(&slow.rates, k)))
+        .collect();
+    // The response of the slow modes is subtracted before outputs are differentiated: it is large here, and sliding is not
+    // linear in it.
+    let d: Vec<Vec<f64>> = slow
+        .remainder(&descriptor, &b, NEARLY_STATIC * cut_off)
+        .iter()
+        .map(|[x, rate]| differentiate(x, rate))
+        .collect();
+    let values = slow.a.eigenvalues().map_err(|_| LinearError::Eigenvalues)?;
+    Ok(LinearModel {
+        inputs: point.inputs,
+        outputs: point.outputs,
+        loads,
+        a: rows(&slow.a),
+        b: rows(&slow.b),
+        c: transposed(&c, read.len()),
+        d: transposed(&d, read.len()),
+        poles: values.iter().map(|value| [value.re, value.im]).collect(),
+    })
+}
+
+/// Column `k` of a matrix.
+fn column(matrix: &Mat<f64>, k: usize) -> Vec<f64> {
+    (0..matrix.nrows()).map(|i| matrix[(i, k)]).collect()
+}
+
+/// The rows of a matrix.
+fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
+    let row = |i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect();
+    (0..matrix.nrows()).map(row).collect()
+}
+
+/// The rows, so many, of the matrix with these columns.
+fn transposed(columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
+    (0..rows)
+        .map(|i| columns.iter().map(|column| column[i]).collect())
+        .collect()
+}
+
+/// Derivatives of outputs along a direction, by central differences over which the laws are nearly linear.
+fn slopes(
+    system: &mut VariatorSystem,
+    state: &State,
+    direction: &Direction,
+    read: &[&dyn Fn(&Outputs) -> f64],
+) -> Vec<f64> {
+    let n = system.belt.layout.len();
+    let (mut velocity, mut place) = (vec![0.0; n], vec![0.0; n]);
+    system.newton_scale(1.0e-6, &mut velocity);
+    system.newton_scale(1.0, &mut place);
+    let mut largest = f64::MIN_POSITIVE;
+    for i in 0..n {
+        largest = largest.max((direction.y[i] / velocity[i]).abs());
+        if system.has_position()[i] {
+            largest = largest.max((direction.q[i] / place[i]).abs());
+        }
+    }
+    let step = 1.0 / largest;
+    let beside = |step: f64| {
+        let mut state = state.clone();
+        for i in 0..n {
+            state.y[i] += step * direction.y[i];
+            state.y_dot[i] += step * direction.y_dot[i];
+            state.q[i] += step * direction.q[i];
+        }
+        let survey = Survey::of(system, state.view());
+        let boundary = system.loads.at(TIME);
+        let context = Context {
+            external_torque: system
+                .pulleys
+                .external_torques(&boundary, state.view(), survey.sums.torque),
+            macro_slip: false,
+            supplied: 0.0,
+            lost: 0.0,
+            initial_energy: 0.0,
+            start_state: StartState::Steady,
+        };
+        let mut outputs = Outputs::default();
+        Observer::default().observe(system, state.view(), &survey, &context, &mut outputs);
+        outputs
+    };
+    let (after, before) = (beside(step), beside(-step));
+    let slope = |read: &&dyn Fn(&Outputs) -> f64| (read(&after) - read(&before)) / (2.0 * step);
+    read.iter().map(slope).collect()
+}

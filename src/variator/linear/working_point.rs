@@ -1,0 +1,132 @@
+//! The steady state about which a model is linear, and the loads that hold it.
+
+use crate::pulley::Pulley;
+use crate::solver::arrow::{Arrow, ArrowLu, Singular};
+use crate::solver::{State, System};
+use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
+use crate::variator::run::variator::{InitialisationError, Variator};
+use crate::variator::settings::parameters::{Axial, Drive, Parameters};
+use crate::variator::settings::signals::{Inputs, Outputs, StartState};
+use crate::variator::settings::validation::ParameterError;
+use crate::variator::survey::survey::Survey;
+use crate::variator::system::VariatorSystem;
+
+/// Time at which the loads are evaluated, s. They do not change.
+pub(super) const TIME: f64 = 0.0;
+/// Largest Θ̇ of a working point, 1/s.
+const STEADY: f64 = 1.0e-4;
+
+/// Why there is no linear model.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinearError {
+    /// A parameter is out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// There is no state to start from.
+    #[error(transparent)]
+    Start(#[from] InitialisationError),
+    /// The state is not steady.
+    #[error("this is no steady working point: {0}")]
+    Unsteady(String),
+    /// The eigenvalues were not found, or right and left ones differ: too near to each other.
+    #[error("the eigenvalues were not found: slow modes lie too near to each other")]
+    Eigenvalues,
+    /// No eigenvalue is below the frequency.
+    #[error("no mode is slower than {0} Hz")]
+    NoMode(f64),
+}
+
+/// A steady state, and the system under the loads that hold it.
+pub(super) struct WorkingPoint {
+    pub system: VariatorSystem,
+    pub state: State,
+    /// Inputs that hold the state.
+    pub inputs: Inputs,
+    pub outputs: Box<Outputs>,
+}
+
+impl WorkingPoint {
+    /// The steady state at the initial ratio and speed.
+    pub fn new(parameters: &Parameters, inputs: &Inputs) -> Result<Self, LinearError> {
+        if parameters.ring_model.travels() {
+            return Err(LinearError::Unsteady(
+                "the nodes of this ring model pass under the stations; ALE has a steady state".to_string(),
+            ));
+        }
+        let mut parameters = parameters.clone();
+        parameters.initial.steady = true;
+        let mut variator = Variator::new(parameters.clone())?;
+        variator.initialise(0.0, inputs)?;
+        if variator.outputs().start_state != StartState::Steady {
+            let warning = variator.take_messages().into_iter().find(|message| message.warning);
+            let why = warning.map_or_else(|| "the primary pulley stands still".to_string(), |warning| warning.text);
+            return Err(LinearError::Unsteady(why));
+        }
+        let (mut system, state) = (variator.system().clone(), variator.state().clone());
+        let inputs = hold(&mut system, &state, &parameters, inputs)?;
+        Ok(Self {
+            system,
+            state,
+            inputs,
+            outputs: Box::new(variator.outputs().clone()),
+        })
+    }
+}
+
+/// Puts the loads in force that hold the state. Returns them as inputs.
+fn hold(
+    system: &mut VariatorSystem,
+    state: &State,
+    parameters: &Parameters,
+    inputs: &Inputs,
+) -> Result<Inputs, LinearError> {
+    let mut held = *inputs;
+    let sums = Survey::of(system, state.view()).sums;
+    let mut boundary = system.loads.at(TIME);
+    for (j, pulley, values) in [
+        (Pulley::Primary, &parameters.primary, &mut held.primary),
+        (Pulley::Secondary, &parameters.secondary, &mut held.secondary),
+    ] {
+        if pulley.axial == Axial::Force {
+            values.clamping_force = system.pulleys.holding_force(j, state.view(), sums.axial[j]);
+            boundary.sheave[j] = SheaveMode::Force(values.clamping_force);
+        }
+        boundary.shaft[j] = match pulley.drive {
+            Drive::Torque => {
+                values.torque = -sums.torque[j];
+                ShaftMode::Torque(values.torque)
+            }
+            Drive::Speed => {
+                values.speed_setpoint = state.y[system.belt.layout.shaft_speed(j)];
+                ShaftMode::Setpoint(values.speed_setpoint)
+            }
+        };
+    }
+    load(system, boundary);
+    let change = change_of_theta(system, state)?;
+    if change > STEADY {
+        return Err(LinearError::Unsteady(format!(
+            "the ratio moves by {change:.1e} a second"
+        )));
+    }
+    Ok(held)
+}
+
+/// Change of Θ that Newton's method would make over a second.
+fn change_of_theta(system: &mut VariatorSystem, state: &State) -> Result<f64, LinearError> {
+    let mut residual = vec![0.0; system.belt.layout.len()];
+    system.residual(TIME, state.view(), &mut residual);
+    let mut matrix = Arrow::new(system.shape());
+    system.jacobian(TIME, state.view(), 1.0, 1.0, &mut matrix);
+    let mut factors = ArrowLu::new(system.shape());
+    let singular = |error: Singular| LinearError::Unsteady(error.to_string());
+    factors.factor(&matrix).map_err(singular)?;
+    factors.solve(&mut residual);
+    Ok(residual[system.belt.layout.theta()].abs())
+}
+
+/// Puts constant loads in force.
+fn load(system: &mut VariatorSystem, boundary: Boundary) {
+    let mut rates = vec![0.0; system.belt.layout.len()];
+    system.change_loads(0.0, boundary, LoadRates::default(), 0.0, &mut rates);
+}
