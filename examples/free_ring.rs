@@ -18,7 +18,7 @@ use pushbelt::ring::Ring;
 use pushbelt::ring::ale_ring::AleRing;
 use pushbelt::ring::ancf::Ancf;
 use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::rcm::Rcm;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
@@ -82,13 +82,13 @@ fn band() -> Ring {
     }
 }
 
-fn ovality<M: RingModel>(system: &RingSystem<M>, state: &State) -> f64 {
+fn ovality<M: RingFormulation>(system: &RingSystem<M>, state: &State) -> f64 {
     let mean = |f: &dyn Fn(Vector2<f64>) -> f64| system.integrate(state.view(), |p| f(p.r)) / LENGTH;
     let (x, y) = (mean(&|r| r.x), mean(&|r| r.y));
     mean(&|r| (r.x - x).powi(2) - (r.y - y).powi(2))
 }
 
-fn start<M: RingModel>(system: &mut RingSystem<M>, shape: Shape) -> Result<State, Box<dyn Error>> {
+fn start<M: RingFormulation>(system: &mut RingSystem<M>, shape: Shape) -> Result<State, Box<dyn Error>> {
     match shape {
         Shape::Circle => {
             let mut state = system.rest(0.0);
@@ -119,7 +119,7 @@ fn start<M: RingModel>(system: &mut RingSystem<M>, shape: Shape) -> Result<State
     }
 }
 
-fn swing<M: RingModel>(model: M, arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+fn swing<M: RingFormulation>(model: M, arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let mut system = RingSystem::new(model);
     system.tolerance = arguments.tolerance;
     let mut state = start(&mut system, arguments.shape)?;

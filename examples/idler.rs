@@ -10,7 +10,7 @@ use pushbelt::ring::Ring;
 use pushbelt::ring::ale_ring::AleRing;
 use pushbelt::ring::ancf::Ancf;
 use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::rcm::Rcm;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
@@ -54,7 +54,7 @@ fn belt(string: bool) -> Ring {
     }
 }
 
-fn advance<M: RingModel>(
+fn advance<M: RingFormulation>(
     system: &mut RingSystem<M>,
     integrator: &mut Sdirk,
     state: &mut State,
@@ -65,7 +65,7 @@ fn advance<M: RingModel>(
 }
 
 /// Runs a string through half the drive and prints how far it leaves its shape.
-fn run<M: RingModel>(name: &str, model: M, drive: &Drive<3>) -> Result<(), Box<dyn Error>> {
+fn run<M: RingFormulation>(name: &str, model: M, drive: &Drive<3>) -> Result<(), Box<dyn Error>> {
     let mut system = RingSystem::new(model);
     system.tolerance = 1.0e-7;
     let ring = system.model.ring().clone();

@@ -13,7 +13,7 @@ use nalgebra::SymmetricEigen;
 use pushbelt::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
 use pushbelt::ring::ale_ring::AleRing;
 use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
@@ -156,7 +156,7 @@ impl Tables {
     }
 
     /// Energies and coordinates at every sample, outlines at every second.
-    fn record<M: RingModel>(&mut self, figure: &str, model: &str, system: &RingSystem<M>, record: &Record) {
+    fn record<M: RingFormulation>(&mut self, figure: &str, model: &str, system: &RingSystem<M>, record: &Record) {
         for (k, sample) in record.samples.iter().enumerate() {
             let [upper, lower] = bulges(system, &sample.state);
             self.motions.add(row![
@@ -209,7 +209,7 @@ impl Tables {
     }
 }
 
-fn outline<M: RingModel>(system: &RingSystem<M>, state: &State) -> impl Iterator<Item = [f64; 2]> {
+fn outline<M: RingFormulation>(system: &RingSystem<M>, state: &State) -> impl Iterator<Item = [f64; 2]> {
     let length = system.model.length();
     (0..=OUTLINE).map(move |k| {
         let xi = length * (k % OUTLINE) as f64 / OUTLINE as f64;

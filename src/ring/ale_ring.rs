@@ -10,7 +10,7 @@
 use super::ale;
 use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane};
 use super::mesh::{self, RingMesh, Station};
-use super::model::{Coordinates, DIRECTIONS, Energy, RingModel, Shape};
+use super::model::{Coordinates, DIRECTIONS, Energy, RingFormulation, Shape};
 use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
 use super::rotated::{RotatedElement, rotated_load, rotated_point};
@@ -260,7 +260,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
     }
 }
 
-impl<C: ReferenceCurve + std::fmt::Debug, const D: usize, const N: usize> RingModel<D, N> for AleRing<C, D>
+impl<C: ReferenceCurve + std::fmt::Debug, const D: usize, const N: usize> RingFormulation<D, N> for AleRing<C, D>
 where
     Deflection<D>: Unknowns<N>,
 {

@@ -7,7 +7,7 @@
 use super::beam;
 use super::kinematics::Motion;
 use super::mesh::gauss;
-use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingModel, Shape};
+use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingFormulation, Shape};
 use super::parameters::Ring;
 use super::particle::{Particle, ParticleLoad};
 use crate::reference_curve::ReferenceCurve;
@@ -192,7 +192,7 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     }
 }
 
-impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingModel for LagrangianRing<E, C> {
+impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingFormulation for LagrangianRing<E, C> {
     const BLOCK: usize = E::BLOCK;
     const LAGRANGIAN: bool = true;
 

@@ -1,5 +1,5 @@
 //! The ring (paper 3, 4): mesh, kinematics with its virtual power, the beam law, and the ring alone as a system. Three
-//! models stand behind [`model::RingModel`]: [`ale_ring::AleRing`], [`ancf::Ancf`] and [`rcm::Rcm`].
+//! models stand behind [`model::RingFormulation`]: [`ale_ring::AleRing`], [`ancf::Ancf`] and [`rcm::Rcm`].
 
 #![forbid(unsafe_code)]
 

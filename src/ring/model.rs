@@ -60,7 +60,7 @@ impl std::ops::AddAssign for Energy {
 pub type Shape<'a, const D: usize = 2> = &'a dyn Fn(f64) -> [SVector<f64, D>; 2];
 
 /// A ring model on its mesh: of D components, with N unknowns an element, s and Θ the last two.
-pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + std::fmt::Debug {
+pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + std::fmt::Debug {
     /// Unknowns in a block.
     const BLOCK: usize;
 
@@ -113,7 +113,7 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
         motion: &Coordinates<T, N>,
     ) -> (Particle<T, D>, T);
 
-    /// Generalised forces of a load on the particle at x, N: the transpose of [`RingModel::particle`]'s velocities.
+    /// Generalised forces of a load on the particle at x, N: the transpose of [`RingFormulation::particle`]'s velocities.
     fn project<T: Real<Constant = f64>>(
         &self,
         frame: &Self::Frame<T>,
@@ -131,7 +131,7 @@ pub trait RingModel<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + st
         motion: &Coordinates<T, N>,
     ) -> [T; N];
 
-    /// [`RingModel::balance`] of an element in each lane, if elements differ in their unknowns only; otherwise none.
+    /// [`RingFormulation::balance`] of an element in each lane, if elements differ in their unknowns only; otherwise none.
     #[inline(always)]
     fn balance_of_many<T: Real<Constant = Lanes>>(&self, _motion: &Coordinates<T, N>) -> Option<[T; N]> {
         None

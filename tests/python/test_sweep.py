@@ -21,6 +21,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from distributed import Client
+
 from pushbelt.fmu.unit import Archive, UnitError, Variator
 from pushbelt.sweep import Grid, Progress, Study, checks, cluster, maps, sweep
 from pushbelt.sweep.point import Point, Row, failure, start_values

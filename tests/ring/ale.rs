@@ -6,7 +6,7 @@ use pushbelt::reference_curve::{ReferenceCurve, Unaligned};
 use pushbelt::ring::ale_ring::{AleRing, Inertia};
 use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::particle::Particle;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;

@@ -4,7 +4,7 @@ use pushbelt::reference_curve::{Drive, Pulley, ReferenceCurve, Tensioner};
 use pushbelt::ring::Ring;
 use pushbelt::ring::ale_ring::AleRing;
 use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_lab::ring::*;

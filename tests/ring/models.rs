@@ -7,7 +7,7 @@ use pushbelt::ring::Ring;
 use pushbelt::ring::ancf::AncfElement;
 use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt::ring::lagrangian::{LagrangianElement, LagrangianRing};
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::particle::ParticleLoad;
 use pushbelt::ring::rcm::RcmElement;
 use pushbelt::ring::system::RingSystem;

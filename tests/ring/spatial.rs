@@ -7,7 +7,7 @@ use pushbelt::ring::Ring;
 use pushbelt::ring::ale_ring::{AleRing, Directions};
 use pushbelt::ring::kinematics::Motion;
 use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;

@@ -7,14 +7,14 @@ use pushbelt::ring::Ring;
 use pushbelt::ring::ale_ring::{AleRing, Directions};
 use pushbelt::ring::ancf::Ancf;
 use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::rcm::Rcm;
 use pushbelt::ring::system::RingSystem;
 
 /// A ring model under test.
 pub trait Case<const D: usize = 2, const N: usize = 10> {
     /// The model on a curve.
-    type Model<C: ReferenceCurve + Debug>: RingModel<D, N>;
+    type Model<C: ReferenceCurve + Debug>: RingFormulation<D, N>;
     const NAME: &'static str;
     /// Order of frequencies in the element length when stretch and bending both matter.
     const ORDER: f64;

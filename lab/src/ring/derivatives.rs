@@ -1,7 +1,7 @@
 //! Kinematics, elasticity and inertia of a ring against differences.
 
 use nalgebra::{DMatrix, DVector};
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 
@@ -14,7 +14,7 @@ use crate::noise;
 pub const FEW: usize = 12;
 
 /// A ring on the reference curve at Θ with deflections of a few per cent, in motion.
-pub fn waving<M: RingModel<D, N>, const D: usize, const N: usize>(
+pub fn waving<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &RingSystem<M, D, N>,
     theta: f64,
     amplitude: f64,
@@ -43,12 +43,12 @@ pub fn waving<M: RingModel<D, N>, const D: usize, const N: usize>(
     state
 }
 
-pub fn lagrangian<M: RingModel<D, N>, const D: usize, const N: usize>(_: &RingSystem<M, D, N>) -> bool {
+pub fn lagrangian<M: RingFormulation<D, N>, const D: usize, const N: usize>(_: &RingSystem<M, D, N>) -> bool {
     M::LAGRANGIAN
 }
 
 /// Unknowns whose rows are balances of force: without s and Θ on a mesh that travels.
-fn forces<M: RingModel<D, N>, const D: usize, const N: usize>(system: &RingSystem<M, D, N>) -> usize {
+fn forces<M: RingFormulation<D, N>, const D: usize, const N: usize>(system: &RingSystem<M, D, N>) -> usize {
     if M::LAGRANGIAN {
         system.drift()
     } else {
@@ -59,7 +59,7 @@ fn forces<M: RingModel<D, N>, const D: usize, const N: usize>(system: &RingSyste
 pub const PLACES: [f64; 8] = [0.01, 0.093, 0.2, 0.31, 0.505, 0.62, 0.81, 0.97];
 
 /// (13) and (14) from differences of the mass matrix: M q̈ + Ṁ q̇ − ∂T/∂q.
-pub fn inertia_by_differences<M: RingModel<D, N>, const D: usize, const N: usize>(
+pub fn inertia_by_differences<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &RingSystem<M, D, N>,
     state: &State,
 ) -> DVector<f64> {

@@ -1,7 +1,7 @@
 //! A ring alone in motion: residual, integration with fixed steps, small oscillations, shape.
 
 use nalgebra::{DVector, Vector2};
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::sdirk::Sdirk;
@@ -9,7 +9,7 @@ use pushbelt::solver::{State, System, View};
 
 use crate::noise;
 
-pub fn residual<M: RingModel<D, N>, const D: usize, const N: usize>(
+pub fn residual<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &mut RingSystem<M, D, N>,
     view: View<'_>,
 ) -> DVector<f64> {
@@ -20,7 +20,7 @@ pub fn residual<M: RingModel<D, N>, const D: usize, const N: usize>(
 
 /// Integrator with fixed steps. Errors that Newton's method leaves in the velocities add up over the steps of a
 /// ladder's last rung, so it is held tighter than its default.
-pub fn fixed_steps<M: RingModel<D, N>, const D: usize, const N: usize>(
+pub fn fixed_steps<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &mut RingSystem<M, D, N>,
     step: f64,
 ) -> Sdirk {
@@ -30,7 +30,7 @@ pub fn fixed_steps<M: RingModel<D, N>, const D: usize, const N: usize>(
     integrator
 }
 
-pub fn run<M: RingModel<D, N>, const D: usize, const N: usize>(
+pub fn run<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &mut RingSystem<M, D, N>,
     integrator: &mut Sdirk,
     state: &mut State,
@@ -43,7 +43,7 @@ pub fn run<M: RingModel<D, N>, const D: usize, const N: usize>(
 }
 
 /// Angular frequency and shape of the small oscillation about the rest state `state` nearest to `near`, rad/s.
-pub fn mode<M: RingModel<D, N>, const D: usize, const N: usize>(
+pub fn mode<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &RingSystem<M, D, N>,
     state: &State,
     near: f64,
@@ -87,7 +87,7 @@ pub fn mode<M: RingModel<D, N>, const D: usize, const N: usize>(
 }
 
 /// Mean square extent along x less that along y, m²: zero when round.
-pub fn ovality<M: RingModel>(system: &RingSystem<M>, state: &State) -> f64 {
+pub fn ovality<M: RingFormulation>(system: &RingSystem<M>, state: &State) -> f64 {
     let length = system.model.length();
     let mean = |f: &dyn Fn(Vector2<f64>) -> f64| system.integrate(state.view(), |p| f(p.r)) / length;
     let (x, y) = (mean(&|r| r.x), mean(&|r| r.y));
@@ -95,7 +95,7 @@ pub fn ovality<M: RingModel>(system: &RingSystem<M>, state: &State) -> f64 {
 }
 
 /// Places of the nodes, m.
-pub fn nodes<M: RingModel>(system: &RingSystem<M>, view: View<'_>) -> Vec<Vector2<f64>> {
+pub fn nodes<M: RingFormulation>(system: &RingSystem<M>, view: View<'_>) -> Vec<Vector2<f64>> {
     (0..system.model.elements())
         .map(|i| system.particle(view, i, -1.0).r)
         .collect()

@@ -1,6 +1,6 @@
 //! Runs of a ring alone, sampled at even times.
 
-use pushbelt::ring::model::{Energy, RingModel};
+use pushbelt::ring::model::{Energy, RingFormulation};
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
@@ -46,7 +46,7 @@ impl Record {
 }
 
 /// Runs from `state` for `count` times `step`, s. Ends early where the integrator can't go on or Θ leaves ±`limit`.
-pub fn record<M: RingModel>(
+pub fn record<M: RingFormulation>(
     system: &mut RingSystem<M>,
     mut state: State,
     first_step: f64,

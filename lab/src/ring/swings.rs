@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Vector2;
 use pushbelt::reference_curve::{Circle, ReferenceCurve, TwoPulley};
 use pushbelt::ring::Ring;
-use pushbelt::ring::model::RingModel;
+use pushbelt::ring::model::RingFormulation;
 use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
@@ -18,7 +18,7 @@ use super::specimens::{BAND_LENGTH, band, band_circle, solid, solid_curve, thin_
 
 /// Heights of the middles of the upper and the lower strand above their chords, outwards, m. The strands are those of
 /// the solid ring's reference curve at Θ = 0.4.
-pub fn bulges<M: RingModel>(system: &RingSystem<M>, state: &State) -> [f64; 2] {
+pub fn bulges<M: RingFormulation>(system: &RingSystem<M>, state: &State) -> [f64; 2] {
     let frame = solid_curve().frame::<f64>(0.4);
     [1, 3].map(|segment| {
         let [from, middle, to] = [0.0, 0.5, 1.0].map(|fraction| {

@@ -2,7 +2,7 @@
 
 use super::free_ring::RingSystem;
 use super::packs::shape;
-use crate::ring::model::RingModel;
+use crate::ring::model::RingFormulation;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape as MatrixShape};
 use crate::solver::sdirk::{Evolution, Interval};
@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 /// one: rounding in the tension bends them by 1e-16·EA L²/EI.
 const NEWTON_ACCURACY: f64 = 1.0e-9;
 
-impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M, D, N> {
+impl<M: RingFormulation<D, N>, const D: usize, const N: usize> System for RingSystem<M, D, N> {
     fn shape(&self) -> MatrixShape {
         shape(&self.model)
     }
@@ -89,7 +89,7 @@ impl<M: RingModel<D, N>, const D: usize, const N: usize> System for RingSystem<M
     }
 }
 
-impl<M: RingModel<D, N>, const D: usize, const N: usize> Evolution for RingSystem<M, D, N> {
+impl<M: RingFormulation<D, N>, const D: usize, const N: usize> Evolution for RingSystem<M, D, N> {
     fn error_norm(&self, _view: View<'_>, _y_error: &[f64], q_error: &[f64]) -> f64 {
         let length = self.model.length();
         let sum: f64 = q_error
@@ -122,7 +122,7 @@ mod tests {
     use crate::solver::differences::compare;
     use pushbelt_lab::noise;
 
-    fn jacobian_matches_differences<const D: usize, const N: usize>(model: impl RingModel<D, N>) {
+    fn jacobian_matches_differences<const D: usize, const N: usize>(model: impl RingFormulation<D, N>) {
         let mut system = RingSystem::new(model);
         let mut state = system.rest(0.2);
         let n = state.y.len();

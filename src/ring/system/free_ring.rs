@@ -1,7 +1,7 @@
 //! The free ring and its unknowns.
 
 use super::packs::{Pack, coordinates, shape};
-use crate::ring::model::{Coordinates, DIRECTIONS, RingModel};
+use crate::ring::model::{Coordinates, DIRECTIONS, RingFormulation};
 use crate::scalar::Real;
 use crate::solver::View;
 
@@ -24,7 +24,7 @@ pub struct RingSystem<M, const D: usize = 2, const N: usize = DIRECTIONS> {
     pub(super) packs: Vec<Pack<N>>,
 }
 
-impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
+impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     /// A free ring of this model.
     ///
     /// # Panics

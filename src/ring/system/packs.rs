@@ -1,7 +1,7 @@
 //! Neighbouring elements, one in each lane of a register.
 
 use crate::ring::kinematics::Motion;
-use crate::ring::model::{Coordinates, RingModel};
+use crate::ring::model::{Coordinates, RingFormulation};
 use crate::scalar::{LANES, Lanes, Real, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::{Arrow, Shape as MatrixShape};
@@ -11,7 +11,7 @@ use std::array;
 const PASS: usize = 5;
 
 /// Shape of the matrix of a ring alone.
-pub(super) fn shape<M: RingModel<D, N>, const D: usize, const N: usize>(model: &M) -> MatrixShape {
+pub(super) fn shape<M: RingFormulation<D, N>, const D: usize, const N: usize>(model: &M) -> MatrixShape {
     MatrixShape {
         blocks: model.elements(),
         block: M::BLOCK,
@@ -49,7 +49,7 @@ pub(super) struct Pack<const N: usize> {
 }
 
 impl<const N: usize> Pack<N> {
-    pub(super) fn all<M: RingModel<D, N>, const D: usize>(model: &M) -> Vec<Self> {
+    pub(super) fn all<M: RingFormulation<D, N>, const D: usize>(model: &M) -> Vec<Self> {
         let shape = shape::<M, D, N>(model);
         let elements: Vec<_> = (0..model.elements()).map(|element| model.directions(element)).collect();
         let entry = |i, j| shape.index(i, j).expect("an entry in the band");
@@ -76,7 +76,7 @@ impl<const N: usize> Pack<N> {
     }
 
     /// Adds its derivatives to the matrix; false if the model's elements go one by one.
-    pub(super) fn add_slopes<M: RingModel<D, N>, const D: usize>(
+    pub(super) fn add_slopes<M: RingFormulation<D, N>, const D: usize>(
         &self,
         model: &M,
         view: View<'_>,

@@ -1,12 +1,12 @@
 //! Particles, energies, the power of damping, and the mass matrix of a state.
 
 use super::free_ring::RingSystem;
-use crate::ring::model::{Energy, RingModel};
+use crate::ring::model::{Energy, RingFormulation};
 use crate::ring::particle::Particle;
 use crate::solver::View;
 use nalgebra::DMatrix;
 
-impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
+impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     /// The particle at the local coordinate x ∈ [−1, 1] of an element.
     #[must_use]
     pub fn particle(&self, view: View<'_>, element: usize, x: f64) -> Particle<f64, D> {

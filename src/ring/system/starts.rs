@@ -1,14 +1,14 @@
 //! States to start from.
 
 use super::free_ring::RingSystem;
-use crate::ring::model::{RingModel, Shape};
+use crate::ring::model::{RingFormulation, Shape};
 use crate::ring::particle::ParticleLoad;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 use crate::solver::sdirk::{Sdirk, Stalled};
 use crate::solver::{State, System};
 use nalgebra::SVector;
 
-impl<M: RingModel<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
+impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     /// At rest on the reference curve at Θ.
     #[must_use]
     pub fn rest(&self, theta: f64) -> State {

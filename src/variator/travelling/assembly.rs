@@ -4,7 +4,7 @@ use crate::chain::Transport;
 use crate::pulley::PerPulley;
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
-use crate::ring::model::{DIRECTIONS, Energy, NODAL, RingModel as _, Shape};
+use crate::ring::model::{DIRECTIONS, Energy, NODAL, RingFormulation as _, Shape};
 use crate::scalar::{Lanes, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;

@@ -4,7 +4,7 @@ use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, Two
 use crate::ring::beam;
 use crate::ring::kinematics::Motion;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
-use crate::ring::model::{Coordinates, NODAL, RingModel as _};
+use crate::ring::model::{Coordinates, NODAL, RingFormulation as _};
 use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::variator::assembly::equations::InForce;

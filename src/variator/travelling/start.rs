@@ -9,7 +9,7 @@ use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::ale_ring::AleRing;
 use crate::ring::kinematics::Motion;
 use crate::ring::mesh::{RingMesh, gauss};
-use crate::ring::model::{Coordinates, NODAL, RingModel};
+use crate::ring::model::{Coordinates, NODAL, RingFormulation};
 use crate::ring::particle::Particle;
 use crate::solver::State;
 use crate::variator::assembly::equations::Assembly;
