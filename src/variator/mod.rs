@@ -7,12 +7,10 @@
 #![forbid(unsafe_code)]
 
 pub(crate) mod assembly;
-#[doc(hidden)]
-pub mod belt;
+pub(crate) mod belt;
 #[doc(hidden)]
 pub mod cell;
-#[doc(hidden)]
-pub mod law;
+pub(crate) mod law;
 pub mod linear;
 #[doc(hidden)]
 pub mod mesh;

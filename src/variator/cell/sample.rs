@@ -103,7 +103,7 @@ impl Sample {
 }
 
 /// Records every station of a cell as it is evaluated.
-pub trait Probe<T> {
+pub(crate) trait Probe<T> {
     /// Whether samples are needed: if not, they are not evaluated.
     const ACTIVE: bool;
     /// Records a sample.
@@ -112,7 +112,7 @@ pub trait Probe<T> {
 
 /// A probe that needs no samples.
 #[derive(Debug)]
-pub struct NoProbe;
+pub(crate) struct NoProbe;
 
 impl<T> Probe<T> for NoProbe {
     const ACTIVE: bool = false;
@@ -120,7 +120,7 @@ impl<T> Probe<T> for NoProbe {
 }
 
 /// A probe that hands samples to a closure.
-pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
+pub(crate) struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
 
 impl<T> Probe<T> for Sampler<'_, T> {
     const ACTIVE: bool = true;

@@ -8,7 +8,7 @@ use crate::variator::run::variator::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
 use crate::variator::settings::validation::ParameterError;
-use crate::variator::survey::survey::Survey;
+use crate::variator::survey::belt_survey::Survey;
 use crate::variator::system::VariatorSystem;
 
 /// Time at which the loads are evaluated, s. They do not change.

@@ -5,7 +5,7 @@
 //! face. The border holds the globals.
 //!
 //! With a ring that travels with its mesh the cells stand first, each with V and N, then the nodes of the ring, then
-//! what is left free in the blocks; [`order`](crate::variator::mesh::order) sorts them into the order of the matrix.
+//! what is left free in the blocks; the module `order` sorts them into the order of the matrix.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::{ReferenceCurve, TwoPulley};

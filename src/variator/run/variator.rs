@@ -10,9 +10,9 @@ use crate::variator::run::soft_start::SoftStart;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState};
 use crate::variator::settings::validation::ParameterError;
+use crate::variator::survey::belt_survey::Survey;
 use crate::variator::survey::ledger::{Ledger, Running};
 use crate::variator::survey::observe::{Context, Observer, macro_slip};
-use crate::variator::survey::survey::Survey;
 use crate::variator::system::VariatorSystem;
 
 /// First step from a kinematic state, s.

@@ -5,7 +5,7 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::{Evolution, Interval};
 use crate::solver::{System, View};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::survey::survey::{BeltSums, Survey};
+use crate::variator::survey::belt_survey::{BeltSums, Survey};
 use crate::variator::system::VariatorSystem;
 
 /// Energies since the start, J, and the belt at the end of the last accepted step.
