@@ -36,7 +36,7 @@ const MOMENT: f64 = 1.0e-6;
 pub struct Message {
     /// Whether the user should act on it.
     pub warning: bool,
-    /// One sentence.
+    /// Text of the remark, one sentence.
     pub text: String,
 }
 
@@ -117,9 +117,9 @@ pub(super) struct Held {
 /// Outputs a moment before and after the present, along the tangent of the state.
 #[derive(Debug)]
 pub struct Moment {
-    /// A moment before.
+    /// Outputs a moment before.
     pub before: Box<Outputs>,
-    /// A moment after.
+    /// Outputs a moment after.
     pub after: Box<Outputs>,
     /// Time between the two, s.
     pub span: f64,
@@ -137,7 +137,7 @@ pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
 }
 
 impl Variator {
-    /// Builds mesh and workspace.
+    /// A variator with these parameters, not yet initialised.
     ///
     /// # Errors
     /// The first parameter that is out of its range.
