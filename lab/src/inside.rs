@@ -8,7 +8,7 @@ use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::mesh::layout::Layout;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Parameters;
-use pushbelt::variator::survey::survey::Survey;
+use pushbelt::variator::survey::belt_survey::Survey;
 use pushbelt::variator::system::VariatorSystem;
 
 use crate::steady::Steady;

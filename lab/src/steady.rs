@@ -7,8 +7,8 @@ use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::settings::{Outputs, Parameters, StartState};
 use pushbelt::variator::steady::solve::{SteadyTask, solve};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
+use pushbelt::variator::survey::belt_survey::Survey;
 use pushbelt::variator::survey::observe::{Context, Observer};
-use pushbelt::variator::survey::survey::Survey;
 use pushbelt::variator::system::VariatorSystem;
 
 use crate::load_cases::{LoadCase, ratio, speeds};

@@ -1,18 +1,16 @@
 //! The variator: parameters and outputs, the equations of belt and pulleys, steady states, runs, linear models.
 //!
-//! Rooms from the ground up, each of which uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`, `belt`, `assembly`,
-//! `travelling`, `pulleys`, `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and
+//! Rooms from the ground up, each of which uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`,
+//! `belt`, `assembly`, `travelling`, `pulleys`, `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and
 //! [`linear`].
 
 #![forbid(unsafe_code)]
 
 pub(crate) mod assembly;
-#[doc(hidden)]
-pub mod belt;
+pub(crate) mod belt;
 #[doc(hidden)]
 pub mod cell;
-#[doc(hidden)]
-pub mod law;
+pub(crate) mod law;
 pub mod linear;
 #[doc(hidden)]
 pub mod mesh;

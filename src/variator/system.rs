@@ -32,7 +32,7 @@ use std::sync::Arc;
 pub struct VariatorSystem {
     /// Constants of the belt.
     pub belt: Arc<Belt>,
-    /// Shafts and sheaves.
+    /// Pulleys: shafts and sheaves.
     pub pulleys: Pulleys,
     /// Loads and set points at the pulleys.
     pub loads: Loads,

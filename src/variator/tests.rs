@@ -10,7 +10,7 @@ use crate::solver::differences::compare;
 use crate::solver::{State, System};
 use pushbelt_lab::noise;
 
-/// The loads do not depend on it.
+/// Time of the residual, s: the loads are constant.
 const TIME: f64 = 0.0;
 /// Clamping forces, N.
 const CLAMPING: PerPulley<f64> = PerPulley {
@@ -79,7 +79,7 @@ fn check_jacobian(parameters: &Parameters, speed: f64) {
     check_jacobian_by(parameters, speed, 0.4);
 }
 
-/// The same with steps of this share of what does not matter.
+/// The Jacobian against central differences whose steps are `step` times the negligible errors.
 fn check_jacobian_by(parameters: &Parameters, speed: f64, step: f64) {
     let (mut system, state) = disturbed(parameters, speed);
     let (alpha, beta) = (1.0e4, 1.0e-4);
@@ -88,7 +88,7 @@ fn check_jacobian_by(parameters: &Parameters, speed: f64, step: f64) {
     // Strains of a ring that travels are differences of places: EA·ε of rounding in each force.
     let mut coarse = vec![false; size.len()];
     if parameters.ring_model.travels() {
-        system.belt.layout.for_each_ring_length(|i| coarse[i] = true);
+        system.belt.layout.for_each_length_unknown(|i| coarse[i] = true);
     }
     let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
     compare(&mut system, TIME, &state, [alpha, beta], h, |entry| {
@@ -123,8 +123,8 @@ fn derivatives_by_hand_are_those_of_forward_differentiation() {
     of(RingModel::Ale0, false, false, 7e5);
 }
 
-/// Where nothing has changed derivatives are kept; a cell that begins to slip is differentiated again, with those
-/// that share its face; another step size asks for all of them.
+/// Where nothing has changed derivatives are kept. A cell that begins to slip is differentiated again, with those that
+/// share its face; after another step size all are.
 #[test]
 fn derivatives_are_kept_until_they_change() {
     let (mut system, mut state) = disturbed(&small(RingModel::Ale), 200.0);
@@ -165,7 +165,7 @@ fn a_travelling_ring_may_be_counted_from_any_node() {
         let (mut system, state) = disturbed(&small(model), 200.0);
         let (layout, n) = (system.belt.layout, state.y.len());
         let travelling = *layout.travelling().expect("it travels");
-        // Where an unknown stands when the nodes are counted from the one before.
+        // Index of an unknown when the nodes are counted from the one before.
         let counted_on = |i: usize| {
             let first = layout.node(0, 0);
             let nodes = first..first + travelling.nodes * travelling.block;

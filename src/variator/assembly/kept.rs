@@ -158,9 +158,9 @@ impl Regime {
 pub(crate) struct RegimeProbe<'a> {
     pub law: &'a CellLaw,
     pub friction: &'a Friction,
-    /// 1/(hγ), 1/s.
+    /// Factor 1/(hγ) of ẏ in the derivatives, 1/s.
     pub alpha: f64,
-    /// ṡ, m/s.
+    /// Drift rate ṡ of the ring, m/s.
     pub ring_speed: Lanes,
     pub regime: &'a mut Regime,
 }
@@ -223,7 +223,7 @@ impl Kept {
         self.slopes = [f64::NAN; 2];
     }
 
-    /// Whether they are good in `regime`, where the element of the ring has this `length`.
+    /// Whether the derivatives are good in `regime`, where the element of the ring has this `length`.
     #[inline(always)]
     pub(crate) fn holds<K: Directions>(
         &self,

@@ -18,7 +18,7 @@ pub(crate) trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sy
     fn mesh_frame<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T>;
 }
 
-/// Element borders follow the arc borders.
+/// The curve of a mesh whose element borders follow the arc borders.
 impl MeshCurve for TwoPulley {
     #[inline(always)]
     fn mesh_frame<T: Real>(_curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> TwoPulleyFrame<T> {
@@ -26,7 +26,7 @@ impl MeshCurve for TwoPulley {
     }
 }
 
-/// Elements stand still.
+/// The curve of a mesh whose elements stand still.
 impl MeshCurve for Unaligned<TwoPulley> {
     fn mesh_frame<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T> {
         Self::frame_of(curve, frame)

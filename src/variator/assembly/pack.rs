@@ -247,8 +247,8 @@ fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
     let place = &belt.mesh.cells[cell];
     let mut at = [0; MOST];
     let size = K::NODES / 2;
-    for k in 0..K::NODES {
-        at[k] = layout.node(place.element + k / size, k % size);
+    for (k, at) in at[..K::NODES].iter_mut().enumerate() {
+        *at = layout.node(place.element + k / size, k % size);
     }
     let of_cell = &mut at[K::NODES..];
     of_cell[0] = layout.belt_speed(cell);

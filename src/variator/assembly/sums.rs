@@ -27,7 +27,7 @@ impl<T: Real> PulleyLoad<T> {
 }
 
 impl PulleyLoad<Lanes> {
-    /// Over the lanes.
+    /// Sums over the lanes.
     pub(crate) fn sum(&self) -> PulleyLoad {
         PulleyLoad {
             axial: self.axial.sum(),

@@ -14,13 +14,13 @@ pub(crate) trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     const NODES: usize;
     /// Number of those that are tensions of the ring.
     const TENSIONS: usize;
-    /// The amount, whose row the fluxes fill.
+    /// Direction of the amount, whose row the fluxes fill.
     const AMOUNT: usize = Self::NODES + 2;
     /// The drift s, first of the globals.
     const DRIFT: usize = Self::NODES + 3 + Self::TENSIONS;
-    /// Θ.
+    /// Direction of Θ.
     const THETA: usize = Self::DRIFT + 1;
-    /// Number of all.
+    /// Number of all directions.
     const COUNT: usize = Self::DRIFT + GLOBALS;
 
     /// Unknown that varies in direction `k`; none for Θ, whose derivatives [`variation`](crate::variator::cell::variation)
@@ -78,16 +78,16 @@ impl<const D: usize> Directions for RotatingRing<D> {
 pub(crate) enum Direction {
     /// An unknown of the ring's own: of a node, or (`ALE0`) the tension at a face.
     Ring(usize),
-    /// V at a face.
+    /// The speed V at a face.
     Speed(usize),
-    /// The amount N.
+    /// The amount N of elements in the cell.
     Amount,
-    /// Drift rate ṡ.
+    /// The drift rate ṡ.
     Drift,
-    /// ż of the pulley.
+    /// The axial speed ż of the movable sheave.
     Sheave,
-    /// ψ_x, ψ_y of the pulley.
+    /// The tilt ψ_x (0) or ψ_y (1) of the sheaves.
     Tilt(usize),
-    /// ω of the pulley.
+    /// The angular speed ω of the pulley.
     Shaft,
 }

@@ -82,7 +82,7 @@ impl Flank {
 /// Variation of an [`Approach`], and of λ: the place of a point of the belt on its pulley and the motion of its flanks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlankVariation {
-    /// Of a flank in the middle of the pulley.
+    /// Motion of a flank in the middle of the pulley.
     pub motion: FlankMotion<Lanes>,
     pub lambda: Lanes,
     pub rho: Lanes,
@@ -95,7 +95,7 @@ pub(crate) struct FlankVariation {
 }
 
 impl FlankVariation {
-    /// Where λ alone varies.
+    /// The variation where λ alone varies.
     #[inline(always)]
     pub fn of_lambda(lambda: Lanes) -> Self {
         let zero = Lanes::zero();
@@ -115,7 +115,7 @@ impl FlankVariation {
         }
     }
 
-    /// Where ψ_x (`axis` 0) or ψ_y of the `pulley` varies; `alpha` is the factor of its rate.
+    /// The variation where ψ_x (`axis` 0) or ψ_y of the `pulley` varies; `alpha` is the factor of its rate.
     #[inline(always)]
     pub fn of_tilt(
         axis: usize,
@@ -138,7 +138,7 @@ impl FlankVariation {
         by
     }
 
-    /// Where ω varies.
+    /// The variation where ω varies.
     #[inline(always)]
     pub fn of_shaft([sin_beta, ..]: [f64; 3], at: &Approach<Lanes>) -> Self {
         let mut by = Self::of_lambda(Lanes::zero());
@@ -147,7 +147,7 @@ impl FlankVariation {
         by
     }
 
-    /// Where ż varies; `beta` is the factor of z.
+    /// The variation where ż varies; `beta` is the factor of z.
     #[inline(always)]
     pub fn of_sheave([sin_beta, ..]: [f64; 3], beta: f64) -> Self {
         let mut by = Self::of_lambda(Lanes::zero());

@@ -5,7 +5,7 @@ use crate::scalar::{Lanes, Real};
 /// Values at a station for outputs, losses and energies: of one cell, or of one in each lane of `L`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample<L = f64> {
-    /// ξ, m.
+    /// Place ξ of the station, m.
     pub xi: L,
     /// Reference curvature κ there and at the left face of the cell, 1/m: 0 on a strand.
     pub curvature: [L; 2],
@@ -17,9 +17,9 @@ pub struct Sample<L = f64> {
     pub pitch_radius: L,
     /// Pitch radius at the left face of the cell, m.
     pub face_radius: L,
-    /// λ.
+    /// Pitch-line length λ per dξ.
     pub lambda: L,
-    /// ν of the cell.
+    /// Density ν of the cell.
     pub density: L,
     /// Push force Q, N.
     pub push: L,
@@ -37,15 +37,15 @@ pub struct Sample<L = f64> {
     pub flank_sliding: L,
     /// Sliding speed of the ring on the elements, m/s.
     pub ring_sliding: L,
-    /// Penetration, m.
+    /// Penetration g of a flank in the middle of the pulley, m.
     pub penetration: L,
     /// Distance of the ring from the middle of the pulley, towards its movable sheave, m; 0 in the plane.
     pub offset: L,
     /// Deflection w along z, m, and its slope w'.
     pub lateral: [L; 2],
-    /// J, m/s.
+    /// Flow J through the mesh, m/s.
     pub flow: L,
-    /// V, m/s.
+    /// Speed V of the elements, m/s.
     pub speed: L,
     /// Loss to sheave friction, W/m.
     pub sheave_loss: L,
@@ -103,16 +103,16 @@ impl Sample {
 }
 
 /// Records every station of a cell as it is evaluated.
-pub trait Probe<T> {
+pub(crate) trait Probe<T> {
     /// Whether samples are needed: if not, they are not evaluated.
     const ACTIVE: bool;
-    /// Records a sample.
+    /// Records the values at a station.
     fn record(&mut self, sample: Sample<T>);
 }
 
 /// A probe that needs no samples.
 #[derive(Debug)]
-pub struct NoProbe;
+pub(crate) struct NoProbe;
 
 impl<T> Probe<T> for NoProbe {
     const ACTIVE: bool = false;
@@ -120,7 +120,7 @@ impl<T> Probe<T> for NoProbe {
 }
 
 /// A probe that hands samples to a closure.
-pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
+pub(crate) struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
 
 impl<T> Probe<T> for Sampler<'_, T> {
     const ACTIVE: bool = true;

@@ -51,8 +51,8 @@ pub(crate) struct CellState<T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> CellState<T, D> {
-    /// Of a cell with this `ring`, which stands on the reference curve at the face (0) and at the stations (1 and on). All
-    /// slots go through one loop, so that what they need is compiled in once.
+    /// The state of a cell with this `ring`. `reference` gives the reference curve at the face (0) and at the stations (1 and
+    /// on). One loop evaluates all slots, so that the code for a slot is inlined once.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>>(
         given: &CellInput<'_, T>,
@@ -118,7 +118,7 @@ impl<T: Real, const D: usize> CellState<T, D> {
         [self.density, thinning, self.flow, self.difference]
     }
 
-    /// Forces in the stack.
+    /// Forces in the stack of the cell.
     #[inline(always)]
     pub fn stack(&self, law: &CellLaw) -> Stack<T> {
         Stack::new(&law.chain, self.stack_arguments())
@@ -134,7 +134,7 @@ impl<T: Real, const D: usize> CellState<T, D> {
 /// Forces at a station per dξ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StationForces<T: Real, const D: usize> {
-    /// The ring's own load, and its tension, N.
+    /// Own load of the ring, and its tension, N.
     pub own_load: Load<T, D>,
     pub tension: T,
     /// Mass of the elements per dξ, kg/m, their a·t̂ and a along the normals, m/s².
@@ -159,7 +159,7 @@ pub(crate) struct StationForces<T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> StationForces<T, D> {
-    /// At station `i` of a cell whose elements push with `push`, N.
+    /// Forces at station `i` of a cell under the push force `push`, N.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>>(
         given: &CellInput<'_, T>,

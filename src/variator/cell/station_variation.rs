@@ -23,7 +23,7 @@ pub(crate) struct LinearisedStation<const D: usize> {
     pub forces: StationForces<Lanes, D>,
     /// v_e·e_t and v_p·e_r, m/s.
     crosswise: [Lanes; 2],
-    /// On the movable sheave; in space also on the other.
+    /// Flank on the movable sheave; in space also that on the fixed one.
     flanks: [Flank; 2],
     /// Derivatives of ring friction by the load's argument T − m_r ṡ² and by the sliding speed.
     friction_by: [Lanes; 2],
@@ -35,10 +35,10 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     pub by: &'a RingVariation<Lanes, D>,
     pub chain: &'a ChainVariation<Lanes>,
     pub flank: &'a FlankVariation,
-    /// Of inertia along the belt, and of inertia and push force across it, N/m.
+    /// Variation of inertia along the belt, and of inertia and push force across it, N/m.
     pub along: Lanes,
     pub inward: [Lanes; 2],
-    /// Of T, and of T − m_r ṡ², N.
+    /// Variation of T, and of T − m_r ṡ², N.
     pub tension: Lanes,
     pub pressing: Lanes,
 }
@@ -47,13 +47,13 @@ pub(crate) struct StationVariation<'a, const D: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BothFlanksVariation {
     loads: FlankLoads<Lanes>,
-    /// Of the axial load on the movable sheave, N/m.
+    /// Variation of the axial load on the movable sheave, N/m.
     on_movable: Lanes,
-    /// Of the lateral load on the ring along z, N/m.
+    /// Variation of the lateral load on the ring along z, N/m.
     lateral: Lanes,
 }
 
-/// Variation of mass and push force in a cell, which the forces at its stations depend on.
+/// Density, push force and gradient of V in a cell, with their variations: the forces at its stations depend on them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StackForce {
     /// Density ν and its variation.

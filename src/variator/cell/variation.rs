@@ -61,8 +61,8 @@ struct StackVariation {
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Of cells to whose `ring`, if it moves, the loads of [`balance`](crate::variator::cell::balance::balance) at the same
-    /// motion were applied; `slopes` are the factors of acceleration and position.
+    /// Linearises cells. If their `ring` moves, the loads of [`balance`](crate::variator::cell::balance::balance) at the same
+    /// motion must have been applied to it. `slopes` are the factors of acceleration and position.
     #[inline(always)]
     pub fn new(
         given: CellInput<'a, Lanes>,
@@ -111,7 +111,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// In a direction that moves ring (`MOVES`) or chain.
+    /// Variation in a direction that moves ring (`MOVES`) or chain.
     #[inline(always)]
     fn column<const MOVES: bool>(
         &self,
@@ -254,7 +254,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// In a direction that moves the pulley only.
+    /// Variation in a direction that moves the pulley only.
     #[inline(always)]
     fn pulley_column(&self, direction: Direction) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let zero = Lanes::zero();
@@ -326,7 +326,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     }
 }
 
-/// No forces.
+/// A balance without forces.
 #[inline(always)]
 fn nothing() -> CellBalance<Lanes> {
     let zero = Lanes::zero();

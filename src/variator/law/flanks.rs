@@ -9,11 +9,11 @@ use nalgebra::{SVector, Vector2};
 /// Loads of flanks on an element, per ring length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlankLoads<T> {
-    /// Outward, at the ring centre line, N/m.
+    /// Outward force at the ring centre line, N/m.
     pub radial: T,
-    /// Along e_t, at the pitch line, N/m.
+    /// Force along e_t at the pitch line, N/m.
     pub around: T,
-    /// On the pulley, N.
+    /// Torque on the pulley, N.
     pub torque: T,
     /// Axial force on the sheave, N/m.
     pub axial: T,
@@ -27,7 +27,7 @@ pub(crate) struct FlankLoads<T> {
 
 impl<T: Real> FlankLoads<T> {
     #[inline(always)]
-    /// Sum of both.
+    /// Sum of two loads.
     pub(crate) fn plus(&self, other: &Self) -> Self {
         Self {
             radial: self.radial + other.radial,
@@ -46,7 +46,7 @@ impl<T: Real> FlankLoads<T> {
 pub(crate) struct BothFlanks<T> {
     /// Motion of the flank on the movable sheave, and of the other.
     pub motions: [FlankMotion<T>; 2],
-    /// Their sum.
+    /// Sum of the loads of both flanks.
     pub loads: FlankLoads<T>,
     /// Axial load on the movable sheave, N/m.
     pub on_movable: T,
@@ -65,22 +65,23 @@ pub(crate) struct Approach<T: Real> {
     pub e_t: Vector2<T>,
     /// One by the distance of the ring from the axis, 1/m.
     pub inverse_distance: T,
-    /// ϱ, m.
+    /// Pitch radius ϱ, m.
     pub rho: T,
     /// ∂w/∂ϱ, elastic opening of the sheave per radius.
     pub opening: T,
-    /// (∂w/∂θ)/ϱ.
+    /// (∂w/∂θ)/ϱ, elastic opening per way around the axis.
     pub opening_slope: T,
-    /// v_e·e_r, m/s.
+    /// Radial velocity v_e·e_r at the ring centre line, m/s.
     pub v_r: T,
-    /// v_p·e_t, m/s.
+    /// Velocity v_p·e_t around the axis at the pitch line, m/s.
     pub v_around: T,
     /// Motion of a flank in the middle of the pulley.
     pub flank: FlankMotion<T>,
 }
 
 impl<T: Real> Approach<T> {
-    /// At a point of the ring, whose elements move with v_e at the ring centre line and with v_p at the pitch line.
+    /// The approach of a point of the ring, whose elements move with v_e at the ring centre line and with v_p at the pitch
+    /// line.
     #[inline(always)]
     pub fn new<const D: usize>(
         law: &CellLaw,

@@ -12,11 +12,11 @@ use crate::variator::mesh::belt_mesh::Station;
 /// Constants of the cell law.
 #[derive(Clone, Debug)]
 pub struct CellLaw {
-    /// Push elements.
+    /// Parameters of the push elements.
     pub chain: chain::Belt,
-    /// Ring sets, as one beam.
+    /// Parameters of the ring sets, as one beam.
     pub ring: Ring,
-    /// Element flank on sheave.
+    /// Parameters of the contact between flank and sheave.
     pub contact: Contact,
     /// sin β, cos β, tan β of the wedge angle.
     pub wedge: [f64; 3],
@@ -57,7 +57,7 @@ impl SheavePlane {
         })
     }
 
-    /// Side and middle.
+    /// Side and middle, m, as a pack of cells needs them.
     #[must_use]
     pub fn constants(&self) -> [f64; 2] {
         [self.side, self.middle]
@@ -73,15 +73,15 @@ impl SheavePlane {
 /// Motion of a pulley: sheave, tilt, shaft.
 #[derive(Clone, Copy, Debug)]
 pub struct PulleyMotion<T> {
-    /// z, m.
+    /// Closing z of the sheave, m.
     pub z: T,
-    /// ż, m/s.
+    /// Axial speed ż of the sheave, m/s.
     pub z_dot: T,
-    /// ψ_x, ψ_y, rad.
+    /// Tilt ψ_x, ψ_y of the sheaves, rad.
     pub psi: [T; 2],
-    /// Their rates, rad/s.
+    /// Rates of the tilt, rad/s.
     pub psi_dot: [T; 2],
-    /// ω, rad/s.
+    /// Angular speed ω, rad/s.
     pub omega: T,
 }
 
@@ -92,7 +92,7 @@ pub struct CellMotion<T: Real> {
     pub speed: [T; 2],
     /// V̇ at the faces, m/s².
     pub speed_dot: [T; 2],
-    /// Amount N, m.
+    /// Amount N of elements, m.
     pub amount: T,
     /// Motion of the reference curve and drift of the ring.
     pub reference: ReferenceMotion<T>,

@@ -10,8 +10,8 @@ use crate::variator::linear::modes::slow_modes;
 use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
+use crate::variator::survey::belt_survey::Survey;
 use crate::variator::survey::observe::{Context, Observer};
-use crate::variator::survey::survey::Survey;
 use crate::variator::system::VariatorSystem;
 
 /// Part of the cut-off at which the static gain is evaluated: it must not meet a neutral mode.

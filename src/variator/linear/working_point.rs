@@ -8,7 +8,7 @@ use crate::variator::run::variator::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
 use crate::variator::settings::validation::ParameterError;
-use crate::variator::survey::survey::Survey;
+use crate::variator::survey::belt_survey::Survey;
 use crate::variator::system::VariatorSystem;
 
 /// Time at which the loads are evaluated, s. They do not change.
@@ -73,7 +73,7 @@ impl WorkingPoint {
     }
 }
 
-/// Puts the loads in force that hold the state. Returns them as inputs.
+/// Sets the loads that hold the state. Returns them as inputs.
 fn hold(
     system: &mut VariatorSystem,
     state: &State,
@@ -125,7 +125,7 @@ fn change_of_theta(system: &mut VariatorSystem, state: &State) -> Result<f64, Li
     Ok(residual[system.belt.layout.theta()].abs())
 }
 
-/// Puts constant loads in force.
+/// Sets constant loads.
 fn load(system: &mut VariatorSystem, boundary: Boundary) {
     let mut rates = vec![0.0; system.belt.layout.len()];
     system.change_loads(0.0, boundary, LoadRates::default(), 0.0, &mut rates);

@@ -27,20 +27,20 @@ const ARC_GRADING: f64 = 0.76;
 /// Grading of the strands.
 const STRAND_GRADING: f64 = 0.88;
 
-/// A chain cell.
+/// A finite volume of the chain of push elements.
 #[derive(Clone, Debug)]
 pub struct Cell {
     /// Ring element it lies in.
     pub element: usize,
     /// Pulley whose sheaves it can touch.
     pub pulley: Pulley,
-    /// Its left face.
+    /// Left face of the cell.
     pub face: Station,
-    /// Quadrature points.
+    /// Quadrature points between its faces.
     pub stations: Vec<Station>,
-    /// Its [`Group`].
+    /// Index of its [`Group`].
     pub group: usize,
-    /// Its lane there.
+    /// Lane of the cell in its group.
     pub lane: usize,
 }
 
@@ -49,7 +49,7 @@ pub struct Cell {
 pub struct Group {
     /// Cells; the last one repeats where there are fewer than lanes.
     pub cells: [usize; LANES],
-    /// Lanes in use.
+    /// Number of lanes in use.
     pub used: usize,
     /// 1 in the lanes in use whose cell can touch the pulley, else 0.
     pub on: PerPulley<Lanes>,
@@ -69,9 +69,9 @@ impl Group {
 pub struct BeltMesh {
     /// Whether element borders follow the arc borders. If not, all elements lie on one segment, the whole curve.
     pub aligned: bool,
-    /// Ring elements.
+    /// Ring elements, from ξ = 0 on.
     pub elements: Vec<Element>,
-    /// Chain cells.
+    /// Chain cells, in the order of ξ.
     pub cells: Vec<Cell>,
     /// Cells that are evaluated at once, around the loop.
     pub groups: Vec<Group>,

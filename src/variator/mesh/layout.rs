@@ -4,8 +4,8 @@
 //! the speed V of its left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left
 //! face. The border holds the globals.
 //!
-//! With a ring that travels with its mesh the cells stand first, each with V and N, then the nodes of the ring, then
-//! what is left free in the blocks; [`order`](crate::variator::mesh::order) sorts them into the order of the matrix.
+//! With a ring that travels with its mesh the cells come first, each with V and N, then the nodes of the ring, then
+//! what is left free in the blocks; the module `order` sorts them into the order of the matrix.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::{ReferenceCurve, TwoPulley};
@@ -229,7 +229,7 @@ impl Layout {
         self.elements * self.cells_per_element
     }
 
-    /// Component `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; of a ring that travels, what its model has
+    /// Index of component `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; of a ring that travels, what its model has
     /// there.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
@@ -248,14 +248,14 @@ impl Layout {
         element * self.block() + self.node_size() + c * self.cell_size()
     }
 
-    /// Speed V of the elements at the left face of `cell`.
+    /// Index of the speed V of the elements at the left face of `cell`.
     #[must_use]
     pub fn belt_speed(&self, cell: usize) -> usize {
         self.cell(cell)
     }
 
-    /// Amount N of `cell`. It stands with the cell after it: then what flows into a cell, from either side, depends on
-    /// nodes of neighbouring blocks only. (One cell an element can't have that for both directions of flow.)
+    /// Index of the amount N of `cell`. It belongs to the block of the next cell: then the flow into a cell, from either
+    /// side, depends on nodes of neighbouring blocks only. One cell an element can't have that for both directions of flow.
     #[must_use]
     pub fn amount(&self, cell: usize) -> usize {
         let with = if self.cells_per_element > 1 && self.travelling().is_none() {
@@ -266,7 +266,7 @@ impl Layout {
         self.cell(with) + 1
     }
 
-    /// Ring tension at the left face of `cell` (`ALE0`).
+    /// Index of the ring tension at the left face of `cell` (`ALE0`).
     #[must_use]
     pub fn tension(&self, cell: usize) -> usize {
         self.cell(cell) + 2
@@ -277,49 +277,49 @@ impl Layout {
         shape.blocks * shape.block
     }
 
-    /// Drift rate ṡ.
+    /// Index of the drift rate ṡ.
     #[must_use]
     pub fn drift(&self) -> usize {
         self.border() + DRIFT
     }
 
-    /// Θ̇.
+    /// Index of Θ̇.
     #[must_use]
     pub fn theta(&self) -> usize {
         self.border() + THETA
     }
 
-    /// Axial speed ż of a pulley's movable sheave.
+    /// Index of the axial speed ż of a pulley's movable sheave.
     #[must_use]
     pub fn sheave(&self, pulley: Pulley) -> usize {
         self.border() + SHEAVE + pulley as usize
     }
 
-    /// Tilt of a pulley's sheaves: ψ_x (0) or ψ_y (1).
+    /// Index of the tilt of a pulley's sheaves: ψ_x (0) or ψ_y (1).
     #[must_use]
     pub fn tilt(&self, pulley: Pulley, axis: usize) -> usize {
         self.border() + TILT + 2 * pulley as usize + axis
     }
 
-    /// Angular speed ω of a pulley.
+    /// Index of the angular speed ω of a pulley.
     #[must_use]
     pub fn shaft_speed(&self, pulley: Pulley) -> usize {
         self.border() + SHAFT + pulley as usize
     }
 
-    /// Multiplier of a condition of the gauge.
+    /// Index of the multiplier of a condition of the gauge.
     #[must_use]
     pub fn gauge(&self, condition: usize) -> usize {
         self.border() + GAUGE + condition
     }
 
-    /// The globals that every ring has: all but the multipliers of the gauge.
+    /// Indices of the globals that every ring has: all but the multipliers of the gauge.
     #[must_use]
     pub fn globals(&self) -> std::ops::Range<usize> {
         self.border()..self.border() + GAUGE
     }
 
-    /// Unknowns that are rates of positions.
+    /// Whether each unknown is the rate of a position.
     #[must_use]
     pub fn has_position(&self) -> Vec<bool> {
         let mut has_position = vec![false; self.len()];

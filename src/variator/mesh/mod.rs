@@ -1,5 +1,5 @@
 //! The mesh along the belt, and the indices of the unknowns.
 
-pub mod belt_mesh;
+pub(crate) mod belt_mesh;
 pub mod layout;
 pub(crate) mod order;

@@ -10,8 +10,8 @@ pub enum SheaveMode {
     Force(f64),
     /// The sheave stands still.
     Held,
-    /// Θ is drawn to `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ). The steady solver moves `force`
-    /// to the reaction.
+    /// Θ is drawn to `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ). The steady solver
+    /// moves `force` to the reaction.
     Ratio {
         /// Wanted Θ.
         theta: f64,

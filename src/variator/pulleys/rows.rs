@@ -19,7 +19,7 @@ use crate::variator::settings::parameters::{Parameters, PulleyParameters, SPEED_
 pub struct Pulleys {
     layout: Layout,
     parameters: PerPulley<PulleyParameters>,
-    /// Axial travel.
+    /// Axial travel of the movable sheaves between their stops.
     travel: PerPulley<Travel>,
     /// Factor on the inertias, 1 in a run. A steady solution uses more, so that speeds follow the belt instead of
     /// running ahead of it.
@@ -49,8 +49,8 @@ impl Pulleys {
         self.travel[pulley].stop_force(view.q[z], view.y[z])
     }
 
-    /// Clamping force under which a sheave stands still, N: the belt's `axial` force on it, less what an end stop
-    /// gives.
+    /// Clamping force under which a sheave stands still, N: the belt's `axial` force on it, less the force of an
+    /// end stop.
     #[must_use]
     pub fn holding_force(&self, pulley: Pulley, view: View<'_>, axial: f64) -> f64 {
         axial - self.stop(pulley, view).force

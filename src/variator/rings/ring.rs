@@ -17,18 +17,18 @@ pub(crate) struct Action<T: Real, const D: usize = 2> {
     pub across: T,
     /// The ring's own forces and the ring friction along it, N/m.
     pub along: T,
-    /// Length dξ, m.
+    /// Length dξ that the station stands for, m.
     pub weight: T,
 }
 
-/// Energies of the ring per dξ, J/m, and the power of its damping, W/m.
+/// Energies and damping of the ring at a station.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RingDensity<T> {
-    /// Kinetic energy.
+    /// Kinetic energy per dξ, J/m.
     pub kinetic: T,
-    /// Elastic energy.
+    /// Elastic energy per dξ, J/m.
     pub elastic: T,
-    /// Power of damping.
+    /// Power of damping per dξ, W/m.
     pub viscous: T,
 }
 

@@ -12,9 +12,9 @@ use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
 use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio};
 use crate::variator::steady::start::{Start, kinematic_state};
+use crate::variator::survey::belt_survey::{NO_FORCE, Survey};
 use crate::variator::survey::ledger::Ledger;
 use crate::variator::survey::observe::macro_slip;
-use crate::variator::survey::survey::{NO_FORCE, Survey};
 
 /// First step from a steady state, s.
 const WARM_STEP: f64 = 1.0e-4;

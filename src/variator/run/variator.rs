@@ -10,9 +10,9 @@ use crate::variator::run::soft_start::SoftStart;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState};
 use crate::variator::settings::validation::ParameterError;
+use crate::variator::survey::belt_survey::Survey;
 use crate::variator::survey::ledger::{Ledger, Running};
 use crate::variator::survey::observe::{Context, Observer, macro_slip};
-use crate::variator::survey::survey::Survey;
 use crate::variator::system::VariatorSystem;
 
 /// First step from a kinematic state, s.
@@ -36,7 +36,7 @@ const MOMENT: f64 = 1.0e-6;
 pub struct Message {
     /// Whether the user should act on it.
     pub warning: bool,
-    /// One sentence.
+    /// Text of the remark, one sentence.
     pub text: String,
 }
 
@@ -117,9 +117,9 @@ pub(super) struct Held {
 /// Outputs a moment before and after the present, along the tangent of the state.
 #[derive(Debug)]
 pub struct Moment {
-    /// A moment before.
+    /// Outputs a moment before.
     pub before: Box<Outputs>,
-    /// A moment after.
+    /// Outputs a moment after.
     pub after: Box<Outputs>,
     /// Time between the two, s.
     pub span: f64,
@@ -137,7 +137,7 @@ pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
 }
 
 impl Variator {
-    /// Builds mesh and workspace.
+    /// A variator with these parameters, not yet initialised.
     ///
     /// # Errors
     /// The first parameter that is out of its range.

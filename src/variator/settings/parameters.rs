@@ -70,7 +70,7 @@ pub struct Parameters {
     pub ring_elements: i32,
     /// Pulley distance, belt length, wedge angle.
     pub geometry: Geometry,
-    /// The steel elements.
+    /// Push elements.
     pub belt: Belt,
     /// The two ring sets, as one beam.
     pub ring: Ring,
@@ -84,7 +84,7 @@ pub struct Parameters {
     pub secondary: PulleyParameters,
     /// Discretisation along the belt.
     pub mesh: Mesh,
-    /// Time integration.
+    /// Tolerance and longest step of time integration.
     pub solver: Solver,
     /// The state the run starts from.
     pub initial: Initial,
@@ -100,11 +100,11 @@ pub struct Geometry {
     /// Half wedge angle β of the sheaves, rad.
     pub wedge_angle: f64,
     /// Axial offset at ratio 1 of the primary pulley's belt plane from the secondary's, along z, where the movable
-    /// primary sheave stands, m. Felt by a ring in space.
+    /// primary sheave stands, m. It acts on a ring in space.
     pub pulley_offset: f64,
 }
 
-/// One pulley.
+/// Parameters of a pulley with its shaft.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PulleyParameters {
     /// Drive of the shaft.
@@ -158,7 +158,7 @@ impl Mesh {
     }
 }
 
-/// Time integration.
+/// Parameters of time integration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solver {
     /// Relative tolerance of the error control.
@@ -167,7 +167,7 @@ pub struct Solver {
     pub max_step: f64,
 }
 
-/// Start of a run.
+/// State that a run starts from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Initial {
     /// Geometric ratio i_g = r_S/r_P at the start.

@@ -96,7 +96,7 @@ pub struct Losses<L = f64> {
 }
 
 impl Losses {
-    /// All losses, W.
+    /// Sum of all losses, W.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.sheaves + self.ring + self.other
@@ -211,7 +211,7 @@ pub struct Outputs {
     pub lateral_max: f64,
     /// Mean inclination w' of the strands from S to P, rad; 0 of a planar ring.
     pub skew: f64,
-    /// Stored energy, J.
+    /// Kinetic and elastic energy of belt and pulleys, J.
     pub stored_energy: f64,
     /// Energy balance since the start: supplied − lost − stored, J.
     pub energy_residual: f64,

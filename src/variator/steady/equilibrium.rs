@@ -11,31 +11,33 @@ use crate::variator::system::VariatorSystem;
 /// Force that an end stop carries where a sheave rests against it, N.
 const STOP_FORCE: f64 = 10.0;
 
-/// First pseudo-time step of sheaves that are let go, s.
+/// First pseudo-time step of sheaves that are released, s.
 const STOP_STEP: f64 = 1.0e-4;
 
-/// Stages in which the force comes in there, one attempt after the other.
+/// Numbers of stages in which the force is applied there, one attempt after the other.
 const STOP_STAGES: [u32; 2] = [1, 8];
 
 /// Relative force error of an equilibrium.
 const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
 
+/// Most steps of the secant method.
 const EQUILIBRIUM_ITERATIONS: usize = 150;
 
 /// Most Newton solves for one state on the way.
 const EQUILIBRIUM_SOLVES: usize = 200;
 
-/// Largest change of ln(ratio) between two states on the way. The first limit is for states that are solved for anew, which
-/// needs as many solves from near as from far. The second is for states that start from the last one, the third for small
-/// changes with sharp friction. Each is used where the one before finds no state.
+/// Largest change of ln(ratio) to a state that is solved for from the kinematic one. A small change needs as many solves as
+/// a large one.
 const COLD_RATIO_STEP: f64 = 0.5;
 
+/// Largest change of ln(ratio) to a state that is solved for from the last one, where [`COLD_RATIO_STEP`] finds no state.
 const LARGEST_RATIO_STEP: f64 = 0.05;
 
+/// Largest change of ln(ratio) with sharp friction, where [`LARGEST_RATIO_STEP`] finds no state.
 const SMALL_RATIO_STEP: f64 = 0.8 * SHARP_WAY;
 
-/// Lets go of the sheaves near an end stop: under the task's clamping forces they come to rest against it. A force far
-/// from what holds the sheave comes in by stages.
+/// Releases the sheaves near an end stop: under the task's clamping forces they come to rest against it. A force that is
+/// far from the holding force is applied by stages.
 fn rest_at_stop(
     system: &mut VariatorSystem,
     newton: &mut Newton,
@@ -103,8 +105,8 @@ fn restart(system: &VariatorSystem, state: &mut State, task: &SteadyTask) {
 }
 
 /// Finds the ratio at which the task's reaction is exactly its clamping force, from a steady state at the task's ratio:
-/// secant method on ln(force/reaction) over ln(ratio), each state solved for anew or, where it is near, from the last. At
-/// the ends of `range`, where the sheaves are near their stops, they are let go.
+/// secant method on ln(force/reaction) over ln(ratio), each state solved for from the kinematic one or, where it is near,
+/// from the last. At the ends of `range`, where the sheaves are near their stops, they are released.
 ///
 /// # Errors
 /// The report of the last solution, when a state on the way could not be found or the forces don't balance in the end.

@@ -10,7 +10,7 @@ use crate::solver::State;
 use crate::variator::belt::Belt;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::parameters::{Mesh, Parameters};
-use crate::variator::survey::survey::Survey;
+use crate::variator::survey::belt_survey::Survey;
 use crate::variator::system::VariatorSystem;
 use nalgebra::{Vector2, Vector3};
 

@@ -2,7 +2,7 @@
 //!
 //! Pseudo-transient continuation from the kinematic state. The ratio is held by a stiff spring on Θ whose force is
 //! moved to the reaction after each step, and its set point until the pressure-weighted radii have the wanted quotient.
-//! A cold solution goes by way of a coarse mesh ([`refine`](crate::variator::steady::refine)).
+//! A cold solution goes by way of a coarse mesh (`refine`).
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
@@ -16,7 +16,7 @@ use crate::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::steady::refine::{coarser, prolong};
 use crate::variator::steady::start::{Start, kinematic_state};
-use crate::variator::survey::survey::Survey;
+use crate::variator::survey::belt_survey::Survey;
 use crate::variator::system::VariatorSystem;
 
 /// A steady state to find.
@@ -303,14 +303,12 @@ pub(super) fn leaps(belt: &Belt, trial: &Trial<'_>) -> bool {
 }
 
 /// Clamping force on a pulley that would hold its sheave where it is, N.
-#[must_use]
-pub fn reaction(system: &VariatorSystem, view: View<'_>, pulley: Pulley) -> f64 {
+pub(crate) fn reaction(system: &VariatorSystem, view: View<'_>, pulley: Pulley) -> f64 {
     let axial = Survey::of(system, view).sums.axial[pulley];
     system.pulleys.holding_force(pulley, view, axial)
 }
 
 /// r_S/r_P of the pressure-weighted pitch radii; the reference curve's where nothing presses.
-#[must_use]
-pub fn geometric_ratio(system: &VariatorSystem, view: View<'_>) -> f64 {
+pub(crate) fn geometric_ratio(system: &VariatorSystem, view: View<'_>) -> f64 {
     Survey::of(system, view).sums.geometric_ratio(&system.belt, view)
 }

@@ -5,7 +5,7 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::{Evolution, Interval};
 use crate::solver::{System, View};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::survey::survey::{BeltSums, Survey};
+use crate::variator::survey::belt_survey::{BeltSums, Survey};
 use crate::variator::system::VariatorSystem;
 
 /// Energies since the start, J, and the belt at the end of the last accepted step.
@@ -28,9 +28,9 @@ const PASSING: f64 = 1.0 / 180.0;
 /// A system that runs, with its energy balance.
 #[derive(Debug)]
 pub struct Running<'a> {
-    /// The equations.
+    /// Equations of the variator.
     pub system: &'a mut VariatorSystem,
-    /// The energy balance.
+    /// Energy balance of the run.
     pub ledger: &'a mut Ledger,
 }
 
@@ -61,9 +61,9 @@ impl System for Running<'_> {
 }
 
 impl Evolution for Running<'_> {
-    /// Errors in units of what outputs may be off by: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm), speeds (10 rad/s and a tenth of
-    /// the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring positions (10 mm: tension, radial
-    /// deviation). Each relative to its own working range, the last three as a mean over the belt.
+    /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm),
+    /// speeds (10 rad/s and a tenth of the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring
+    /// positions (10 mm: tension, radial deviation). The last three enter as a mean over the belt.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
         let belt = &*self.system.belt;
         let layout = &belt.layout;
@@ -141,8 +141,8 @@ struct SheaveWork {
 
 impl Running<'_> {
     /// A sheave's step response is shorter than a step, so its force's work and its damper's loss follow from Simpson's
-    /// rule, with ż in the middle from the change of z: under a constant force the work is exact. `forces` are those at the start, in
-    /// the middle and at the end.
+    /// rule, with ż in the middle from the change of z: under a constant force the work is exact. `forces` are those at
+    /// the start, in the middle and at the end.
     fn sheave_work(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64, forces: [f64; 3]) -> SheaveWork {
         let z = self.system.belt.layout.sheave(pulley);
         let simpson = |[first, middle, last]: [f64; 3]| h / 6.0 * (first + 4.0 * middle + last);

@@ -1,5 +1,5 @@
 //! Evaluation of a state: losses and energies, the energy balance of a run, outputs.
 
-pub mod ledger;
+pub mod belt_survey;
+pub(crate) mod ledger;
 pub mod observe;
-pub mod survey;

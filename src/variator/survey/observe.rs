@@ -8,7 +8,7 @@ use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
 use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, StartState};
-use crate::variator::survey::survey::{BeltSums, NO_FORCE, Sliding, Survey};
+use crate::variator::survey::belt_survey::{BeltSums, NO_FORCE, Sliding, Survey};
 use crate::variator::system::VariatorSystem;
 
 use Pulley::{Primary, Secondary};
@@ -273,8 +273,7 @@ fn bracket<T>(list: &[T], at: impl Fn(&T) -> f64, xi: f64, length: f64, right: &
 
 /// Macro-slip: all loaded stations of a pulley slide tangentially one way, faster than 10 v₀ + 0.02 |ω| r on average.
 /// Once set, it stays until the mean falls below half of that.
-#[must_use]
-pub fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, before: bool) -> bool {
+pub(crate) fn macro_slip(system: &VariatorSystem, view: View<'_>, sums: &BeltSums, before: bool) -> bool {
     let radii = sums.mean_radii(&system.belt, view);
     let v0 = system.friction_velocity;
     Pulley::BOTH.into_iter().any(|j| {

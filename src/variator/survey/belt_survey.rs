@@ -20,7 +20,7 @@ pub(crate) const NO_FORCE: f64 = 1.0;
 pub struct Survey {
     /// Samples of the stations of each [`Group`] of cells.
     samples: Vec<Sample<Lanes>>,
-    /// Sums over them.
+    /// Sums over the stations.
     pub sums: BeltSums,
     /// Energy of a ring that has elements of its own, J; else zero.
     ring_energy: f64,
@@ -51,7 +51,7 @@ impl Survey {
 /// Sums over the belt at one state, or over the cells in each lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeltSums<L = f64> {
-    /// Losses, W.
+    /// Losses of the belt by their causes, W.
     pub losses: Losses<L>,
     /// Axial force on one sheave, N.
     pub axial: PerPulley<L>,
