@@ -9,10 +9,10 @@
 
 use crate::chain::{Stack, Transport};
 use crate::reference_curve::ReferencePoint;
-use crate::ring::kinematics::in_plane;
+use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::Real;
 use crate::variator::cell::sample::{Probe, Sample};
-use crate::variator::cell::state::{CellInput, CellState, Station, StationForces};
+use crate::variator::cell::state::{CellInput, CellState, Slots, Station, StationForces, chain_at_face};
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{Action, CellRing};
 use nalgebra::Vector2;
@@ -26,7 +26,8 @@ pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
     reference: impl Fn(usize) -> ReferencePoint<T>,
     probe: &mut S,
 ) -> CellBalance<T> {
-    let cell = CellState::new(given, ring, reference);
+    let mut slots = Slots::empty();
+    let cell = CellState::new(given, ring, reference, &mut slots);
     let stack = cell.stack(given.law);
     let Stack { push, collision, lag } = stack;
     let mut out = CellBalance {
@@ -35,17 +36,17 @@ pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         tilting: [T::zero(); 2],
         torque: T::zero(),
         transport: Transport {
-            flow: cell.face.1.flow,
+            flow: chain_at_face(given, slots.face()).flow,
             density: cell.density,
             lag: if given.law.has_lag { lag } else { T::zero() },
         },
     };
-    for (i, station) in cell.stations.iter().enumerate() {
+    for (i, station) in slots.stations.iter().enumerate() {
         let Some(station) = station else { continue };
         let forces = StationForces::new(given, &cell, (i, station), ring, push.force);
         apply(given, (i, station), &forces, ring, &mut out);
         if S::ACTIVE {
-            probe.record(sample(given, &cell, station, &forces, &stack, ring));
+            probe.record(sample(given, (&cell, slots.face()), station, &forces, &stack, ring));
         }
     }
     out
@@ -104,7 +105,7 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
 #[inline(always)]
 fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,
-    cell: &CellState<T, D>,
+    (cell, face): (&CellState<T>, &RingPoint<T, D>),
     station: &Station<T, D>,
     forces: &StationForces<T, D>,
     Stack { push, collision, .. }: &Stack<T>,
@@ -115,7 +116,6 @@ fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
         chain,
         weight,
     } = station;
-    let face = &cell.face.0;
     let (flanks, approach) = (&forces.flanks, &forces.approach);
     let of_ring = ring.density(point);
     let stack_loss = (*collision * cell.difference - push.viscous * cell.lengthening) * cell.inverse_length;

@@ -29,12 +29,43 @@ pub(crate) struct Station<T: Real, const D: usize> {
     pub weight: T,
 }
 
-/// Ring and chain in a cell, and the arguments of the laws of its stack.
+/// The ring at the left face of a cell, ring and chain at its stations. They are kilobytes, so they are written in place and
+/// never moved.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CellState<T: Real, const D: usize> {
-    /// Ring and chain at the left face.
-    pub face: (RingPoint<T, D>, ChainPoint<T, D>),
+pub(crate) struct Slots<T: Real, const D: usize> {
+    pub face: Option<RingPoint<T, D>>,
     pub stations: [Option<Station<T, D>>; STATIONS],
+}
+
+impl<T: Real, const D: usize> Slots<T, D> {
+    #[inline(always)]
+    pub fn empty() -> Self {
+        Self {
+            face: None,
+            stations: [None; STATIONS],
+        }
+    }
+
+    /// The ring at the left face.
+    #[inline(always)]
+    pub fn face(&self) -> &RingPoint<T, D> {
+        self.face.as_ref().expect("slot 0 is the face")
+    }
+}
+
+/// The chain at the left face of a cell.
+#[inline(always)]
+pub(crate) fn chain_at_face<T: Real, const D: usize>(
+    given: &CellInput<'_, T>,
+    face: &RingPoint<T, D>,
+) -> ChainPoint<T, D> {
+    let theta_dot = given.motion.reference.theta.rate;
+    ChainPoint::new(given.law.chain.pitch_offset, face, theta_dot, given.motion.speed[0])
+}
+
+/// Arguments of the laws of a cell's stack.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CellState<T: Real> {
     /// Length of the pitch line, m.
     pub pitch_length: T,
     /// One by it, and by the length of the cell, 1/m.
@@ -50,26 +81,25 @@ pub(crate) struct CellState<T: Real, const D: usize> {
     pub flow: T,
 }
 
-impl<T: Real, const D: usize> CellState<T, D> {
-    /// The state of a cell with this `ring`. `reference` gives the reference curve at the face (0) and at the stations (1 and
-    /// on). One loop evaluates all slots, so that the code for a slot is inlined once.
+impl<T: Real> CellState<T> {
+    /// The state of a cell with this `ring`, whose `slots` are filled. `reference` gives the reference curve at the face (0)
+    /// and at the stations (1 and on). One loop evaluates all slots, so that the code for a slot is inlined once.
     #[inline(always)]
-    pub fn new<R: CellRing<T, D>>(
+    pub fn new<R: CellRing<T, D>, const D: usize>(
         given: &CellInput<'_, T>,
         ring: &R,
         reference: impl Fn(usize) -> ReferencePoint<T>,
+        slots: &mut Slots<T, D>,
     ) -> Self {
         let CellInput { law, place, motion, .. } = given;
         let e = law.chain.pitch_offset;
         let theta_dot = motion.reference.theta.rate;
         let length = place.length.v;
-        let mut face = None;
-        let mut stations = [None; STATIONS];
         let (mut pitch_length, mut carried, mut through, mut steepness) = (T::zero(), T::zero(), T::zero(), T::zero());
         for slot in 0..=place.stations.len() {
             let point = ring.point(slot, reference(slot));
             let Some(i) = slot.checked_sub(1) else {
-                face = Some(point);
+                slots.face = Some(point);
                 continue;
             };
             let station = &place.stations[i];
@@ -82,25 +112,22 @@ impl<T: Real, const D: usize> CellState<T, D> {
             }
             through += weight * chain.flow;
             steepness += weight * point.strain_gradient;
-            stations[i] = Some(Station {
+            slots.stations[i] = Some(Station {
                 ring: point,
                 chain,
                 weight,
             });
         }
-        let face = face.expect("slot 0 is the face");
         let inverse_pitch_length = pitch_length.recip();
         let difference = motion.speed[1] - motion.speed[0];
         let cell_length: T = place.stations.iter().fold(T::zero(), |sum, s| sum + length * s.weight);
         let inverse_length = cell_length.recip();
         // The gradient of the strain is its mean over the cell: within an element the strain ripples.
         let strain_gradient = steepness * inverse_length;
-        for station in stations.iter_mut().flatten() {
+        for station in slots.stations.iter_mut().flatten() {
             station.ring.strain_gradient = strain_gradient;
         }
         Self {
-            face: (face, ChainPoint::new(e, &face, theta_dot, motion.speed[0])),
-            stations,
             pitch_length,
             inverse_pitch_length,
             inverse_length,
@@ -163,7 +190,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
     #[inline(always)]
     pub fn new<R: CellRing<T, D>>(
         given: &CellInput<'_, T>,
-        cell: &CellState<T, D>,
+        cell: &CellState<T>,
         (i, station): (usize, &Station<T, D>),
         ring: &R,
         push: T,

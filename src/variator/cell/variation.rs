@@ -13,7 +13,7 @@ use crate::ring::kinematics::{Load, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
-use crate::variator::cell::state::{CellInput, CellState, StationForces};
+use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
 use crate::variator::cell::station_variation::{LinearisedStation, StackForce, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -25,7 +25,8 @@ use num_traits::Zero;
 pub(crate) struct Linearised<'a, R, const D: usize> {
     given: CellInput<'a, Lanes>,
     ring: &'a R,
-    cell: CellState<Lanes, D>,
+    cell: CellState<Lanes>,
+    face: (RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
     stations: [Option<LinearisedStation<D>>; STATIONS],
     push: Lanes,
     /// Push force, collision force and lag: by density, its rate, flow and difference of V.
@@ -34,10 +35,12 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     slopes: [f64; 2],
 }
 
-/// Variation of ring and chain in a cell.
+/// Variations of ring and chain at the stations: kilobytes, written in place.
+type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, ChainVariation<Lanes>)>; STATIONS];
+
+/// Variation of a cell's integrals.
 #[derive(Clone, Copy, Debug)]
-struct CellVariation<const D: usize> {
-    stations: [Option<(RingVariation<Lanes, D>, ChainVariation<Lanes>)>; STATIONS],
+struct CellVariation {
     /// Flow through the left face, m/s.
     flow_in: Lanes,
     /// Length of the pitch line, m.
@@ -70,29 +73,32 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         reference: impl Fn(usize) -> ReferencePoint<Lanes>,
         slopes: [f64; 2],
     ) -> Self {
-        let mut cell = CellState::new(&given, ring, reference);
+        let mut slots = Slots::empty();
+        let mut cell = CellState::new(&given, ring, reference, &mut slots);
         // By division: the last bit of a Jacobian decides which cells a step in macro-slip finds sticking.
         cell.density = given.motion.amount / cell.pitch_length;
         let arguments = cell.stack_arguments();
         let seeded = std::array::from_fn(|k| Tangent::<4>::seed(arguments[k], k, 1.0));
         let Stack { push, collision, lag } = Stack::new(&given.law.chain, seeded);
         let lag = if given.law.has_lag { lag.eps } else { [Lanes::zero(); 4] };
-        let mut stations = [None; STATIONS];
-        for (i, (linearised, station)) in stations.iter_mut().zip(&cell.stations).enumerate() {
-            if let Some(station) = station {
-                let forces = StationForces::new(&given, &cell, (i, station), ring, push.force.re);
-                *linearised = Some(LinearisedStation::new(&given, (i, station), forces));
-            }
-        }
-        Self {
+        let face = *slots.face();
+        let mut this = Self {
+            face: (face, chain_at_face(&given, &face)),
             given,
             ring,
             cell,
-            stations,
+            stations: [None; STATIONS],
             push: push.force.re,
             stack: [push.force.eps, collision.eps, lag],
             slopes,
+        };
+        for (i, station) in slots.stations.iter().enumerate() {
+            if let Some(station) = station {
+                let forces = StationForces::new(&this.given, &this.cell, (i, station), ring, this.push);
+                this.stations[i] = Some(LinearisedStation::new(&this.given, (i, station), forces));
+            }
         }
+        this
     }
 
     /// Variation of balance and ring forces in a direction.
@@ -119,7 +125,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         own: Option<usize>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let [alpha, beta] = self.slopes;
-        let cell = self.vary_cell::<MOVES>(direction, own);
+        let mut varied = [None; STATIONS];
+        let cell = self.vary_cell::<MOVES>(direction, own, &mut varied);
         let stack = self.vary_stack(direction, &cell);
         let mut out = nothing();
         out.speed = [stack.push - stack.collision, stack.collision - stack.push];
@@ -134,7 +141,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             gradient: [self.cell.speed_gradient(), cell.difference * self.cell.inverse_length],
         };
         let mut sum = self.ring.empty();
-        for (i, (station, varied)) in self.stations.iter().zip(&cell.stations).enumerate() {
+        for (i, (station, varied)) in self.stations.iter().zip(&varied).enumerate() {
             let (Some(station), Some((by, chain))) = (station, varied) else {
                 continue;
             };
@@ -184,14 +191,18 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
 
     /// Variation of ring and chain.
     #[inline(always)]
-    fn vary_cell<const MOVES: bool>(&self, direction: Direction, own: Option<usize>) -> CellVariation<D> {
+    fn vary_cell<const MOVES: bool>(
+        &self,
+        direction: Direction,
+        own: Option<usize>,
+        stations: &mut VariedStations<D>,
+    ) -> CellVariation {
         let zero = Lanes::zero();
         let mut speed = [zero; 2];
         if let Direction::Speed(face) = direction {
             speed[face] = Lanes::from(1.0);
         }
         let (mut pitch_length, mut carried, mut through, mut steepness) = (zero, zero, zero, zero);
-        let mut stations = [None; STATIONS];
         for (i, (varied, station)) in stations.iter_mut().zip(&self.stations).enumerate() {
             let Some(station) = station else { continue };
             let (chain, weight) = (&station.chain, station.weight);
@@ -214,10 +225,9 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 by.strain_gradient = steepness * self.cell.inverse_length;
             }
         }
-        let (ring, chain) = &self.cell.face;
+        let (ring, chain) = &self.face;
         let (_, face) = self.vary_slot::<MOVES>((0, ring, chain), own, speed[0]);
         CellVariation {
-            stations,
             flow_in: face.flow,
             pitch_length,
             carried,
@@ -228,7 +238,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
 
     /// Variation of the stack where that of ring and chain is `by`.
     #[inline(always)]
-    fn vary_stack(&self, direction: Direction, by: &CellVariation<D>) -> StackVariation {
+    fn vary_stack(&self, direction: Direction, by: &CellVariation) -> StackVariation {
         let amount = if direction == Direction::Amount {
             Lanes::from(1.0)
         } else {
