@@ -166,7 +166,7 @@ pub(crate) fn regime_and_balance<K: RingKind<D>, const D: usize, C: MeshCurve>(
     unknowns: &Unknowns<Lanes>,
     alpha: f64,
 ) -> (Regime, CellBalance<Lanes>) {
-    let mut regime = Regime::new();
+    let mut regime = Regime::default();
     let mut probe = RegimeProbe {
         law: &acting.belt.law,
         friction: acting.friction,

@@ -24,7 +24,7 @@ const RESCALED: f64 = 1.05;
 const TURNED: f64 = 1.0e-4;
 
 /// Slopes of the forces at a station, in units of the inertia that resists them in the step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct StationRegime {
     /// Contact of the deeper flank, from 0 (apart) to 1.
     touching: Lanes,
@@ -46,19 +46,6 @@ struct StationRegime {
 const OF_STATION: usize = 10;
 
 impl StationRegime {
-    fn none() -> Self {
-        let zero = Lanes::from(0.0);
-        Self {
-            touching: zero,
-            other_touching: zero,
-            direction: [zero; 2],
-            friction: [zero; 3],
-            ring_friction: zero,
-            convection: zero,
-            curvature: zero,
-        }
-    }
-
     #[inline(always)]
     fn figures(&self) -> [Lanes; OF_STATION] {
         let [around, up] = self.direction;
@@ -79,7 +66,7 @@ impl StationRegime {
 }
 
 /// Slopes of the forces in the stack of a cell.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct StackRegime {
     /// Contact of neighbouring elements, from 0 (apart) to 1.
     contact: Lanes,
@@ -92,16 +79,6 @@ struct StackRegime {
 }
 
 impl StackRegime {
-    fn none() -> Self {
-        let zero = Lanes::from(0.0);
-        Self {
-            contact: zero,
-            bend: zero,
-            closing: zero,
-            closing_bend: zero,
-        }
-    }
-
     #[inline(always)]
     fn figures(&self) -> [Lanes; 4] {
         [self.contact, self.bend, self.closing, self.closing_bend]
@@ -109,7 +86,7 @@ impl StackRegime {
 }
 
 /// Regime of a pack of cells: the slopes of its forces that change much.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Regime {
     stations: [StationRegime; STATIONS],
     stack: StackRegime,
@@ -129,14 +106,6 @@ fn alike<const N: usize>(now: [Lanes; N], then: [Lanes; N]) -> bool {
 }
 
 impl Regime {
-    pub(crate) fn new() -> Self {
-        Self {
-            stations: [StationRegime::none(); STATIONS],
-            stack: StackRegime::none(),
-            recorded: 0,
-        }
-    }
-
     /// Records the share of closing where V has this `difference` across a cell, m/s.
     #[inline(always)]
     pub(crate) fn record_difference(&mut self, difference: Lanes) {
@@ -213,7 +182,7 @@ impl Kept {
                 value: zero,
                 rate: zero,
             },
-            regime: Regime::new(),
+            regime: Regime::default(),
             block: vec![Lanes::from(0.0); entries],
         }
     }
