@@ -5,6 +5,8 @@ pub use crate::chain::Belt;
 pub use crate::contact::{Contact, Friction};
 use crate::pulley::Pulley;
 pub use crate::ring::Ring;
+pub use crate::ring::layers::Layers;
+pub use crate::shaft::ShaftDrag;
 
 /// Model of the ring inside the variator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +76,8 @@ pub struct Parameters {
     pub belt: Belt,
     /// The two ring sets, as one beam.
     pub ring: Ring,
+    /// Layers of a ring set, which slip on each other.
+    pub layers: Layers,
     /// Friction coefficients and their regularisation.
     pub friction: Friction,
     /// Element flank on sheave.
@@ -125,6 +129,8 @@ pub struct PulleyParameters {
     pub min_radius: f64,
     /// Pitch radius at the closing stop, m.
     pub max_radius: f64,
+    /// Drag of the shaft in seals, oil and bearings.
+    pub drag: ShaftDrag,
 }
 
 /// Elements along the belt: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary
@@ -227,6 +233,14 @@ impl Default for Parameters {
             tilt_time: 2.0e-3,
             min_radius: 0.030,
             max_radius: 0.082,
+            // Engineering values for a shaft on two deep-groove ball bearings of some 30 mm bore: T₀ two radial shaft seals
+            // and sealing rings without pressure, b splashing oil, μ_b of catalogues between 0.0015 (ball) and 0.002 (roller).
+            drag: ShaftDrag {
+                constant: 0.15,
+                viscous: 5.0e-4,
+                bearing_friction: 1.8e-3,
+                bearing_radius: 0.02,
+            },
         };
         Self {
             ring_model: RingModel::Ale,
@@ -253,6 +267,12 @@ impl Default for Parameters {
                 bending_stiffness: 0.0159,
                 lateral_bending_stiffness: 37.6,
                 damping: 2.0e-5,
+            },
+            // The layers of bench168; lubricated steel on steel, as between ring and elements: an engineering value.
+            layers: Layers {
+                count: 9,
+                thickness: 1.85e-4,
+                friction: 0.05,
             },
             friction: Friction {
                 pulley: 0.09,

@@ -91,10 +91,10 @@ macro_rules! limit {
 }
 
 macro_rules! pulley_limit {
-    ($name:literal, $field:ident, $min:literal, $max:expr) => {
+    ($name:literal, $($field:ident).+, $min:literal, $max:expr) => {
         Limit {
             names: [concat!("primary.", $name), concat!("secondary.", $name)],
-            get: |of| of.$field,
+            get: |of| of.$($field).+,
             min: $min,
             max: $max,
         }
@@ -123,9 +123,12 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
         1e9
     ),
     limit!("ring.damping", ring.damping, 0.0, 1e-2),
+    limit!("ring.layers", layers.count, 1.0, 100.0),
+    limit!("ring.layerThickness", layers.thickness, 0.0, 0.01),
     limit!("friction.pulley", friction.pulley, 0.0, 1.0),
     limit!("friction.ring", friction.ring, 0.0, 1.0),
     limit!("friction.velocity", friction.velocity, 1e-6, 0.1),
+    limit!("friction.layers", layers.friction, 0.0, 1.0),
     limit!("contact.stiffness", contact.stiffness, 1e6, 1e15),
     limit!("contact.damping", contact.damping, 0.0, 1e-2),
     limit!("mesh.primaryArc", mesh.primary_arc, 2.0, 200.0),
@@ -147,6 +150,10 @@ const PULLEY: &[Limit<PulleyParameters, 2>] = &[
     pulley_limit!("tiltTime", tilt_time, 1e-6, 10.0),
     pulley_limit!("minRadius", min_radius, 1e-3, 10.0),
     pulley_limit!("maxRadius", max_radius, 1e-3, 10.0),
+    pulley_limit!("drag.constant", drag.constant, 0.0, 1e3),
+    pulley_limit!("drag.viscous", drag.viscous, 0.0, 10.0),
+    pulley_limit!("bearing.friction", drag.bearing_friction, 0.0, 1.0),
+    pulley_limit!("bearing.radius", drag.bearing_radius, 0.0, 1.0),
 ];
 
 const INPUTS: &[Limit<PulleyInputs, 2>] = &[
