@@ -56,6 +56,12 @@ impl Steady {
             .collect()
     }
 
+    /// External torques that hold the state, N·m.
+    pub fn external_torques(&self) -> PerPulley<f64> {
+        let sums = Survey::of(&self.system, self.state.view()).sums;
+        sums.shaft_torque.map(|torque| -torque)
+    }
+
     /// Power that the belt takes in less its losses as a share of the driving power.
     pub fn power_defect(&self) -> f64 {
         let o = &self.outputs;

@@ -8,7 +8,12 @@
 //!
 //! f = μ_l t |1/R_P − 1/R_S| (n − 1)/2 · ⟨T − m_r ṡ²⟩₊ κ · v/√(v² + v₀²),
 //!
-//! whose power, integrated over the arc, is μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α.
+//! whose power, integrated over the arc, is μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α. Several sets beside each other
+//! share the tension, so they lose what one would.
+//!
+//! The power is right, where it is taken from is a simplification. In a real ring the layers hand on tension to each other,
+//! which turns into a couple on each pulley. A beam has no layers, so here it is a drag on the ring alone: some newtons beside a
+//! tension of kilonewtons. The moments of the strands about a pulley miss 0.3 N·m in overdrive at 20 kN.
 //!
 //! The weaker pulley is the one with the smaller wrap, so the one with the smaller radius. Its share passes from 0 to 1 where
 //! the difference of curvatures passes [`EVEN`]. There the loss is small, and at ratio 1 it is zero with a zero slope.

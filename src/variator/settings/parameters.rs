@@ -233,8 +233,9 @@ impl Default for Parameters {
             tilt_time: 2.0e-3,
             min_radius: 0.030,
             max_radius: 0.082,
-            // Engineering values for a shaft on two deep-groove ball bearings of some 30 mm bore: T₀ two radial shaft seals
-            // and sealing rings without pressure, b splashing oil, μ_b of catalogues between 0.0015 (ball) and 0.002 (roller).
+            // Engineering values of a shaft of some 40 mm: T₀ of two lip seals or sealing rings, b of the oil that pulley and
+            // bearings splash, μ_b between what catalogues have for ball bearings, 0.0015, and for roller bearings, 0.002, at
+            // half the bore.
             drag: ShaftDrag {
                 constant: 0.15,
                 viscous: 5.0e-4,
@@ -268,7 +269,8 @@ impl Default for Parameters {
                 lateral_bending_stiffness: 37.6,
                 damping: 2.0e-5,
             },
-            // The layers of bench168; lubricated steel on steel, as between ring and elements: an engineering value.
+            // Two sets of nine layers carry half the tension each: in sum as one set carries all. The friction is an
+            // engineering value, oiled steel on steel, as between ring and elements.
             layers: Layers {
                 count: 9,
                 thickness: 1.85e-4,
