@@ -6,7 +6,7 @@ use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::load_cases::{given, pair, speeds};
+use pushbelt_lab::load_cases::{LoadCase, given, pair, speeds};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::steady::{Steady, steady};
 use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
@@ -20,21 +20,37 @@ fn idling(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Steady
     steady(parameters, &task, speeds(ratio, speed))
 }
 
-/// What a rig measures that turns the variator without load at ratio 1 under 10 kN. By hand: 0.44 N·m in the belt, and on
-/// each shaft 0.15 N·m, the oil, and the bearings under some 4 kN. At speed the belt's own mass relieves the bearings.
+/// Mean pull of a strand on the pulleys, N: tension less push force and less what keeps the belt's own mass moving. Segment 1
+/// is the upper strand, 3 the lower one.
+fn pull(state: &Steady, segment: usize) -> f64 {
+    let p = &state.system.parameters;
+    let ring = p.ring.mass_per_length * state.outputs.ring_speed.powi(2);
+    let strand = state.stations().into_iter().filter(|at| at.segment == segment);
+    let (mut sum, mut length) = (0.0, 0.0);
+    for sample in strand.map(|at| at.sample).filter(|sample| sample.normal < 1.0) {
+        let elements = p.belt.mass_per_length * sample.density * sample.speed.powi(2);
+        sum += (sample.tension - sample.push - ring - elements) * sample.weight;
+        length += sample.weight;
+    }
+    sum / length
+}
+
+/// What a rig measures that turns the variator without load at ratio 1 under 10 kN: the loss of the belt, and on each shaft
+/// seals, oil, and bearings under the pull of both strands. That hardly changes with speed: the clamping force is the same.
 #[test]
 fn torque_that_turns_the_variator_without_load() {
-    for (rpm, expected) in [(500.0, 1.15), (2000.0, 1.3), (5000.0, 1.6)] {
+    for (rpm, expected) in [(500.0, 1.03), (2000.0, 1.18), (5000.0, 1.50)] {
         let speed = rpm * std::f64::consts::TAU / 60.0;
         let state = idling(&variator(RingModel::Ale), 1.0, 10e3, speed);
         let o = &state.outputs;
         let torque = state.external_torques().primary;
+        let (belt, shafts) = ((o.losses.total() - o.losses.shafts) / speed, o.losses.shafts / speed);
+        let load = pull(&state, 1) + pull(&state, 3);
         println!(
-            "{rpm} rpm: {torque:.3} N·m, of it the belt {:.3} and the shafts {:.3} N·m",
-            (o.losses.total() - o.losses.shafts) / speed,
-            o.losses.shafts / speed
+            "{rpm} rpm: {torque:.3} N·m, of it the belt {belt:.3} and the shafts {shafts:.3} N·m; the strands pull {load:.0} N"
         );
-        assert_close(torque, expected, 0.06, "torque without load");
+        assert_close(shafts, 2.0 * (0.15 + 5e-4 * speed + 1.8e-3 * 0.02 * load), 0.01, "drag");
+        assert_close(torque, expected, 0.05, "torque without load");
         assert_close(torque * speed, o.losses.total(), 5e-3, "power that goes in is lost");
     }
 }
@@ -95,7 +111,7 @@ fn layers_lose_what_their_law_says() {
     }
 }
 
-/// Without load in overdrive drag and layers are most of what is lost: power closes with them, and not without.
+/// Without load in overdrive drag is a third of what is lost and layers a tenth: power closes with them, and not without.
 #[test]
 fn power_closes_with_drag_and_layers() {
     for model in MODELS {
@@ -109,8 +125,34 @@ fn power_closes_with_drag_and_layers() {
             o.losses.layers,
             o.losses.shafts
         );
-        assert!(o.losses.layers > 0.1 * supplied && o.losses.shafts > 0.1 * supplied);
-        assert_close(o.losses.total(), supplied, 0.02, "lost power");
+        assert!(o.losses.layers > 0.05 * supplied && o.losses.shafts > 0.2 * supplied);
+        assert_close(o.losses.total(), supplied, 0.01, "lost power");
+    }
+}
+
+/// A variator with its shafts loses less than a whole transmission did, at its own ratios, speeds and torques (NREL ADVISOR,
+/// TX_CVT50_SUBARU): clamped 1.3 times as hard as full slip needs, with 4 kN at least.
+#[test]
+fn a_variator_loses_less_than_a_whole_transmission() {
+    let parameters = variator(RingModel::Ale);
+    for (ratio, rpm, torque, measured) in [
+        (2.5, 2000.0, 41.0, 0.851),
+        (2.5, 1500.0, 14.0, 0.752),
+        (1.0, 2500.0, 81.0, 0.924),
+        (1.0, 2000.0, 41.0, 0.923),
+        (0.5, 2000.0, 41.0, 0.947),
+        (0.5, 3000.0, 27.0, 0.795),
+    ] {
+        let theta = (1.0 - ratio) / (1.0 + ratio);
+        let per_force = LoadCase::new(&parameters, "", theta, 1.0e3).clamping / 1.0e3;
+        let task = SteadyTask {
+            shaft: pair(ShaftMode::Transmit(torque), ShaftMode::Fixed),
+            ..given(ratio, Pulley::Primary, (per_force * torque).max(4e3), 0.01)
+        };
+        let speed = rpm * std::f64::consts::TAU / 60.0;
+        let efficiency = steady(&parameters, &task, speeds(ratio, speed)).outputs.efficiency;
+        println!("ratio {ratio}, {rpm} rpm, {torque} N·m: {efficiency:.4}, the transmission {measured}");
+        assert!(efficiency > measured && efficiency < 0.99, "{efficiency} at {ratio}");
     }
 }
 
@@ -177,7 +219,7 @@ fn drag_moves_nothing_at_a_standstill() {
     }
 }
 
-/// A shaft that turns alone is braked by its drag: what the set point needs is belt torque and drag, and the loss is the sum.
+/// What a set point needs is the belt's torque and the drag; the drags together are the loss.
 #[test]
 fn the_reaction_in_speed_drive_has_the_drag_in_it() {
     for model in MODELS {

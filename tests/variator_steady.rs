@@ -96,9 +96,11 @@ fn nine_load_cases(model: RingModel) {
             assert_close(o.ratio_geometric, ratio(case.theta), 1e-4, "ratio");
             assert!(state.power_defect().abs() < 2e-3, "{name}");
             assert!(o.slip > 0.0 && o.slip < 0.03, "{name}");
-            // Drag counts for more at less torque than was measured.
-            let efficiency = if torque < 41.0 { o.belt_efficiency } else { o.efficiency };
-            assert!(efficiency > measured && o.efficiency < o.belt_efficiency, "{name}");
+            // At these ratios a belt alone loses less than that transmission; `variator_losses.rs` compares the shafts' power.
+            assert!(
+                o.belt_efficiency > measured && o.efficiency < o.belt_efficiency,
+                "{name}"
+            );
             assert!(o.belt_efficiency < 1.0, "{name}");
             let losses = &o.losses;
             let least = [losses.sheaves, losses.ring, losses.shafts];
