@@ -60,6 +60,8 @@ struct ShapeSlopes<T: Real> {
     phi: T,
     lengths: [T; SEGMENTS],
     starts: [T; SEGMENTS],
+    /// Of the logarithms of the lengths.
+    growth: [T; SEGMENTS],
     strands: [(Vector2<T>, Vector2<T>); 2],
 }
 
@@ -120,7 +122,11 @@ impl<T: Real> Tangent<T> {
         let (i, i_theta) = (ratio.v, ratio_slope(theta.v));
         // At the plain numbers, from there to `T` by the first derivatives.
         let (i0, d0) = (i.re(), d.v.re());
-        let r0 = curve.at_distance(d0).primary_radius(i0);
+        let r0 = if d0 > 0.0 {
+            curve.at_distance(d0).primary_radius(i0)
+        } else {
+            f64::NAN
+        };
         let x0 = (1.0 - i0) * r0 / d0;
         let (phi0, sine) = (x0.acos(), (1.0 - x0 * x0).sqrt());
         let w0 = PI - phi0 + i0 * phi0;
@@ -238,20 +244,22 @@ impl Displaced {
             let start = centers[pulley].plus_scaled_by(&VectorJet::polar(radius[pulley], chi), 1.0);
             (start, VectorJet::polar(b, quarter(chi)))
         });
+        let by_length = lengths.map(|length| length.v.recip());
         let toward = arm.v * (distance.v * 0.5).recip();
         let by = std::array::from_fn(|k| {
             let [of_r_p, of_r_s, of_phi, of_b] = tangent.by[k];
             let radius_by = [of_r_s, of_r_p];
             let part = |length: T, slope: T, angle: T, by: T| slope * angle + length * by;
-            let lengths = around(
+            let lengths_of = around(
                 part(r_s.v, of_r_s, phi.v, of_phi),
                 of_b,
                 part(r_p.v, of_r_p, opposite.v, -of_phi) * 2.0,
             );
             let mut starts = [T::zero(); SEGMENTS];
             for k in 1..SEGMENTS {
-                starts[k] = starts[k - 1] + lengths[k - 1];
+                starts[k] = starts[k - 1] + lengths_of[k - 1];
             }
+            let part_of = |k: usize| lengths_of[k] * by_length[k];
             let apart = T::from(if k == 0 { 0.0 } else { 0.5 });
             let centers = [toward * apart, toward * -apart];
             let per_b = b.v.recip();
@@ -266,8 +274,9 @@ impl Displaced {
                 centers,
                 radius: radius_by,
                 phi: of_phi,
-                lengths,
+                lengths: lengths_of,
                 starts,
+                growth: std::array::from_fn(part_of),
                 strands,
             }
         });
@@ -299,7 +308,6 @@ impl<T: Real> DisplacedFrame<T> {
     #[inline(always)]
     fn slopes(&self, segment: usize, fraction: T, point: &ReferencePoint<T>) -> DisplacedPoint<T> {
         let (t, n) = (point.t, point.n);
-        let per_length = self.lengths[segment].v.recip();
         let shape = self.by.each_ref().map(|by| {
             let (r, kappa) = if segment == 1 || segment == 3 {
                 let (start, along) = &by.strands[segment / 2];
@@ -317,7 +325,7 @@ impl<T: Real> DisplacedFrame<T> {
                 r,
                 xi: by.starts[segment] + by.lengths[segment] * fraction,
                 kappa,
-                growth: by.lengths[segment] * per_length,
+                growth: by.growth[segment],
             }
         });
         DisplacedPoint {

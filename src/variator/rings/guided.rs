@@ -134,8 +134,9 @@ impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
 
     #[inline(always)]
     fn apply(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
-        let energy = ale::energy_density(self.ring, point);
-        let moment = point.reference.kappa * self.ring.bending_stiffness;
+        let kappa = point.reference.kappa;
+        let moment = kappa * self.ring.bending_stiffness;
+        let energy = moment * kappa * 0.5;
         let mut sum = self.sum;
         self.add(&mut sum, slot, point, action, |by| {
             energy * by.growth + moment * by.kappa
