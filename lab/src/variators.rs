@@ -10,7 +10,7 @@ pub const SPEED: f64 = 209.44;
 /// Both levels of detail.
 pub const MODELS: [RingModel; 2] = [RingModel::Ale0, RingModel::Ale];
 
-/// Elements on each arc and each strand, two cells in each.
+/// Elements on each arc and each strand, in `ALE` two cells in each.
 pub fn mesh(arc: i32, strand: i32) -> Mesh {
     Mesh {
         aligned: true,
@@ -31,8 +31,9 @@ pub fn variator(model: RingModel) -> Parameters {
 
 /// The same on a mesh that is enough for a law and too coarse for a claim about accuracy.
 pub fn coarse(model: RingModel) -> Parameters {
+    let factor = if model == RingModel::Ale0 { 2 } else { 1 };
     Parameters {
-        mesh: mesh(8, 6),
+        mesh: mesh(8, 6).refined(factor),
         ..variator(model)
     }
 }

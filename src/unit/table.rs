@@ -332,7 +332,7 @@ fn parameters(t: &mut Rows) {
     t.count("mesh.primaryArc", 1071, "Ring elements on the primary arc", set!(parameters.mesh.primary_arc));
     t.count("mesh.secondaryArc", 1072, "Ring elements on the secondary arc, an even number", set!(parameters.mesh.secondary_arc));
     t.count("mesh.strand", 1073, "Ring elements on each strand", set!(parameters.mesh.strand));
-    t.count("mesh.cellsPerElement", 1074, "Cells of the element chain in each ring element (ALE, ALE0)", set!(parameters.mesh.cells_per_element));
+    t.count("mesh.cellsPerElement", 1074, "Cells of the element chain in each ring element (ALE; in ALE0 it is one)", set!(parameters.mesh.cells_per_element));
     t.switch("mesh.aligned", 1075, "Whether element borders follow the arc borders; if not, as many elements stand evenly spaced along the belt and arc borders move through them. ring.model ALE0 and ALE", set!(parameters.mesh.aligned));
     t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; left at its default, a tolerance of the experiment takes its place. Above 1e-4 hardly anything gets faster; output derivatives of forces and losses want 1e-6", set!(parameters.solver.tolerance));
     t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step", set!(parameters.solver.max_step));

@@ -54,7 +54,6 @@ macro_rules! for_size {
         match ($lu.shape.block, $lu.shape.border) {
             (4, 2) => $lu.$method::<4, 6>($argument),
             (3, 14) => $lu.$method::<3, 17>($argument),
-            (6, 14) => $lu.$method::<6, 20>($argument),
             (6, 12) => $lu.$method::<6, 18>($argument),
             (8, 12) => $lu.$method::<8, 20>($argument),
             (10, 12) => $lu.$method::<10, 22>($argument),

@@ -125,7 +125,11 @@ impl BeltMesh {
     /// Mesh of a belt on two pulleys with this ring model.
     #[must_use]
     pub fn new(mesh: &Mesh, ring: RingModel) -> Self {
-        let cells_per_element = mesh.cells_per_element as usize;
+        let cells_per_element = if ring == RingModel::Ale0 {
+            1
+        } else {
+            mesh.cells_per_element as usize
+        };
         let points = match ring {
             RingModel::Ale0 => 2,
             // Full integration of the membrane needs three points or more in an element.

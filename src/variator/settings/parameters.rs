@@ -136,7 +136,7 @@ pub struct Mesh {
     pub secondary_arc: i32,
     /// Ring elements on each strand.
     pub strand: i32,
-    /// Chain cells in each ring element; in `ALE0`, whose ring has no elements of its own, in each part of the mesh.
+    /// Chain cells in each ring element; in `ALE0`, whose ring has no elements of its own, it is one.
     pub cells_per_element: i32,
 }
 
