@@ -104,8 +104,7 @@ fn small_steps_of_each_load_are_followed() {
     }
 }
 
-/// `ALE0` shifts by creeping, so its ratio hardly answers a force, and two slow modes lie close to each other and to
-/// zero: the gain is that of a run all the same.
+/// The gain of `ALE0` is that of a run too.
 #[test]
 fn the_gain_of_ale0_is_that_of_a_run() {
     let mut parameters = parameters();

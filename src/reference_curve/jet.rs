@@ -48,6 +48,38 @@ impl<T: Real> Jet<T> {
         }
     }
 
+    /// `self`·`other`.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(self, other: Self) -> Self {
+        Self {
+            v: self.v * other.v,
+            d: self.d * other.v + self.v * other.d,
+            dd: self.dd * other.v + self.d * other.d * 2.0 + self.v * other.dd,
+        }
+    }
+
+    /// `factor`·`self`.
+    #[inline(always)]
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            v: self.v * factor,
+            d: self.d * factor,
+            dd: self.dd * factor,
+        }
+    }
+
+    /// `self` + `constant`.
+    #[inline(always)]
+    #[must_use]
+    pub fn raised(self, constant: f64) -> Self {
+        Self {
+            v: self.v + constant,
+            ..self
+        }
+    }
+
     /// `self` + `factor`·`other`.
     #[inline(always)]
     pub fn plus_scaled<F: Copy>(self, other: Self, factor: F) -> Self

@@ -63,6 +63,21 @@ impl TwoPulley {
         }
     }
 
+    /// Distance of the axes d_A, m.
+    #[must_use]
+    pub(super) fn center_distance(&self) -> f64 {
+        self.center_distance
+    }
+
+    /// The belt of the same length around pulleys at another distance, m.
+    #[must_use]
+    pub(super) fn at_distance(&self, center_distance: f64) -> Self {
+        Self {
+            center_distance,
+            length: self.length,
+        }
+    }
+
     /// φ and b at the difference of radii r_P − r_S, m, each with its first three derivatives along it.
     fn tangent(&self, difference: f64) -> [[f64; 4]; 2] {
         let d = self.center_distance;
@@ -96,7 +111,7 @@ impl TwoPulley {
     }
 
     /// r_P at ratio `ratio`, NaN where there is none, m.
-    fn primary_radius(&self, ratio: f64) -> f64 {
+    pub(super) fn primary_radius(&self, ratio: f64) -> f64 {
         // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A. The start solves the quadratic,
         // and corrects it by the next two terms at that solution.
         let d = self.center_distance;
@@ -225,16 +240,16 @@ impl TwoPulleyShape {
 
 /// A vector and its first two derivatives with respect to Θ.
 #[derive(Clone, Copy, Debug)]
-struct VectorJet<T: Real> {
-    v: Vector2<T>,
-    d: Vector2<T>,
-    dd: Vector2<T>,
+pub(super) struct VectorJet<T: Real> {
+    pub(super) v: Vector2<T>,
+    pub(super) d: Vector2<T>,
+    pub(super) dd: Vector2<T>,
 }
 
 impl<T: Real> VectorJet<T> {
     /// O + ρ(−cos χ, sin χ) with χ(Θ), ρ(Θ).
     #[inline(always)]
-    fn polar(rho: Jet<T>, chi: Jet<T>) -> Self {
+    pub(super) fn polar(rho: Jet<T>, chi: Jet<T>) -> Self {
         let (sin, cos) = chi.v.sin_cos();
         let e = Vector2::new(-cos, sin);
         let t = Vector2::new(sin, cos);
@@ -245,8 +260,29 @@ impl<T: Real> VectorJet<T> {
         }
     }
 
+    /// Of its components.
     #[inline(always)]
-    fn plus_scaled(self, other: &Self, factor: T::Constant) -> Self {
+    pub(super) fn of([x, y]: [Jet<T>; 2]) -> Self {
+        Self {
+            v: Vector2::new(x.v, y.v),
+            d: Vector2::new(x.d, y.d),
+            dd: Vector2::new(x.dd, y.dd),
+        }
+    }
+
+    /// `self` ± `other`.
+    #[inline(always)]
+    pub(super) fn plus_scaled_by(self, other: &Self, factor: f64) -> Self {
+        let f = T::from(factor);
+        Self {
+            v: self.v + other.v * f,
+            d: self.d + other.d * f,
+            dd: self.dd + other.dd * f,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn plus_scaled(self, other: &Self, factor: T::Constant) -> Self {
         let f = T::constant(factor);
         Self {
             v: self.v + other.v * f,
@@ -270,7 +306,7 @@ pub struct TwoPulleyFrame<T: Real> {
 }
 
 /// (pulley, χ at the start, χ's sweep) of the arc segments as multiples: χ = a + bφ.
-fn arc_angles(segment: usize) -> (usize, [f64; 2], [f64; 2]) {
+pub(super) fn arc_angles(segment: usize) -> (usize, [f64; 2], [f64; 2]) {
     match segment {
         0 => (0, [0.0, 0.0], [0.0, 1.0]),
         2 => (1, [0.0, 1.0], [2.0 * PI, -2.0]),

@@ -19,7 +19,7 @@ pub struct Unaligned<C> {
 /// [`Unaligned`] at one Θ.
 #[derive(Clone, Debug)]
 pub struct UnalignedFrame<F> {
-    frame: F,
+    pub(super) frame: F,
     length: f64,
     segments: usize,
 }
@@ -55,7 +55,7 @@ impl<C: ReferenceCurve> Unaligned<C> {
     }
 
     /// The results of `of` for the segment of each place in a pack, merged by `merge`.
-    fn gather<T: Real, R>(
+    pub(super) fn gather<T: Real, R>(
         frame: &UnalignedFrame<C::Frame<T>>,
         fraction: T::Constant,
         of: impl Fn(usize) -> R,
@@ -74,7 +74,11 @@ impl<C: ReferenceCurve> Unaligned<C> {
 
     /// The fraction of `segment` that belongs to a fraction of the whole curve: its value, and a part that is zero but
     /// carries the derivatives with respect to Θ.
-    fn within<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, segment: usize, fraction: T::Constant) -> (T::Constant, T) {
+    pub(super) fn within<T: Real>(
+        frame: &UnalignedFrame<C::Frame<T>>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> (T::Constant, T) {
         let mut rest = T::constant(fraction * frame.length);
         for before in 0..segment {
             rest -= C::segment_length(&frame.frame, before).v;

@@ -1,7 +1,7 @@
 //! The belt: constants of its cells, mesh, layout of the unknowns, reference curve. It never changes in a run.
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
+use crate::reference_curve::{COORDINATES, Jet, Path, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::solver::View;
 use crate::variator::law::place::{CellLaw, SheavePlane};
 use crate::variator::mesh::belt_mesh::BeltMesh;
@@ -87,6 +87,21 @@ impl Belt {
     #[must_use]
     pub fn theta(&self, view: View<'_>) -> f64 {
         view.q[self.layout.theta()]
+    }
+
+    /// Coordinates of the reference curve in a state, and their motion.
+    #[must_use]
+    pub(crate) fn path(&self, view: View<'_>) -> Path<f64> {
+        let mut path = [Jet::constant(0.0); COORDINATES];
+        let at = std::iter::once(self.layout.theta()).chain(self.layout.centres());
+        for (to, i) in path.iter_mut().zip(at) {
+            *to = Jet {
+                v: view.q[i],
+                d: view.y[i],
+                dd: view.y_dot[i],
+            };
+        }
+        path
     }
 
     /// Angular speeds of the pulleys, rad/s.

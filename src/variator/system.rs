@@ -2,7 +2,7 @@
 
 use crate::contact::Friction;
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{TwoPulley, Unaligned};
+use crate::reference_curve::{Displaced, TwoPulley, Unaligned};
 use crate::ring::ancf::AncfElement;
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use crate::ring::model::Energy;
@@ -19,7 +19,7 @@ use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, RotatingRing};
 use crate::variator::cell::sample::Sample;
-use crate::variator::mesh::layout::{CONDITIONS, RingUnknowns};
+use crate::variator::mesh::layout::{CONDITIONS, RingUnknowns, TURN};
 use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
 use crate::variator::pulleys::rows::Pulleys;
 use crate::variator::settings::parameters::{Parameters, RingModel};
@@ -48,7 +48,8 @@ pub struct VariatorSystem {
 /// The equations for the ring model of the belt: the one place that chooses them.
 fn assembly(parameters: &Parameters, belt: &Belt) -> Box<dyn Assembly> {
     match belt.layout.ring {
-        RingUnknowns::Tension => on_mesh::<GuidedRing, 2>(belt),
+        RingUnknowns::Tension if belt.mesh.aligned => on_curve::<GuidedRing, 2, Displaced>(belt),
+        RingUnknowns::Tension => on_curve::<GuidedRing, 2, Unaligned<Displaced>>(belt),
         RingUnknowns::Deflection { components, rotating } => match (components, rotating) {
             (3, false) => on_mesh::<DeflectingRing<3>, 3>(belt),
             (_, false) => on_mesh::<DeflectingRing<2>, 2>(belt),
@@ -64,7 +65,9 @@ fn assembly(parameters: &Parameters, belt: &Belt) -> Box<dyn Assembly> {
 }
 
 /// Cells with an Eulerian ring on the mesh of the belt.
-fn on_mesh<K: Differentiate<D>, const D: usize>(belt: &Belt) -> Box<dyn Assembly> {
+fn on_mesh<K: Differentiate<D, TwoPulley> + Differentiate<D, Unaligned<TwoPulley>>, const D: usize>(
+    belt: &Belt,
+) -> Box<dyn Assembly> {
     if belt.mesh.aligned {
         on_curve::<K, D, TwoPulley>(belt)
     } else {
@@ -72,7 +75,7 @@ fn on_mesh<K: Differentiate<D>, const D: usize>(belt: &Belt) -> Box<dyn Assembly
     }
 }
 
-fn on_curve<K: Differentiate<D>, const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
+fn on_curve<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
     Box::new(PackedCells::<K, D, C>::new(belt))
 }
 
@@ -214,7 +217,7 @@ const TENSION: f64 = 0.1;
 const TILT: f64 = 1.0e-8;
 /// A middle pitch radius, m, which turns speeds of sliding into angular speeds: the published variators run on 0.03 to 0.08 m.
 const RADIUS: f64 = 0.06;
-/// Change of Θ per metre of the ring's position, 1/m, roughly.
+/// Change of Θ, and of the turn of displaced centres, per metre of the ring's position, 1/m, roughly.
 const THETA_PER_METRE: f64 = 10.0;
 
 impl System for VariatorSystem {
@@ -295,6 +298,12 @@ impl System for VariatorSystem {
         }
         out[layout.drift()] = slip;
         out[layout.theta()] = velocity * THETA_PER_METRE;
+        for centre in layout.centres() {
+            out[centre] = velocity;
+        }
+        if layout.has_tension() {
+            out[layout.centre(TURN)] = velocity * THETA_PER_METRE;
+        }
         for pulley in Pulley::BOTH {
             out[layout.sheave(pulley)] = velocity;
             for axis in 0..2 {

@@ -24,8 +24,8 @@ ABOUT = {
         "Default: spiral running, steady states, linear models, drivetrain simulation",
     ),
     "ALE0": (
-        "The reference curve alone: drift and ratio, a tension carried along by friction",
-        "Sketches and controllers that must run many times; not for thrust ratios or near capacity",
+        "The reference curve alone, its arcs about free centres: drift and ratio, a tension carried along by friction",
+        "Controllers and drive cycles that must run many times",
     ),
     "ANCF": (
         "Absolute nodal coordinates on a mesh that travels with the ring",

@@ -117,9 +117,8 @@ def _ale0_overdrive(results: PaperResults) -> Statement:
         claim,
         verdict(min(overdrive) > 0.1, min(overdrive) > 0.0),
         f"against {REFERENCE}: " + "; ".join(f"{name} {span(values)}" for name, values in by_ratio.items()),
-        "Without spiral running no flank is wedged in or drawn out, so friction acts along the arc only. How that moves the thrust "
-        "ratio is a matter of the sheaves: with those of this variator (7e5 N·m/rad) it lowers it"
-        + (f", with rigid ones ALE0 differs from ALE by {span(rigid)} (overdrive)." if rigid else ".")
+        "The paper's ALE0 keeps its arcs about the axes. Here their centres are free, so elements spiral as tilted sheaves make them"
+        + (f"; with rigid sheaves ALE0 differs from ALE by {span(rigid)} (overdrive)." if rigid else ".")
         + " The paper's sheaves are not given.",
     )
 
@@ -224,7 +223,9 @@ def _spiral(results: PaperResults) -> Statement:
         verdict(max(spiral["ALE0"]) < 0.1 * min(others)),
         "spread of the radius within an arc: "
         + ", ".join(f"{m} {1e3 * min(v):.2f} to {1e3 * max(v):.2f} mm" for m, v in spiral.items()),
-        "Only a deflection lets an element leave the circle of the reference curve. In ALE0 the flanks' penetration changes instead.",
+        "The paper's ALE0 keeps its arcs about the axes. Here their centres are free, so elements spiral without a deflection."
+        if max(spiral["ALE0"]) >= 0.1 * min(others)
+        else "Elements of ALE0 stay on their circles; the flanks' penetration changes instead.",
     )
 
 

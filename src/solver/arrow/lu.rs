@@ -53,7 +53,7 @@ macro_rules! for_size {
     ($lu:expr, $method:ident($argument:expr)) => {
         match ($lu.shape.block, $lu.shape.border) {
             (4, 2) => $lu.$method::<4, 6>($argument),
-            (3, 10) => $lu.$method::<3, 13>($argument),
+            (3, 14) => $lu.$method::<3, 17>($argument),
             (6, 12) => $lu.$method::<6, 18>($argument),
             (8, 12) => $lu.$method::<8, 20>($argument),
             (10, 12) => $lu.$method::<10, 22>($argument),

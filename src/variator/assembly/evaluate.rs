@@ -1,5 +1,6 @@
 //! The balance of a pack of cells, with whatever scalar.
 
+use crate::reference_curve::Jet;
 use crate::scalar::{Lanes, Real};
 use crate::solver::View;
 use crate::variator::assembly::equations::InForce;
@@ -12,17 +13,16 @@ use crate::variator::cell::sample::{Probe, Sample, Sampler};
 use crate::variator::cell::state::CellInput;
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{EulerianRing, RingForces};
-use num_traits::Zero;
 
 /// The frame of the curve at a state.
 #[inline(always)]
 pub(crate) fn frame<C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes> {
-    C::mesh_frame(&belt.curve, belt.curve.shape(belt.theta(view)).frame(Lanes::zero()))
+    C::mesh_frame(&C::shape(&belt.curve, &belt.path(view)), |_| Jet::constant(0.0))
 }
 
 /// The balance of a pack of cells while `record` gets the values at every station.
 #[inline(never)]
-pub(crate) fn sampled_balance<K: RingKind<D>, const D: usize, C: MeshCurve>(
+pub(crate) fn sampled_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Lanes>,
@@ -35,7 +35,7 @@ pub(crate) fn sampled_balance<K: RingKind<D>, const D: usize, C: MeshCurve>(
 
 /// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
 #[inline(always)]
-pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D>, const D: usize, C: MeshCurve>(
+pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     InForce { belt, friction }: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<T>,
@@ -48,7 +48,7 @@ pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D
     let place = pack.place::<T, C>(&belt.law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
-    let mut ring = K::ring::<T, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
+    let mut ring = K::ring::<T>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
     let given = CellInput {
         law: &belt.law,
         friction,

@@ -1,7 +1,7 @@
 //! Derivatives of a pack of cells: by hand where they are known, else by forward differentiation.
 
 use crate::chain::Transport;
-use crate::reference_curve::{TwoPulley, TwoPulleyShape};
+use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::{pack_balance, sampled_balance};
@@ -24,58 +24,97 @@ use num_traits::Zero;
 const PASS: usize = 2;
 
 /// A ring whose cells can be differentiated.
-pub(crate) trait Differentiate<const D: usize>: RingKind<D> {
+pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
+    /// The curve at a place, without derivatives and with those that this ring needs.
+    type Frames;
+
+    /// Frames at one place of a path of the coordinates; `slopes` are the factors of acceleration and position.
+    fn frames(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self::Frames;
+
+    /// The curve without derivatives.
+    fn plain(frames: &Self::Frames) -> &C::Frame<Lanes>;
+
+    /// Shape of the curve.
+    #[cfg(test)]
+    fn shape(frames: &Self::Frames) -> &C::Shape;
+
     /// Differentiates a pack at the unknowns of `kept`: by hand if the ring has such derivatives.
-    fn differentiate<C: MeshCurve>(
+    fn differentiate(
         acting: InForce<'_>,
         pack: &Pack,
-        frames: &Frames<C>,
+        frames: &Self::Frames,
         kept: &mut Kept,
         transports: &mut [Transport<[f64; MOST]>],
     );
 }
 
-impl Differentiate<2> for GuidedRing {
-    fn differentiate<C: MeshCurve>(
+/// How a ring makes its frames with derivatives in so many coordinates of the curve.
+macro_rules! frames_along {
+    ($coordinates:expr) => {
+        type Frames = Frames<C, { $coordinates }>;
+
+        fn frames(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self::Frames {
+            Frames::new(curve, path, slopes)
+        }
+
+        fn plain(frames: &Self::Frames) -> &C::Frame<Lanes> {
+            &frames.plain
+        }
+
+        #[cfg(test)]
+        fn shape(frames: &Self::Frames) -> &C::Shape {
+            &frames.shape
+        }
+    };
+}
+
+impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
+    frames_along!(COORDINATES);
+
+    fn differentiate(
         acting: InForce<'_>,
         pack: &Pack,
-        frames: &Frames<C>,
+        frames: &Self::Frames,
         kept: &mut Kept,
         transports: &mut [Transport<[f64; MOST]>],
     ) {
-        by_hand::<Self, 2, C>(acting, pack, frames, kept, transports);
+        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, kept, transports);
     }
 }
 
-impl<const D: usize> Differentiate<D> for DeflectingRing<D> {
-    fn differentiate<C: MeshCurve>(
+impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
+    frames_along!(1);
+
+    fn differentiate(
         acting: InForce<'_>,
         pack: &Pack,
-        frames: &Frames<C>,
+        frames: &Self::Frames,
         kept: &mut Kept,
         transports: &mut [Transport<[f64; MOST]>],
     ) {
-        by_hand::<Self, D, C>(acting, pack, frames, kept, transports);
+        by_hand::<Self, D, C, 1>(acting, pack, frames, kept, transports);
     }
 }
 
-impl<const D: usize> Differentiate<D> for RotatingRing<D> {
-    fn differentiate<C: MeshCurve>(
+impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
+    frames_along!(1);
+
+    fn differentiate(
         acting: InForce<'_>,
         pack: &Pack,
-        frames: &Frames<C>,
+        frames: &Self::Frames,
         kept: &mut Kept,
         transports: &mut [Transport<[f64; MOST]>],
     ) {
-        forward::<Self, D, C>(acting, pack, frames, kept, transports);
+        forward::<Self, D, C>(acting, pack, &frames.shape, kept, transports);
     }
 }
 
-/// Differentiates a pack by hand, and along Θ by forward differentiation.
-fn by_hand<K: RingKind<D>, const D: usize, C: MeshCurve>(
+/// Differentiates a pack by hand, and along N coordinates of the curve by forward differentiation.
+fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     acting: InForce<'_>,
     pack: &Pack,
-    frames: &Frames<C>,
+    frames: &Frames<C, N>,
     kept: &mut Kept,
     transports: &mut [Transport<[f64; MOST]>],
 ) where
@@ -85,22 +124,27 @@ fn by_hand<K: RingKind<D>, const D: usize, C: MeshCurve>(
     vary_pack::<K, D, C>(acting, pack, &frames.plain, unknowns, slopes, |k, rows, transport| {
         columns.record(k, rows, transport);
     });
-    let (rows, transport) = pack_pass::<1, K, D, C>(acting, pack, &frames.of_theta, unknowns, slopes, K::THETA);
-    columns.record(K::THETA, &rows.map(|row| row.eps[0]), &transport.map(|of| of.eps[0]));
+    let (rows, transport) = pack_pass::<N, K, D, C>(acting, pack, &frames.moving, unknowns, slopes, K::THETA);
+    for i in 0..N {
+        columns.record(
+            K::THETA + i,
+            &rows.map(|row| row.eps[i]),
+            &transport.map(|of| of.eps[i]),
+        );
+    }
 }
 
 /// Differentiates a pack by forward differentiation alone.
-fn forward<K: RingKind<D>, const D: usize, C: MeshCurve>(
+fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
-    frames: &Frames<C>,
+    shape: &C::Shape,
     kept: &mut Kept,
     transports: &mut [Transport<[f64; MOST]>],
 ) {
     let (unknowns, slopes, mut columns) = Columns::of::<K>(pack, kept, transports);
     for first in (0..K::COUNT).step_by(PASS) {
-        let moving = Tangent::seed(Lanes::zero(), K::THETA.wrapping_sub(first), slopes[1]);
-        let frame = C::mesh_frame(&acting.belt.curve, frames.shape.frame(moving));
+        let frame = C::mesh_frame(shape, |k| moving((K::THETA + k).wrapping_sub(first), slopes));
         let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, unknowns, slopes, first);
         for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
             columns.record(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
@@ -110,7 +154,7 @@ fn forward<K: RingKind<D>, const D: usize, C: MeshCurve>(
 
 /// One pass over a pack: derivatives in the directions `first` and on.
 #[inline(never)]
-fn pack_pass<const N: usize, K: RingKind<D>, const D: usize, C: MeshCurve>(
+fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Tangent<N>>,
@@ -126,7 +170,7 @@ fn pack_pass<const N: usize, K: RingKind<D>, const D: usize, C: MeshCurve>(
 /// Hands `record` the derivatives of a pack in all directions but Θ: rows of the balance, and the figures of the
 /// transport.
 #[inline(never)]
-fn vary_pack<K: RingKind<D>, const D: usize, C: MeshCurve>(
+fn vary_pack<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     InForce { belt, friction }: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Lanes>,
@@ -141,7 +185,7 @@ fn vary_pack<K: RingKind<D>, const D: usize, C: MeshCurve>(
     let place = pack.place::<Lanes, C>(&belt.law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
-    let mut ring = K::ring::<Lanes, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, plain);
+    let mut ring = K::ring::<Lanes>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, plain);
     let given = CellInput {
         law: &belt.law,
         friction,
@@ -161,7 +205,7 @@ fn vary_pack<K: RingKind<D>, const D: usize, C: MeshCurve>(
 }
 
 /// The regime of a pack, and its balance.
-pub(crate) fn regime_and_balance<K: RingKind<D>, const D: usize, C: MeshCurve>(
+pub(crate) fn regime_and_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Lanes>,
@@ -185,10 +229,10 @@ pub(crate) fn regime_and_balance<K: RingKind<D>, const D: usize, C: MeshCurve>(
 /// Largest difference between the derivatives of a pack by hand and by forward differentiation, as a share of the largest
 /// entry of its column, and of all figures of the transport (at least 1e-6: they are of the order of 1).
 #[cfg(test)]
-pub(crate) fn worst_of_pack<K: Differentiate<D>, const D: usize, C: MeshCurve>(
+pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
-    frames: &Frames<C>,
+    frames: &K::Frames,
     kept: &Kept,
     transports: &[Transport<[f64; MOST]>],
 ) -> f64 {
@@ -197,7 +241,7 @@ pub(crate) fn worst_of_pack<K: Differentiate<D>, const D: usize, C: MeshCurve>(
     let mut kept = [kept.clone(), kept.clone()];
     let mut transports = [transports.to_vec(), transports.to_vec()];
     K::differentiate(acting, pack, frames, &mut kept[0], &mut transports[0]);
-    forward::<K, D, C>(acting, pack, frames, &mut kept[1], &mut transports[1]);
+    forward::<K, D, C>(acting, pack, K::shape(frames), &mut kept[1], &mut transports[1]);
     for lane in 0..pack.group.used {
         let [hand, forward] = kept.each_ref().map(|kept| {
             let entry = |row: usize, column: usize| kept.block[row * count + column].to_array()[lane];
@@ -269,21 +313,31 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The curve without derivatives and with that along Θ.
-pub(crate) struct Frames<C: MeshCurve> {
-    shape: TwoPulleyShape,
-    pub plain: C::Frame<Lanes>,
-    of_theta: C::Frame<Tangent<1>>,
+/// The curve without derivatives and with those along its first N coordinates.
+pub(crate) struct Frames<C: MeshCurve, const N: usize> {
+    shape: C::Shape,
+    plain: C::Frame<Lanes>,
+    moving: C::Frame<Tangent<N>>,
 }
 
-impl<C: MeshCurve> Frames<C> {
-    /// Frames at `theta`, whose slope is `beta`.
-    pub fn new(curve: &TwoPulley, theta: f64, beta: f64) -> Self {
-        let shape = curve.shape(theta);
+impl<C: MeshCurve, const N: usize> Frames<C, N> {
+    /// Frames at one place of a path.
+    fn new(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self {
+        let shape = C::shape(curve, path);
         Self {
-            plain: C::mesh_frame(curve, shape.frame(Lanes::zero())),
-            of_theta: C::mesh_frame(curve, shape.frame(Tangent::seed(Lanes::zero(), 0, beta))),
+            plain: C::mesh_frame(&shape, |_| Jet::constant(0.0)),
+            moving: C::mesh_frame(&shape, |k| moving(k, slopes)),
             shape,
         }
+    }
+}
+
+/// Zero with the slopes of a coordinate of the curve and of its rates, where it is the direction `k` of a pass.
+fn moving<const N: usize>(k: usize, [alpha, beta]: [f64; 2]) -> Jet<Tangent<N>> {
+    let seed = |slope| Tangent::seed(Lanes::zero(), k, slope);
+    Jet {
+        v: seed(beta),
+        d: seed(1.0),
+        dd: seed(alpha),
     }
 }

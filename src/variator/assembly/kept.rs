@@ -20,6 +20,8 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 const CHANGED: f64 = 0.03;
 /// Factor by which 1/(hγ) may be off.
 const RESCALED: f64 = 1.05;
+/// Angle per metre, and per radian of turn, that stands for the way of displaced centres.
+const CENTRE: f64 = 10.0;
 /// Angle by which the ring may have turned, rad: EA times this is a fifth of its tension.
 const TURNED: f64 = 1.0e-4;
 
@@ -207,7 +209,7 @@ impl Kept {
             && regime.is_like(&self.regime)
     }
 
-    /// Largest angle by which the ring has turned, or change of Θ.
+    /// Largest angle by which the ring has turned, or change of Θ or of the centres.
     #[inline(always)]
     fn turned<K: Directions>(&self, now: &Unknowns<Lanes>, length: Lanes) -> f64 {
         let components = K::NODES / 4;
@@ -221,6 +223,9 @@ impl Kept {
             include((moved(right) - moved(left)) / length);
         }
         include(moved(K::THETA));
+        for centre in 1..K::COORDINATES {
+            include(moved(K::THETA + centre) * CENTRE);
+        }
         most
     }
 

@@ -1,6 +1,9 @@
 //! Kinds of ring and of mesh that the cells can have, as types: the choice is made once, at the start.
 
-use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, Unaligned};
+use crate::reference_curve::{
+    Displaced, DisplacedCurve, DisplacedFrame, Jet, Path, ReferenceCurve, TwoPulley, TwoPulleyFrame, TwoPulleyShape,
+    Unaligned,
+};
 use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::Real;
@@ -14,8 +17,15 @@ use crate::variator::rings::rotating::Rotating;
 
 /// The reference curve of a mesh that stands still or follows the arcs.
 pub(crate) trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// The frame of this curve from that of the two pulleys.
-    fn mesh_frame<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T>;
+    /// What it is at some coordinates, whatever the scalar.
+    type Shape;
+
+    /// The shape at one place of a path of the coordinates.
+    fn shape(curve: &TwoPulley, path: &Path<f64>) -> Self::Shape;
+
+    /// The frame of a shape. `by` gives zero, with the derivatives that a coordinate of the path and its own derivatives
+    /// along the path have.
+    fn mesh_frame<T: Real>(shape: &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> Self::Frame<T>;
 
     /// Radii of the secondary and of the primary arc, m.
     fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2];
@@ -23,9 +33,16 @@ pub(crate) trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sy
 
 /// The curve of a mesh whose element borders follow the arc borders.
 impl MeshCurve for TwoPulley {
+    type Shape = TwoPulleyShape;
+
     #[inline(always)]
-    fn mesh_frame<T: Real>(_curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> TwoPulleyFrame<T> {
-        frame
+    fn shape(curve: &TwoPulley, path: &Path<f64>) -> TwoPulleyShape {
+        curve.shape(path[0].v)
+    }
+
+    #[inline(always)]
+    fn mesh_frame<T: Real>(shape: &TwoPulleyShape, by: impl Fn(usize) -> Jet<T>) -> TwoPulleyFrame<T> {
+        shape.frame(by(0).v)
     }
 
     #[inline(always)]
@@ -35,58 +52,108 @@ impl MeshCurve for TwoPulley {
 }
 
 /// The curve of a mesh whose elements stand still.
-impl MeshCurve for Unaligned<TwoPulley> {
-    fn mesh_frame<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T> {
-        Self::frame_of(curve, frame)
+impl<C: MeshCurve + OnPulleys> MeshCurve for Unaligned<C> {
+    type Shape = (C, C::Shape);
+
+    fn shape(curve: &TwoPulley, path: &Path<f64>) -> Self::Shape {
+        (C::on_pulleys(curve), C::shape(curve, path))
+    }
+
+    fn mesh_frame<T: Real>((curve, shape): &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> Self::Frame<T> {
+        Self::frame_of(curve, C::mesh_frame(shape, by))
     }
 
     #[inline(always)]
     fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2] {
-        <TwoPulley as MeshCurve>::arc_radii(frame.aligned())
+        C::arc_radii(frame.aligned())
     }
 }
 
-/// A ring whose mesh stands still, in D components.
-pub(crate) trait RingKind<const D: usize>: Directions {
+/// A curve around two pulleys.
+pub(crate) trait OnPulleys {
+    /// The curve from that about the axes.
+    fn on_pulleys(curve: &TwoPulley) -> Self;
+}
+
+impl OnPulleys for TwoPulley {
+    fn on_pulleys(curve: &TwoPulley) -> Self {
+        curve.clone()
+    }
+}
+
+impl OnPulleys for Displaced {
+    fn on_pulleys(curve: &TwoPulley) -> Self {
+        Self { curve: curve.clone() }
+    }
+}
+
+/// The curve with displaced centres: its frame holds derivatives along the motion.
+impl MeshCurve for Displaced {
+    type Shape = (TwoPulley, Path<f64>);
+
+    fn shape(curve: &TwoPulley, path: &Path<f64>) -> Self::Shape {
+        (curve.clone(), *path)
+    }
+
+    fn mesh_frame<T: Real>((curve, path): &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> DisplacedFrame<T> {
+        let path = std::array::from_fn(|k| {
+            let (of, by) = (path[k], by(k));
+            Jet {
+                v: by.v + of.v,
+                d: by.d + of.d,
+                dd: by.dd + of.dd,
+            }
+        });
+        Self::at_place(curve, &path)
+    }
+
+    #[inline(always)]
+    fn arc_radii<T: Real>(frame: &DisplacedFrame<T>) -> [T; 2] {
+        frame.radius.map(|radius| radius.v)
+    }
+}
+
+/// A ring whose mesh stands still, in D components, on the curve `C`.
+pub(crate) trait RingKind<const D: usize, C: MeshCurve>: Directions {
     /// The ring inside a cell.
     type Ring<'a, T: Real>: EulerianRing<T, D>;
 
     /// The ring between two nodes of a cell `at` a place under a reference motion, from the cell's `unknowns`; `seed` makes
     /// a scalar of a value, its direction and its slope. `curve` gives frame and segment of the reference curve there.
-    fn ring<'a, T: Real, C: MeshCurve>(
+    fn ring<'a, T: Real>(
         ring: &'a Ring,
         at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
-        curve: (&C::Frame<T>, usize),
+        curve: (&'a C::Frame<T>, usize),
         unknowns: &impl ReadUnknowns<T::Constant>,
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Self::Ring<'a, T>;
 }
 
-impl RingKind<2> for GuidedRing {
-    type Ring<'a, T: Real> = Guided<'a, T>;
+impl<C: MeshCurve + DisplacedCurve> RingKind<2, C> for GuidedRing {
+    type Ring<'a, T: Real> = Guided<'a, T, C>;
 
     #[inline(always)]
-    fn ring<'a, T: Real, C: MeshCurve>(
+    fn ring<'a, T: Real>(
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
-        _: (&C::Frame<T>, usize),
+        curve: (&'a C::Frame<T>, usize),
         unknowns: &impl ReadUnknowns<T::Constant>,
         _slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
-    ) -> Guided<'a, T> {
-        Guided::new(ring, place, motion, tensions(unknowns, seed))
+    ) -> Guided<'a, T, C> {
+        Guided::new(ring, (place, motion), curve, tensions(unknowns, seed))
     }
 }
 
-impl<const D: usize> RingKind<D> for DeflectingRing<D> {
+impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
     type Ring<'a, T: Real> = Deflecting<'a, T, D>;
 
     #[inline(always)]
-    fn ring<'a, T: Real, C: MeshCurve>(
+    fn ring<'a, T: Real>(
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
-        _: (&C::Frame<T>, usize),
+        _: (&'a C::Frame<T>, usize),
         unknowns: &impl ReadUnknowns<T::Constant>,
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
@@ -95,14 +162,14 @@ impl<const D: usize> RingKind<D> for DeflectingRing<D> {
     }
 }
 
-impl<const D: usize> RingKind<D> for RotatingRing<D> {
+impl<const D: usize, C: MeshCurve> RingKind<D, C> for RotatingRing<D> {
     type Ring<'a, T: Real> = Rotating<'a, T, D>;
 
     #[inline(always)]
-    fn ring<'a, T: Real, C: MeshCurve>(
+    fn ring<'a, T: Real>(
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
-        (frame, segment): (&C::Frame<T>, usize),
+        (frame, segment): (&'a C::Frame<T>, usize),
         unknowns: &impl ReadUnknowns<T::Constant>,
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,

@@ -244,7 +244,7 @@ pub(crate) fn flux_entries<K: Directions>(belt: &Belt) -> Vec<FluxEntries> {
         .collect()
 }
 
-/// Unknowns of a cell's directions: its own, then s, Θ, z, ψ_x, ψ_y, ω.
+/// Unknowns of a cell's directions: its own, then s, the coordinates of the curve, z, ψ_x, ψ_y, ω.
 fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
     let layout = &belt.layout;
     let place = &belt.mesh.cells[cell];
@@ -261,14 +261,17 @@ fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
         of_cell[3 + face] = layout.tension(cell + face);
     }
     let pulley = place.pulley;
-    let globals = [
-        layout.drift(),
-        layout.theta(),
+    at[K::DRIFT] = layout.drift();
+    at[K::THETA] = layout.theta();
+    for centre in 1..K::COORDINATES {
+        at[K::THETA + centre] = layout.centre(centre - 1);
+    }
+    let of_pulley = [
         layout.sheave(pulley),
         layout.tilt(pulley, 0),
         layout.tilt(pulley, 1),
         layout.shaft_speed(pulley),
     ];
-    at[K::DRIFT..K::COUNT].copy_from_slice(&globals);
+    at[K::SHEAVE..K::COUNT].copy_from_slice(&of_pulley);
     at
 }

@@ -2,7 +2,8 @@
 
 use crate::chain::Transport;
 use crate::pulley::PerPulley;
-use crate::scalar::{LANES, Lanes, Real};
+use crate::reference_curve::COORDINATES;
+use crate::scalar::{LANES, Lanes};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
@@ -10,13 +11,13 @@ use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 #[cfg(test)]
 use crate::variator::assembly::jacobian::worst_of_pack;
-use crate::variator::assembly::jacobian::{Differentiate, Frames, regime_and_balance};
+use crate::variator::assembly::jacobian::{Differentiate, regime_and_balance};
 use crate::variator::assembly::kept::Kept;
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
-use crate::variator::assembly::unknowns::rows;
+use crate::variator::assembly::unknowns::{path, rows};
 use crate::variator::belt::Belt;
 use crate::variator::cell::directions::{MOST, RESULTANT};
 use crate::variator::cell::sample::{NoProbe, Sample};
@@ -39,7 +40,7 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     kind: PhantomData<(K, C)>,
 }
 
-impl<K: Differentiate<D>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
+impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     /// The cells of a belt.
     pub fn new(belt: &Belt) -> Self {
         let cells = belt.mesh.cells.len();
@@ -80,7 +81,7 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     }
 }
 
-impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells<K, D, C> {
+impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCells<K, D, C> {
     fn boxed(&self) -> Box<dyn Assembly> {
         Box::new(self.clone())
     }
@@ -89,6 +90,7 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells
         let belt = acting.belt;
         let frame = frame::<C>(belt, view);
         let [mut drift, mut theta] = [Lanes::zero(); 2];
+        let mut centres = [Lanes::zero(); COORDINATES - 1];
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for pack in &self.packs {
             let (b, ring) = pack_balance::<_, _, K, D, C>(
@@ -105,11 +107,17 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells
             let in_use = pack.group.in_use();
             drift += rows[K::DRIFT] * in_use;
             theta += rows[K::THETA] * in_use;
+            for (k, sum) in centres.iter_mut().enumerate().take(K::COORDINATES - 1) {
+                *sum += rows[K::THETA + 1 + k] * in_use;
+            }
             add_loads(&mut loads, pack, &b);
             self.transports.set_pack(pack.group.cells[0], &b.transport);
         }
         out[belt.layout.drift()] += drift.sum();
         out[belt.layout.theta()] += theta.sum();
+        for (k, sum) in centres.into_iter().enumerate().take(K::COORDINATES - 1) {
+            out[belt.layout.centre(k)] += sum.sum();
+        }
         self.transports.add_fluxes(belt, view, out);
         loads.map(|of| of.sum())
     }
@@ -122,13 +130,14 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
-        let [alpha, beta] = slopes;
-        let frames = Frames::<C>::new(&belt.curve, belt.theta(view), beta);
+        let alpha = slopes[0];
+        let frames = K::frames(&belt.curve, &belt.path(view), slopes);
+        let plain = K::plain(&frames);
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             let unknowns = InPlace { pack, view }.gather(K::COUNT);
-            let (regime, b) = regime_and_balance::<K, D, C>(acting, pack, &frames.plain, &unknowns, alpha);
-            let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
+            let (regime, b) = regime_and_balance::<K, D, C>(acting, pack, plain, &unknowns, alpha);
+            let length = C::segment_length(plain, pack.segment).v * pack.of_segment[1];
             if !kept.holds::<K>(&regime, &unknowns, length, alpha) {
                 self.differentiations += 1;
                 (kept.unknowns, kept.regime, kept.slopes) = (unknowns, regime, slopes);
@@ -173,10 +182,9 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells
     fn restore_derivatives(&mut self, acting: InForce<'_>) {
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             if !kept.slopes[0].is_nan() {
-                let theta = kept.unknowns.position[K::THETA].re();
-                let frames = Frames::<C>::new(&acting.belt.curve, theta, kept.slopes[1]);
+                let frames = K::frames(&acting.belt.curve, &path::<K>(&kept.unknowns), kept.slopes);
                 (kept.regime, _) =
-                    regime_and_balance::<K, D, C>(acting, pack, &frames.plain, &kept.unknowns, kept.slopes[0]);
+                    regime_and_balance::<K, D, C>(acting, pack, K::plain(&frames), &kept.unknowns, kept.slopes[0]);
                 K::differentiate(acting, pack, &frames, kept, &mut self.transport_slopes);
             }
         }
@@ -199,7 +207,7 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells
 
     #[cfg(test)]
     fn worst_derivative(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
-        let frames = Frames::<C>::new(&acting.belt.curve, acting.belt.theta(view), 1.0 / alpha);
+        let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
         let of_pack = |(pack, kept): (&Pack, &Kept)| {
             let mut kept = kept.clone();
             kept.unknowns = InPlace { pack, view }.gather(K::COUNT);

@@ -1,7 +1,8 @@
 //! The unknowns of a cell by their directions, the motion that they are, and the rows of its balance.
 
+use crate::reference_curve::{COORDINATES, Jet, Path};
 use crate::ring::kinematics::{Motion, Node};
-use crate::scalar::Real;
+use crate::scalar::{Lanes, Real};
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
 use crate::variator::law::place::{CellBalance, CellMotion};
 use crate::variator::rings::ring::RingForces;
@@ -79,6 +80,20 @@ pub(crate) fn tensions<T: Real>(
     [3, 4].map(|k| seed(unknowns.read(Part::Value, k), k, 1.0))
 }
 
+/// Coordinates of the curve in the first lane, and their motion.
+pub(crate) fn path<K: Directions>(unknowns: &Unknowns<Lanes>) -> Path<f64> {
+    let mut path = [Jet::constant(0.0); COORDINATES];
+    for (k, to) in path.iter_mut().enumerate().take(K::COORDINATES) {
+        let k = K::THETA + k;
+        *to = Jet {
+            v: unknowns.position[k].re(),
+            d: unknowns.value[k].re(),
+            dd: unknowns.rate[k].re(),
+        };
+    }
+    path
+}
+
 /// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
 #[inline(always)]
 pub(crate) fn motion<T: Real, K: Directions>(
@@ -89,7 +104,12 @@ pub(crate) fn motion<T: Real, K: Directions>(
     let value = |k: usize| seed(unknowns.read(Part::Value, k), k, 1.0);
     let rate = |k: usize| seed(unknowns.read(Part::Rate, k), k, alpha);
     let position = |k: usize| seed(unknowns.read(Part::Position, k), k, beta);
-    CellMotion::of_directions([K::NODES, K::DRIFT], position, value, rate)
+    let mut motion = CellMotion::of_directions([K::NODES, K::DRIFT, K::SHEAVE], position, value, rate);
+    if K::COORDINATES > 1 {
+        // The curve holds derivatives along the motion: time stands for Θ.
+        (motion.reference.theta.rate, motion.reference.theta.acceleration) = (T::one(), T::zero());
+    }
+    motion
 }
 
 /// Rows of the balance in the order of the directions, then the resultant of the contact forces; the amount has its own
@@ -117,10 +137,14 @@ pub(crate) fn rows<T: Real, K: Directions, const D: usize>(
     }
     rows[g] = ring.drift;
     rows[g + 1] = ring.theta;
-    rows[g + 2] = b.axial;
-    rows[g + 3] = -b.tilting[0];
-    rows[g + 4] = -b.tilting[1];
-    rows[g + 5] = -b.torque;
+    for (k, centre) in ring.centres.into_iter().enumerate().take(K::COORDINATES - 1) {
+        rows[g + 2 + k] = centre;
+    }
+    let g = K::SHEAVE;
+    rows[g] = b.axial;
+    rows[g + 1] = -b.tilting[0];
+    rows[g + 2] = -b.tilting[1];
+    rows[g + 3] = -b.torque;
     rows[K::COUNT] = b.resultant[0];
     rows[K::COUNT + 1] = b.resultant[1];
     rows

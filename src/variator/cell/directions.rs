@@ -1,6 +1,9 @@
 //! The directions in which a cell can vary, by the ring that it has.
 //!
-//! Motions of the nodes come first, then V, V, N, in `ALE0` the tensions T, T, then s, Θ, z, ψ_x, ψ_y, ω.
+//! Motions of the nodes come first, then V, V, N, in `ALE0` the tensions T, T, then s, Θ, in `ALE0` the other coordinates
+//! of the curve, then z, ψ_x, ψ_y, ω.
+
+use crate::reference_curve::COORDINATES;
 
 /// Most directions of a cell: 12 node motions in space, V, V, N, and six globals.
 pub(crate) const MOST: usize = 21;
@@ -11,8 +14,8 @@ pub(crate) const MOST_ROWS: usize = MOST + RESULTANT;
 /// Components of the resultant, whose rows come after those of the directions.
 pub(crate) const RESULTANT: usize = 2;
 
-/// Directions of the globals: s, Θ, z, ψ_x, ψ_y, ω.
-const GLOBALS: usize = 6;
+/// Directions of the pulley: z, ψ_x, ψ_y, ω.
+const OF_PULLEY: usize = 4;
 
 /// Directions of a cell with a certain ring.
 pub(crate) trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
@@ -20,16 +23,20 @@ pub(crate) trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     const NODES: usize;
     /// Number of those that are tensions of the ring.
     const TENSIONS: usize;
+    /// Number of coordinates of the reference curve, Θ the first.
+    const COORDINATES: usize;
     /// Direction of the amount, whose row the fluxes fill.
     const AMOUNT: usize = Self::NODES + 2;
     /// The drift s, first of the globals.
     const DRIFT: usize = Self::NODES + 3 + Self::TENSIONS;
     /// Direction of Θ.
     const THETA: usize = Self::DRIFT + 1;
+    /// Direction of z, first of those of the pulley.
+    const SHEAVE: usize = Self::THETA + Self::COORDINATES;
     /// Number of all directions.
-    const COUNT: usize = Self::DRIFT + GLOBALS;
+    const COUNT: usize = Self::SHEAVE + OF_PULLEY;
 
-    /// Unknown that varies in direction `k`; none for Θ, whose derivatives [`variation`](crate::variator::cell::variation)
+    /// Unknown that varies in direction `k`; none for coordinates of the curve, whose derivatives [`variation`](crate::variator::cell::variation)
     /// does not have.
     fn direction(k: usize) -> Option<Direction> {
         if k < Self::NODES {
@@ -42,11 +49,12 @@ pub(crate) trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
                 tension => Direction::Ring(tension - 3),
             });
         }
-        match k - Self::DRIFT {
-            0 => Some(Direction::Drift),
-            1 => None,
-            2 => Some(Direction::Sheave),
-            axis @ (3 | 4) => Some(Direction::Tilt(axis - 3)),
+        if k < Self::SHEAVE {
+            return (k == Self::DRIFT).then_some(Direction::Drift);
+        }
+        match k - Self::SHEAVE {
+            0 => Some(Direction::Sheave),
+            axis @ (1 | 2) => Some(Direction::Tilt(axis - 1)),
             _ => Some(Direction::Shaft),
         }
     }
@@ -67,16 +75,19 @@ pub(crate) struct RotatingRing<const D: usize>;
 impl Directions for GuidedRing {
     const NODES: usize = 0;
     const TENSIONS: usize = 2;
+    const COORDINATES: usize = COORDINATES;
 }
 
 impl<const D: usize> Directions for DeflectingRing<D> {
     const NODES: usize = 4 * D;
     const TENSIONS: usize = 0;
+    const COORDINATES: usize = 1;
 }
 
 impl<const D: usize> Directions for RotatingRing<D> {
     const NODES: usize = 4 * D;
     const TENSIONS: usize = 0;
+    const COORDINATES: usize = 1;
 }
 
 /// An unknown of a cell that varies.

@@ -104,16 +104,17 @@ pub struct CellMotion<T: Real> {
 }
 
 impl<T: Real> CellMotion<T> {
-    /// From the unknowns by their directions: V, V, N are those from `own` on, s, Θ, z, ψ_x, ψ_y, ω those from
-    /// `globals` on.
+    /// From the unknowns by their directions: V, V, N are those from `own` on, s, Θ those from `drift` on, z, ψ_x, ψ_y, ω
+    /// those from `sheave` on.
     #[inline(always)]
     pub(crate) fn of_directions(
-        [own, globals]: [usize; 2],
+        [own, drift, sheave]: [usize; 3],
         position: impl Fn(usize) -> T,
         value: impl Fn(usize) -> T,
         rate: impl Fn(usize) -> T,
     ) -> Self {
-        let [drift, theta, sheave, tilt_x, tilt_y, shaft] = std::array::from_fn(|k| globals + k);
+        let theta = drift + 1;
+        let [tilt_x, tilt_y, shaft] = std::array::from_fn(|k| sheave + 1 + k);
         Self {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],

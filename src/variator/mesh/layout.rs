@@ -2,13 +2,13 @@
 //!
 //! Block k belongs to ring element k: its left node (`ALE`: a_x, b_x, a_y, b_y, in space a_z, b_z), then for each cell
 //! the speed V of its left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left
-//! face. The border holds the globals.
+//! face. The border holds the globals, of `ALE0` also the coordinates of displaced centres.
 //!
 //! With a ring that travels with its mesh the cells come first, each with V and N, then the nodes of the ring, then
 //! what is left free in the blocks; the module `order` sorts them into the order of the matrix.
 
 use crate::pulley::Pulley;
-use crate::reference_curve::{ReferenceCurve, TwoPulley};
+use crate::reference_curve::{COORDINATES, ReferenceCurve, TwoPulley};
 use crate::ring::ancf::AncfElement;
 use crate::ring::lagrangian::LagrangianElement;
 use crate::ring::rcm::RcmElement;
@@ -25,6 +25,10 @@ const SHAFT: usize = 8;
 const GAUGE: usize = 10;
 /// Conditions that hold the gauge, where the ring has nodes.
 pub const CONDITIONS: usize = 2;
+/// Coordinates of displaced centres, where it has none.
+pub const CENTRES: usize = COORDINATES - 1;
+/// The turn among them; the others are lengths.
+pub const TURN: usize = 1;
 
 /// Unknowns of the ring beside drift and Θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,7 +223,7 @@ impl Layout {
         Shape {
             blocks,
             block,
-            border: GAUGE + if self.has_gauge() { CONDITIONS } else { 0 },
+            border: GAUGE + if self.has_gauge() { CONDITIONS } else { CENTRES },
         }
     }
 
@@ -313,7 +317,20 @@ impl Layout {
         self.border() + GAUGE + condition
     }
 
-    /// Indices of the globals that every ring has: all but the multipliers of the gauge.
+    /// Index of the rate of a coordinate of displaced centres (`ALE0`): spread, turn, shift along x and y.
+    #[must_use]
+    pub fn centre(&self, k: usize) -> usize {
+        self.border() + GAUGE + k
+    }
+
+    /// Indices of the rates of the coordinates of displaced centres, if there are any.
+    #[must_use]
+    pub fn centres(&self) -> std::ops::Range<usize> {
+        let count = if self.has_tension() { CENTRES } else { 0 };
+        self.centre(0)..self.centre(count)
+    }
+
+    /// Indices of the globals that every ring has: neither multipliers of the gauge nor displaced centres.
     #[must_use]
     pub fn globals(&self) -> std::ops::Range<usize> {
         self.border()..self.border() + GAUGE
@@ -336,6 +353,7 @@ impl Layout {
         }
         has_position[self.drift()] = true;
         has_position[self.theta()] = true;
+        has_position[self.centres()].fill(true);
         for pulley in Pulley::BOTH {
             has_position[self.sheave(pulley)] = true;
         }

@@ -1,6 +1,6 @@
 //! `ALE`: the ring deflects from the reference curve.
 
-use crate::reference_curve::ReferencePoint;
+use crate::reference_curve::{COORDINATES, ReferencePoint};
 use crate::ring::kinematics::{
     ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
 };
@@ -49,6 +49,7 @@ impl<T: Real, const D: usize> EulerianRing<T, D> for Deflecting<'_, T, D> {
             tension: T::zero(),
             drift: self.sum.s,
             theta,
+            centres: [T::zero(); COORDINATES - 1],
         }
     }
 }
@@ -137,6 +138,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
             tension: T::zero(),
             drift: sum.s,
             theta,
+            centres: [T::zero(); COORDINATES - 1],
         }
     }
 }

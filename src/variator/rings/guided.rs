@@ -1,22 +1,25 @@
-//! `ALE0`: the ring keeps to the reference curve.
+//! `ALE0`: the ring keeps to the reference curve, whose arcs lie about free centres.
+//!
+//! The curve has five coordinates: Θ, and spread, turn and shift of the centres ([`Displaced`]). Loads act on each with
+//! the virtual motion of a mesh point, ∂r/∂p|_η − ∂ξ/∂p|_η r'. Derivatives along the motion stand where a ring that
+//! deflects has those by Θ, and its Θ̇ is one.
+//!
+//! [`Displaced`]: crate::reference_curve::Displaced
 
-use crate::reference_curve::ReferencePoint;
-use crate::ring::kinematics::{
-    ElementLoad, ElementMotion, Hermite, Load, Node, ReferenceMotion, RingPoint, RingVariation,
-};
+use crate::reference_curve::{COORDINATES, DisplacedCurve, PointSlopes, ReferencePoint};
+use crate::ring::kinematics::{Load, Node, ReferenceMotion, RingPoint, RingVariation};
 use crate::ring::{Ring, ale};
 use crate::scalar::{Real, zero_vector};
 use crate::variator::law::place::{Place, between, share};
 use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
 
 /// `ALE0`: the ring keeps to the reference curve; its tension is an unknown at the faces.
-#[derive(Debug)]
-pub(crate) struct Guided<'a, T: Real> {
+pub(crate) struct Guided<'a, T: Real, C: DisplacedCurve> {
     ring: &'a Ring,
     place: &'a Place<'a, T>,
-    element: ElementMotion<T>,
     motion: &'a ReferenceMotion<T>,
-    growth: T,
+    /// Frame and segment of the curve.
+    curve: (&'a C::Frame<T>, usize),
     tension: [T; 2],
     sum: GuidedSum<T>,
 }
@@ -24,7 +27,8 @@ pub(crate) struct Guided<'a, T: Real> {
 /// Loads on a ring that keeps to the reference curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GuidedSum<T: Real> {
-    element: ElementLoad<T>,
+    /// Conjugates of the coordinates of the curve.
+    curve: [T; COORDINATES],
     /// Balance of the tension along the cell, and of normal forces around the loop, N.
     balance: T,
     across: T,
@@ -34,23 +38,10 @@ impl<T: Real> GuidedSum<T> {
     #[inline(always)]
     fn empty() -> Self {
         Self {
-            element: ElementLoad::zero(),
+            curve: [T::zero(); COORDINATES],
             balance: T::zero(),
             across: T::zero(),
         }
-    }
-
-    #[inline(always)]
-    fn apply(
-        &mut self,
-        shape: &Hermite<T::Constant>,
-        point: &RingPoint<T>,
-        element: &ElementMotion<T>,
-        action: &Action<T>,
-    ) {
-        self.element.add(&action.load, point, shape, element, action.weight);
-        self.across += (action.across - action.tension * point.reference.kappa) * action.weight;
-        self.balance += action.along * action.weight;
     }
 
     #[inline(always)]
@@ -59,26 +50,31 @@ impl<T: Real> GuidedSum<T> {
             a: zero_vector(),
             b: zero_vector(),
         };
+        let [theta, centres @ ..] = self.curve;
         RingForces {
             nodes: [still; 2],
             tension: self.balance,
             drift: self.across,
-            theta: self.element.theta,
+            theta,
+            centres,
         }
     }
 }
 
-impl<'a, T: Real> Guided<'a, T> {
-    /// The ring under the tensions at the two faces, N.
+impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
+    /// The ring `at` a place under a motion and under the tensions at the two faces, N. `curve` gives frame and segment.
     #[inline(always)]
-    pub fn new(ring: &'a Ring, place: &'a Place<'a, T>, motion: &'a ReferenceMotion<T>, tension: [T; 2]) -> Self {
-        let element = ElementMotion::rigid(place.length);
+    pub fn new(
+        ring: &'a Ring,
+        (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        curve: (&'a C::Frame<T>, usize),
+        tension: [T; 2],
+    ) -> Self {
         Self {
             ring,
             place,
-            element,
             motion,
-            growth: place.length.d / place.length.v,
+            curve,
             tension,
             sum: GuidedSum {
                 balance: tension[0] - tension[1],
@@ -86,16 +82,45 @@ impl<'a, T: Real> Guided<'a, T> {
             },
         }
     }
+
+    /// Adds the loads at a station; `own` is what the ring's own energy does along a coordinate of the shape, N.
+    #[inline(always)]
+    fn add(
+        &self,
+        sum: &mut GuidedSum<T>,
+        slot: usize,
+        point: &RingPoint<T>,
+        action: &Action<T>,
+        own: impl Fn(&PointSlopes<T>) -> T,
+    ) {
+        let (frame, segment) = self.curve;
+        let Action { load, weight, .. } = action;
+        let by = C::slopes(frame, segment, self.place.fraction(slot), &point.reference);
+        let force = load.position;
+        let [theta, spread] = by
+            .shape
+            .each_ref()
+            .map(|by| force.dot(&by.r) - load.drift * by.xi + own(by));
+        for (sum, along) in sum
+            .curve
+            .iter_mut()
+            .zip([theta, spread, force.dot(&by.turn), force.x, force.y])
+        {
+            *sum += along * *weight;
+        }
+        sum.across += (action.across - action.tension * point.reference.kappa) * *weight;
+        sum.balance += action.along * *weight;
+    }
 }
 
-impl<T: Real> EulerianRing<T> for Guided<'_, T> {
+impl<T: Real, C: DisplacedCurve> EulerianRing<T> for Guided<'_, T, C> {
     #[inline(always)]
     fn forces(&self) -> RingForces<T> {
         self.sum.forces()
     }
 }
 
-impl<T: Real> CellRing<T> for Guided<'_, T> {
+impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
     #[inline(always)]
     fn point(&self, _slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
         RingPoint::guided(reference, self.motion)
@@ -104,15 +129,19 @@ impl<T: Real> CellRing<T> for Guided<'_, T> {
     #[inline(always)]
     fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut Load<T>) -> T {
         ale::add_inertia(self.ring, point, load);
-        load.theta += ale::energy_density(self.ring, point) * self.growth
-            + point.reference.kappa * point.reference.kappa_theta * self.ring.bending_stiffness;
         between(&self.tension, self.place.slot(slot).right)
     }
 
     #[inline(always)]
     fn apply(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
-        self.sum
-            .apply(&self.place.slot(slot).shape, point, &self.element, action);
+        let kappa = point.reference.kappa;
+        let moment = kappa * self.ring.bending_stiffness;
+        let energy = moment * kappa * 0.5;
+        let mut sum = self.sum;
+        self.add(&mut sum, slot, point, action, |by| {
+            energy * by.growth + moment * by.kappa
+        });
+        self.sum = sum;
     }
 
     #[inline(always)]
@@ -126,7 +155,7 @@ impl<T: Real> CellRing<T> for Guided<'_, T> {
 }
 
 /// The ring's own unknowns are the tensions at the faces.
-impl<T: Real> VaryingRing<T> for Guided<'_, T> {
+impl<T: Real, C: DisplacedCurve> VaryingRing<T> for Guided<'_, T, C> {
     type Sum = GuidedSum<T>;
 
     const MOVES: bool = false;
@@ -164,7 +193,7 @@ impl<T: Real> VaryingRing<T> for Guided<'_, T> {
         _own_load: &Load<T>,
         action: &Action<T>,
     ) {
-        sum.apply(&self.place.slot(slot).shape, point, &self.element, action);
+        self.add(sum, slot, point, action, |_| T::zero());
     }
 
     #[inline(always)]

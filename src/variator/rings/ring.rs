@@ -2,7 +2,7 @@
 //!
 //! [`balance`](crate::variator::cell::balance) uses any ring through the four functions of [`CellRing`].
 
-use crate::reference_curve::ReferencePoint;
+use crate::reference_curve::{COORDINATES, ReferencePoint};
 use crate::ring::kinematics::{Load, Node, RingPoint, RingVariation};
 use crate::scalar::Real;
 
@@ -104,4 +104,6 @@ pub(crate) struct RingForces<T: Real, const D: usize = 2> {
     pub drift: T,
     /// Conjugate of Θ, N·m.
     pub theta: T,
+    /// Conjugates of the other coordinates of the curve (`ALE0`): spread, N, turn, N·m, shift, N.
+    pub centres: [T; COORDINATES - 1],
 }

@@ -90,6 +90,9 @@ impl Evolution for Running<'_> {
             let x = q_error[i] / place_scale;
             local += x * x;
         });
+        for centre in layout.centres() {
+            norm = norm.max((q_error[centre] / place_scale).abs());
+        }
         let norm = norm.max((local / layout.len() as f64).sqrt());
         if norm.is_finite() { norm } else { f64::MAX }
     }

@@ -160,7 +160,12 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         };
         let own = over.nodal();
         let globals = own + DRIFT;
-        let motion = CellMotion::of_directions([own, globals], |k| of.position(k), |k| of.value(k), |k| of.rate(k));
+        let motion = CellMotion::of_directions(
+            [own, globals, globals + 2],
+            |k| of.position(k),
+            |k| of.value(k),
+            |k| of.rate(k),
+        );
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
         let place = Place {

@@ -1,0 +1,635 @@
+//! The curve around two pulleys whose arcs lie about displaced centres.
+//!
+//! A sheave that tilts moves elements at constant penetration to ϱ = R/(1 + (ψ_x cos θ + ψ_y sin θ)/tan β): to first
+//! order a circle about a displaced centre. The curve about centres at the distance d_A + a is again that of two pulleys,
+//! turned clockwise by an angle γ and shifted:
+//!
+//! r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle between the axes.
+//!
+//! So the five coordinates are Θ, spread a, turn γ and shift s, free centres of both arcs. Only ∂/∂a is new. The closure
+//! (27) gives ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a = −(b/d)/W, W = π − φ + i φ: the tangent's own derivatives cancel.
+//!
+//! What moves with time moves along a path through these coordinates. A frame holds derivatives along that path, so a
+//! path with Θ̇ = 1 gives those with respect to Θ, and one with the rates of a motion gives ∂/∂t at fixed η. Derivatives
+//! with respect to each coordinate, onto which forces are projected, are of first order: [`DisplacedPoint`].
+
+use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
+use super::jet::Jet;
+use super::two_pulley::{SEGMENTS, TwoPulley, VectorJet, arc_angles};
+use super::unaligned::{Unaligned, UnalignedFrame};
+use crate::scalar::{Real, turn_right};
+use nalgebra::Vector2;
+use std::f64::consts::PI;
+
+/// Number of coordinates: Θ, spread a (m), turn γ (rad), shift s (two, m).
+pub const COORDINATES: usize = 5;
+/// Coordinates that change the shape: Θ and spread. They come first.
+const OF_SHAPE: usize = 2;
+
+/// Coordinates with their first and second derivatives along a path.
+pub type Path<T> = [Jet<T>; COORDINATES];
+
+/// [`TwoPulley`] about displaced centres.
+#[derive(Clone, Debug)]
+pub struct Displaced {
+    /// The curve about the axes.
+    pub curve: TwoPulley,
+}
+
+/// [`Displaced`] at one place of a path.
+#[derive(Clone, Debug)]
+pub struct DisplacedFrame<T: Real> {
+    centers: [VectorJet<T>; 2],
+    /// Arc radii, secondary first, m.
+    pub radius: [Jet<T>; 2],
+    phi: Jet<T>,
+    turn: Jet<T>,
+    lengths: [Jet<T>; SEGMENTS],
+    starts: [Jet<T>; SEGMENTS],
+    strands: [(VectorJet<T>, VectorJet<T>); 2],
+    /// M + s, m.
+    middle: Vector2<T>,
+    by: [ShapeSlopes<T>; OF_SHAPE],
+}
+
+/// Derivatives with respect to a coordinate of the shape.
+#[derive(Clone, Copy, Debug)]
+struct ShapeSlopes<T: Real> {
+    centers: [Vector2<T>; 2],
+    radius: [T; 2],
+    phi: T,
+    lengths: [T; SEGMENTS],
+    starts: [T; SEGMENTS],
+    /// Of the logarithms of the lengths.
+    growth: [T; SEGMENTS],
+    strands: [(Vector2<T>, Vector2<T>); 2],
+}
+
+/// Derivatives of the curve at a mesh point with respect to its coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct DisplacedPoint<T: Real> {
+    /// By Θ and by spread.
+    pub shape: [PointSlopes<T>; OF_SHAPE],
+    /// ∂r/∂γ, m. Along the shift it is the unit matrix, and the turn changes neither ξ nor κ.
+    pub turn: Vector2<T>,
+}
+
+/// Derivatives with respect to a coordinate at fixed η.
+#[derive(Clone, Copy, Debug)]
+pub struct PointSlopes<T: Real> {
+    /// Of r.
+    pub r: Vector2<T>,
+    /// Of ξ, m.
+    pub xi: T,
+    /// Of κ, 1/m.
+    pub kappa: T,
+    /// Of ln dξ.
+    pub growth: T,
+}
+
+impl<T: Real> DisplacedPoint<T> {
+    /// The pack whose `lane` is that of `other`.
+    fn with_lane(self, lane: usize, other: Self) -> Self {
+        let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
+        let mut merged = self;
+        for (to, of) in merged.shape.iter_mut().zip(&other.shape) {
+            *to = PointSlopes {
+                r: vector(to.r, of.r),
+                xi: to.xi.with_lane(lane, of.xi),
+                kappa: to.kappa.with_lane(lane, of.kappa),
+                growth: to.growth.with_lane(lane, of.growth),
+            };
+        }
+        merged.turn = vector(self.turn, other.turn);
+        merged
+    }
+}
+
+/// Radius r_P, φ and b with what they follow from.
+struct Tangent<T> {
+    r_p: Jet<T>,
+    r_s: Jet<T>,
+    phi: Jet<T>,
+    b: Jet<T>,
+    /// Derivatives of (r_P, r_S, φ, b) with respect to Θ and spread.
+    by: [[T; 4]; OF_SHAPE],
+}
+
+impl<T: Real> Tangent<T> {
+    /// On a path through Θ and the distance d of the centres.
+    fn new(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> Self {
+        let ratio = ratio(theta);
+        let (i, i_theta) = (ratio.v, ratio_slope(theta.v));
+        // At the plain numbers, from there to `T` by the first derivatives.
+        let (i0, d0) = (i.re(), d.v.re());
+        let r0 = if d0 > 0.0 {
+            curve.at_distance(d0).primary_radius(i0)
+        } else {
+            f64::NAN
+        };
+        let x0 = (1.0 - i0) * r0 / d0;
+        let (phi0, sine) = (x0.acos(), (1.0 - x0 * x0).sqrt());
+        let w0 = PI - phi0 + i0 * phi0;
+        let r = (i - i0) * (-r0 * phi0 / w0) + (d.v - d0) * (-sine / w0) + r0;
+        let difference = |i: T, r: T| r - i * r;
+        let delta = difference(i, r);
+        let x = delta / d.v;
+        let phi = -(x - x0) * sine.recip() + phi0;
+        let b = (d.v * d.v - delta * delta).sqrt();
+        let (per_b, per_d) = (b.recip(), d.v.recip());
+        let w = i * phi - phi + PI;
+        let per_w = w.recip();
+        // Slopes of r by i and d.
+        let (by_i, by_d) = (-(r * phi * per_w), -(b * per_d * per_w));
+
+        let r_dot = by_i * ratio.d + by_d * d.d;
+        let delta_dot = r_dot - ratio.d * r - i * r_dot;
+        let off = delta_dot - x * d.d;
+        let phi_dot = -(off * per_b);
+        let b_dot = (d.v * d.d - delta * delta_dot) * per_b;
+        let w_dot = ratio.d * phi + i * phi_dot - phi_dot;
+        let by_i_dot = -((r_dot * phi + r * phi_dot + by_i * w_dot) * per_w);
+        let by_d_dot = -(((b_dot - b * per_d * d.d) * per_d + by_d * w_dot) * per_w);
+        let r_ddot = by_i_dot * ratio.d + by_i * ratio.dd + by_d_dot * d.d + by_d * d.dd;
+        let delta_ddot = r_ddot - ratio.dd * r - ratio.d * r_dot * 2.0 - i * r_ddot;
+        let phi_ddot = (off * b_dot * per_b - (delta_ddot - off * per_d * d.d - x * d.dd)) * per_b;
+        let b_ddot = (d.d * d.d + d.v * d.dd - delta_dot * delta_dot - delta * delta_ddot - b_dot * b_dot) * per_b;
+        let r_p = Jet {
+            v: r,
+            d: r_dot,
+            dd: r_ddot,
+        };
+
+        let slopes = |r_by: T, i_by: T, d_by: T| {
+            let delta_by = r_by - i * r_by - i_by * r;
+            [
+                r_by,
+                i * r_by + i_by * r,
+                -((delta_by - x * d_by) * per_b),
+                (d.v * d_by - delta * delta_by) * per_b,
+            ]
+        };
+        Self {
+            r_s: ratio.times(r_p),
+            r_p,
+            phi: Jet {
+                v: phi,
+                d: phi_dot,
+                dd: phi_ddot,
+            },
+            b: Jet {
+                v: b,
+                d: b_dot,
+                dd: b_ddot,
+            },
+            by: [
+                slopes(by_i * i_theta, i_theta, T::zero()),
+                slopes(by_d, T::zero(), T::one()),
+            ],
+        }
+    }
+}
+
+/// di_g/dΘ.
+fn ratio_slope<T: Real>(theta: T) -> T {
+    let inverse = (theta + 1.0).recip();
+    -(inverse * inverse * 2.0)
+}
+
+/// i_g on a path through Θ.
+fn ratio<T: Real>(theta: &Jet<T>) -> Jet<T> {
+    let slope = ratio_slope(theta.v);
+    let bend = -(slope * (theta.v + 1.0).recip() * 2.0);
+    Jet {
+        v: super::ratio_of_theta(theta.v),
+        d: slope * theta.d,
+        dd: slope * theta.dd + bend * theta.d * theta.d,
+    }
+}
+
+/// Segment by segment, from half the secondary arc, the strand and the primary arc.
+fn around<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
+    [half, strand, arc, strand, half]
+}
+
+impl Displaced {
+    /// The curve at one place of a path.
+    #[must_use]
+    pub fn at_place<T: Real>(curve: &TwoPulley, path: &Path<T>) -> DisplacedFrame<T> {
+        let [theta, spread, turn, shift @ ..] = *path;
+        let axes = curve.center_distance();
+        let mut distance = spread;
+        distance.v += T::from(axes);
+        let tangent = Tangent::new(curve, &theta, &distance);
+        let Tangent { r_p, r_s, phi, b, .. } = tangent;
+        let radius = [r_s, r_p];
+        let half = r_s.times(phi);
+        let opposite = Jet::constant(PI).plus_scaled(phi, -1.0);
+        let arc = r_p.times(opposite).scaled(2.0);
+        let lengths = around(half, b, arc);
+        let mut starts = [Jet::constant(0.0); SEGMENTS];
+        for k in 1..SEGMENTS {
+            starts[k] = starts[k - 1].plus_scaled(lengths[k - 1], 1.0);
+        }
+        // From P to S, and half of it: e(γ) = (−cos γ, sin γ).
+        let arm = VectorJet::polar(distance.scaled(0.5), turn);
+        let mut middle = VectorJet::of(shift);
+        middle.v.x += T::from(0.5 * axes);
+        let centers = [1.0, -1.0].map(|side| middle.plus_scaled_by(&arm, side));
+        let upper = phi.plus_scaled(turn, 1.0);
+        let lower = turn.plus_scaled(phi, -1.0).raised(2.0 * PI);
+        let quarter = |chi: Jet<T>| chi.raised(PI / 2.0);
+        let ends = [(0, upper), (1, lower)];
+        let strands = ends.map(|(pulley, chi)| {
+            let start = centers[pulley].plus_scaled_by(&VectorJet::polar(radius[pulley], chi), 1.0);
+            (start, VectorJet::polar(b, quarter(chi)))
+        });
+        let by_length = lengths.map(|length| length.v.recip());
+        let toward = arm.v * (distance.v * 0.5).recip();
+        let by = std::array::from_fn(|k| {
+            let [of_r_p, of_r_s, of_phi, of_b] = tangent.by[k];
+            let radius_by = [of_r_s, of_r_p];
+            let part = |length: T, slope: T, angle: T, by: T| slope * angle + length * by;
+            let lengths_of = around(
+                part(r_s.v, of_r_s, phi.v, of_phi),
+                of_b,
+                part(r_p.v, of_r_p, opposite.v, -of_phi) * 2.0,
+            );
+            let mut starts = [T::zero(); SEGMENTS];
+            for k in 1..SEGMENTS {
+                starts[k] = starts[k - 1] + lengths_of[k - 1];
+            }
+            let part_of = |k: usize| lengths_of[k] * by_length[k];
+            let apart = T::from(if k == 0 { 0.0 } else { 0.5 });
+            let centers = [toward * apart, toward * -apart];
+            let per_b = b.v.recip();
+            let strands = std::array::from_fn(|strand| {
+                let t = strands[strand].1.v * per_b;
+                let n = turn_right(t);
+                let chi = if strand == 0 { of_phi } else { -of_phi };
+                let start = centers[strand] - n * radius_by[strand] + t * (radius[strand].v * chi);
+                (start, t * of_b + n * (b.v * chi))
+            });
+            ShapeSlopes {
+                centers,
+                radius: radius_by,
+                phi: of_phi,
+                lengths: lengths_of,
+                starts,
+                growth: std::array::from_fn(part_of),
+                strands,
+            }
+        });
+        DisplacedFrame {
+            centers,
+            radius,
+            phi,
+            turn,
+            lengths,
+            starts,
+            strands,
+            middle: middle.v,
+            by,
+        }
+    }
+}
+
+impl<T: Real> DisplacedFrame<T> {
+    /// Tangent angle χ of an arc at a fraction of its segment, and the pulley of the arc.
+    #[inline(always)]
+    fn angle(&self, segment: usize, fraction: T::Constant) -> (usize, Jet<T>) {
+        let (pulley, start, sweep) = arc_angles(segment);
+        let mut chi = self.turn.plus_scaled(self.phi, fraction * sweep[1] + start[1]);
+        chi.v += T::constant(fraction * sweep[0] + start[0]);
+        (pulley, chi)
+    }
+
+    /// Derivatives at a fraction of a segment, where the curve is `point`.
+    #[inline(always)]
+    fn slopes(&self, segment: usize, fraction: T, point: &ReferencePoint<T>) -> DisplacedPoint<T> {
+        let (t, n) = (point.t, point.n);
+        let shape = self.by.each_ref().map(|by| {
+            let (r, kappa) = if segment == 1 || segment == 3 {
+                let (start, along) = &by.strands[segment / 2];
+                (start + along * fraction, T::zero())
+            } else {
+                let (pulley, start, sweep) = arc_angles(segment);
+                let chi = (fraction * sweep[1] + start[1]) * by.phi;
+                let across = n * -by.radius[pulley];
+                (
+                    by.centers[pulley] + across + t * (self.radius[pulley].v * chi),
+                    -(by.radius[pulley] * point.kappa * point.kappa),
+                )
+            };
+            PointSlopes {
+                r,
+                xi: by.starts[segment] + by.lengths[segment] * fraction,
+                kappa,
+                growth: by.growth[segment],
+            }
+        });
+        DisplacedPoint {
+            shape,
+            turn: turn_right(point.r - self.middle),
+        }
+    }
+}
+
+/// Derivatives are those along the path of the frame.
+impl ReferenceCurve for Displaced {
+    type Frame<T: Real> = DisplacedFrame<T>;
+
+    fn length(&self) -> f64 {
+        self.curve.length()
+    }
+
+    fn segments(&self) -> usize {
+        SEGMENTS
+    }
+
+    /// The curve about the axes, on the path with Θ̇ = 1.
+    fn frame<T: Real>(&self, theta: T) -> DisplacedFrame<T> {
+        let mut path = [Jet::constant(0.0); COORDINATES];
+        path[0] = Jet {
+            v: theta,
+            d: T::one(),
+            dd: T::zero(),
+        };
+        Self::at_place(&self.curve, &path)
+    }
+
+    #[inline(always)]
+    fn segment_length<T: Real>(frame: &DisplacedFrame<T>, segment: usize) -> Jet<T> {
+        frame.lengths[segment]
+    }
+
+    #[inline(always)]
+    fn point<T: Real>(frame: &DisplacedFrame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+        let xi = frame.starts[segment].plus_scaled(frame.lengths[segment], fraction);
+        if segment == 1 || segment == 3 {
+            let (start, along) = &frame.strands[segment / 2];
+            let phi_d = if segment == 1 { frame.phi.d } else { -frame.phi.d };
+            let position = start.plus_scaled(along, fraction);
+            let t = along.v * frame.lengths[segment].v.recip();
+            return ReferencePoint {
+                r: position.v,
+                r_theta: position.d,
+                r_theta2: position.dd,
+                t,
+                n: turn_right(t),
+                chi_theta: phi_d + frame.turn.d,
+                kappa: T::zero(),
+                kappa_theta: T::zero(),
+                xi,
+            };
+        }
+        let (pulley, chi) = frame.angle(segment, fraction);
+        let rho = frame.radius[pulley];
+        let arm = VectorJet::polar(rho, chi);
+        let kappa = rho.v.recip();
+        let n = arm.v * (-kappa);
+        let position = frame.centers[pulley].plus_scaled_by(&arm, 1.0);
+        ReferencePoint {
+            r: position.v,
+            r_theta: position.d,
+            r_theta2: position.dd,
+            t: Vector2::new(-n.y, n.x),
+            n,
+            chi_theta: chi.d,
+            kappa,
+            kappa_theta: -(rho.d * kappa * kappa),
+            xi,
+        }
+    }
+
+    fn tangent_angle<T: Real>(frame: &DisplacedFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
+        if segment == 1 || segment == 3 {
+            let sign = if segment == 1 { 1.0 } else { -1.0 };
+            let chi = frame.turn.plus_scaled(frame.phi, sign);
+            return TangentAngle {
+                chi: chi.raised(if segment == 1 { 0.0 } else { 2.0 * PI }),
+                kappa: Jet::constant(0.0),
+            };
+        }
+        let (pulley, chi) = frame.angle(segment, fraction);
+        TangentAngle {
+            chi,
+            kappa: frame.radius[pulley].recip(),
+        }
+    }
+}
+
+/// A curve with displaced centres, whatever mesh lies on it.
+pub trait DisplacedCurve: ReferenceCurve {
+    /// Derivatives with respect to its coordinates at a fraction of a segment, where the curve is `point`.
+    fn slopes<T: Real>(
+        frame: &Self::Frame<T>,
+        segment: usize,
+        fraction: T::Constant,
+        point: &ReferencePoint<T>,
+    ) -> DisplacedPoint<T>;
+}
+
+impl DisplacedCurve for Displaced {
+    #[inline(always)]
+    fn slopes<T: Real>(
+        frame: &DisplacedFrame<T>,
+        segment: usize,
+        fraction: T::Constant,
+        point: &ReferencePoint<T>,
+    ) -> DisplacedPoint<T> {
+        frame.slopes(segment, T::constant(fraction), point)
+    }
+}
+
+/// Where the mesh stands still, ξ and dξ do.
+impl DisplacedCurve for Unaligned<Displaced> {
+    fn slopes<T: Real>(
+        frame: &UnalignedFrame<DisplacedFrame<T>>,
+        _segment: usize,
+        fraction: T::Constant,
+        point: &ReferencePoint<T>,
+    ) -> DisplacedPoint<T> {
+        let of = |segment| {
+            let (f, df) = Self::within(frame, segment, fraction);
+            let mut slopes = frame.frame.slopes(segment, df + T::constant(f), point);
+            for by in &mut slopes.shape {
+                by.r -= point.t * by.xi;
+                (by.xi, by.growth) = (T::zero(), T::zero());
+            }
+            slopes
+        };
+        Self::gather::<T, _>(frame, fraction, of, DisplacedPoint::with_lane)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_dual::Dual64;
+
+    /// Coordinates of a path at the time t.
+    fn path(t: f64) -> Path<f64> {
+        let of = [
+            [0.3, 0.2, -0.4],
+            [2e-3, 0.01, 0.03],
+            [0.02, -0.3, 0.2],
+            [1e-3, 0.02, -0.01],
+            [-3e-3, 0.01, 0.05],
+        ];
+        of.map(|[v, d, dd]| Jet {
+            v: v + t * d + 0.5 * t * t * dd,
+            d: d + t * dd,
+            dd,
+        })
+    }
+
+    fn curve() -> TwoPulley {
+        TwoPulley::new(0.168, 0.703)
+    }
+
+    fn close(a: Vector2<f64>, b: Vector2<f64>, tolerance: f64) {
+        assert!((a - b).norm() < tolerance, "{a} {b}");
+    }
+
+    const FRACTIONS: [f64; 3] = [0.0, 0.3, 1.0];
+
+    /// About the axes the curve is that of two pulleys, with all derivatives by Θ.
+    #[test]
+    fn about_the_axes_it_is_the_curve_of_two_pulleys() {
+        let displaced = Displaced { curve: curve() };
+        for theta in [-0.4, 0.0, 0.3] {
+            for segment in 0..SEGMENTS {
+                for f in FRACTIONS {
+                    let p = TwoPulley::point(&curve().frame(theta), segment, f);
+                    let frame = displaced.frame(theta);
+                    let q = Displaced::point(&frame, segment, f);
+                    let slopes = Displaced::slopes(&frame, segment, f, &q);
+                    for (a, b) in [(p.r, q.r), (p.t, q.t), (p.n, q.n), (p.r_theta, q.r_theta)] {
+                        close(a, b, 1e-14);
+                    }
+                    close(p.r_theta2, q.r_theta2, 1e-13);
+                    close(p.r_theta, slopes.shape[0].r, 1e-14);
+                    for (a, b) in [
+                        (p.chi_theta, q.chi_theta),
+                        (p.kappa, q.kappa),
+                        (p.kappa_theta, q.kappa_theta),
+                        (p.kappa_theta, slopes.shape[0].kappa),
+                        (p.xi.v, q.xi.v),
+                        (p.xi.d, q.xi.d),
+                        (p.xi.dd, q.xi.dd),
+                        (p.xi.d, slopes.shape[0].xi),
+                    ] {
+                        assert!((a - b).abs() < 1e-12 * a.abs().max(1.0), "{a} {b}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Derivatives along a path, and their own through the scalar, against central differences.
+    fn check_path<C: ReferenceCurve>(frame: impl Fn(f64) -> C::Frame<f64>, dual: &C::Frame<Dual64>, segments: usize) {
+        let h = 1e-5;
+        for segment in 0..segments {
+            for f in FRACTIONS {
+                let at = |t: f64| C::point(&frame(t), segment, f);
+                let (p, plus, minus) = (at(0.0), at(h), at(-h));
+                let difference = |a: Vector2<f64>, b: Vector2<f64>| (a - b) / (2.0 * h);
+                close(p.r_theta, difference(plus.r, minus.r), 1e-9);
+                close(p.r_theta2, difference(plus.r_theta, minus.r_theta), 1e-8);
+                close(p.n * p.chi_theta, difference(plus.t, minus.t), 1e-8);
+                assert!((p.kappa_theta - (plus.kappa - minus.kappa) / (2.0 * h)).abs() < 1e-6);
+                assert!((p.xi.d - (plus.xi.v - minus.xi.v) / (2.0 * h)).abs() < 1e-9);
+                assert!((p.xi.dd - (plus.xi.d - minus.xi.d) / (2.0 * h)).abs() < 1e-8);
+                let d = C::point(dual, segment, f);
+                close(d.r.map(|x| x.eps), p.r_theta, 1e-12);
+                close(d.r_theta.map(|x| x.eps), p.r_theta2, 1e-11);
+                close(d.t.map(|x| x.eps), p.n * p.chi_theta, 1e-11);
+                close(
+                    d.r_theta2.map(|x| x.eps),
+                    difference(plus.r_theta2, minus.r_theta2),
+                    1e-5,
+                );
+                assert!((d.xi.d.eps - p.xi.dd).abs() < 1e-11);
+                assert!((d.kappa.eps - p.kappa_theta).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_along_a_path_match_differences() {
+        let at = |t: f64| Displaced::at_place(&curve(), &path(t));
+        // What a coordinate and its rates do as time goes on; the third derivative is zero.
+        let moving = path(0.0).map(|x| Jet {
+            v: Dual64::new(x.v, x.d),
+            d: Dual64::new(x.d, x.dd),
+            dd: Dual64::new(x.dd, 0.0),
+        });
+        let dual = Displaced::at_place(&curve(), &moving);
+        check_path::<Displaced>(at, &dual, SEGMENTS);
+        let mesh = Displaced { curve: curve() };
+        let unaligned = |t| Unaligned::frame_of(&mesh, at(t));
+        check_path::<Unaligned<Displaced>>(unaligned, &Unaligned::frame_of(&mesh, dual), 1);
+    }
+
+    /// Derivatives by each coordinate against central differences.
+    #[test]
+    fn slopes_match_differences() {
+        fn check<C: DisplacedCurve>(frame: impl Fn(&Path<f64>) -> C::Frame<f64>, segments: usize) {
+            let h = 1e-6;
+            for segment in 0..segments {
+                for f in FRACTIONS {
+                    let at = |k: usize, step: f64| {
+                        let mut path = path(0.0);
+                        path[k].v += step;
+                        let frame = frame(&path);
+                        let length = C::segment_length(&frame, segment).v;
+                        (C::point(&frame, segment, f), length.ln())
+                    };
+                    let of = frame(&path(0.0));
+                    let slopes = C::slopes(&of, segment, f, &C::point(&of, segment, f));
+                    for k in 0..COORDINATES {
+                        let ((plus, of_plus), (minus, of_minus)) = (at(k, h), at(k, -h));
+                        let [xi, kappa, growth] =
+                            [plus.xi.v - minus.xi.v, plus.kappa - minus.kappa, of_plus - of_minus]
+                                .map(|difference| difference / (2.0 * h));
+                        let unit = [Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0)];
+                        let found = match k {
+                            0 | 1 => slopes.shape[k],
+                            _ => PointSlopes {
+                                r: if k == 2 { slopes.turn } else { unit[k - 3] },
+                                xi: 0.0,
+                                kappa: 0.0,
+                                growth: 0.0,
+                            },
+                        };
+                        close(found.r, (plus.r - minus.r) / (2.0 * h), 1e-8);
+                        assert!((found.xi - xi).abs() < 1e-8, "{k}: {} {xi}", found.xi);
+                        assert!((found.kappa - kappa).abs() < 1e-5, "{k}: {} {kappa}", found.kappa);
+                        assert!((found.growth - growth).abs() < 1e-7, "{k}: {} {growth}", found.growth);
+                    }
+                }
+            }
+        }
+        check::<Displaced>(|path| Displaced::at_place(&curve(), path), SEGMENTS);
+        let mesh = Displaced { curve: curve() };
+        check::<Unaligned<Displaced>>(
+            |path| Unaligned::frame_of(&mesh, Displaced::at_place(&curve(), path)),
+            1,
+        );
+    }
+
+    #[test]
+    fn the_loop_closes_and_its_tangent_is_continuous() {
+        let frame = Displaced::at_place(&curve(), &path(0.0));
+        for segment in 0..SEGMENTS {
+            let (end, start) = (
+                Displaced::point(&frame, segment, 1.0),
+                Displaced::point(&frame, (segment + 1) % SEGMENTS, 0.0),
+            );
+            assert!((end.r - start.r).norm() < 1e-14 && (end.t - start.t).norm() < 1e-13);
+        }
+        let end = Displaced::point(&frame, SEGMENTS - 1, 1.0);
+        assert!((end.xi.v - 0.703).abs() < 1e-14 && end.xi.d.abs() < 1e-13 && end.xi.dd.abs() < 1e-12);
+    }
+}
