@@ -1,0 +1,171 @@
+"""Points and parameters to residuals and their derivatives, by steady states of the FMU in several processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.unit import Archive
+from pushbelt.side_by_side import Call, worker_pool
+
+from .parameters import Parameter, assign
+from .table import Measured, Point
+from .worker import Found, Job, solve_all
+
+STEP = 1e-3
+"""Step of the differences, in a parameter's coordinate, where its start value is 1. Between 1e-4 and 3e-3 central differences
+agree within some 1e-3; shift rates are solved less exactly and set the lower end."""
+LOST = 10.0
+"""Residual of a point without a steady state, in standard deviations: this for the point, and as much again for the share of
+its torque that the belt does not carry. So a fit gains by carrying what was measured."""
+OUTSTANDING = 3.0
+"""A slope so many times the upper quartile of its quantity is looked at from the other side too."""
+CONTRADICTION = 0.5
+"""Slopes to two sides that differ by more than this share of the larger one contradict each other."""
+CHUNK = 6
+"""Points that a process takes at once."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """A measured value and where it was measured."""
+
+    point: int
+    """Place of the point among all."""
+    measured: Measured
+
+
+class Model:
+    """Residuals over parameters."""
+
+    def __init__(self, points: Sequence[Point], solve: Callable[[Sequence[Job]], list[Found]]) -> None:
+        self.points = tuple(points)
+        self.values = tuple(
+            Value(place, measured) for place, point in enumerate(self.points) for measured in point.measured
+        )
+        self.solves = 0
+        """Points solved so far."""
+        self._solve = solve
+
+    def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
+        """What the model says of all points, for several sets of values."""
+        jobs = [(values, point) for values in assignments for point in self.points]
+        self.solves += len(jobs)
+        found, count = self._solve(jobs), len(self.points)
+        return [found[k * count : (k + 1) * count] for k in range(len(assignments))]
+
+    def column(self, states: Sequence[Found]) -> Array:
+        """Model values, one for each measured one; not a number where a point is lost."""
+        return np.array([states[v.point].values.get(v.measured.quantity, np.nan) for v in self.values])
+
+    @property
+    def measured(self) -> Array:
+        """Measured values."""
+        return np.array([value.measured.value for value in self.values])
+
+    @property
+    def deviations(self) -> Array:
+        """Their standard deviations."""
+        return np.array([value.measured.deviation for value in self.values])
+
+    def residuals(self, states: Sequence[Found]) -> Array:
+        """Model less measurement in standard deviations; of lost points what `LOST` says."""
+        found = (self.column(states) - self.measured) / self.deviations
+        missing = np.array([states[value.point].missing for value in self.values])
+        return np.where(np.isnan(found), LOST * missing, found)
+
+    def slopes(
+        self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], central: bool
+    ) -> Array:
+        """Derivatives of the residuals by coordinates, one column a parameter: differences to both sides, or, if not
+        `central`, to one side and to the other only for points that stand out.
+
+        A steady state may jump to another one between two values of a parameter. That is no slope, so of two sides that
+        contradict each other the smaller one counts. Where a point is lost itself, more friction carries it: the share of the
+        torque is taken as proportional to `friction.pulley`.
+        """
+        steps = [self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)]
+        everywhere = [range(len(self.points))] * len(parameters)
+        near = self._differences(parameters, fixed, at, base, [near for near, _ in steps], everywhere)
+        again = everywhere if central else [self._outstanding(near[:, k]) for k in range(len(parameters))]
+        far = self._differences(parameters, fixed, at, base, [far for _, far in steps], again)
+        lost = np.array([base[value.point].reason is not None for value in self.values])
+        shares = np.array([base[value.point].share for value in self.values])
+        slopes = _agreed(near, far) / self.deviations[:, np.newaxis]
+        for k, parameter in enumerate(parameters):
+            pull = -LOST / float(at[k]) if parameter.name == "friction.pulley" and at[k] else 0.0
+            slopes[:, k] = np.where(lost, pull * shares, slopes[:, k])
+        return slopes
+
+    @staticmethod
+    def _steps(parameter: Parameter, place: float) -> tuple[float, float | None]:
+        """Steps to both sides; none where it would leave the bounds."""
+        low, high = parameter.bounds
+        inside = [step for step in (STEP, -STEP) if low <= place + step <= high]
+        return inside[0], inside[1] if len(inside) > 1 else None
+
+    def _differences(
+        self,
+        parameters: Sequence[Parameter],
+        fixed: Mapping[str, float],
+        at: Array,
+        base: Sequence[Found],
+        steps: Sequence[float | None],
+        places: Sequence[Sequence[int]],
+    ) -> Array:
+        """Slopes of the model values to one side, one column a parameter; not a number where nothing was solved for."""
+        keys, jobs = [], []
+        for k, (step, some) in enumerate(zip(steps, places, strict=True)):
+            if step is not None:
+                values = {**fixed, **assign(parameters, np.where(np.arange(len(at)) == k, at + step, at))}
+                keys += [(place, k) for place in some]
+                jobs += [(values, self.points[place]) for place in some]
+        self.solves += len(jobs)
+        solved = dict(zip(keys, self._solve(jobs) if jobs else [], strict=True))
+        middle = self.column(base)
+        found = np.full((len(self.values), len(parameters)), np.nan)
+        for row, value in enumerate(self.values):
+            for k, step in enumerate(steps):
+                state = solved.get((value.point, k))
+                if state is not None and step is not None:
+                    moved = state.values.get(value.measured.quantity, np.nan)
+                    found[row, k] = (moved - middle[row]) / step
+        return found
+
+    def _outstanding(self, slopes: Array) -> list[int]:
+        """Places of points at which a slope is much larger than at others, or is not known."""
+        found = ~np.isfinite(slopes)
+        for quantity in {value.measured.quantity for value in self.values}:
+            own = np.array([value.measured.quantity == quantity for value in self.values])
+            usual = np.nanquantile(np.abs(slopes[own]), 0.75) if np.isfinite(slopes[own]).any() else 0.0
+            found |= own & (np.abs(slopes) > OUTSTANDING * usual)
+        return sorted({value.point for value, outstanding in zip(self.values, found, strict=True) if outstanding})
+
+
+def _agreed(one: Array, other: Array) -> Array:
+    """Mean of slopes to two sides; the smaller where they contradict each other, the other where one is not known, else 0."""
+    one, other = np.where(np.isfinite(one), one, other), np.where(np.isfinite(other), other, one)
+    larger, smaller = np.maximum(np.abs(one), np.abs(other)), np.where(np.abs(one) < np.abs(other), one, other)
+    return np.nan_to_num(np.where(np.abs(one - other) > CONTRADICTION * larger, smaller, 0.5 * (one + other)))
+
+
+@contextmanager
+def opened(
+    fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, update: Callable[[float], object]
+) -> Iterator[Model]:
+    """A model whose points are solved in so many processes; `update` gets the count of points as they are solved."""
+    with Archive.unpack(fmu) as archive, worker_pool(workers) as run:
+
+        def solve(jobs: Sequence[Job]) -> list[Found]:
+            chunks = [jobs[k : k + CHUNK] for k in range(0, len(jobs), CHUNK)]
+            calls: list[Call] = [(solve_all, (fmu, archive.directory, dict(parameters), chunk)) for chunk in chunks]
+            found: list[Any] = run(calls, update)
+            return [state for chunk in found for state in chunk]
+
+        yield Model(points, solve)
