@@ -67,7 +67,10 @@ def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift() -> None:
         (f"{HEADER},slip [%]\n1,2000,50,10,abc\n", r"line 2, column slip \[%\]: 'abc' is no number"),
         (f"{HEADER};slip\n1;2000;50;10;0,5\n".replace(",p", ";p").replace(",s", ";s"), "'0,5' .* decimal point"),
         (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8 is not within -0.5 to 0.5"),
-        (f"{HEADER},slip [%]\n\n1,2000,50,10000,1\n", "line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 1000"),
+        (
+            f"{HEADER},slip [%]\n\n1,2000,50,10000,1\n",
+            "line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 1000",
+        ),
         (f"{HEADER},efficiency\n1,2000,50,10,97\n", "line 2, column efficiency: 97 is not within 0.01 to 1"),
         (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0 is not within above 0"),
         (f"{HEADER},slip\n1,,50,10,0.01\n", "line 2, column primary.speed: the cell is empty"),
@@ -78,7 +81,10 @@ def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift() -> None:
         (f"{HEADER},slip,slip [%]\n1,2000,50,10,1,1\n", "column slip is there twice"),
         (f"{HEADER},slip [mm]\n1,2000,50,10,1\n", "the unit is one of 1, %"),
         (f"{HEADER.replace(' [rpm]', '')},slip\n1,2000,50,10,0.01\n", r"no unit; write primary.speed \[rad/s\] or"),
-        (f"{HEADER.replace('ratio.geometric,', '')},slip\n2000,50,10,0.01\n", "no column ratio.geometric or ratio.speed"),
+        (
+            f"{HEADER.replace('ratio.geometric,', '')},slip\n2000,50,10,0.01\n",
+            "no column ratio.geometric or ratio.speed",
+        ),
         (f"{HEADER},ds/dt [1/s]\n1,2000,50,10,0.5\n", "primary.clampingForce: ds/dt needs it"),
         (f"{HEADER},ds/dt [1/s],slip\n1,2000,50,10,0.5,0.01\n", "the ratio moves"),
         (f"{HEADER},slip\n1,2000,50,10,nan\n", "nan is not within"),
@@ -105,7 +111,11 @@ def test_template_is_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 @pytest.mark.parametrize(
     ("content", "why"),
-    [(None, "No such file"), (f"{HEADER},slip\n1,2000,50,10,x\n", "'x' is no number"), (b"\xff\xfe", "no text in UTF-8")],
+    [
+        (None, "No such file"),
+        (f"{HEADER},slip\n1,2000,50,10,x\n", "'x' is no number"),
+        (b"\xff\xfe", "no text in UTF-8"),
+    ],
 )
 def test_the_program_says_what_is_wrong_in_a_line(
     content: str | bytes | None, why: str, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -139,7 +149,10 @@ def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any])
     assert tilt.variables == ("primary.tiltStiffness", "secondary.tiltStiffness")
     assert (tilt.start, tilt.high) == (6e5, math.inf)
     assert push.start == float(variables["belt.pushStiffness"].start)
-    assert (push.low, push.high) == (float(variables["belt.pushStiffness"].min), float(variables["belt.pushStiffness"].max))
+    assert (push.low, push.high) == (
+        float(variables["belt.pushStiffness"].min),
+        float(variables["belt.pushStiffness"].max),
+    )
     for parameter in (play, tilt, push):
         place = parameter.coordinate(1.1 * parameter.start)
         assert parameter.value(place) == pytest.approx(min(1.1 * parameter.start, parameter.high))
@@ -198,7 +211,8 @@ class InProcess:
 
     def __call__(self, jobs: Sequence[Job]) -> list[Found]:
         return [
-            worker.solve_or_say_why(self._fmu, self._archive.directory, {**BASE, **values}, point) for values, point in jobs
+            worker.solve_or_say_why(self._fmu, self._archive.directory, {**BASE, **values}, point)
+            for values, point in jobs
         ]
 
     def measure(self, points: Sequence[Point], seed: int | None) -> list[Point]:
@@ -215,7 +229,8 @@ class InProcess:
                 measured = dataclasses.replace(point, line=line, measured=values)
             if seed is not None:
                 values = tuple(
-                    dataclasses.replace(m, value=m.value + m.deviation * random.standard_normal()) for m in measured.measured
+                    dataclasses.replace(m, value=m.value + m.deviation * random.standard_normal())
+                    for m in measured.measured
                 )
                 measured = dataclasses.replace(measured, measured=values)
             found.append(measured)
@@ -326,7 +341,9 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
 def test_a_parameter_that_moves_nothing_is_said(solver: InProcess, variables: Mapping[str, Any]) -> None:
     """A damper does nothing in a steady state: it keeps its value, and the others are fitted without it."""
     points = solver.measure([STEADY[1], STEADY[4], STEADY[6]], seed=None)
-    chosen = choose({"friction.pulley": None, "sheaveDamping": None}, {}, variables, {**BASE, **TRUTH, "friction.pulley": 0.09})
+    chosen = choose(
+        {"friction.pulley": None, "sheaveDamping": None}, {}, variables, {**BASE, **TRUTH, "friction.pulley": 0.09}
+    )
     truth = {name: value for name, value in TRUTH.items() if name != "friction.pulley"}
     opened = Model(points, lambda jobs: solver([({**truth, **values}, point) for values, point in jobs]))
     friction, damping = fit.fit(opened, chosen).estimates

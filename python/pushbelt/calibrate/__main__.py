@@ -82,7 +82,12 @@ def parser() -> argparse.ArgumentParser:
         f"[default: {','.join(parameters.DEFAULT)}]",
     )
     found.add_argument(
-        "--bounds", type=limits, action="append", default=[], metavar="NAME=LOW:HIGH", help="closer bounds than the FMU's"
+        "--bounds",
+        type=limits,
+        action="append",
+        default=[],
+        metavar="NAME=LOW:HIGH",
+        help="closer bounds than the FMU's",
     )
     found.add_argument("--variator", default="bench168", help="parameter set that is started from, or its file, ….json")
     found.add_argument(

@@ -56,5 +56,11 @@ def _over(axis, rows: list[Row], label: str, across) -> None:
     beyond = int(np.sum(np.abs(before) > reach))
     if beyond:
         axis.text(
-            0.99, 0.02, f"{beyond} of the start values beyond", transform=axis.transAxes, ha="right", color=MUTED, fontsize=7.5
+            0.99,
+            0.02,
+            f"{beyond} of the start values beyond",
+            transform=axis.transAxes,
+            ha="right",
+            color=MUTED,
+            fontsize=7.5,
         )

@@ -114,10 +114,10 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
     start = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
     (before,) = model.states([assign(parameters, start)])
-    if all(found.reason is not None for found in before):
-        raise FitError(f"no point has a steady state at the start values: {before[0].reason}")
     given_up: dict[int, Undetermined] = {}
     place, states = _carrying(model, parameters, start, list(before))
+    if all(found.reason is not None for found in states):
+        raise FitError(f"no point has a steady state at the start values: {states[0].reason}")
     evaluations = 0
     while True:
         free = [k for k in range(len(parameters)) if k not in given_up]
@@ -136,7 +136,8 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
     halves = dict(zip(inner, spread.halves.tolist(), strict=True))
     return Fit(
         estimates=tuple(
-            Estimate(parameter, float(place[k]), halves.get(k), given_up.get(k)) for k, parameter in enumerate(parameters)
+            Estimate(parameter, float(place[k]), halves.get(k), given_up.get(k))
+            for k, parameter in enumerate(parameters)
         ),
         correlations=spread.correlations,
         singular_values=spread.singular_values,
@@ -242,7 +243,9 @@ def _spread(
     deviations = np.sqrt(np.diag(covariance))
     freedom = int(used.sum()) - len(inner)
     if freedom < 1:
-        raise FitError(f"{int(used.sum())} values at points with a steady state can't determine {len(inner)} parameters")
+        raise FitError(
+            f"{int(used.sum())} values at points with a steady state can't determine {len(inner)} parameters"
+        )
     reduced = chi_squared(model, states) / freedom
     trusted = all(value.measured.given for value in model.values)
     factor = float(np.sqrt(max(reduced, 1.0) if trusted else reduced))

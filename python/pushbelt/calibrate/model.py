@@ -81,7 +81,12 @@ class Model:
         return np.where(np.isnan(found), LOST * missing, found)
 
     def slopes(
-        self, parameters: Sequence[Parameter], fixed: Mapping[str, float], at: Array, base: Sequence[Found], central: bool
+        self,
+        parameters: Sequence[Parameter],
+        fixed: Mapping[str, float],
+        at: Array,
+        base: Sequence[Found],
+        central: bool,
     ) -> Array:
         """Derivatives of the residuals by coordinates, one column a parameter: differences to both sides, or, if not
         `central`, to one side and to the other only for points that stand out.

@@ -52,7 +52,9 @@ class Parameter:
     @property
     def bounds(self) -> tuple[float, float]:
         """Bounds of the coordinate, the lower first."""
-        ends = [self.coordinate(value) if math.isfinite(value) else value * self._sign for value in (self.low, self.high)]
+        ends = [
+            self.coordinate(value) if math.isfinite(value) else value * self._sign for value in (self.low, self.high)
+        ]
         return min(ends), max(ends)
 
     @property
@@ -106,7 +108,9 @@ def _parameter(
     high = math.inf if first.max is None else float(first.max)
     if name == "friction.pulley":
         # The FMU takes no belt that its friction locks in the groove.
-        high = min(high, 0.999 * math.tan(values.get("geometry.wedgeAngle", float(variables["geometry.wedgeAngle"].start))))
+        high = min(
+            high, 0.999 * math.tan(values.get("geometry.wedgeAngle", float(variables["geometry.wedgeAngle"].start)))
+        )
     if limits is not None:
         low, high = max(low, limits[0]), min(high, limits[1])
     if not low < high or not low <= start <= high:

@@ -104,7 +104,9 @@ def context(results: Results) -> dict[str, Any]:
         "rms": [math.sqrt(total / max(len(used), 1)) for total in found.chi_squared],
         "lost_values": sum(row.reason is not None for row in results.rows),
         "quantities": [_quantity(results, quantity) for quantity in results.quantities if results.of(quantity)],
-        "assumed": [q for q in results.quantities if any(not r.measured.given for r in results.rows if r.measured.quantity == q)],
+        "assumed": [
+            q for q in results.quantities if any(not r.measured.given for r in results.rows if r.measured.quantity == q)
+        ],
         "correlated": _correlated(results),
         "worst": sorted(used, key=lambda row: -abs(row.relative))[:WORST],
         "why": why_undetermined,

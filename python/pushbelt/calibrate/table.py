@@ -54,7 +54,10 @@ CONDITIONS: Mapping[str, Column] = {
     "primary.torque": Column({"N.m": 1.0}, -5000.0, 5000.0, "torque on the primary shaft, negative in overrun"),
     "secondary.clampingForce": Column(FORCE, 100.0, 1e6, "clamping force of the secondary pulley"),
     "primary.clampingForce": Column(
-        FORCE, 100.0, 1e6, "clamping force of the primary pulley; needed for a shift rate, else it gives the thrust ratio"
+        FORCE,
+        100.0,
+        1e6,
+        "clamping force of the primary pulley; needed for a shift rate, else it gives the thrust ratio",
     ),
 }
 QUANTITIES: Mapping[str, Quantity] = {
