@@ -143,7 +143,9 @@ def _run(options: argparse.Namespace) -> int:
         with model.opened(options.fmu, base, points, options.workers, update) as opened:
             found = fit(opened, chosen)
             results = Results(
-                options.table.name, description.version or "", options.variator, base, opened.points, opened.values, found,
+                options.table.name, description.version or "", options.variator,
+                {name: value for name, value in base.items() if not (options.short and name in COARSE)}, options.short,
+                opened.points, opened.values, found,
                 Effort(opened.solves, time.perf_counter() - begin),
             )  # fmt: skip
         bar.total = bar.n

@@ -154,7 +154,7 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
 def _carrying(
     model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]
 ) -> tuple[Array, list[Found]]:
-    """Coordinates and states to begin at: with more friction as long as the belt carries more of what was measured."""
+    """Coordinates and states to begin at: with more friction as long as that brings the model nearer to what was measured."""
     place = start
     friction = next((k for k, parameter in enumerate(parameters) if parameter.name == "friction.pulley"), None)
     while friction is not None and any(found.reason is not None for found in states):
@@ -163,7 +163,7 @@ def _carrying(
         if higher[friction] > parameters[friction].bounds[1]:
             break
         (found,) = model.states([assign(parameters, higher)])
-        if sum(one.missing for one in found) >= sum(one.missing for one in states):
+        if np.sum(model.residuals(found) ** 2) >= np.sum(model.residuals(states) ** 2):
             break
         place, states = higher, found
     return place, states

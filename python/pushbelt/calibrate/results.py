@@ -60,7 +60,9 @@ class Results:
     variator: str
     """Parameter set that was started from."""
     base: Mapping[str, float]
-    """Its values."""
+    """Its values, with what was set beside."""
+    short: bool
+    """Whether the mesh was coarse."""
     points: tuple[Point, ...]
     values: tuple[Value, ...]
     fit: Fit
