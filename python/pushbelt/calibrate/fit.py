@@ -19,8 +19,8 @@ CONFIDENCE = 0.95
 UNDETERMINED = 1.0
 """A parameter whose interval reaches farther than this to either side, in its coordinate, is not determined: as far as its start
 value, or as a factor of e."""
-TOLERANCE = 1e-5
-"""Relative change of the sum of squares, or of the coordinates, at which a fit ends."""
+TOLERANCE = 1e-7, 1e-5
+"""Relative change of the sum of squares, and of the coordinates, at which a fit ends."""
 MOST_EVALUATIONS = 40
 AT_BOUND = 1e-3
 """A coordinate this near to a bound is at it."""
@@ -163,7 +163,7 @@ def _carrying(
         if higher[friction] > parameters[friction].bounds[1]:
             break
         (found,) = model.states([assign(parameters, higher)])
-        if np.sum(model.residuals(found) ** 2) >= np.sum(model.residuals(states) ** 2):
+        if model.distance(found) >= model.distance(states):
             break
         place, states = higher, found
     return place, states
@@ -204,8 +204,8 @@ def _least_squares(
         start[free],
         jac=slopes,
         bounds=(low, high),
-        ftol=TOLERANCE,
-        xtol=TOLERANCE,
+        ftol=TOLERANCE[0],
+        xtol=TOLERANCE[1],
         gtol=None,
         max_nfev=MOST_EVALUATIONS,
     )

@@ -21,9 +21,11 @@ from .worker import Found, Job, solve_all
 STEP = 1e-3
 """Step of the differences, in a parameter's coordinate, where its start value is 1. Between 1e-4 and 3e-3 central differences
 agree within some 1e-3; shift rates are solved less exactly and set the lower end."""
-LOST = 10.0
-"""Residual of a point without a steady state, in standard deviations: this for the point, and as much again for the share of
-its torque that the belt does not carry. So a fit gains by carrying what was measured."""
+LOST = 100.0
+"""Residual of a point without a steady state, in standard deviations: so much that no fit gains by losing a point that the belt
+does carry. It is a constant and has no slope: what is never carried does not pull."""
+FAR = 10.0
+"""Residual from which on a start is as far off as it can be, in standard deviations."""
 OUTSTANDING = 3.0
 """A slope so many times the upper quartile of its quantity is looked at from the other side too."""
 CONTRADICTION = 0.5
@@ -75,10 +77,16 @@ class Model:
         return np.array([value.measured.deviation for value in self.values])
 
     def residuals(self, states: Sequence[Found]) -> Array:
-        """Model less measurement in standard deviations; of lost points what `LOST` says."""
+        """Model less measurement in standard deviations; of lost points `LOST`."""
         found = (self.column(states) - self.measured) / self.deviations
+        return np.where(np.isnan(found), LOST, found)
+
+    def distance(self, states: Sequence[Found]) -> float:
+        """How far a start is off: a sum of squares in which no residual counts more than `FAR`, and a lost point as much and
+        the share of its torque that the belt does not carry."""
+        found = np.abs(self.column(states) - self.measured) / self.deviations
         missing = np.array([states[value.point].missing for value in self.values])
-        return np.where(np.isnan(found), LOST * missing, found)
+        return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
 
     def slopes(
         self,
@@ -92,21 +100,14 @@ class Model:
         `central`, to one side and to the other only for points that stand out.
 
         A steady state may jump to another one between two values of a parameter. That is no slope, so of two sides that
-        contradict each other the smaller one counts. Where a point is lost itself, more friction carries it: the share of the
-        torque is taken as proportional to `friction.pulley`.
+        contradict each other the smaller one counts. A lost point has no slope.
         """
         steps = [self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)]
         everywhere = [range(len(self.points))] * len(parameters)
         near = self._differences(parameters, fixed, at, base, [near for near, _ in steps], everywhere)
         again = everywhere if central else [self._outstanding(near[:, k]) for k in range(len(parameters))]
         far = self._differences(parameters, fixed, at, base, [far for _, far in steps], again)
-        lost = np.array([base[value.point].reason is not None for value in self.values])
-        shares = np.array([base[value.point].share for value in self.values])
-        slopes = _agreed(near, far) / self.deviations[:, np.newaxis]
-        for k, parameter in enumerate(parameters):
-            pull = -LOST / float(at[k]) if parameter.name == "friction.pulley" and at[k] else 0.0
-            slopes[:, k] = np.where(lost, pull * shares, slopes[:, k])
-        return slopes
+        return _agreed(near, far) / self.deviations[:, np.newaxis]
 
     @staticmethod
     def _steps(parameter: Parameter, place: float) -> tuple[float, float | None]:
