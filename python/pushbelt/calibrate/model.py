@@ -103,9 +103,10 @@ class Model:
         contradict each other the smaller one counts. A lost point has no slope.
         """
         steps = [self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)]
-        everywhere = [range(len(self.points))] * len(parameters)
+        carried = [place for place, found in enumerate(base) if found.reason is None]
+        everywhere = [carried] * len(parameters)
         near = self._differences(parameters, fixed, at, base, [near for near, _ in steps], everywhere)
-        again = everywhere if central else [self._outstanding(near[:, k]) for k in range(len(parameters))]
+        again = everywhere if central else [self._outstanding(near[:, k], carried) for k in range(len(parameters))]
         far = self._differences(parameters, fixed, at, base, [far for _, far in steps], again)
         return _agreed(near, far) / self.deviations[:, np.newaxis]
 
@@ -144,14 +145,15 @@ class Model:
                     found[row, k] = (moved - middle[row]) / step
         return found
 
-    def _outstanding(self, slopes: Array) -> list[int]:
-        """Places of points at which a slope is much larger than at others, or is not known."""
+    def _outstanding(self, slopes: Array, carried: Sequence[int]) -> list[int]:
+        """Places among those carried of points at which a slope is much larger than at others, or is not known."""
         found = ~np.isfinite(slopes)
         for quantity in {value.measured.quantity for value in self.values}:
             own = np.array([value.measured.quantity == quantity for value in self.values])
             usual = np.nanquantile(np.abs(slopes[own]), 0.75) if np.isfinite(slopes[own]).any() else 0.0
             found |= own & (np.abs(slopes) > OUTSTANDING * usual)
-        return sorted({value.point for value, outstanding in zip(self.values, found, strict=True) if outstanding})
+        there = {value.point for value, outstanding in zip(self.values, found, strict=True) if outstanding}
+        return sorted(there.intersection(carried))
 
 
 def _agreed(one: Array, other: Array) -> Array:
