@@ -19,6 +19,8 @@ SETTLING, WINDOW = 1.0, 1.0
 """Revolutions of the primary pulley after which a shift is steady, and over which its rate is taken."""
 SHIFT_INERTIA = 1e-3
 """Moment of inertia of the primary pulley in a shift, kg·m²: so small that the belt gets the point's torque."""
+SHIFT_TOLERANCE = 1e-6
+"""Tolerance of the integration in a shift: with the default, differences over `model.STEP` show its noise."""
 RATIO_TOLERANCE, MOST_SOLVES = 1e-8, 10
 """Speed ratio met within this, relative, and steady states after which that is given up."""
 
@@ -144,6 +146,7 @@ def _shift(unit: Variator, parameters: Mapping[str, float], point: Point) -> Fou
         "primary.axial": Axial.FORCE,
         "primary.clampingForce": point.primary_force,
         "primary.inertia": SHIFT_INERTIA,
+        "solver.tolerance": SHIFT_TOLERANCE,
     }
     lost = _initialise(unit, values, point.torque)
     if lost is not None:
