@@ -247,7 +247,7 @@ def test_the_step_of_the_differences_stands_on_a_plateau(
 ) -> None:
     """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity."""
     chosen = choose({"friction.pulley": 0.085, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
-    opened = Model([STEADY[1], STEADY[4], STEADY[7], *SHIFTS[:2]], solver)
+    opened = Model([STEADY[1], STEADY[5], STEADY[7], *SHIFTS[:2]], solver)
     place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
     fixed = parameters.assign(chosen, place)
     (base,) = opened.states([fixed])
@@ -262,6 +262,23 @@ def test_the_step_of_the_differences_stands_on_a_plateau(
         scale = np.abs(found[1][rows]).max()
         assert np.abs(found[0] - found[1])[rows].max() < 0.02 * scale
         assert np.abs(found[2] - found[1])[rows].max() < 0.02 * scale
+
+
+@pytest.mark.parametrize("jumped", ["above", "here", "below"])
+def test_a_jump_of_a_state_is_no_slope(jumped: str) -> None:
+    """One of three states lies on another branch, far from the others."""
+    friction = parameters.Parameter("friction.pulley", ("friction.pulley",), "1", "", 0.09, 0.0, 0.19)
+    sides = {"below": friction.value(1.0 - model.STEP), "here": 0.09, "above": friction.value(1.0 + model.STEP)}
+
+    def solve(jobs: Sequence[Job]) -> list[Found]:
+        values = [values["friction.pulley"] for values, _ in jobs]
+        off = [0.1 * (abs(value - sides[jumped]) < 1e-9) for value in values]
+        return [Found({"thrustRatio": 10.0 * value + jump}) for value, jump in zip(values, off, strict=True)]
+
+    opened = Model([planned(1.0, 0.5, "thrustRatio")], solve)
+    (base,) = opened.states([{"friction.pulley": 0.09}])
+    slopes = opened.slopes([friction], {}, np.array([1.0]), base, central=True)
+    assert slopes == pytest.approx(np.array([[0.9 / NOISE["thrustRatio"]]]))
 
 
 def test_a_speed_ratio_is_met_by_the_slip_of_the_model(solver: InProcess) -> None:

@@ -99,8 +99,8 @@ class Model:
         """Derivatives of the residuals by coordinates, one column a parameter: differences to both sides, or, if not
         `central`, to one side and to the other only for points that stand out.
 
-        A steady state may jump to another one between two values of a parameter. That is no slope, so of two sides that
-        contradict each other the smaller one counts. A lost point has no slope.
+        A steady state may jump to another one between two values of a parameter. That is no slope, so where two sides
+        contradict each other the smallest of both and their mean counts. A lost point has no slope.
         """
         steps = [self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)]
         carried = [place for place, found in enumerate(base) if found.reason is None]
@@ -157,10 +157,14 @@ class Model:
 
 
 def _agreed(one: Array, other: Array) -> Array:
-    """Mean of slopes to two sides; the smaller where they contradict each other, the other where one is not known, else 0."""
+    """Mean of slopes to two sides, or the one that is known, else 0. Where they contradict each other a state has jumped: if it
+    is one of the outer ones, the smaller slope is right; if it is the middle one, their mean is. So the smallest counts."""
     one, other = np.where(np.isfinite(one), one, other), np.where(np.isfinite(other), other, one)
-    larger, smaller = np.maximum(np.abs(one), np.abs(other)), np.where(np.abs(one) < np.abs(other), one, other)
-    return np.nan_to_num(np.where(np.abs(one - other) > CONTRADICTION * larger, smaller, 0.5 * (one + other)))
+    mean = 0.5 * (one + other)
+    smallest = np.where(np.abs(one) < np.abs(other), one, other)
+    smallest = np.where(np.abs(mean) < np.abs(smallest), mean, smallest)
+    contradicting = np.abs(one - other) > CONTRADICTION * np.maximum(np.abs(one), np.abs(other))
+    return np.nan_to_num(np.where(contradicting, smallest, mean))
 
 
 @contextmanager
