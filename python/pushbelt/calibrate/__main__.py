@@ -8,8 +8,8 @@ The table is CSV with a line a point. Columns, with the unit in the header, like
 
 Cells may be empty. --template FILE writes such a table with what each column means.
 
-It takes about 0.02 s of processor time a point and solution, and some ten times one solution more than parameters: 60 points and
-six parameters take one minute on two processors, shift rates three times as long, and speed ratios four times.
+It takes 0.02 to 0.03 s of processor time a point and solution, and some ten times one solution more than parameters: 60 points
+and six parameters take two minutes on two processors. Shift rates and speed ratios take about five times as long as others.
 """
 
 from __future__ import annotations
