@@ -8,6 +8,7 @@ use crate::workspace::Workspace;
 
 pub mod bench;
 pub mod build;
+pub mod calibrate;
 pub mod demo;
 pub mod describe;
 pub mod docs;

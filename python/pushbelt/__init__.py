@@ -2,7 +2,7 @@
 
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
 - `page`, `style`, `belt_picture`, `checks`, `progress`, `side_by_side`: what the reports share.
-- `demo`, `drive`, `paper`, `sweep`: four programs, each run by `python -m pushbelt.…`. None of them imports another.
+- `calibrate`, `demo`, `drive`, `paper`, `sweep`: programs, each run by `python -m pushbelt.…`. None of them imports another.
 """
 
 from ._version import __version__

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
 from typing import Any
 
 from .progress import progress_bar
@@ -47,16 +48,27 @@ def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -
 
 def run_in_workers(calls: Sequence[Call], update: Callable[[float], object], workers: int) -> list[Any]:
     """Results of the calls, in their order; `update` gets what they `tick`. The first failure is raised at once."""
+    with worker_pool(workers) as run:
+        return run(calls, update)
+
+
+@contextmanager
+def worker_pool(workers: int) -> Iterator[Callable[[Sequence[Call], Callable[[float], object]], list[Any]]]:
+    """Processes that stay for one round of calls after the other; gives the function that runs a round."""
     context = multiprocessing.get_context("spawn")
     ticks = context.Queue()
     with ProcessPoolExecutor(workers, context, _prepare_worker, (ticks,)) as pool:
-        futures = [pool.submit(function, *arguments) for function, arguments in calls]
-        try:
-            _follow(futures, ticks, update)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-        return [future.result() for future in futures]
+
+        def run(calls: Sequence[Call], update: Callable[[float], object]) -> list[Any]:
+            futures = [pool.submit(function, *arguments) for function, arguments in calls]
+            try:
+                _follow(futures, ticks, update)
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+            return [future.result() for future in futures]
+
+        yield run
 
 
 def _follow(futures: list[Future[Any]], ticks: Any, update: Callable[[float], object]) -> None:

@@ -19,10 +19,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html, results.csv and cases.csv")
     parser.add_argument("--short", action="store_true", help="three load cases, and 1 s of the manoeuvre")
+    parser.add_argument("--variator", default=simulate.VARIATOR, help="parameter set, or its file, ….json")
     options = parser.parse_args(arguments)
     begin = time.perf_counter()
     try:
-        results = simulate.run_all(options.fmu, simulate.SHORT if options.short else simulate.FULL)
+        results = simulate.run_all(options.fmu, simulate.SHORT if options.short else simulate.FULL, options.variator)
     except (UnitError, NotFoundError) as error:
         print(f"The simulation failed: {error}", file=sys.stderr)
         return 1

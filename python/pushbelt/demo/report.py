@@ -131,6 +131,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "spiral": spiral_rows(results.cases, results.parameters),
         "spiral_tolerance": TOLERANCE,
         "parameters": results.parameters,
+        "variator": results.variator,
         "pictures": {name: image(svg) for name, svg in pictures.items()},
     }
 

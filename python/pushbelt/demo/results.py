@@ -65,4 +65,6 @@ class DemoResults:
     reference: ReferenceResult
     manoeuvre: ManoeuvreResult
     parameters: Mapping[str, float]
+    variator: str
+    """Parameter set of the load cases and the manoeuvre, or its file."""
     """Parameters of the variator in the load cases and the manoeuvre."""

@@ -34,15 +34,15 @@ FULL = Plan()
 SHORT = Plan(torques=(100.0,), duration=1.0)
 
 
-def _run_manoeuvre(archive: Archive, duration: float) -> ManoeuvreResult:
+def _run_manoeuvre(archive: Archive, variator: str, duration: float) -> ManoeuvreResult:
     def progress(seconds: float) -> None:
         tick(_MANOEUVRE_TICKS * seconds / duration)
 
-    return manoeuvre.run(archive, parameter_set(VARIATOR), manoeuvre_inputs(), progress, duration)
+    return manoeuvre.run(archive, parameter_set(variator), manoeuvre_inputs(), progress, duration)
 
 
-def _run_case(archive: Archive, case: LoadCase) -> LoadCaseResult:
-    result = load_cases.run(archive, parameter_set(VARIATOR), case)
+def _run_case(archive: Archive, variator: str, case: LoadCase) -> LoadCaseResult:
+    result = load_cases.run(archive, parameter_set(variator), case)
     tick(_CASE_TICKS)
     return result
 
@@ -55,22 +55,22 @@ _CASE_TICKS = 5
 _MANOEUVRE_TICKS = 100
 
 
-def run_all(fmu: Path, plan: Plan = FULL) -> DemoResults:
-    """Runs a plan with an FMU."""
+def run_all(fmu: Path, plan: Plan = FULL, variator: str = VARIATOR) -> DemoResults:
+    """Runs a plan with an FMU and a parameter set."""
     with Archive.unpack(fmu) as archive:
-        return _run_all(archive, plan)
+        return _run_all(archive, plan, variator)
 
 
-def _run_all(archive: Archive, plan: Plan) -> DemoResults:
-    parameters = parameter_set(VARIATOR)
+def _run_all(archive: Archive, plan: Plan, variator: str) -> DemoResults:
+    parameters = parameter_set(variator)
     cases = [case for case in all_load_cases(parameters) if plan.torques is None or case.torque in plan.torques]
     duration = float(manoeuvre_inputs().time[-1]) if plan.duration is None else plan.duration
     run, reference, *states = run_side_by_side(
         [
             # The manoeuvre takes longest and can't be divided: it starts first.
-            (_run_manoeuvre, (archive, duration)),
+            (_run_manoeuvre, (archive, variator, duration)),
             (_run_reference, (archive,)),
-            *((_run_case, (archive, case)) for case in cases),
+            *((_run_case, (archive, variator, case)) for case in cases),
         ],
         total=_MANOEUVRE_TICKS + _CASE_TICKS * (len(cases) + reference_case.SOLVES),
         title="load cases and manoeuvre",
@@ -81,4 +81,5 @@ def _run_all(archive: Archive, plan: Plan) -> DemoResults:
         reference=reference,
         manoeuvre=run,
         parameters=parameters,
+        variator=variator,
     )

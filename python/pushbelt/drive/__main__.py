@@ -11,7 +11,7 @@ from pathlib import Path
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.unit import UnitError
 
-from . import report, runs
+from . import report, runs, simulate
 
 FULL = {"wltc": runs.FULL, "nedc": runs.FULL_NEDC}
 
@@ -30,8 +30,9 @@ def main(arguments: list[str] | None = None) -> int:
         default="ALE",
         help="ring model of the whole cycle; RCM and ANCF take minutes a second",
     )
+    parser.add_argument("--variator", default=simulate.VARIATOR, help="parameter set, or its file, ….json")
     options = parser.parse_args(arguments)
-    plan = dataclasses.replace(runs.SHORT if options.short else FULL[options.cycle], ring=options.ring)
+    plan = dataclasses.replace(runs.SHORT if options.short else FULL[options.cycle], ring=options.ring, variator=options.variator)
     if options.until is not None:
         plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
     begin = time.perf_counter()

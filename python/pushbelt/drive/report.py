@@ -61,7 +61,7 @@ def write_html(results: Results, path: Path) -> None:
 
 def context(results: Results) -> dict[str, Any]:
     """What the template shows."""
-    parameters = parameter_set("bench168")
+    parameters = parameter_set(results.plan.variator)
     fixed, slip = results.fixed, results.slip
     pitch = parameters["belt.pitchOffset"]
     belts = [

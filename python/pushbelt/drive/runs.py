@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pushbelt import side_by_side
@@ -35,6 +35,8 @@ class Plan:
     """Moments of the belt pictures, s."""
     trace: str = "wltc"
     """The cycle, a name in `CYCLES`."""
+    variator: str = simulate.VARIATOR
+    """Parameter set, or its file."""
 
     @property
     def title(self) -> str:
@@ -48,7 +50,7 @@ class Plan:
         cycle = whole.section(start, stop)
         slippery = whole.section(*self.low_friction)
         moments = tuple(moment for moment in self.snapshots if start < moment < stop)
-        return (
+        setups = (
             Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
             Setup("slip control", "slip", cycle, self.ring, "coarse", moments),
             Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default"),
@@ -57,6 +59,7 @@ class Plan:
                 for strategy in ("safety", "slip")
             ),
         )
+        return tuple(replace(setup, variator=self.variator) for setup in setups)
 
 
 FULL = Plan((0.0, 1800.0), (1478.0, 1598.0), snapshots=(20.0, 560.0, 1530.0, 1780.0))
@@ -94,14 +97,14 @@ def run_all(fmu: Path, plan: Plan, cache: Path) -> Results:
         return _run_all(fmu, archive, plan, cache)
 
 
-def _map(fmu: Path, archive: Archive, ring: str, cache: Path) -> ThrustMap:
-    parameters = simulate.unit_parameters(demo_car(), ring, "coarse")
+def _map(fmu: Path, archive: Archive, plan: Plan, ring: str, cache: Path) -> ThrustMap:
+    parameters = simulate.unit_parameters(demo_car(), ring, "coarse", plan.variator)
     return thrust_map.load(fmu, archive, parameters, cache / f"thrust-ratio-map-{ring}.csv")
 
 
 def _run_all(fmu: Path, archive: Archive, plan: Plan, cache: Path) -> Results:
     setups = plan.setups()
-    maps = {ring: _map(fmu, archive, ring, cache) for ring in {setup.ring for setup in setups}}
+    maps = {ring: _map(fmu, archive, plan, ring, cache) for ring in {setup.ring for setup in setups}}
     done = side_by_side.run_all(
         [(_work, (archive, maps[setup.ring], setup)) for setup in setups],
         total=round(sum(setup.cycle.duration for setup in setups)),

@@ -56,6 +56,9 @@ OUTPUTS = (
 INPUTS = ("primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce")
 """Inputs of the FMU."""
 
+VARIATOR = "bench168"
+"""Parameter set of the drives."""
+
 Outputs = Mapping[str, float]
 
 
@@ -73,6 +76,8 @@ class Setup:
     """Times of the whole cycle at which the fields along the belt are recorded, s."""
     friction: float = 1.0
     """Friction of the belt as a share of what the controllers believe."""
+    variator: str = VARIATOR
+    """Parameter set, or its file."""
     step: float = STEP
     """Communication and control step, s."""
     parallel: bool = False
@@ -122,9 +127,9 @@ class Run:
         return self.energies()["variator"]
 
 
-def unit_parameters(car: Car, ring: str, mesh: str) -> dict[str, float]:
-    """Start values of the FMU: `bench168` with the car's inertia on the secondary shaft; the ring model by name."""
-    parameters = parameter_set("bench168")
+def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) -> dict[str, float]:
+    """Start values of the FMU: a parameter set with the car's inertia on the secondary shaft; the ring model by name."""
+    parameters = parameter_set(variator)
     parameters["secondary.inertia"] += car.inertia
     model = RingModel[ring]
     chosen = dict(MESHES[mesh])
@@ -205,7 +210,7 @@ def run(
 
     Raises UnitError if the FMU refuses a step, with the time.
     """
-    parameters = unit_parameters(car, setup.ring, setup.mesh)
+    parameters = unit_parameters(car, setup.ring, setup.mesh, setup.variator)
     friction = Friction(parameters["friction.pulley"], parameters["geometry.wedgeAngle"])
     vehicle = Vehicle(car, setup.cycle)
     control = TransmissionControl(car, setup.strategy, friction, thrust_map)

@@ -19,8 +19,9 @@ RESOURCES = Path(__file__).parents[3] / "resources"
 
 
 def parameter_set(name: str) -> dict[str, float]:
-    """Start values of the FMU for a published variator, `bench168` or `belt155`."""
-    document = json.loads((RESOURCES / "parameters" / f"{name}.json").read_text(encoding="utf-8"))
+    """Start values of the FMU for a published variator, `bench168` or `belt155`, or from a file of that form, `….json`."""
+    path = Path(name) if name.endswith(".json") else RESOURCES / "parameters" / f"{name}.json"
+    document = json.loads(path.read_text(encoding="utf-8"))
     return {variable: entry["value"] for variable, entry in document["parameters"].items()}
 
 

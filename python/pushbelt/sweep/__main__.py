@@ -42,7 +42,7 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("--short", action="store_true", help=f"{len(SHORT)} points instead of {len(DEFAULT)}")
     found.add_argument("--scheduler", metavar="ADDRESS", help="dask scheduler, tcp://host:port; else a local cluster")
     found.add_argument("--workers", type=int, metavar="N", help="processes of the local cluster; else one a processor")
-    found.add_argument("--variator", default="bench168", help="parameter set")
+    found.add_argument("--variator", default="bench168", help="parameter set, or its file, ….json")
     found.add_argument("--model", choices=list(RingModel.__members__), default="ALE", help="ring model")
     found.add_argument("--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter")
     for name, axis in AXES.items():

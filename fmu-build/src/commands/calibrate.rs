@@ -1,0 +1,56 @@
+//! `cargo fmu calibrate`: parameters of the FMU from a table of measured steady points, and a report.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+
+use crate::cargo;
+use crate::commands::python_program;
+use crate::workspace::Workspace;
+
+/// Options of the calibration.
+#[derive(Args)]
+pub struct Arguments {
+    /// The measured points, CSV with units in the header; `-- --help` explains the columns
+    #[arg(value_name = "TABLE.csv", required_unless_present_any = ["template", "passed_on"])]
+    table: Option<PathBuf>,
+    /// Write an example of a table, with what each column means, instead
+    #[arg(long, value_name = "FILE", conflicts_with = "table")]
+    template: Option<PathBuf>,
+    /// Parameters that are fitted, between commas, each with or without a start value: friction.pulley=0.08,belt.play
+    #[arg(long, value_name = "NAMES")]
+    fit: Option<String>,
+    /// Fit on a coarse mesh, for a first look (half the time)
+    #[arg(long)]
+    short: bool,
+    /// Passed on to the program, such as --bounds belt.play=0:1e-3 or --variator belt155; `-- --help` lists its options
+    #[arg(last = true, allow_hyphen_values = true)]
+    passed_on: Vec<String>,
+}
+
+/// Runs the calibration, which prints where the report is.
+///
+/// # Errors
+/// The FMU doesn't build, the table can't be read, or it determines none of the parameters.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    let mut calibrate = python_program(workspace, "pushbelt.calibrate", "calibrate", "Fitting")?;
+    if let Some(table) = &arguments.table {
+        calibrate.arg(absolute(table)?);
+    }
+    if let Some(template) = &arguments.template {
+        calibrate.arg("--template").arg(absolute(template)?);
+    }
+    if let Some(names) = &arguments.fit {
+        calibrate.args(["--fit", names]);
+    }
+    if arguments.short {
+        calibrate.arg("--short");
+    }
+    cargo::run(calibrate.args(&arguments.passed_on))
+}
+
+/// The program runs at the top level of the workspace, whatever folder this one was started in.
+fn absolute(path: &Path) -> anyhow::Result<PathBuf> {
+    std::path::absolute(path).with_context(|| format!("{} is no path", path.display()))
+}

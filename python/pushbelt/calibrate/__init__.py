@@ -1,0 +1,5 @@
+"""Parameters of the pushbelt FMU from a table of measured steady points.
+
+table (CSV with units → points) ┐
+parameters (what is fitted)     ┴→ model (points and parameters → residuals; `worker` runs the FMU) → fit → report
+"""

@@ -1,0 +1,183 @@
+"""Points and parameters to residuals and their derivatives, by steady states of the FMU in several processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.unit import Archive
+from pushbelt.side_by_side import Call, worker_pool
+
+from .parameters import Parameter, assign
+from .table import Measured, Point
+from .worker import Found, Job, solve_all
+
+STEP = 1e-3
+"""Step of the differences, in a parameter's coordinate, where its start value is 1. Between 1e-4 and 3e-3 central differences
+agree within some 1e-3; shift rates are solved less exactly and set the lower end."""
+LOST = 100.0
+"""Residual of a point without a steady state, in standard deviations: so much that no fit gains by losing a point that the belt
+does carry. It is a constant and has no slope: what is never carried does not pull."""
+FAR = 10.0
+"""Residual from which on a start is as far off as it can be, in standard deviations."""
+OUTSTANDING = 3.0
+"""A slope so many times the upper quartile of its quantity is looked at from the other side too."""
+CONTRADICTION = 0.5
+"""Slopes to two sides that differ by more than this share of the larger one contradict each other."""
+CHUNK = 6
+"""Points that a process takes at once."""
+
+
+@dataclass(frozen=True)
+class Value:
+    """A measured value and where it was measured."""
+
+    point: int
+    """Place of the point among all."""
+    measured: Measured
+
+
+class Model:
+    """Residuals over parameters."""
+
+    def __init__(self, points: Sequence[Point], solve: Callable[[Sequence[Job]], list[Found]]) -> None:
+        self.points = tuple(points)
+        self.values = tuple(
+            Value(place, measured) for place, point in enumerate(self.points) for measured in point.measured
+        )
+        self.solves = 0
+        """Points solved so far."""
+        self._solve = solve
+
+    def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
+        """What the model says of all points, for several sets of values."""
+        jobs = [(values, point) for values in assignments for point in self.points]
+        self.solves += len(jobs)
+        found, count = self._solve(jobs), len(self.points)
+        return [found[k * count : (k + 1) * count] for k in range(len(assignments))]
+
+    def column(self, states: Sequence[Found]) -> Array:
+        """Model values, one for each measured one; not a number where a point is lost."""
+        return np.array([states[v.point].values.get(v.measured.quantity, np.nan) for v in self.values])
+
+    @property
+    def measured(self) -> Array:
+        """Measured values."""
+        return np.array([value.measured.value for value in self.values])
+
+    @property
+    def deviations(self) -> Array:
+        """Their standard deviations."""
+        return np.array([value.measured.deviation for value in self.values])
+
+    def residuals(self, states: Sequence[Found]) -> Array:
+        """Model less measurement in standard deviations; of lost points `LOST`."""
+        found = (self.column(states) - self.measured) / self.deviations
+        return np.where(np.isnan(found), LOST, found)
+
+    def distance(self, states: Sequence[Found]) -> float:
+        """How far a start is off: a sum of squares in which no residual counts more than `FAR`, and a lost point as much and
+        the share of its torque that the belt does not carry."""
+        found = np.abs(self.column(states) - self.measured) / self.deviations
+        missing = np.array([states[value.point].missing for value in self.values])
+        return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
+
+    def slopes(
+        self,
+        parameters: Sequence[Parameter],
+        fixed: Mapping[str, float],
+        at: Array,
+        base: Sequence[Found],
+        central: bool,
+    ) -> Array:
+        """Derivatives of the residuals by coordinates, one column a parameter: differences to both sides, or, if not
+        `central`, to one side and to the other only for points that stand out.
+
+        A steady state may jump to another one between two values of a parameter. That is no slope, so where two sides
+        contradict each other the smallest of both and their mean counts. A lost point has no slope.
+        """
+        steps = [self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)]
+        carried = [place for place, found in enumerate(base) if found.reason is None]
+        everywhere = [carried] * len(parameters)
+        near = self._differences(parameters, fixed, at, base, [near for near, _ in steps], everywhere)
+        again = everywhere if central else [self._outstanding(near[:, k], carried) for k in range(len(parameters))]
+        far = self._differences(parameters, fixed, at, base, [far for _, far in steps], again)
+        return _agreed(near, far) / self.deviations[:, np.newaxis]
+
+    @staticmethod
+    def _steps(parameter: Parameter, place: float) -> tuple[float, float | None]:
+        """Steps to both sides; none where it would leave the bounds."""
+        low, high = parameter.bounds
+        inside = [step for step in (STEP, -STEP) if low <= place + step <= high]
+        return inside[0], inside[1] if len(inside) > 1 else None
+
+    def _differences(
+        self,
+        parameters: Sequence[Parameter],
+        fixed: Mapping[str, float],
+        at: Array,
+        base: Sequence[Found],
+        steps: Sequence[float | None],
+        places: Sequence[Sequence[int]],
+    ) -> Array:
+        """Slopes of the model values to one side, one column a parameter; not a number where nothing was solved for."""
+        keys, jobs = [], []
+        for k, (step, some) in enumerate(zip(steps, places, strict=True)):
+            if step is not None:
+                values = {**fixed, **assign(parameters, np.where(np.arange(len(at)) == k, at + step, at))}
+                keys += [(place, k) for place in some]
+                jobs += [(values, self.points[place]) for place in some]
+        self.solves += len(jobs)
+        solved = dict(zip(keys, self._solve(jobs) if jobs else [], strict=True))
+        middle = self.column(base)
+        found = np.full((len(self.values), len(parameters)), np.nan)
+        for row, value in enumerate(self.values):
+            for k, step in enumerate(steps):
+                state = solved.get((value.point, k))
+                if state is not None and step is not None:
+                    moved = state.values.get(value.measured.quantity, np.nan)
+                    found[row, k] = (moved - middle[row]) / step
+        return found
+
+    def _outstanding(self, slopes: Array, carried: Sequence[int]) -> list[int]:
+        """Places among those carried of points at which a slope is much larger than at others, or is not known."""
+        found = ~np.isfinite(slopes)
+        for quantity in {value.measured.quantity for value in self.values}:
+            own = np.array([value.measured.quantity == quantity for value in self.values])
+            usual = np.nanquantile(np.abs(slopes[own]), 0.75) if np.isfinite(slopes[own]).any() else 0.0
+            found |= own & (np.abs(slopes) > OUTSTANDING * usual)
+        there = {value.point for value, outstanding in zip(self.values, found, strict=True) if outstanding}
+        return sorted(there.intersection(carried))
+
+
+def _agreed(one: Array, other: Array) -> Array:
+    """Mean of slopes to two sides, or the one that is known, else 0. Where they contradict each other a state has jumped: if it
+    is one of the outer ones, the smaller slope is right; if it is the middle one, their mean is. So the smallest counts."""
+    one, other = np.where(np.isfinite(one), one, other), np.where(np.isfinite(other), other, one)
+    mean = 0.5 * (one + other)
+    smallest = np.where(np.abs(one) < np.abs(other), one, other)
+    smallest = np.where(np.abs(mean) < np.abs(smallest), mean, smallest)
+    contradicting = np.abs(one - other) > CONTRADICTION * np.maximum(np.abs(one), np.abs(other))
+    return np.nan_to_num(np.where(contradicting, smallest, mean))
+
+
+@contextmanager
+def opened(
+    fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, update: Callable[[float], object]
+) -> Iterator[Model]:
+    """A model whose points are solved in so many processes; `update` gets the count of points as they are solved."""
+    with Archive.unpack(fmu) as archive, worker_pool(workers) as run:
+
+        def solve(jobs: Sequence[Job]) -> list[Found]:
+            chunks = [jobs[k : k + CHUNK] for k in range(0, len(jobs), CHUNK)]
+            calls: list[Call] = [(solve_all, (fmu, archive.directory, dict(parameters), chunk)) for chunk in chunks]
+            found: list[Any] = run(calls, update)
+            return [state for chunk in found for state in chunk]
+
+        yield Model(points, solve)

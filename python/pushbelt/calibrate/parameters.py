@@ -1,0 +1,129 @@
+"""What is fitted: parameters of the FMU with start value, bounds and the coordinate they are fitted in."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+DEFAULT = ("friction.pulley", "friction.ring", "belt.play")
+"""Fitted if nothing else is asked for."""
+
+PULLEYS = ("primary", "secondary")
+
+
+class ParameterError(ValueError):
+    """A parameter can't be fitted; the text says why."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter, or the same one of both pulleys, which then has one value.
+
+    Fitted is a coordinate: ln(value/start) where the least value is above 0, else value/start.
+    """
+
+    name: str
+    """As it was asked for."""
+    variables: tuple[str, ...]
+    """Variables of the FMU that get the value."""
+    unit: str
+    meaning: str
+    start: float
+    low: float
+    high: float
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the coordinate is a logarithm."""
+        return self.low > 0.0
+
+    def coordinate(self, value: float) -> float:
+        """Coordinate of a value."""
+        return math.log(value / self.start) if self.logarithmic else value / self.start
+
+    def value(self, coordinate: float) -> float:
+        """Value at a coordinate, within the bounds."""
+        value = self.start * math.exp(coordinate) if self.logarithmic else self.start * coordinate
+        return min(max(value, self.low), self.high)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Bounds of the coordinate, the lower first."""
+        ends = [
+            self.coordinate(value) if math.isfinite(value) else value * self._sign for value in (self.low, self.high)
+        ]
+        return min(ends), max(ends)
+
+    @property
+    def _sign(self) -> float:
+        return math.copysign(1.0, self.start)
+
+    def interval(self, coordinate: float, half: float) -> tuple[float, float]:
+        """Values at the ends of an interval of the coordinate, the lower first."""
+        ends = self.value(coordinate - half), self.value(coordinate + half)
+        return min(ends), max(ends)
+
+
+def choose(
+    wanted: Mapping[str, float | None],
+    limits: Mapping[str, tuple[float, float]],
+    variables: Mapping[str, Any],
+    values: Mapping[str, float],
+) -> list[Parameter]:
+    """Parameters by name; start values as wanted, else from `values`, else the FMU's; bounds as in `limits`, else the FMU's.
+
+    A name without its pulley, such as `tiltStiffness`, is that of both.
+    """
+    unknown = [name for name in limits if name not in wanted]
+    if unknown:
+        raise ParameterError(f"bounds are given for {', '.join(unknown)}, which is not fitted")
+    found = [_parameter(name, start, limits.get(name), variables, values) for name, start in wanted.items()]
+    taken = [variable for parameter in found for variable in parameter.variables]
+    twice = sorted({variable for variable in taken if taken.count(variable) > 1})
+    if twice:
+        raise ParameterError(f"{', '.join(twice)} is to be fitted twice")
+    return found
+
+
+def _parameter(
+    name: str,
+    start: float | None,
+    limits: tuple[float, float] | None,
+    variables: Mapping[str, Any],
+    values: Mapping[str, float],
+) -> Parameter:
+    names = (name,) if name in variables else tuple(f"{pulley}.{name}" for pulley in PULLEYS)
+    described = [variables.get(full) for full in names]
+    if any(one is None or one.causality != "parameter" or one.type != "Real" for one in described):
+        known = [full for full, one in variables.items() if one.causality == "parameter" and one.type == "Real"]
+        near = difflib.get_close_matches(name, known, 1, 0.5)
+        raise ParameterError(f"the FMU has no real parameter {name}" + (f"; {near[0]} is meant?" if near else ""))
+    first = described[0]
+    if start is None:
+        start = values.get(names[0], float(first.start))
+    low = -math.inf if first.min is None else float(first.min)
+    high = math.inf if first.max is None else float(first.max)
+    if name == "friction.pulley":
+        # The FMU takes no belt that its friction locks in the groove.
+        high = min(
+            high, 0.999 * math.tan(values.get("geometry.wedgeAngle", float(variables["geometry.wedgeAngle"].start)))
+        )
+    if limits is not None:
+        low, high = max(low, limits[0]), min(high, limits[1])
+    if not low < high or not low <= start <= high:
+        raise ParameterError(f"{name}: the start value {start:g} is not within its bounds, {low:g} to {high:g}")
+    if start == 0.0:
+        raise ParameterError(f"{name} starts at 0, which gives no scale: give it a start value, --fit {name}=VALUE")
+    return Parameter(name, names, first.unit or "1", first.description or "", start, low, high)
+
+
+def assign(parameters: Sequence[Parameter], coordinates: Sequence[float]) -> dict[str, float]:
+    """Values of the FMU's variables at these coordinates."""
+    return {
+        variable: parameter.value(float(coordinate))
+        for parameter, coordinate in zip(parameters, coordinates, strict=True)
+        for variable in parameter.variables
+    }

@@ -1,0 +1,159 @@
+"""What runs in a process: the FMU, loaded once, and one point of the table after the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+
+from pushbelt.fmu.enumerations import Axial, Drive, StartState
+from pushbelt.fmu.unit import Archive, UnitError, Variator
+from pushbelt.side_by_side import tick
+
+from .table import Point
+
+SETTLING, WINDOW = 1.0, 1.0
+"""Revolutions of the primary pulley after which a shift is steady, and over which its rate is taken."""
+SHIFT_INERTIA = 1e-3
+"""Moment of inertia of the primary pulley in a shift, kg·m²: so small that the belt gets the point's torque."""
+SHIFT_TOLERANCE = 1e-6
+"""Tolerance of the integration in a shift: with the default, differences over `model.STEP` show its noise."""
+RATIO_TOLERANCE, MOST_SOLVES = 1e-8, 10
+"""Speed ratio met within this, relative, and steady states after which that is given up."""
+
+Job = tuple[Mapping[str, float], Point]
+"""Values of the fitted variables, and a point."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the model says of a point."""
+
+    values: Mapping[str, float]
+    """Model values by quantity; none where there is no steady state."""
+    reason: str | None = None
+    """Why there is none."""
+    share: float = 1.0
+    """Where there is none: share of the torque that the belt carries."""
+
+    @property
+    def missing(self) -> float:
+        """0 with a steady state, else 1 and the share of the torque that is not carried."""
+        return 0.0 if self.reason is None else 2.0 - self.share
+
+
+_open: dict[Path, Variator] = {}
+"""In a process: the instance of an unpacked FMU."""
+
+
+def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:
+    """Solves for points. The FMU is unpacked in a directory already."""
+    found = []
+    for values, point in jobs:
+        found.append(solve_or_say_why(fmu, directory, {**parameters, **values}, point))
+        tick(1)
+    return found
+
+
+def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Point) -> Found:
+    """What the model says of a point; what the FMU refuses is a reason too."""
+    if directory not in _open:
+        _open[directory] = Variator(Archive(directory, fmpy.read_model_description(str(fmu))), {})
+    try:
+        return solve(_open[directory], parameters, point)
+    except UnitError as error:
+        _open.pop(directory).free()
+        return Found({}, str(error), 0.0)
+
+
+def solve(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
+    """What the model says of a point. Raises UnitError where the FMU refuses a call."""
+    if point.shifting:
+        return _shift(unit, parameters, point)
+    if point.ratio is not None:
+        return _steady(unit, parameters, point, point.ratio)
+    return _at_speed_ratio(unit, parameters, point)
+
+
+def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, float]:
+    """The secondary pulley turns at ω_P/i, the torque drives the primary pulley; its sheave is held at the ratio."""
+    secondary_speed = point.speed / speed_ratio
+    return {
+        "initial.steady": True,
+        "initial.equilibrium": False,
+        "initial.ratio": ratio,
+        "initial.primarySpeed": secondary_speed * ratio,
+        "primary.drive": Drive.TORQUE,
+        "primary.axial": Axial.HELD,
+        "primary.torque": point.torque,
+        "secondary.drive": Drive.SPEED,
+        "secondary.axial": Axial.FORCE,
+        "secondary.speedSetpoint": secondary_speed,
+        "secondary.clampingForce": point.force,
+    }
+
+
+def _initialise(unit: Variator, values: Mapping[str, float], torque: float) -> Found | None:
+    """Starts in a steady state; if there is none, says why."""
+    unit.restart(values)
+    unit.initialise()
+    if unit.not_steady is None:
+        return None
+    carried = 0.0
+    if unit.get("initial.found") == StartState.REDUCED_TORQUE and torque:
+        carried = min(max(-unit.get("primary.shaftTorque") / torque, 0.0), 1.0)
+    return Found({}, unit.not_steady, carried)
+
+
+def _steady(unit: Variator, parameters: Mapping[str, float], point: Point, ratio: float) -> Found:
+    values = {**parameters, **_start_values(point, ratio, point.speed_ratio or ratio)}
+    lost = _initialise(unit, values, point.torque)
+    return lost or Found({name: unit.get(name) for name in ("thrustRatio", "slip", "efficiency")})
+
+
+def _at_speed_ratio(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
+    """The geometric ratio that goes with a speed ratio: i = i_speed (1 − slip), and slip hardly depends on i."""
+    assert point.speed_ratio is not None
+    ratio = point.speed_ratio
+    for _ in range(MOST_SOLVES):
+        found = _steady(unit, parameters, point, ratio)
+        if found.reason is not None:
+            return found
+        following = point.speed_ratio * (1.0 - found.values["slip"])
+        if abs(following / ratio - 1.0) < RATIO_TOLERANCE:
+            return found
+        ratio = following
+    return Found({}, f"no geometric ratio goes with the speed ratio {point.speed_ratio:g}")
+
+
+def _shift(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
+    """The rate at which the ratio passes that of the point.
+
+    The run starts so far before that it is there in the middle of the window if it shifts as measured.
+    """
+    assert point.ratio is not None and point.primary_force is not None
+    (measured,) = point.measured
+    revolution = 2.0 * math.pi / point.speed
+    # d(ln i)/dt, also of s = 1/i
+    rate = measured.value / point.ratio if measured.quantity == "di/dt" else -measured.value * point.ratio
+    begin = point.ratio * math.exp(-rate * (SETTLING + 0.5 * WINDOW) * revolution)
+    values = {
+        **parameters,
+        **_start_values(point, begin, point.ratio),
+        "primary.axial": Axial.FORCE,
+        "primary.clampingForce": point.primary_force,
+        "primary.inertia": SHIFT_INERTIA,
+        "solver.tolerance": SHIFT_TOLERANCE,
+    }
+    lost = _initialise(unit, values, point.torque)
+    if lost is not None:
+        return lost
+    logs = []
+    for time in (SETTLING * revolution, (SETTLING + WINDOW) * revolution):
+        unit.step_to(time)
+        logs.append(math.log(unit.get("ratio.geometric")))
+    found = (logs[1] - logs[0]) / (WINDOW * revolution)
+    return Found({"di/dt": point.ratio * found, "ds/dt": -found / point.ratio})

@@ -1,0 +1,393 @@
+"""Calibration: tables and parameters as pure functions, then fits of tables that the FMU itself has made."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pushbelt.calibrate import __main__, fit, model, parameters, table, worker
+from pushbelt.calibrate.model import Model
+from pushbelt.calibrate.parameters import ParameterError, choose
+from pushbelt.calibrate.table import Measured, Point, TableError
+from pushbelt.calibrate.worker import Found, Job
+from pushbelt.fmu.data import parameter_set, torque_capacity
+from pushbelt.fmu.unit import Archive
+
+BASE = {**parameter_set("bench168"), **__main__.COARSE}
+TRUTH = {"friction.pulley": 0.098, "friction.ring": 0.07, "belt.play": 6e-4}
+"""What the tables are made with; the fits start from `bench168`."""
+NOISE = {"thrustRatio": 0.01, "slip": 2e-4, "efficiency": 2e-3, "ds/dt": 0.02}
+"""Standard deviations of the tables."""
+SPEED, FORCE = 209.0, 10e3
+"""Primary speed, rad/s, and secondary force, N, of the points."""
+
+HEADER = "ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN]"
+
+
+# Table
+
+
+def test_units_are_in_the_header() -> None:
+    (point,) = table.parse(
+        f"# a remark\n\nname,{HEADER},thrustRatio,slip [%],slip.sd [%],efficiency [%],#oil [C]\n"
+        "first,2,1500,-40,12,1.05,0.8,0.05,,85\n\n,1,1500,0,12,,,,,\n"
+    )
+    assert (point.line, point.name, point.ratio, point.speed_ratio) == (4, "first", 2.0, None)
+    assert (point.speed, point.torque, point.force) == pytest.approx((157.0796, -40.0, 12e3))
+    assert [(m.quantity, m.given) for m in point.measured] == [("thrustRatio", False), ("slip", True)]
+    assert [m.value for m in point.measured] == pytest.approx([1.05, 0.008])
+    assert [m.deviation for m in point.measured] == pytest.approx([0.0105, 5e-4])
+    assert not point.shifting
+
+
+def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift() -> None:
+    steady, shift = table.parse(
+        f"{HEADER.replace(',', ';')};primary.clampingForce [N];di/dt [1/s]\n1;2000;50;10;14000;\n1;2000;50;10;16000;-0.5\n"
+    )
+    assert [(m.quantity, m.value) for m in steady.measured] == [("thrustRatio", pytest.approx(1.4))]
+    assert not steady.shifting
+    assert [(m.quantity, m.value) for m in shift.measured] == [("di/dt", -0.5)]
+    assert shift.primary_force == 16e3
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "the table is empty"),
+        (f"{HEADER},slip\n", "nothing is measured"),
+        (f"{HEADER}\n1,2000,50,10\n", "nothing is measured"),
+        (f"{HEADER},slip [%]\n1,2000,50,10,abc\n", r"line 2, column slip \[%\]: 'abc' is no number"),
+        (f"{HEADER};slip\n1;2000;50;10;0,5\n".replace(",p", ";p").replace(",s", ";s"), "'0,5' .* decimal point"),
+        (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8 is not within -0.5 to 0.5"),
+        (
+            f"{HEADER},slip [%]\n\n1,2000,50,10000,1\n",
+            "line 3, column secondary.clampingForce .*: 10000 .* 0.1 to 1000",
+        ),
+        (f"{HEADER},efficiency\n1,2000,50,10,97\n", "line 2, column efficiency: 97 is not within 0.01 to 1"),
+        (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0 is not within above 0"),
+        (f"{HEADER},slip\n1,,50,10,0.01\n", "line 2, column primary.speed: the cell is empty"),
+        (f"{HEADER},slip\n,2000,50,10,0.01\n", "line 2: one of ratio.geometric and ratio.speed"),
+        (f"{HEADER},slip\n1,2000,50,10,0.01,2\n", "line 2 has 6 cells, but the header has 5"),
+        (f"{HEADER},slipp\n1,2000,50,10,1\n", "column slipp: no such column; slip is meant"),
+        (f"{HEADER},slip.sd\n1,2000,50,10,1\n", "there is no column slip"),
+        (f"{HEADER},slip,slip [%]\n1,2000,50,10,1,1\n", "column slip is there twice"),
+        (f"{HEADER},slip [mm]\n1,2000,50,10,1\n", "the unit is one of 1, %"),
+        (f"{HEADER.replace(' [rpm]', '')},slip\n1,2000,50,10,0.01\n", r"no unit; write primary.speed \[rad/s\] or"),
+        (
+            f"{HEADER.replace('ratio.geometric,', '')},slip\n2000,50,10,0.01\n",
+            "no column ratio.geometric or ratio.speed",
+        ),
+        (f"{HEADER},ds/dt [1/s]\n1,2000,50,10,0.5\n", "primary.clampingForce: ds/dt needs it"),
+        (f"{HEADER},ds/dt [1/s],slip\n1,2000,50,10,0.5,0.01\n", "the ratio moves"),
+        (f"{HEADER},slip\n1,2000,50,10,nan\n", "nan is not within"),
+    ],
+)
+def test_bad_tables_give_one_clear_error(text: str, why: str, tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(TableError, match=why) as error:
+        table.read(path)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+
+
+def test_template_is_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "template.csv"
+    assert __main__.main(["--fmu", "none.fmu", "--output", "nowhere", "--template", str(path)]) == 0
+    assert str(path) in capsys.readouterr().out
+    points = table.read(path)
+    assert [point.name for point in points] == [line[0] for line in table.EXAMPLES]
+    text = path.read_text(encoding="utf-8")
+    assert all(f"{column} [" in text for column in [*table.CONDITIONS, *table.QUANTITIES])
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (None, "No such file"),
+        (f"{HEADER},slip\n1,2000,50,10,x\n", "'x' is no number"),
+        (b"\xff\xfe", "no text in UTF-8"),
+    ],
+)
+def test_the_program_says_what_is_wrong_in_a_line(
+    content: str | bytes | None, why: str, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "table.csv"
+    if content is not None:
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    assert __main__.main([str(path), "--fmu", str(fmu), "--output", str(tmp_path / "out")]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith("The calibration failed: ") and error.count("\n") == 1
+    assert why in error and str(path) in error
+
+
+# Parameters
+
+
+@pytest.fixture(scope="module")
+def variables(description: Any) -> Mapping[str, Any]:
+    return {variable.name: variable for variable in description.modelVariables}
+
+
+def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any]) -> None:
+    play, tilt, push = choose(
+        {"belt.play": 5e-4, "tiltStiffness": None, "belt.pushStiffness": None},
+        {"belt.play": (-1.0, 1e-3)},
+        variables,
+        {"primary.tiltStiffness": 6e5},
+    )
+    assert (play.start, play.low, play.high) == (5e-4, 0.0, 1e-3)
+    assert (play.logarithmic, tilt.logarithmic) == (False, True)
+    assert tilt.variables == ("primary.tiltStiffness", "secondary.tiltStiffness")
+    assert (tilt.start, tilt.high) == (6e5, math.inf)
+    assert push.start == float(variables["belt.pushStiffness"].start)
+    assert (push.low, push.high) == (
+        float(variables["belt.pushStiffness"].min),
+        float(variables["belt.pushStiffness"].max),
+    )
+    for parameter in (play, tilt, push):
+        place = parameter.coordinate(1.1 * parameter.start)
+        assert parameter.value(place) == pytest.approx(min(1.1 * parameter.start, parameter.high))
+        low, high = parameter.bounds
+        assert low < place < high
+
+
+@pytest.mark.parametrize(
+    ("wanted", "limits", "why"),
+    [
+        ({"belt.colour": None}, {}, "no real parameter belt.colour"),
+        ({"ring.model": None}, {}, "no real parameter ring.model"),
+        ({"thrustRatio": None}, {}, "no real parameter thrustRatio"),
+        ({"friction.pully": None}, {}, "friction.pulley is meant"),
+        ({"friction.pulley": 0.3}, {}, "not within its bounds"),
+        ({"belt.play": 0.0}, {}, "starts at 0"),
+        ({"belt.play": None}, {"friction.ring": (0.0, 1.0)}, "friction.ring, which is not fitted"),
+        ({"tiltStiffness": None, "primary.tiltStiffness": None}, {}, "fitted twice"),
+    ],
+)
+def test_parameters_that_cannot_be_fitted_say_why(
+    wanted: dict[str, float | None], limits: dict[str, tuple[float, float]], why: str, variables: Mapping[str, Any]
+) -> None:
+    with pytest.raises(ParameterError, match=why):
+        choose(wanted, limits, variables, parameter_set("bench168"))
+
+
+# Model
+
+
+def planned(ratio: float, utilisation: float, *quantities: str, force: float = FORCE) -> Point:
+    """A point that nothing was measured at yet."""
+    torque = utilisation * torque_capacity(BASE, ratio, force)
+    measured = tuple(Measured(quantity, 0.0, NOISE[quantity], True) for quantity in quantities)
+    return Point(0, f"{ratio:g} {utilisation:g}", ratio, None, SPEED, torque, force, None, measured)
+
+
+def shifting(ratio: float, primary_force: float) -> Point:
+    """A point at which a shift rate is to be measured."""
+    return dataclasses.replace(planned(ratio, 0.2, "ds/dt"), primary_force=primary_force)
+
+
+STEADY = [
+    planned(ratio, utilisation, "thrustRatio", "slip", "efficiency")
+    for ratio in (0.5, 1.0, 2.0)
+    for utilisation in (0.2, 0.5, 0.7)
+]
+SHIFTS = [shifting(1.0, 11e3), shifting(1.0, 19e3), shifting(1.6, 15e3)]
+
+
+class InProcess:
+    """Solves points in this process."""
+
+    def __init__(self, fmu: Path, archive: Archive) -> None:
+        self._fmu, self._archive = fmu, archive
+
+    def __call__(self, jobs: Sequence[Job]) -> list[Found]:
+        return [
+            worker.solve_or_say_why(self._fmu, self._archive.directory, {**BASE, **values}, point)
+            for values, point in jobs
+        ]
+
+    def measure(self, points: Sequence[Point], seed: int | None) -> list[Point]:
+        """The points as `TRUTH` has them, with noise, and lines numbered."""
+        random = np.random.default_rng(seed)
+        found = []
+        for line, point in enumerate(points, 2):
+            measured = point
+            # A shift starts where it passes the point's ratio if it shifts as measured: the second round does.
+            for _ in range(2 if point.shifting else 1):
+                (state,) = self([(TRUTH, measured)])
+                assert state.reason is None
+                values = tuple(dataclasses.replace(m, value=state.values[m.quantity]) for m in point.measured)
+                measured = dataclasses.replace(point, line=line, measured=values)
+            if seed is not None:
+                values = tuple(
+                    dataclasses.replace(m, value=m.value + m.deviation * random.standard_normal())
+                    for m in measured.measured
+                )
+                measured = dataclasses.replace(measured, measured=values)
+            found.append(measured)
+        return found
+
+
+@pytest.fixture(scope="module")
+def solver(fmu: Path, archive: Archive) -> InProcess:
+    return InProcess(fmu, archive)
+
+
+def test_the_step_of_the_differences_stands_on_a_plateau(
+    solver: InProcess, variables: Mapping[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Central differences over a third and three times the step agree to 2 % of the largest slope of their quantity."""
+    chosen = choose({"friction.pulley": 0.085, "friction.ring": None, "belt.play": None}, {}, variables, BASE)
+    opened = Model([STEADY[1], STEADY[5], STEADY[7], *SHIFTS[:2]], solver)
+    place = np.array([parameter.coordinate(parameter.start) for parameter in chosen])
+    fixed = parameters.assign(chosen, place)
+    (base,) = opened.states([fixed])
+    found = []
+    for factor in (1.0 / 3.0, 1.0, 3.0):
+        monkeypatch.setattr(model, "STEP", factor * 1e-3)
+        found.append(opened.slopes(chosen, fixed, place, base, central=True))
+    assert np.abs(found[1]).max(axis=0).min() > 1.0
+    quantities = np.array([value.measured.quantity for value in opened.values])
+    for quantity in np.unique(quantities):
+        rows = quantities == quantity
+        scale = np.abs(found[1][rows]).max()
+        assert np.abs(found[0] - found[1])[rows].max() < 0.02 * scale
+        assert np.abs(found[2] - found[1])[rows].max() < 0.02 * scale
+
+
+@pytest.mark.parametrize("jumped", ["above", "here", "below"])
+def test_a_jump_of_a_state_is_no_slope(jumped: str) -> None:
+    """One of three states lies on another branch, far from the others."""
+    friction = parameters.Parameter("friction.pulley", ("friction.pulley",), "1", "", 0.09, 0.0, 0.19)
+    sides = {"below": friction.value(1.0 - model.STEP), "here": 0.09, "above": friction.value(1.0 + model.STEP)}
+
+    def solve(jobs: Sequence[Job]) -> list[Found]:
+        values = [values["friction.pulley"] for values, _ in jobs]
+        off = [0.1 * (abs(value - sides[jumped]) < 1e-9) for value in values]
+        return [Found({"thrustRatio": 10.0 * value + jump}) for value, jump in zip(values, off, strict=True)]
+
+    opened = Model([planned(1.0, 0.5, "thrustRatio")], solve)
+    (base,) = opened.states([{"friction.pulley": 0.09}])
+    slopes = opened.slopes([friction], {}, np.array([1.0]), base, central=True)
+    assert slopes == pytest.approx(np.array([[0.9 / NOISE["thrustRatio"]]]))
+
+
+def test_a_speed_ratio_is_met_by_the_slip_of_the_model(solver: InProcess) -> None:
+    point = STEADY[5]
+    (known,) = solver([({}, point)])
+    speed_ratio = point.ratio / (1.0 - known.values["slip"])
+    other = dataclasses.replace(point, ratio=None, speed_ratio=speed_ratio)
+    (found,) = solver([({}, other)])
+    for quantity, value in known.values.items():
+        assert found.values[quantity] == pytest.approx(value, rel=1e-3)
+
+
+def test_a_lost_point_counts_more_the_less_it_carries(solver: InProcess) -> None:
+    found = solver([({"friction.pulley": friction}, STEADY[8]) for friction in (0.09, 0.06, 0.05)])
+    assert found[0].reason is None and found[0].missing == 0.0
+    assert all("steady state" in lost.reason for lost in found[1:])
+    assert 1.0 < found[1].missing < found[2].missing < 2.0
+    opened = Model([STEADY[8]], solver)
+    assert opened.residuals(found[1:2]) == pytest.approx(model.LOST)
+    assert opened.distance(found[:1]) <= 3 * model.FAR**2 < opened.distance(found[1:2]) < opened.distance(found[2:])
+
+
+# Fit
+
+
+def write(points: Sequence[Point], path: Path) -> None:
+    """The table of measured points."""
+    quantities = list(NOISE)
+    units = {"ds/dt": " [1/s]"}
+    header = ["name", "ratio.geometric", "primary.speed [rad/s]", "primary.torque [N.m]"]
+    header += ["secondary.clampingForce [N]", "primary.clampingForce [N]"]
+    header += [f"{quantity}{end}{units.get(quantity, '')}" for quantity in quantities for end in ("", ".sd")]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        for point in points:
+            row = [point.name, point.ratio, point.speed, point.torque, point.force, point.primary_force]
+            known = {m.quantity: m for m in point.measured}
+            for quantity in quantities:
+                row += [known[quantity].value, known[quantity].deviation] if quantity in known else [None, None]
+            writer.writerow(row)
+
+
+def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess, tmp_path: Path) -> None:
+    """Within their 95 % intervals, which are narrow; report, parameters and residuals are written."""
+    points = solver.measure([*STEADY, *SHIFTS], seed=168)
+    write(points, tmp_path / "table.csv")
+    out = tmp_path / "out"
+    words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), "--short"]
+    assert __main__.main([*words, "--fit", "friction.pulley=0.085,friction.ring,belt.play"]) == 0
+    document = json.loads((out / "parameters.json").read_text(encoding="utf-8"))
+    widest = {"friction.pulley": 0.04, "friction.ring": 0.3, "belt.play": 0.3}
+    for name, true in TRUTH.items():
+        entry = document["parameters"][name]
+        low, high = entry["interval95"]
+        assert low < true < high
+        assert low < entry["value"] < high
+        assert high - low < widest[name] * true
+        assert entry["origin"] == "calibrated"
+    found = parameter_set(str(out / "parameters.json"))
+    assert {**parameter_set("bench168"), **{name: found[name] for name in TRUTH}} == found
+    with (out / "residuals.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == sum(len(point.measured) for point in points)
+    relative = np.array([float(row["residual/sd"]) for row in rows])
+    assert 0.6 < math.sqrt(np.mean(relative**2)) < 1.4
+    report = (out / "report.html").read_text(encoding="utf-8")
+    assert 'src="http' not in report and 'href="http' not in report
+    for name in ("parameters", "correlations", "residuals", "worst", "lost", "method"):
+        assert f'<h2 id="{name}">' in report
+    assert report.count("data:image/svg+xml;base64,") == len(NOISE)
+    assert "not identified" not in report
+    section = report[report.index('<h2 id="correlations">') : report.index('<h2 id="residuals">')]
+    assert [row.count("1.00<") for row in section.split("<tr>")[2:]] == [1, 1, 1]
+
+
+def test_a_parameter_that_moves_nothing_is_said(solver: InProcess, variables: Mapping[str, Any]) -> None:
+    """A damper does nothing in a steady state: it keeps its value, and the others are fitted without it."""
+    points = solver.measure([STEADY[1], STEADY[4], STEADY[6]], seed=None)
+    chosen = choose(
+        {"friction.pulley": None, "sheaveDamping": None}, {}, variables, {**BASE, **TRUTH, "friction.pulley": 0.09}
+    )
+    truth = {name: value for name, value in TRUTH.items() if name != "friction.pulley"}
+    opened = Model(points, lambda jobs: solver([({**truth, **values}, point) for values, point in jobs]))
+    friction, damping = fit.fit(opened, chosen).estimates
+    assert friction.half is not None
+    assert friction.value == pytest.approx(TRUTH["friction.pulley"], rel=1e-3)
+    assert damping.undetermined is not None
+    assert damping.interval is None and not damping.at_bound
+    assert damping.value == damping.parameter.start
+
+
+def test_points_without_a_steady_state_do_not_break_the_fit(solver: InProcess, variables: Mapping[str, Any]) -> None:
+    """With the start's friction none of these is carried: it is raised first. One that never can be stays outside."""
+    asked = [STEADY[2], STEADY[5], STEADY[8]]
+    points = solver.measure(asked, seed=None)
+    beyond = dataclasses.replace(points[0], line=9, torque=1.6 * torque_capacity({**BASE, **TRUTH}, 0.5, FORCE))
+    truth = {name: value for name, value in TRUTH.items() if name != "friction.pulley"}
+    opened = Model([*points, beyond], lambda jobs: solver([({**truth, **values}, point) for values, point in jobs]))
+    (before,) = opened.states([{"friction.pulley": 0.062}])
+    assert sum(found.reason is not None for found in before) >= 2
+    result = fit.fit(opened, choose({"friction.pulley": 0.062}, {}, variables, BASE))
+    (friction,) = result.estimates
+    assert [found.reason is not None for found in result.after] == [False, False, False, True]
+    assert friction.value == pytest.approx(TRUTH["friction.pulley"], rel=0.02)
+    assert result.freedom == 8
+
+
+def test_too_few_values_are_refused(solver: InProcess, variables: Mapping[str, Any]) -> None:
+    (point,) = solver.measure([planned(1.0, 0.5, "slip")], seed=None)
+    with pytest.raises(fit.FitError, match="1 measured values can't determine 1 parameters"):
+        fit.fit(Model([point], solver), choose({"friction.pulley": None}, {}, variables, BASE))
