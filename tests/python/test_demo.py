@@ -21,6 +21,7 @@ from pushbelt.fmu.geometry import TwoPulleyCurve, primary_radius, ratio_of, thet
 from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.load_cases import NotFoundError, find_load
 from pushbelt.fmu.results import BeltState, Profile, Trace
+from pushbelt.fmu.tilt import moment_of, tilt_under
 
 BENCH = data.parameter_set("bench168")
 
@@ -168,7 +169,7 @@ def test_theory_gives_the_published_reference_case() -> None:
 # Spiral running
 
 
-def belt_on_tilted_sheaves(stiffness: float) -> BeltState:
+def belt_on_tilted_sheaves(stiffness: float, clearance: float = BENCH["primary.tiltClearance"]) -> BeltState:
     """Fields by the law of tilt and contact, integrated on a fine grid, at points 10 mm apart; the pressure rises."""
     curve, force = data.curve_of(BENCH, 0.2), {"primary": 12e3, "secondary": 8e3}
     beta = BENCH["geometry.wedgeAngle"]
@@ -183,7 +184,8 @@ def belt_on_tilted_sheaves(stiffness: float) -> BeltState:
         share = rising / rising.sum()
         pressure += force[pulley] * share / (np.cos(beta) * curve.length / 7200 * radius / curve.radius(pulley))
         moment = force[pulley] * radius * np.array([share @ np.cos(angle), share @ np.sin(angle)])
-        opening = radius / stiffness * (moment[0] * np.cos(angle) + moment[1] * np.sin(angle))
+        softness = tilt_under(float(np.hypot(*moment)), stiffness, clearance) / np.hypot(*moment)
+        opening = radius * softness * (moment[0] * np.cos(angle) + moment[1] * np.sin(angle))
         deviation -= np.where(arc, opening, 0.0) / np.tan(beta)
         outputs |= {f"{pulley}.axialForce": force[pulley], f"{pulley}.radius": radius}
     deviation -= pressure / (BENCH["contact.stiffness"] * np.cos(beta) * np.tan(beta))
@@ -202,9 +204,15 @@ def test_spiral_running_follows_from_tilt_and_contact() -> None:
 
 
 @pytest.mark.parametrize("share", [0.75, 1.25])
-def test_spiral_running_shows_sheaves_of_another_stiffness(share: float) -> None:
-    state = belt_on_tilted_sheaves(share * BENCH["primary.tiltStiffness"])
+def test_spiral_running_shows_sheaves_that_tilt_otherwise(share: float) -> None:
+    state = belt_on_tilted_sheaves(BENCH["primary.tiltStiffness"] / share, share * BENCH["primary.tiltClearance"])
     assert abs(spiral_running(state, BENCH, "primary").error) > TOLERANCE
+
+
+def test_the_tilt_is_the_inverse_of_its_moment() -> None:
+    for clearance in (0.0, 6e-4):
+        for psi in (1e-6, 1e-4, 5.9e-4, 6.1e-4, 2e-3):
+            assert tilt_under(moment_of(psi, 1.8e6, clearance), 1.8e6, clearance) == pytest.approx(psi, rel=1e-9)
 
 
 def test_rigid_sheaves_leave_contact_alone() -> None:

@@ -1,15 +1,14 @@
 """Spiral running: how far elements move in and out along an arc, by the law of tilt and contact.
 
-The axial pressure p_ax of the belt tilts a sheave by ψ, k ψ = ∫p_ax ϱ (cos θ, sin θ), and so opens the groove by
-w = ϱ (ψ_x cos θ + ψ_y sin θ). A flank under the normal force p per length is pressed in by g = p/(k_c cos β). An element
+The axial pressure p_ax of the belt tilts a sheave by ψ under the moment ∫p_ax ϱ (cos θ, sin θ), first by its clearance, then by
+bending, and so opens the groove by w = ϱ (ψ_x cos θ + ψ_y sin θ). A flank under the normal force p per length is pressed in by g = p/(k_c cos β). An element
 runs further in by the sum of both over the slope of the groove,
 
     Δϱ = −(w + g)/tan β.
 
 The normal force is read from the fields along the belt, and scaled so that it gives the axial force. With a uniform
-pressure and no g the spread over an arc of angle α would be (F ϱ²/(k tan β)) (sin(α/2)/(α/2)) (1 − cos(α/2)). That is no
-measure: the pressure rises up to 2.5-fold towards the exit and turns the tilt by up to 45°, and on small arcs g is larger
-than w.
+pressure and no g the spread over an arc of angle α would be (ϱ ψ/tan β) (1 − cos(α/2)), ψ the tilt under F ϱ sin(α/2)/(α/2). That
+is no measure: the pressure rises up to 2.5-fold towards the exit and turns the tilt by up to 45°.
 """
 
 from __future__ import annotations
@@ -22,6 +21,7 @@ import numpy as np
 from pushbelt.fmu.data import curve_at
 from pushbelt.fmu.fields import EDGE
 from pushbelt.fmu.results import BeltState, LoadCaseResult
+from pushbelt.fmu.tilt import tilt_under
 
 TOLERANCE = 0.1
 """Of the predicted spread, upwards and downwards: twice what the points of the profile leave out.
@@ -64,14 +64,16 @@ class SpiralRunning:
 def spiral_running(state: BeltState, parameters: Mapping[str, float], pulley: str) -> SpiralRunning:
     """Spread on the arc of a pulley, found and predicted."""
     curve, profile = curve_at(parameters, state), state.profile
-    beta, stiffness = parameters["geometry.wedgeAngle"], parameters[f"{pulley}.tiltStiffness"]
+    beta = parameters["geometry.wedgeAngle"]
+    sheave = parameters[f"{pulley}.tiltStiffness"], parameters[f"{pulley}.tiltClearance"]
     force, radius = state[f"{pulley}.axialForce"], state[f"{pulley}.radius"]
     distance, half_arc = curve.from_middle(pulley, profile.position), 0.5 * curve.arc_length(pulley)
     angle = distance / curve.radius(pulley)
 
     pressing = np.where(np.abs(distance) < half_arc + EDGE, profile.normal_force, 0.0)
     share = pressing / pressing.sum()
-    psi = force * radius / stiffness * np.array([share @ np.cos(angle), share @ np.sin(angle)])
+    moment = force * radius * np.array([share @ np.cos(angle), share @ np.sin(angle)])
+    psi = moment * (tilt_under(float(np.hypot(*moment)), *sheave) / np.hypot(*moment))
     opening = radius * (psi[0] * np.cos(angle) + psi[1] * np.sin(angle))
     penetration = profile.normal_force / (parameters["contact.stiffness"] * np.cos(beta))
 
@@ -83,7 +85,7 @@ def spiral_running(state: BeltState, parameters: Mapping[str, float], pulley: st
         float(pressing.sum() * np.cos(beta) * curve.length / len(profile.position) * radius / curve.radius(pulley)),
         2.0 * half_angle,
         float(np.hypot(*psi)),
-        force * lever * radius * (1.0 - np.cos(half_angle)) / (stiffness * np.tan(beta)),
+        tilt_under(force * lever, *sheave) * radius * (1.0 - np.cos(half_angle)) / np.tan(beta),
         float(np.ptp((opening + penetration)[on_arc]) / np.tan(beta)),
         float(np.ptp(profile.radial_deviation[on_arc])),
     )

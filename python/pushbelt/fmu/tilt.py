@@ -1,0 +1,35 @@
+"""Tilt of a loaded sheave: a clearance, then bending.
+
+M(a) = k (s a + (1 − s) ⟨a − c⟩₊) with a = √(ψ² + δ²), s = 0.02, δ = 0.02 c and ⟨x⟩₊ = ½(x + √(x² + (0.05 c)²)); the moment along ψ
+is M ψ/a. Without clearance it is k ψ. `src/tilt.rs` has the law and its reasons.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+
+from scipy.optimize import brentq
+
+SOFT, ROUNDING, BEARING = 0.02, 0.02, 0.05
+"""s, and δ and the width over which the sheave comes to bear as shares of the clearance."""
+
+
+RIGID = 1e12
+"""Stiffness from which a sheave does not tilt, N·m/rad."""
+
+
+def moment_of(psi: float, stiffness: float, clearance: float) -> float:
+    """Moment under which a sheave tilts by `psi` (rad), N·m."""
+    if clearance == 0.0:
+        return stiffness * psi
+    amplitude = hypot(psi, ROUNDING * clearance)
+    beyond = 0.5 * (amplitude - clearance + hypot(amplitude - clearance, BEARING * clearance))
+    return stiffness * (SOFT * amplitude + (1.0 - SOFT) * beyond) * psi / amplitude
+
+
+def tilt_under(moment: float, stiffness: float, clearance: float) -> float:
+    """Tilt of a sheave under a moment (N·m), rad: never more than the clearance and the bending together."""
+    if stiffness >= RIGID or moment <= 0.0:
+        return 0.0
+    most = clearance + moment / ((1.0 - SOFT) * stiffness)
+    return float(brentq(lambda psi: moment_of(psi, stiffness, clearance) - moment, 0.0, most, xtol=1e-16))
