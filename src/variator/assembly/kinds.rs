@@ -26,6 +26,9 @@ pub(crate) trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sy
     /// The frame of a shape. `by` gives zero, with the derivatives that a coordinate of the path and its own derivatives
     /// along the path have.
     fn mesh_frame<T: Real>(shape: &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> Self::Frame<T>;
+
+    /// Radii of the secondary and of the primary arc, m.
+    fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2];
 }
 
 /// The curve of a mesh whose element borders follow the arc borders.
@@ -41,6 +44,11 @@ impl MeshCurve for TwoPulley {
     fn mesh_frame<T: Real>(shape: &TwoPulleyShape, by: impl Fn(usize) -> Jet<T>) -> TwoPulleyFrame<T> {
         shape.frame(by(0).v)
     }
+
+    #[inline(always)]
+    fn arc_radii<T: Real>(frame: &TwoPulleyFrame<T>) -> [T; 2] {
+        frame.radius.map(|radius| radius.v)
+    }
 }
 
 /// The curve of a mesh whose elements stand still.
@@ -53,6 +61,11 @@ impl<C: MeshCurve + OnPulleys> MeshCurve for Unaligned<C> {
 
     fn mesh_frame<T: Real>((curve, shape): &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> Self::Frame<T> {
         Self::frame_of(curve, C::mesh_frame(shape, by))
+    }
+
+    #[inline(always)]
+    fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2] {
+        C::arc_radii(frame.aligned())
     }
 }
 
@@ -92,6 +105,11 @@ impl MeshCurve for Displaced {
             }
         });
         Self::at_place(curve, &path)
+    }
+
+    #[inline(always)]
+    fn arc_radii<T: Real>(frame: &DisplacedFrame<T>) -> [T; 2] {
+        frame.radius.map(|radius| radius.v)
     }
 }
 

@@ -3,10 +3,16 @@
 //! Motions of the nodes come first, then V, V, N, in `ALE0` the tensions T, T, then s, Θ, in `ALE0` the other coordinates
 //! of the curve, then z, ψ_x, ψ_y, ω.
 
+use crate::reference_curve::COORDINATES;
+
 /// Most directions of a cell: 12 node motions in space, V, V, N, and six globals.
 pub(crate) const MOST: usize = 21;
 
-use crate::reference_curve::COORDINATES;
+/// Most rows of a cell: one for each direction, and two for the resultant of the contact forces.
+pub(crate) const MOST_ROWS: usize = MOST + RESULTANT;
+
+/// Components of the resultant, whose rows come after those of the directions.
+pub(crate) const RESULTANT: usize = 2;
 
 /// Directions of the pulley: z, ψ_x, ψ_y, ω.
 const OF_PULLEY: usize = 4;
