@@ -61,7 +61,8 @@ impl System for Running<'_> {
 }
 
 impl Evolution for Running<'_> {
-    /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm),
+    /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions and
+    /// displaced centres (1 mm; their turn to 1e-3 of the tolerance),
     /// speeds (10 rad/s and a tenth of the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring
     /// positions (10 mm: tension, radial deviation). The last three enter as a mean over the belt.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
@@ -91,7 +92,7 @@ impl Evolution for Running<'_> {
             local += x * x;
         });
         for centre in layout.centres() {
-            norm = norm.max((q_error[centre] / place_scale).abs());
+            norm = norm.max((q_error[centre] / (1.0e-3 * tolerance)).abs());
         }
         let norm = norm.max((local / layout.len() as f64).sqrt());
         if norm.is_finite() { norm } else { f64::MAX }
