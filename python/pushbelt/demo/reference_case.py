@@ -20,20 +20,22 @@ ASSUMPTIONS: Mapping[str, float] = {
     "primary.tiltStiffness": 1e12,
     "secondary.tiltStiffness": 1e12,
     "friction.ring": 0.0,
+    "friction.layers": 0.0,
+    "friction.fall": 0.0,
     "belt.play": 0.0,
     "belt.pitchOffset": 0.0,
 }
-"""Rigid sheaves, a ring without friction, no play, and the pitch line on the ring."""
+"""Rigid sheaves, Coulomb friction, a ring without friction, no play, and the pitch line on the ring."""
 
 MESH: Mapping[str, float] = {"mesh.primaryArc": 24, "mesh.secondaryArc": 24, "mesh.strand": 12}
 """With rigid sheaves the pressure begins more abruptly than the default mesh resolves."""
 
 VARIANTS: Mapping[str, Mapping[str, float]] = {
-    "sheaves that tilt (7e5 N·m/rad)": {"primary.tiltStiffness": 7e5, "secondary.tiltStiffness": 7e5},
-    "contact twice as stiff": {"contact.stiffness": 1e10},
-    "contact half as stiff": {"contact.stiffness": 2.5e9},
+    "sheaves that tilt as measured": {"primary.tiltStiffness": 1.79e6, "secondary.tiltStiffness": 1.79e6},
+    "contact twice as stiff": {"contact.stiffness": 1.2e11},
+    "contact half as stiff": {"contact.stiffness": 3e10},
     "ring friction 0.05": {"friction.ring": 0.05},
-    "end play 0.4 mm": {"belt.play": 4e-4},
+    "end play 0.2 mm": {"belt.play": 2e-4},
     "pitch line 1 mm inside the ring": {"belt.pitchOffset": 1e-3},
     "mesh twice as fine": {"mesh.primaryArc": 48, "mesh.secondaryArc": 48, "mesh.strand": 24},
 }

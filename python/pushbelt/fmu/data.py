@@ -19,10 +19,29 @@ RESOURCES = Path(__file__).parents[3] / "resources"
 
 
 def parameter_set(name: str) -> dict[str, float]:
-    """Start values of the FMU for a published variator, `bench168` or `belt155`, or from a file of that form, `….json`."""
+    """Start values of the FMU for a published variator, `bench168` or `belt155`, or from a file of that form, `….json`.
+
+    Raises `ValueError` for one of an earlier version, whose numbers mean something else.
+    """
     path = Path(name) if name.endswith(".json") else RESOURCES / "parameters" / f"{name}.json"
     document = json.loads(path.read_text(encoding="utf-8"))
-    return {variable: entry["value"] for variable, entry in document["parameters"].items()}
+    values = {variable: entry["value"] for variable, entry in document["parameters"].items()}
+    _refuse_old(path, values)
+    return values
+
+
+def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
+    """Refuses a parameter set of before the tilt had a clearance: its numbers mean something else now."""
+    if "belt.contactStrain" in values:
+        raise ValueError(
+            f"{path}: belt.contactStrain is gone; set belt.roughness, the same strain times belt.elementThickness (see docs/upgrade.md)"
+        )
+    for pulley in ("primary", "secondary"):
+        if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
+            raise ValueError(
+                f"{path}: {pulley}.tiltStiffness without {pulley}.tiltClearance; the stiffness is that beyond a clearance now. "
+                "Set the clearance to 0 for the linear tilt of before (see docs/upgrade.md)"
+            )
 
 
 def published_data() -> dict[str, Any]:
