@@ -56,6 +56,8 @@ enum Command {
     Paper(commands::paper::Arguments),
     /// Solve for 2288 steady states with the FMU and write target/sweep/report.html (1 minute)
     Sweep(commands::sweep::Arguments),
+    /// Put the FMU beside theory and measurements and write target/validate/report.html (1 minute)
+    Validate(commands::validate::Arguments),
     /// Measure the speed of the model (1 minute)
     Bench(commands::bench::Arguments),
     /// Write the linear model A, B, C, D about a steady working point as JSON (seconds)
@@ -86,6 +88,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Drive(arguments) => commands::drive::run(&workspace, arguments),
         Command::Paper(arguments) => commands::paper::run(&workspace, arguments),
         Command::Sweep(arguments) => commands::sweep::run(&workspace, arguments),
+        Command::Validate(arguments) => commands::validate::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),
