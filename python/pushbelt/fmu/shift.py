@@ -1,8 +1,7 @@
 """How fast the ratio changes after a step of the primary clamping force, measured on the FMU.
 
-A run starts in a steady state at a speed ratio s = r_P/r_S. The primary force is then multiplied by exp(step) at once, and
-ds/dt is the mean over a window after it: what the step itself does to the belt is over by then, and the ratio has
-hardly moved.
+A run starts in a steady state at a speed ratio s = r_P/r_S. The primary force is then multiplied by exp(step) at once.
+ds/dt is the mean over a window after it: what the step itself does is over by then, and the ratio has hardly moved.
 """
 
 from __future__ import annotations
