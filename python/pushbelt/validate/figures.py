@@ -48,5 +48,7 @@ def _panel(axes: Axes, panel: Panel) -> None:
         farthest = max((abs(x) for curve in panel.curves for x in curve.x if x == x), default=1.0)
         reach = min(REACH, 1.1 * farthest)
         axes.set_xlim(-reach, reach)
+    if panel.places:
+        axes.set_xticks(range(len(panel.places)), panel.places, rotation=35, ha="right", fontsize=7.5)
     if any(curve.label for curve in panel.curves):
         axes.legend(fontsize=7.5)

@@ -192,6 +192,8 @@ class Panel:
     log_y: bool = False
     names: tuple[str, ...] = ()
     """Of rows at y = 0, −1, −2 and so on, where the panel has such."""
+    places: tuple[str, ...] = ()
+    """Names of x = 0, 1, 2 and so on, where the panel has such."""
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ def write(results: Results, folder: Path) -> Path:
     context = {
         "results": results,
         "verdicts": counts(results),
+        "sources": {s.key: list(dict.fromkeys(check.source for check in s.checks)) for s in results.sections},
         "pictures": {s.key: [(image(figures.draw(p)), p.caption) for p in s.pictures] for s in results.sections},
     }
     page.write_html("validate/validate.html.j2", context, path)

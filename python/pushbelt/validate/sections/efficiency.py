@@ -295,7 +295,7 @@ def _drag(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
             NEWTON_METRES,
         ),
         Check(
-            "It grows with speed",
+            "The torque without load grows with speed",
             ESTIMATE,
             "oil and bearings",
             NEWTON_METRES.text(*values),

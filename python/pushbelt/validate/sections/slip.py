@@ -147,7 +147,7 @@ def _traction_checks(curves: list[Traction]) -> list[Check]:
             "80\N{NO-BREAK SPACE}% of the peak within 2.5\N{NO-BREAK SPACE}% slip",
         ),
         within(
-            "then stays flat, then falls slightly",
+            "Traction then stays flat, then falls slightly",
             where, [(name, c.fall) for name, c in names], 0.0, LARGEST_FALL, PERCENT,
             "falls from its peak to 10\N{NO-BREAK SPACE}% slip by 0 to 15\N{NO-BREAK SPACE}%",
         ),
