@@ -40,8 +40,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::parse();
     let mut parameters = Parameters::default();
     if options.rigid {
-        parameters.primary.tilt_stiffness = RIGID_TILT_STIFFNESS;
-        parameters.secondary.tilt_stiffness = RIGID_TILT_STIFFNESS;
+        parameters.primary.tilt.stiffness = RIGID_TILT_STIFFNESS;
+        parameters.secondary.tilt.stiffness = RIGID_TILT_STIFFNESS;
     }
     if options.finer {
         parameters.mesh = parameters.mesh.refined(2);

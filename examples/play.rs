@@ -81,7 +81,7 @@ const CALMED: [Change; 9] = [
     ("as it is", |_| ()),
     ("`primary.inertia` 0.05", |p| p.primary.inertia = 0.05),
     ("`primary.inertia` 0.1", |p| p.primary.inertia = 0.1),
-    ("`belt.contactStrain` 2e-4", |p| p.belt.contact_strain = 2e-4),
+    ("`belt.filmForce` 50", |p| p.belt.film_force = 50.0),
     ("`belt.play` 1e-4", |p| p.belt.play = 1e-4),
     ("no ring friction", |p| p.friction.ring = 0.0),
     ("elements of a fifth of the mass", |p| p.belt.mass_per_length *= 0.2),
@@ -90,7 +90,7 @@ const CALMED: [Change; 9] = [
 ];
 
 fn harden(parameters: &mut Parameters) {
-    parameters.belt.contact_strain = 3e-5;
+    parameters.belt.film_force = 1.0;
 }
 
 /// Ratios, clamping forces of both pulleys, N, and torques as shares of full slip's, over which swings are counted.

@@ -1,5 +1,5 @@
 //! How thrust ratio and slip move with the parameters that nobody knows exactly, around the laboratory variator at 50
-//! N·m, 2000 rpm and three ratios; then with the strain over which neighbouring elements touch. Prints the Markdown
+//! N·m, 2000 rpm and three ratios; then with the roughness over which neighbouring elements touch. Prints the Markdown
 //! tables of `docs/sensitivity.md`:
 //!
 //! `cargo run --release --example sensitivity`
@@ -41,12 +41,13 @@ const TOUCH_CASES: [Case; 3] = [
     case("medium, 50 N·m", 1.0, 50.0, 6_174.0),
     case("overdrive, 30 N·m", 3.0 / 7.0, 30.0, 6_000.0),
 ];
-const CONTACT_STRAINS: [f64; 9] = [1e-5, 2e-5, 3e-5, 5e-5, 7e-5, 1e-4, 1.4e-4, 2e-4, 4e-4];
+/// Roughness of the elements' faces, m.
+const ROUGHNESSES: [f64; 9] = [2e-8, 3e-8, 5e-8, 7e-8, 1e-7, 1.4e-7, 2e-7, 3e-7, 5e-7];
 const SPEED: f64 = 209.44;
 
 type Change = (&'static str, fn(&mut Parameters));
 
-const CHANGES: [Change; 22] = [
+const CHANGES: [Change; 30] = [
     ("contact stiffness k_c × 0.5", |p| p.contact.stiffness *= 0.5),
     ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
     ("push stiffness k_e × 0.5", |p| p.belt.push_stiffness *= 0.5),
@@ -60,10 +61,18 @@ const CHANGES: [Change; 22] = [
     ("ring friction μ_r × 2", |p| p.friction.ring *= 2.0),
     ("play = 0", |p| p.belt.play = 0.0),
     ("play × 2", |p| p.belt.play *= 2.0),
-    ("contact strain × 0.1", |p| p.belt.contact_strain *= 0.1),
-    ("contact strain × 0.3", |p| p.belt.contact_strain *= 0.3),
-    ("contact strain × 0.5", |p| p.belt.contact_strain *= 0.5),
-    ("contact strain × 2", |p| p.belt.contact_strain *= 2.0),
+    ("roughness of the elements × 0.5", |p| p.belt.roughness *= 0.5),
+    ("roughness of the elements × 2", |p| p.belt.roughness *= 2.0),
+    ("film force × 0.5", |p| p.belt.film_force *= 0.5),
+    ("film force × 2", |p| p.belt.film_force *= 2.0),
+    ("film thickness × 0.5", |p| p.belt.film_thickness *= 0.5),
+    ("film thickness × 2", |p| p.belt.film_thickness *= 2.0),
+    ("roughness of the flanks × 0.5", |p| p.contact.roughness *= 0.5),
+    ("roughness of the flanks × 2", |p| p.contact.roughness *= 2.0),
+    ("tilt clearance × 0.5", |p| clearance(p, 0.5)),
+    ("tilt clearance × 2", |p| clearance(p, 2.0)),
+    ("fall of friction = 0", |p| p.friction.fall = 0.0),
+    ("fall of friction × 2", |p| p.friction.fall *= 2.0),
     ("friction velocity v_0 × 0.5", |p| p.friction.velocity *= 0.5),
     ("friction velocity v_0 × 2", |p| p.friction.velocity *= 2.0),
     ("mesh × 0.5", |p| mesh(p, 1, 2)),
@@ -72,8 +81,13 @@ const CHANGES: [Change; 22] = [
 ];
 
 fn tilt(p: &mut Parameters, factor: f64) {
-    p.primary.tilt_stiffness *= factor;
-    p.secondary.tilt_stiffness *= factor;
+    p.primary.tilt.stiffness *= factor;
+    p.secondary.tilt.stiffness *= factor;
+}
+
+fn clearance(p: &mut Parameters, factor: f64) {
+    p.primary.tilt.clearance *= factor;
+    p.secondary.tilt.clearance *= factor;
 }
 
 fn mesh(p: &mut Parameters, times: i32, over: i32) {
@@ -137,11 +151,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!();
     }
     println!();
-    heading("δ", &TOUCH_CASES);
-    for strain in CONTACT_STRAINS {
+    heading("roughness, µm", &TOUCH_CASES);
+    for roughness in ROUGHNESSES {
         let mut parameters = base.clone();
-        parameters.belt.contact_strain = strain;
-        print!("| {strain:.1e} |");
+        parameters.belt.roughness = roughness;
+        print!("| {:.2} |", 1e6 * roughness);
         for case in &TOUCH_CASES {
             match steady(&parameters, case)? {
                 Some((thrust, slip)) => print!(" {thrust:.3} | {:.2} % |", 100.0 * slip),

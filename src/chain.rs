@@ -16,8 +16,9 @@
 //!
 //! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`flux`]).
 //!
-//! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) with H the slope of ⟨·⟩₊: damping acts in contact only. The material
-//! shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
+//! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt), H the slope of ⟨·⟩₊: damping acts in contact only. With ε = ν − 1
+//! k_e⟨ε⟩₊ = k_e δ ln(1 + e^{ε/δ}) + (q/ln 2) ln(1 + e^{ε/δ_f}): across a gap wider than the roughness only the film's few
+//! newtons q act. The play is measured at ε = 0, where the stack has half its stiffness. The material shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
 //! outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
 //!
 //! A ring in space has two normals, n̂ and b̂. Every equation with n̂ holds for both, and their contributions add up.
@@ -28,7 +29,7 @@
 #![forbid(unsafe_code)]
 
 use crate::ring::kinematics::{RingPoint, RingVariation};
-use crate::scalar::{Real, Tangent, smooth_plus};
+use crate::scalar::{Real, Tangent, smooth_plus, soft_plus_energy};
 use nalgebra::SVector;
 
 /// Parameters of the push elements.
@@ -44,11 +45,36 @@ pub struct Belt {
     pub push_stiffness: f64,
     /// Damping time of the stack, acting in contact only, s.
     pub damping: f64,
-    /// Strain of the stack over which neighbouring elements come into contact: the push force is k_e⟨ν − 1⟩₊ smoothed
-    /// with this width. Rough faces touch at their summits first and close over a distance like the deviation of their
-    /// heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm of ground steel: 1e-4 to 3e-4 of elements 1.5 mm thick.
-    /// It decides how elements leave a pulley; below 5e-5 slip and thrust ratio depend on it (`docs/sensitivity.md`).
-    pub contact_strain: f64,
+    /// Roughness of the elements' faces, m: the distance over which neighbouring elements come into contact. Rough faces
+    /// touch at their summits first, and the force between them falls off exponentially with the gap, over a distance like
+    /// the deviation of their heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm of ground steel.
+    pub roughness: f64,
+    /// Thickness of an element, m: a gap there is a strain of the stack.
+    pub element_thickness: f64,
+    /// Force between elements at their first touch by what reaches further than the roughness, N: oil, waviness and
+    /// rocking of the faces. Without it waves don't run against the flow in a stack with gaps, and the play gathers where
+    /// elements enter a pulley (`docs/sensitivity.md`).
+    pub film_force: f64,
+    /// Distance over which that force falls off, m.
+    pub film_thickness: f64,
+}
+
+impl Belt {
+    /// Strain of the stack over which neighbouring elements come into contact.
+    #[must_use]
+    pub fn contact_strain(&self) -> f64 {
+        self.roughness / self.element_thickness
+    }
+
+    /// Strain of the stack over which the film's force falls off.
+    fn film_strain(&self) -> f64 {
+        self.film_thickness / self.element_thickness
+    }
+
+    /// Push force per strain that the film adds, N: at the first touch it bears `film_force`.
+    fn film_stiffness(&self) -> f64 {
+        self.film_force / (self.film_strain() * std::f64::consts::LN_2)
+    }
 }
 
 /// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
@@ -341,7 +367,10 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
 /// ⟨ν−1⟩₊, its slope H and the slope of H.
 #[inline(always)]
 fn stack_contact<T: Real>(belt: &Belt, nu: T) -> [T; 3] {
-    (nu - 1.0).smooth_plus(belt.contact_strain)
+    let strain = nu - 1.0;
+    let [near, far] = [belt.contact_strain(), belt.film_strain()].map(|width| strain.soft_plus(width));
+    let share = belt.film_stiffness() / belt.push_stiffness;
+    std::array::from_fn(|k| near[k] + far[k] * share)
 }
 
 /// H, and the slope of d_e H Dν/Dt by ν, at the density `nu` and the push force `push`, N.
@@ -388,15 +417,14 @@ pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwi
     nu * size * difference * upwinding * (0.5 * belt.mass_per_length)
 }
 
-/// Share of gaps 1 − ν at which the elastic energy is counted as zero: the play of a belt leaves fewer.
-const WIDEST_GAPS: f64 = 0.1;
-
 /// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' = k_e⟨ν−1⟩₊/ν².
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(belt: &Belt, nu: T) -> T {
     // 1/ν² is expanded about contact: ν − 1 is below 1e-2 wherever force acts.
-    crate::scalar::smooth_plus_energy(nu - 1.0, belt.contact_strain, WIDEST_GAPS) * belt.push_stiffness
+    let strain = nu - 1.0;
+    soft_plus_energy(strain, belt.contact_strain()) * belt.push_stiffness
+        + soft_plus_energy(strain, belt.film_strain()) * belt.film_stiffness()
 }
 
 /// The quantities of a cell from which the flux of elements follows.

@@ -9,8 +9,11 @@
 //! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), H the slope of ⟨·⟩₊,
 //! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with the closing speed of
 //!   the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a tilted sheave that turns closes and opens,
-//! - friction −μ p_el (v_t, v_f)/√(v_t² + v_f² + v₀²), p_el the elastic part of p, which is never negative: friction
-//!   always dissipates.
+//! - friction −μ(v) p_el (v_t, v_f)/√(v² + v₀²), v² = v_t² + v_f², with μ(v) = μ (1 − f v²/(v² + v_c²)): measured traction falls
+//!   slightly in fast sliding. p_el is the elastic part of p, which is never negative, and f < 1: friction always dissipates.
+//!
+//! ⟨g⟩₊ = ρ ln(1 + e^{g/ρ}) with the roughness ρ: the summits of rough faces touch first, and the force falls off exponentially with
+//! the clearance (Greenwood and Williamson 1966).
 //!
 //! A belt that is off the middle of its pulley by δ, towards the movable sheave, presses on that one with g + δ and on
 //! the other with g − δ; δ moves as the element does along the axis, which enters closing and sliding in the same way.
@@ -20,7 +23,7 @@
 
 #![forbid(unsafe_code)]
 
-use crate::scalar::{Real, smooth_plus};
+use crate::scalar::Real;
 
 /// Parameters of the contact between element flank and sheave.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +32,8 @@ pub struct Contact {
     pub stiffness: f64,
     /// Damping time of the penetration, s.
     pub damping: f64,
+    /// Roughness of flank and sheave ρ: the distance over which they come into contact, m.
+    pub roughness: f64,
 }
 
 /// Friction coefficients and their regularisation.
@@ -40,10 +45,11 @@ pub struct Friction {
     pub ring: f64,
     /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
     pub velocity: f64,
+    /// Share f of μ that is lost in fast sliding; 0 is Coulomb's law.
+    pub fall: f64,
+    /// Sliding speed v_c at which half of f is lost, m/s.
+    pub fall_speed: f64,
 }
-
-/// Smoothing width of the penetration, m: small against a working penetration of 10 to 40 µm.
-pub const PENETRATION_SMOOTHING: f64 = 0.5e-6;
 
 /// Motion of a flank relative to its sheave.
 #[derive(Clone, Copy, Debug)]
@@ -94,13 +100,13 @@ pub fn flank_force<T: Real>(
     cos_beta: f64,
     motion: &FlankMotion<T>,
 ) -> FlankForce<T> {
-    let [depth, touching] = touch(motion.penetration);
+    let [depth, touching] = touch(contact, motion.penetration);
     let k = contact.stiffness * cos_beta;
     let elastic = depth * k;
     let viscous = touching * motion.closing * (k * contact.damping);
-    let square = square_of_speed(friction, [motion.tangential, motion.along_flank]);
-    let (_, inverse_speed) = square.root_and_inverse();
-    let drag = elastic * (-friction.pulley) * inverse_speed;
+    let square = square_of_speed([motion.tangential, motion.along_flank]);
+    let (_, inverse_speed) = (square + friction.velocity * friction.velocity).root_and_inverse();
+    let drag = -(elastic * coefficient(friction, square) * inverse_speed);
     FlankForce {
         normal: elastic + viscous,
         viscous,
@@ -111,16 +117,23 @@ pub fn flank_force<T: Real>(
 
 /// ⟨g⟩₊ and H at the penetration g, m.
 #[inline(always)]
-pub(crate) fn touch<T: Real>(penetration: T) -> [T; 2] {
-    let (depth, touching) = smooth_plus(penetration, PENETRATION_SMOOTHING);
+pub(crate) fn touch<T: Real>(contact: &Contact, penetration: T) -> [T; 2] {
+    let [depth, touching, _] = penetration.soft_plus(contact.roughness);
     [depth, touching]
 }
 
-/// v_t² + v_f² + v₀², m²/s².
+/// v² = v_t² + v_f², m²/s².
 #[inline(always)]
-fn square_of_speed<T: Real>(friction: &Friction, [tangential, along_flank]: [T; 2]) -> T {
-    let v0 = friction.velocity;
-    tangential * tangential + along_flank * along_flank + v0 * v0
+fn square_of_speed<T: Real>([tangential, along_flank]: [T; 2]) -> T {
+    tangential * tangential + along_flank * along_flank
+}
+
+/// μ(v) at the square of the sliding speed, m²/s².
+#[inline(always)]
+fn coefficient<T: Real>(friction: &Friction, square: T) -> T {
+    let corner = friction.fall_speed * friction.fall_speed;
+    let lost = square * (square + corner).recip();
+    lost * (-friction.pulley * friction.fall) + friction.pulley
 }
 
 /// Slopes of the friction of [`flank_force`] by the sliding speed.
@@ -142,12 +155,18 @@ pub(crate) fn friction_slopes<T: Real>(
     sliding: [T; 2],
     scale: f64,
 ) -> FrictionSlopes<T> {
-    let speed = square_of_speed(friction, sliding).sqrt();
-    let drag = depth * (friction.pulley * contact.stiffness * scale) / speed;
+    let square = square_of_speed(sliding);
+    let speed = (square + friction.velocity * friction.velocity).sqrt();
+    let load = depth * (contact.stiffness * scale) / speed;
+    let drag = load * coefficient(friction, square);
     let [u, w] = sliding.map(|of| of / speed);
+    // Twice the slope of μ by v², times the square of the speed: what the fall adds.
+    let corner = friction.fall_speed * friction.fall_speed;
+    let falling = speed / (square + corner);
+    let steeper = drag + load * falling * falling * (2.0 * friction.pulley * friction.fall * corner);
     FrictionSlopes {
         direction: [u, w],
-        slopes: [drag * (-(u * u) + 1.0), drag * (-(w * w) + 1.0), drag * u * w],
+        slopes: [drag - steeper * u * u, drag - steeper * w * w, steeper * u * w],
     }
 }
 
@@ -158,15 +177,12 @@ pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: 
     2.0 * friction.pulley * force * radius / cos_beta
 }
 
-/// Clearance at which the elastic energy is counted as zero, m: no flank is that far from its sheave.
-const WIDEST_CLEARANCE: f64 = 1.0;
-
 /// Elastic energy of a flank per pitch-line length, J/m.
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
-    crate::scalar::smooth_plus_energy(penetration, PENETRATION_SMOOTHING, WIDEST_CLEARANCE) * stiffness
+    crate::scalar::soft_plus_energy(penetration, contact.roughness) * stiffness
 }
 
 #[cfg(test)]
@@ -178,11 +194,14 @@ mod tests {
         let contact = Contact {
             stiffness: 5.0e9,
             damping: 1.0e-6,
+            roughness: 0.5e-6,
         };
         let friction = Friction {
             pulley: 0.09,
             ring: 0.05,
             velocity: 5.0e-4,
+            fall: 0.3,
+            fall_speed: 2.0e-2,
         };
         (contact, friction)
     }

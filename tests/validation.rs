@@ -51,8 +51,8 @@ fn every_real_parameter_refuses_what_is_not_finite() {
         ("secondary.inertia", |p| &mut p.secondary.inertia),
         ("primary.sheaveMass", |p| &mut p.primary.sheave_mass),
         ("secondary.sheaveDamping", |p| &mut p.secondary.sheave_damping),
-        ("primary.tiltStiffness", |p| &mut p.primary.tilt_stiffness),
-        ("secondary.tiltTime", |p| &mut p.secondary.tilt_time),
+        ("primary.tiltStiffness", |p| &mut p.primary.tilt.stiffness),
+        ("secondary.tiltTime", |p| &mut p.secondary.tilt.time),
         ("primary.minRadius", |p| &mut p.primary.min_radius),
         ("secondary.maxRadius", |p| &mut p.secondary.max_radius),
         ("solver.tolerance", |p| &mut p.solver.tolerance),
@@ -79,7 +79,7 @@ fn stiffness_mass_and_mesh_must_be_above_zero() {
             refused(|p| p.ring.axial_stiffness = bad),
             refused(|p| p.ring.bending_stiffness = bad),
             refused(|p| p.contact.stiffness = bad),
-            refused(|p| p.secondary.tilt_stiffness = bad),
+            refused(|p| p.secondary.tilt.stiffness = bad),
             refused(|p| p.belt.mass_per_length = bad),
             refused(|p| p.primary.inertia = bad),
             refused(|p| p.friction.velocity = bad),
@@ -225,7 +225,7 @@ fn limit_cases_of_theory_are_legal() {
         p.friction.ring = 0.0;
         p.belt.play = 0.0;
         p.belt.pitch_offset = 0.0;
-        p.primary.tilt_stiffness = 1e30;
+        p.primary.tilt.stiffness = 1e30;
         p.initial.primary_speed = 0.0;
     });
     accepted(|p| p.initial.primary_speed = -100.0);

@@ -40,8 +40,8 @@ pub fn coarse(model: RingModel) -> Parameters {
 
 /// Sheaves that do not tilt.
 pub fn rigid(mut parameters: Parameters) -> Parameters {
-    parameters.primary.tilt_stiffness = RIGID_TILT_STIFFNESS;
-    parameters.secondary.tilt_stiffness = RIGID_TILT_STIFFNESS;
+    parameters.primary.tilt.stiffness = RIGID_TILT_STIFFNESS;
+    parameters.secondary.tilt.stiffness = RIGID_TILT_STIFFNESS;
     parameters
 }
 

@@ -1,6 +1,6 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
-use super::real::Real;
+use super::real::{MOST, Real};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 #[cfg(not(target_feature = "avx"))]
@@ -203,6 +203,25 @@ impl Real for Lanes {
     #[inline(always)]
     fn ln(self) -> Self {
         Self(self.0.ln())
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        Self(self.0.exp())
+    }
+
+    #[inline(always)]
+    fn soft_plus(self, delta: f64) -> [Self; 3] {
+        let size = Self(self.0.abs()) * (1.0 / delta);
+        let tail = (-size.min(Self::from(MOST))).exp();
+        let whole = tail + 1.0;
+        let inverse = whole.recip();
+        let slope = self.if_positive(Self::one(), tail) * inverse;
+        // Below 1e-16 the logarithm of 1 + x is no longer x; its absolute error is nothing beside δ.
+        let plus = self.max(Self::zero()) + whole.ln() * delta;
+        // 1 − slope without cancellation.
+        let rest = self.if_positive(tail, Self::one()) * inverse;
+        [plus, slope, slope * rest * (1.0 / delta)]
     }
 
     #[inline(always)]

@@ -10,6 +10,6 @@ mod vectors;
 
 pub use lanes::{LANES, Lanes};
 pub use real::Real;
-pub use smooth::{smooth_plus, smooth_plus_energy};
+pub use smooth::{smooth_plus, smooth_plus_energy, soft_plus_energy};
 pub use tangent::Tangent;
 pub use vectors::{turn_right, zero_vector};

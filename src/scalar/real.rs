@@ -78,10 +78,21 @@ pub trait Real:
     #[must_use]
     fn ln(self) -> Self;
 
+    /// Exponential.
+    #[must_use]
+    fn exp(self) -> Self;
+
     /// ⟨x⟩₊ = ½(x + √(x² + δ²)), its slope and its second derivative.
     #[must_use]
     fn smooth_plus(self, delta: f64) -> [Self; 3];
+
+    /// δ ln(1 + e^{x/δ}), its slope and its second derivative: a positive part whose tail falls off exponentially.
+    #[must_use]
+    fn soft_plus(self, delta: f64) -> [Self; 3];
 }
+
+/// Largest x/δ of which the exponential is taken: e^−x is nothing beside 1 long before, and not yet zero.
+pub(super) const MOST: f64 = 600.0;
 
 impl Real for f64 {
     type Constant = Self;
@@ -119,6 +130,19 @@ impl Real for f64 {
     #[inline(always)]
     fn ln(self) -> Self {
         self.ln()
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.exp()
+    }
+
+    #[inline(always)]
+    fn soft_plus(self, delta: f64) -> [Self; 3] {
+        let tail = (-(self.abs() / delta).min(MOST)).exp();
+        let slope = (if self > 0.0 { 1.0 } else { tail }) / (1.0 + tail);
+        let plus = self.max(0.0) + delta * tail.ln_1p();
+        [plus, slope, slope * (1.0 - slope) / delta]
     }
 
     #[inline(always)]
@@ -164,6 +188,24 @@ macro_rules! real_by_num_dual {
 
             fn ln(self) -> Self {
                 DualNum::ln(&self)
+            }
+
+            fn exp(self) -> Self {
+                DualNum::exp(&self)
+            }
+
+            fn soft_plus(self, delta: f64) -> [Self; 3] {
+                let above = self.re > 0.0;
+                let size = if above { -self } else { self };
+                let tail = if size.re < -MOST * delta {
+                    Self::from_re((-MOST).exp())
+                } else {
+                    DualNum::exp(&(size * delta.recip()))
+                };
+                let whole = DualNum::recip(&(tail + 1.0));
+                let slope = if above { whole } else { tail * whole };
+                let plus = DualNum::ln_1p(&tail) * delta + if above { self } else { Self::from_re(0.0) };
+                [plus, slope, slope * (-slope + 1.0) * delta.recip()]
             }
 
             fn smooth_plus(self, delta: f64) -> [Self; 3] {

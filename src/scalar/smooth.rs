@@ -1,4 +1,4 @@
-//! The smoothed positive part ⟨x⟩₊ of a number, and its integral.
+//! Smoothed positive parts ⟨x⟩₊ of a number, and their integrals.
 
 use super::real::Real;
 
@@ -21,10 +21,66 @@ pub fn smooth_plus_energy<T: Real>(x: T, delta: f64, reach: f64) -> T {
     (x * here + arsinh * (0.5 * square) + reach * plus(-reach)) * 0.5
 }
 
+/// ∫ δ ln(1 + e^{x/δ}) dx from −∞, a dilogarithm.
+#[inline(always)]
+#[must_use]
+pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
+    // −Li₂(−z) in powers of l = ln(1 + z) ≤ ln 2; the coefficients are B_n/(n + 1)!. The next term is below 1e-12.
+    let of_log = |l: T| {
+        let square = l * l;
+        let odd = ((square * (-1.0 / 10_886_400.0) + 1.0 / 211_680.0) * square - 1.0 / 3600.0) * square + 1.0 / 36.0;
+        l + square * 0.25 + odd * square * l
+    };
+    let [above, ..] = x.soft_plus(delta);
+    let [below, ..] = (-x).soft_plus(delta);
+    let scaled = 1.0 / delta;
+    if_positive(
+        x,
+        -of_log(below * scaled) + x * x * (0.5 * scaled * scaled) + std::f64::consts::PI.powi(2) / 6.0,
+        of_log(above * scaled),
+    ) * (delta * delta)
+}
+
+/// Lane by lane `yes` where `x` is positive, else `no`.
+#[inline(always)]
+fn if_positive<T: Real>(x: T, yes: T, no: T) -> T {
+    (0..T::WIDTH).fold(no, |sum, lane| if x.lane(lane) > 0.0 { sum.with_lane(lane, yes) } else { sum })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scalar::{LANES, Lanes};
     use num_dual::Dual64;
+
+    #[test]
+    fn soft_plus_is_the_slope_of_its_energy_and_has_its_own() {
+        let (delta, h) = (0.3, 1e-4);
+        for x in [-9.0, -2.0, -0.1, 0.0, 0.2, 3.0, 40.0] {
+            let slope = (soft_plus_energy(x + h, delta) - soft_plus_energy(x - h, delta)) / (2.0 * h);
+            let [plus, ..] = x.soft_plus(delta);
+            assert!((slope - plus).abs() < 1e-8 * (1.0 + x.abs()), "{x}: {slope} {plus}");
+            let [value, slope, bend] = Dual64::new(x, 1.0).soft_plus(delta);
+            assert!((value.eps - slope.re).abs() < 1e-14);
+            assert!((slope.eps - bend.re).abs() < 1e-13);
+            for (found, expected) in x.soft_plus(delta).into_iter().zip([value, slope, bend]) {
+                assert!((found - expected.re).abs() < 1e-14 * (1.0 + x.abs()));
+            }
+        }
+    }
+
+    #[test]
+    fn packs_agree_with_numbers() {
+        for x in [-1e4, -50.0, -3.0, -0.2, 0.0, 1e-3, 0.4, 7.0, 1e4] {
+            let pack = Lanes::new([x; LANES]).soft_plus(0.3);
+            for (pack, number) in pack.into_iter().zip(x.soft_plus(0.3)) {
+                assert!((pack.lane(0) - number).abs() < 1e-14 * (1.0 + number.abs()), "{x}");
+            }
+            let energy = soft_plus_energy(Lanes::from(x), 0.3).lane(0);
+            let number = soft_plus_energy(x, 0.3);
+            assert!((energy - number).abs() < 1e-13 * (1.0 + number.abs()), "{x}: {energy} {number}");
+        }
+    }
 
     #[test]
     fn smooth_plus_has_the_slope_that_differentiation_finds() {

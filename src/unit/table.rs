@@ -3,7 +3,7 @@
 //!
 //! Rows of a pulley are written once: `{}` stands for its name, and 100 or 200 is added to the reference.
 //!
-//! Value references, never changed once given:
+//! Value references, never changed once given (1036 was belt.contactStrain):
 //!
 //! | references | variables |
 //! |---|---|
@@ -220,6 +220,7 @@ macro_rules! pulley_outputs {
         $t.read("{}.externalTorque", 16, (Output, "N.m", typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or the reaction in speed drive", read!($pulley.external_torque));
         $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed; what accelerates {}.inertia is not in it", read!($pulley.power));
         $t.read("spiral.{}", 18, (Output, "m", not_negative(1e-4)), "Spiral running: spread of the running radius within the {} arc", read!($pulley.spiral));
+        $t.read("{}.tilt", 19, (Output, "rad", not_negative(1e-3)), "Tilt of one {} sheave under the belt, the mean of both sheaves", read!($pulley.tilt));
     };
 }
 
@@ -231,8 +232,9 @@ macro_rules! pulley_parameters {
         $t.set("{}.inertia", 33, Parameter, "kg.m2", "Moment of inertia of the {} pulley and of what is rigidly connected to it", set!(parameters.$pulley.inertia));
         $t.set("{}.sheaveMass", 34, Parameter, "kg", "Mass of the movable {} sheave", set!(parameters.$pulley.sheave_mass));
         $t.set("{}.sheaveDamping", 35, Parameter, "N.s/m", "Viscous damping of the axial motion of the {} sheave", set!(parameters.$pulley.sheave_damping));
-        $t.set("{}.tiltStiffness", 36, Parameter, "N.m/rad", "Tilt stiffness of one {} sheave; rigid from 1e12 on", set!(parameters.$pulley.tilt_stiffness));
-        $t.set("{}.tiltTime", 37, Parameter, "s", "Relaxation time of the tilt of the {} sheaves", set!(parameters.$pulley.tilt_time));
+        $t.set("{}.tiltStiffness", 36, Parameter, "N.m/rad", "Tilt stiffness of one {} sheave beyond its clearance; rigid from 1e12 on. The tilt is the mean of both sheaves", set!(parameters.$pulley.tilt.stiffness));
+        $t.set("{}.tiltClearance", 40, Parameter, "rad", "Clearance by which one {} sheave tilts as soon as it is loaded, the mean of both sheaves; 0: the tilt is linear", set!(parameters.$pulley.tilt.clearance));
+        $t.set("{}.tiltTime", 37, Parameter, "s", "Relaxation time of the tilt of the {} sheaves", set!(parameters.$pulley.tilt.time));
         $t.set("{}.minRadius", 38, Parameter, "m", "Pitch radius at the opening stop of the {} sheaves", set!(parameters.$pulley.min_radius));
         $t.set("{}.maxRadius", 39, Parameter, "m", "Pitch radius at the closing stop of the {} sheaves", set!(parameters.$pulley.max_radius));
     };
@@ -307,7 +309,10 @@ fn parameters(t: &mut Rows) {
     t.set("belt.massPerLength", 1033, Parameter, "kg/m", "Mass of the elements alone per pitch-line length", set!(parameters.belt.mass_per_length));
     t.set("belt.pushStiffness", 1034, Parameter, "N", "Push force per strain of the element stack", set!(parameters.belt.push_stiffness));
     t.set("belt.damping", 1035, Parameter, "s", "Damping time of the element stack, in contact only", set!(parameters.belt.damping));
-    t.set("belt.contactStrain", 1036, Parameter, "1", "Strain of the stack over which neighbouring elements come into contact", set!(parameters.belt.contact_strain));
+    t.set("belt.roughness", 1037, Parameter, "m", "Roughness of the elements' faces: the distance over which neighbouring elements come into contact", set!(parameters.belt.roughness));
+    t.set("belt.elementThickness", 1038, Parameter, "m", "Thickness of an element", set!(parameters.belt.element_thickness));
+    t.set("belt.filmForce", 1039, Parameter, "N", "Force between elements at their first touch by what reaches further than the roughness: oil, waviness and rocking of the faces", set!(parameters.belt.film_force));
+    t.set("belt.filmThickness", 1040, Parameter, "m", "Distance over which belt.filmForce falls off", set!(parameters.belt.film_thickness));
     t.set("ring.massPerLength", 1041, Parameter, "kg/m", "Mass of the ring sets per length", set!(parameters.ring.mass_per_length));
     t.set("ring.axialStiffness", 1042, Parameter, "N", "Axial stiffness EA of the ring sets", set!(parameters.ring.axial_stiffness));
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));
@@ -318,8 +323,11 @@ fn parameters(t: &mut Rows) {
     t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
     t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave, below tan(geometry.wedgeAngle)", set!(parameters.friction.pulley));
     t.set("friction.ring", 1052, Tunable, "1", "Friction coefficient between ring and element", set!(parameters.friction.ring));
+    t.set("friction.fall", 1054, Parameter, "1", "Share of friction.pulley that is lost in fast sliding: mu(v) = friction.pulley (1 - fall v2/(v2 + fallSpeed2)); 0 is Coulomb's law", set!(parameters.friction.fall));
+    t.set("friction.fallSpeed", 1055, Parameter, "m/s", "Sliding speed at which half of friction.fall is lost", set!(parameters.friction.fall_speed));
     t.set("friction.velocity", 1053, Parameter, "m/s", "Regularisation speed of the friction between element and sheave, at most 1e-3 for accurate micro-slip", set!(parameters.friction.velocity));
     t.set("contact.stiffness", 1061, Parameter, "N/m2", "Contact stiffness per flank and pitch-line length", set!(parameters.contact.stiffness));
+    t.set("contact.roughness", 1063, Parameter, "m", "Roughness of flank and sheave: the distance over which they come into contact", set!(parameters.contact.roughness));
     t.set("contact.damping", 1062, Parameter, "s", "Damping time of the contact", set!(parameters.contact.damping));
     t.count("mesh.primaryArc", 1071, "Ring elements on the primary arc", set!(parameters.mesh.primary_arc));
     t.count("mesh.secondaryArc", 1072, "Ring elements on the secondary arc, an even number", set!(parameters.mesh.secondary_arc));

@@ -109,7 +109,7 @@ fn derivatives_by_hand_are_those_of_forward_differentiation() {
         let mut parameters = small(model);
         parameters.spatial = spatial;
         parameters.mesh.aligned = aligned;
-        parameters.primary.tilt_stiffness = tilt;
+        parameters.primary.tilt.stiffness = tilt;
         for speed in [200.0, -200.0, 0.0] {
             let (system, state) = disturbed(&parameters, speed);
             let worst = system.worst_derivative(state.view(), 1.0e4);

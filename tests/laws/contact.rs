@@ -1,7 +1,7 @@
 //! Flank contact.
 
 use num_dual::Dual64;
-use pushbelt::contact::{FlankForce, FlankMotion, PENETRATION_SMOOTHING, energy_density, flank_force};
+use pushbelt::contact::{FlankForce, FlankMotion, energy_density, flank_force};
 use pushbelt::scalar::{Real, Tangent};
 use pushbelt_lab::laws::{contact, cos_beta, friction, integral};
 use pushbelt_lab::noise;
@@ -32,7 +32,7 @@ fn figures<T: Real>(x: [T; 4]) -> [T; 4] {
 /// Derivatives with respect to g, Dg/Dt, v_t and v_f: of num-dual, of the solver's own numbers, and differences. Each
 /// difference is off by at most 1e-6 of what the force changes by over the width in which the law turns.
 fn assert_derivatives(x: [f64; 4]) {
-    let widths = [PENETRATION_SMOOTHING, 1.0, friction().velocity, friction().velocity];
+    let widths = [contact().roughness, 1.0, friction().velocity, friction().velocity];
     let tangents = figures(std::array::from_fn(|i| Tangent::<4, f64>::seed(x[i], i, 1.0)));
     for (i, width) in widths.into_iter().enumerate() {
         let mut dual = x.map(Dual64::from_re);
@@ -70,7 +70,8 @@ fn derivatives_where_it_slides_along_the_flank() {
 #[test]
 fn derivatives_where_contact_breaks() {
     let v0 = friction().velocity;
-    for penetration in [-PENETRATION_SMOOTHING, 0.0, PENETRATION_SMOOTHING] {
+    let roughness = contact().roughness;
+    for penetration in [-roughness, 0.0, roughness] {
         assert_derivatives([penetration, -0.2, v0, v0]);
     }
 }

@@ -142,7 +142,7 @@ impl RegimeProbe<'_> {
         let station = &mut self.regime.stations[self.regime.recorded];
         // In space one flank is deeper in than the other.
         let [[deep, touching], [flat, other_touching]] =
-            [s.penetration + s.offset, s.penetration - s.offset].map(touch);
+            [s.penetration + s.offset, s.penetration - s.offset].map(|g| touch(&law.contact, g));
         let sliding = [s.sliding, s.flank_sliding];
         let FrictionSlopes { direction, slopes } =
             friction_slopes(&law.contact, friction, deep + flat, sliding, inertia);

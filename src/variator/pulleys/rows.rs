@@ -1,11 +1,11 @@
 //! Equations of motion of the pulleys:
 //!
 //! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1,
-//! - tilt of one sheave: k (ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ). Its shape is Sattler's trigonometric law with the
-//!   amplitude from moment balance: |ψ| = aΔ tan β, a = (1 + cos²β)/sin 2β, gives the same spread of radius,
+//! - tilt of one sheave: (M/a)(ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ), see [`tilt`](crate::tilt),
 //! - rotation: J ω̇ = T + belt torque, or τ_ω ω̇ = ω_set − ω in speed drive.
 
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
+use crate::scalar::Tangent;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::variator::assembly::sums::PulleyLoad;
@@ -116,13 +116,15 @@ impl Pulleys {
     }
 
     fn tilt_rows(&self, pulley: Pulley, load: &PulleyLoad, view: View<'_>, out: &mut [f64]) {
-        let of = &self.parameters[pulley];
+        let law = &self.parameters[pulley].tilt;
+        let [psi, rate] = self.tilt(pulley, view);
+        let moment = law.moment(psi, rate);
         for axis in 0..2 {
             let i = self.layout.tilt(pulley, axis);
-            out[i] = if of.is_rigid() {
-                HOLD * view.y[i]
+            out[i] = if law.is_rigid() {
+                HOLD * psi[axis]
             } else {
-                of.tilt_stiffness * (view.y[i] + of.tilt_time * view.y_dot[i]) - load.tilting[axis]
+                moment[axis] - load.tilting[axis]
             };
         }
     }
@@ -153,15 +155,7 @@ impl Pulleys {
     ) {
         for pulley in Pulley::BOTH {
             self.sheave_slopes(pulley, boundary.sheave[pulley], view, slopes, out);
-            let of = &self.parameters[pulley];
-            for axis in 0..2 {
-                let i = self.layout.tilt(pulley, axis);
-                if of.is_rigid() {
-                    out.set_unit_row(i, HOLD);
-                } else {
-                    out.add(i, i, of.tilt_stiffness * (1.0 + of.tilt_time * slopes[0]));
-                }
-            }
+            self.tilt_slopes(pulley, view, slopes[0], out);
         }
         // Secondary first: its row may need the primary's before that is overwritten.
         self.couple_secondary(boundary.shaft.secondary, loads.primary.torque, view, out);
@@ -173,6 +167,28 @@ impl Pulleys {
                 ShaftMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
                 ShaftMode::Fixed => out.set_unit_row(i, inertia * alpha.max(1.0)),
                 _ => out.add(i, i, inertia * alpha),
+            }
+        }
+    }
+
+    /// Tilt of a pulley's sheaves, rad, and its rate, rad/s.
+    fn tilt(&self, pulley: Pulley, view: View<'_>) -> [[f64; 2]; 2] {
+        let at = [0, 1].map(|axis| self.layout.tilt(pulley, axis));
+        [at.map(|i| view.y[i]), at.map(|i| view.y_dot[i])]
+    }
+
+    fn tilt_slopes(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
+        let law = &self.parameters[pulley].tilt;
+        let at = [0, 1].map(|axis| self.layout.tilt(pulley, axis));
+        if law.is_rigid() {
+            at.into_iter().for_each(|i| out.set_unit_row(i, HOLD));
+            return;
+        }
+        let [psi, rate] = self.tilt(pulley, view);
+        let seeded = |of: [f64; 2], slope| std::array::from_fn(|axis| Tangent::<2, f64>::seed(of[axis], axis, slope));
+        for (row, moment) in at.into_iter().zip(law.moment(seeded(psi, 1.0), seeded(rate, alpha))) {
+            for (column, slope) in at.into_iter().zip(moment.eps) {
+                out.add(row, column, slope);
             }
         }
     }
@@ -231,11 +247,9 @@ impl Pulleys {
             let of = &self.parameters[pulley];
             let rate = view.y[self.layout.sheave(pulley)];
             loss += of.sheave_damping * rate * rate - self.stop(pulley, view).viscous * rate;
-            if !of.is_rigid() {
-                for axis in 0..2 {
-                    let rate = view.y_dot[self.layout.tilt(pulley, axis)];
-                    loss += 2.0 * of.tilt_stiffness * of.tilt_time * rate * rate;
-                }
+            if !of.tilt.is_rigid() {
+                let [psi, rate] = self.tilt(pulley, view);
+                loss += 2.0 * of.tilt.loss(psi, rate);
             }
         }
         loss
@@ -252,11 +266,9 @@ impl Pulleys {
             energy += 0.5 * of.inertia * omega * omega
                 + 0.5 * of.sheave_mass * view.y[z] * view.y[z]
                 + self.travel[pulley].energy(view.q[z]);
-            if !of.is_rigid() {
-                for axis in 0..2 {
-                    let psi = view.y[self.layout.tilt(pulley, axis)];
-                    energy += of.tilt_stiffness * psi * psi;
-                }
+            if !of.tilt.is_rigid() {
+                let [psi, _] = self.tilt(pulley, view);
+                energy += 2.0 * of.tilt.energy(psi);
             }
         }
         energy

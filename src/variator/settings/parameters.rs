@@ -5,6 +5,7 @@ pub use crate::chain::Belt;
 pub use crate::contact::{Contact, Friction};
 use crate::pulley::Pulley;
 pub use crate::ring::Ring;
+pub use crate::tilt::{RIGID_TILT_STIFFNESS, Tilt};
 
 /// Model of the ring inside the variator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,9 +51,6 @@ pub enum Axial {
 
 /// Lag of a pulley's speed behind its set point in [`Drive::Speed`], s.
 pub const SPEED_LAG: f64 = 1e-3;
-
-/// Tilt stiffness from which a sheave counts as rigid, N·m/rad.
-pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
 
 /// All parameters of a variator. [`Default`] is the laboratory variator `bench168`.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,10 +115,8 @@ pub struct PulleyParameters {
     pub sheave_mass: f64,
     /// Viscous damping d_z of the sheave's axial motion, N·s/m.
     pub sheave_damping: f64,
-    /// Tilt stiffness k_tilt of one sheave, N·m/rad; from [`RIGID_TILT_STIFFNESS`] on it is rigid.
-    pub tilt_stiffness: f64,
-    /// Relaxation time of the tilt, s.
-    pub tilt_time: f64,
+    /// Tilt of one sheave: the mean of both.
+    pub tilt: Tilt,
     /// Pitch radius at the opening stop, m.
     pub min_radius: f64,
     /// Pitch radius at the closing stop, m.
@@ -180,14 +176,6 @@ pub struct Initial {
     pub equilibrium: bool,
 }
 
-impl PulleyParameters {
-    /// Whether the sheaves count as rigid.
-    #[must_use]
-    pub fn is_rigid(&self) -> bool {
-        self.tilt_stiffness >= RIGID_TILT_STIFFNESS
-    }
-}
-
 impl Parameters {
     /// Parameters of a pulley.
     #[must_use]
@@ -222,9 +210,12 @@ impl Default for Parameters {
             axial: Axial::Force,
             inertia: 0.03,
             sheave_mass: 2.0,
-            sheave_damping: 3.0e4,
-            tilt_stiffness: 7.0e5,
-            tilt_time: 2.0e-3,
+            sheave_damping: 1.2e4,
+            tilt: Tilt {
+                stiffness: 1.79e6,
+                clearance: 0.624e-3,
+                time: 2.0e-3,
+            },
             min_radius: 0.030,
             max_radius: 0.082,
         };
@@ -241,11 +232,14 @@ impl Default for Parameters {
             },
             belt: Belt {
                 pitch_offset: 1.0e-3,
-                play: 4.0e-4,
+                play: 2.0e-4,
                 mass_per_length: 1.33,
                 push_stiffness: 1.0e7,
                 damping: 5.0e-6,
-                contact_strain: 1.0e-4,
+                roughness: 1.0e-7,
+                element_thickness: 1.5e-3,
+                film_force: 10.0,
+                film_thickness: 6.0e-6,
             },
             ring: Ring {
                 mass_per_length: 0.24,
@@ -258,10 +252,13 @@ impl Default for Parameters {
                 pulley: 0.09,
                 ring: 0.05,
                 velocity: 5.0e-4,
+                fall: 0.1,
+                fall_speed: 0.5,
             },
             contact: Contact {
-                stiffness: 5.0e9,
+                stiffness: 6.0e10,
                 damping: 1.0e-6,
+                roughness: 1.0e-7,
             },
             primary: pulley.clone(),
             secondary: pulley,

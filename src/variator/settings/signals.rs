@@ -82,6 +82,8 @@ pub struct PulleyOutputs {
     pub power: f64,
     /// Spread of the running radius within the arc, m.
     pub spiral: f64,
+    /// Tilt of one sheave, the mean of both, rad.
+    pub tilt: f64,
 }
 
 /// Losses, each from its own law, W.

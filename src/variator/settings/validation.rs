@@ -91,10 +91,10 @@ macro_rules! limit {
 }
 
 macro_rules! pulley_limit {
-    ($name:literal, $field:ident, $min:literal, $max:expr) => {
+    ($name:literal, $($field:ident).+, $min:literal, $max:expr) => {
         Limit {
             names: [concat!("primary.", $name), concat!("secondary.", $name)],
-            get: |of| of.$field,
+            get: |of| of.$($field).+,
             min: $min,
             max: $max,
         }
@@ -111,7 +111,10 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("belt.play", belt.play, 0.0, 10.0),
     limit!("belt.massPerLength", belt.mass_per_length, 1e-3, 1e3),
     limit!("belt.pushStiffness", belt.push_stiffness, 1e3, 1e13),
-    limit!("belt.contactStrain", belt.contact_strain, 1e-7, 1e-2),
+    limit!("belt.roughness", belt.roughness, 1e-10, 1e-5),
+    limit!("belt.elementThickness", belt.element_thickness, 1e-4, 0.1),
+    limit!("belt.filmForce", belt.film_force, 0.0, 1e3),
+    limit!("belt.filmThickness", belt.film_thickness, 1e-8, 1e-4),
     limit!("belt.damping", belt.damping, 0.0, 1e-2),
     limit!("ring.massPerLength", ring.mass_per_length, 1e-3, 1e3),
     limit!("ring.axialStiffness", ring.axial_stiffness, 1e3, 1e13),
@@ -125,8 +128,11 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("ring.damping", ring.damping, 0.0, 1e-2),
     limit!("friction.pulley", friction.pulley, 0.0, 1.0),
     limit!("friction.ring", friction.ring, 0.0, 1.0),
+    limit!("friction.fall", friction.fall, 0.0, 0.9),
+    limit!("friction.fallSpeed", friction.fall_speed, 1e-3, 1e3),
     limit!("friction.velocity", friction.velocity, 1e-6, 0.1),
     limit!("contact.stiffness", contact.stiffness, 1e6, 1e15),
+    limit!("contact.roughness", contact.roughness, 1e-10, 1e-5),
     limit!("contact.damping", contact.damping, 0.0, 1e-2),
     limit!("mesh.primaryArc", mesh.primary_arc, 2.0, 200.0),
     limit!("mesh.secondaryArc", mesh.secondary_arc, 2.0, 200.0),
@@ -143,8 +149,9 @@ const PULLEY: &[Limit<PulleyParameters, 2>] = &[
     pulley_limit!("inertia", inertia, 1e-6, 1e6),
     pulley_limit!("sheaveMass", sheave_mass, 1e-3, 1e6),
     pulley_limit!("sheaveDamping", sheave_damping, 0.0, 1e9),
-    pulley_limit!("tiltStiffness", tilt_stiffness, 1e3, f64::INFINITY),
-    pulley_limit!("tiltTime", tilt_time, 1e-6, 10.0),
+    pulley_limit!("tiltStiffness", tilt.stiffness, 1e3, f64::INFINITY),
+    pulley_limit!("tiltClearance", tilt.clearance, 0.0, 0.1),
+    pulley_limit!("tiltTime", tilt.time, 1e-6, 10.0),
     pulley_limit!("minRadius", min_radius, 1e-3, 10.0),
     pulley_limit!("maxRadius", max_radius, 1e-3, 10.0),
 ];

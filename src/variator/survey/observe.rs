@@ -255,6 +255,7 @@ fn pulley(belt: &Belt, view: View<'_>, j: Pulley, survey: &Survey, radius: f64, 
         external_torque: context.external_torque[j],
         power: -torque * speed,
         spiral: range.1 - range.0,
+        tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
     }
 }
 
