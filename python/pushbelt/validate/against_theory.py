@@ -9,7 +9,7 @@ that doesn't fall. In its limit the FMU has none of that either; at default para
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from pushbelt.fmu.data import load_case_speed
@@ -232,14 +232,14 @@ def _geometry(bench: Bench, ratio: float) -> tuple[float, float, float, float]:
     return cmm.wrap_angles(ratio, bench.given("geometry.centerDistance"), bench.given("geometry.beltLength"))
 
 
-def cases(bench: Bench) -> list[tuple[float, float]]:
+def cases(bench: Bench, ratios: Sequence[float] = RATIOS) -> list[tuple[float, float]]:
     """Ratio and traction: |r| from 0.2 to 0.7, at most 85 % of the theory's capacity at that ratio and sign.
 
     Where a traction exceeds that share, the share itself takes its place, once.
     """
     beta, mu = bench.given("geometry.wedgeAngle"), bench.given("friction.pulley")
     found: list[tuple[float, float]] = []
-    for ratio in RATIOS:
+    for ratio in ratios:
         wrap_p, wrap_s, _, _ = _geometry(bench, ratio)
         for traction in TRACTIONS:
             limit = LARGEST_SHARE * cmm.capacity(wrap_p, wrap_s, beta, mu, traction > 0.0)

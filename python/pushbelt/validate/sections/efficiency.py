@@ -70,7 +70,7 @@ class Beside:
 
 def count(plan: Plan) -> int:
     """Points, about."""
-    return 45 if plan.short else 2 * 117 + 18 + 3 + 18
+    return 41 if plan.short else 2 * 117 + 18 + 3 + 18
 
 
 def run(bench: Bench, plan: Plan) -> Section:
@@ -110,7 +110,7 @@ def _beside(bench: Bench, plan: Plan) -> list[Beside]:
     found = []
     points = transmission_map()
     ratios = dict.fromkeys(point.ratio for point in points)
-    for point in (p for ratio in ratios for p in plan.thin([p for p in points if p.ratio == ratio], 4)):
+    for point in (p for ratio in ratios for p in plan.thin([p for p in points if p.ratio == ratio])):
         efficiencies = [
             _efficiency(
                 bench, point.ratio, point.rpm, point.torque, bench.force(point.ratio, point.torque, safety, LEAST_FORCE)

@@ -59,6 +59,8 @@ def changes(bench: Bench) -> list[Change]:
         *pair("friction velocity v_0", "friction.velocity"),
         *pair("play", "belt.play", factors=off),
         *pair("roughness of the elements", "belt.roughness"),
+        *pair("film between the elements", "belt.filmForce", factors=off),
+        *pair("thickness of that film", "belt.filmThickness"),
         *pair("push stiffness", "belt.pushStiffness"),
         *pair("contact stiffness", "contact.stiffness"),
         *pair("roughness of the flanks", "contact.roughness"),
@@ -77,7 +79,7 @@ def changes(bench: Bench) -> list[Change]:
 
 def count(plan: Plan) -> int:
     """Points, about."""
-    return 20 if plan.short else 4 * 37
+    return 20 if plan.short else 4 * 41
 
 
 def run(bench: Bench, plan: Plan) -> Section:
@@ -85,7 +87,9 @@ def run(bench: Bench, plan: Plan) -> Section:
     base = _quantities(bench, {}, "nothing changed")
     chosen = changes(bench)
     if plan.short:
-        chosen = [c for c in chosen if c.name.startswith(("roughness of the el", "contact"))]
+        chosen = [
+            c for c in chosen if c.name.startswith(("roughness of the elements", "contact stiffness", "mesh × 2"))
+        ]
     found = {change.name: _quantities(bench, change.values, change.name) for change in chosen}
     relative = {
         name: [a / b - 1.0 if a is not None and b else None for a, b in zip(values, base, strict=True)]

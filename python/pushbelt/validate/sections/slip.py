@@ -190,15 +190,15 @@ def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
     rows = []
     for ratio in plan.thin(BEST_RATIOS, 2):
         points = []
-        for safety in plan.thin(SAFETIES, 9):
+        for safety in reversed(plan.thin(SAFETIES, 9)):
             force = bench.force(ratio, BEST_TORQUE, safety)
             values = driven_by_torque(bench.parameters, ratio, BEST_SPEED * math.pi / 30.0, BEST_TORQUE, force)
             out = bench.steady(values, f"ratio {ratio:g}, safety {safety:g}")
-            if out and not out["macroSlip"]:
-                pump = PUMP["displacement"] * BEST_SPEED / 60.0 * max(force, force * out["thrustRatio"]) / PUMP["area"]
-                points.append(
-                    (out["efficiency"], out["slip"], safety, pump / PUMP["efficiency"] / out["primary.power"])
-                )
+            if not out or out["macroSlip"]:
+                # Less force carries no more.
+                break
+            pump = PUMP["displacement"] * BEST_SPEED / 60.0 * max(force, force * out["thrustRatio"]) / PUMP["area"]
+            points.append((out["efficiency"], out["slip"], safety, pump / PUMP["efficiency"] / out["primary.power"]))
         if points:
             alone = max(points)
             pumped = max(points, key=lambda p: p[0] - p[3])

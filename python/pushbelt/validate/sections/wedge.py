@@ -1,8 +1,8 @@
 """A wedge angle of 9° instead of 11°, in overdrive.
 
-The torque of full slip, 2 μ F R/cos β, hardly knows the angle at equal force. The ring's tension does: without torque it is
-about 2 tan β F/α. So the gain in capacity is read at equal ring tension, each angle at the same safety factor. Under torque
-part of the tension comes from the torque, whatever the angle. The source doesn't say which of the two it means.
+The torque of full slip, 2 μ F R/cos β, hardly knows the angle at equal force. The ring's tension does: without torque
+it is about 2 tan β F/α. So the gain in capacity is read at equal ring tension, each angle at the same safety factor. Under
+torque part of the tension comes from the torque, whatever the angle. The source doesn't say which of the two it means.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def run(bench: Bench, _plan: Plan) -> Section:
     return Section(
         "wedge-angle",
         "Wedge angle",
-        "A published change of the half wedge angle. Everything else is that of bench168; the measured unit was another one.",
+        "A published change of the half wedge angle. All else is that of bench168; the measured unit was another one.",
         _checks(gains, None if None in efficiencies else efficiencies[1] - efficiencies[0]),  # type: ignore[operator]
         (table("wedge-angle", "9° against 11° in overdrive", columns, rows, note),),
     )
