@@ -101,6 +101,9 @@ impl Figures {
             o.skew,
             o.stored_energy,
             o.energy_residual,
+            o.belt_efficiency,
+            o.losses.layers,
+            o.losses.shafts,
         ] {
             self.add(value);
         }

@@ -52,25 +52,25 @@ type Change = (&'static str, fn(&mut Parameters));
 
 const CHANGES: [Change; 7] = [
     ("as it is", |_| ()),
-    ("contact strain 3e-5", harden),
-    ("3e-5, one cell an element", |p| {
-        harden(p);
+    ("film force 1 N", loosen),
+    ("1 N, one cell an element", |p| {
+        loosen(p);
         p.mesh.cells_per_element = 1;
     }),
-    ("3e-5, twice the elements", |p| {
-        harden(p);
+    ("1 N, twice the elements", |p| {
+        loosen(p);
         p.mesh = p.mesh.refined(2);
     }),
-    ("3e-5, a tenth of the tolerance", |p| {
-        harden(p);
+    ("1 N, a tenth of the tolerance", |p| {
+        loosen(p);
         p.solver.tolerance *= 0.1;
     }),
-    ("3e-5, no play", |p| {
-        harden(p);
+    ("1 N, no play", |p| {
+        loosen(p);
         p.belt.play = 0.0;
     }),
-    ("3e-5, no ring friction", |p| {
-        harden(p);
+    ("1 N, no ring friction", |p| {
+        loosen(p);
         p.friction.ring = 0.0;
     }),
 ];
@@ -89,7 +89,7 @@ const CALMED: [Change; 9] = [
     ("twice the elements", |p| p.mesh = p.mesh.refined(2)),
 ];
 
-fn harden(parameters: &mut Parameters) {
+fn loosen(parameters: &mut Parameters) {
     parameters.belt.film_force = 1.0;
 }
 
@@ -123,7 +123,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!();
     survey("as it is", |_| ())?;
-    survey("contact strain 3e-5", harden)?;
+    survey("film force 1 N", loosen)?;
     Ok(())
 }
 

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | [`reference_curve`] | the belt's closed curve r(ξ, Θ) and its derivatives |
 //! | [`ring`] | beam kinematics, elastic energy, inertia; the ring alone as a system |
-//! | `chain`, [`contact`], [`pulley`], [`tilt`] | push elements, flank contact with friction, sheaves: pure laws |
+//! | `chain`, [`contact`], [`pulley`], [`tilt`], [`shaft`] | push elements, flank contact with friction, sheaves and their tilt, drag of shafts: pure laws |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::run::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
@@ -45,6 +45,7 @@ pub mod pulley;
 pub mod reference_curve;
 pub mod ring;
 pub mod scalar;
+pub mod shaft;
 pub mod solver;
 pub mod tape;
 pub mod tilt;

@@ -5,7 +5,7 @@ use pushbelt::variator::settings::{Inputs, Outputs, StartState};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::inside::strand_force;
 use pushbelt_lab::run::Run;
-use pushbelt_lab::variators::{MODELS, SPEED, coarse, inputs, variator};
+use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, inputs, variator};
 
 /// At a standstill, at a ratio, with a flywheel on the secondary shaft.
 fn at_rest(model: RingModel, ratio: f64) -> Parameters {
@@ -21,7 +21,7 @@ fn torque_or_speed_at_either_shaft() {
     for model in MODELS {
         for primary in [Drive::Torque, Drive::Speed] {
             for secondary in [Drive::Torque, Drive::Speed] {
-                let mut parameters = coarse(model);
+                let mut parameters = belt_alone(coarse(model));
                 parameters.primary.drive = primary;
                 parameters.secondary.drive = secondary;
                 let mut given = inputs((50.0, 11e3), (-49.0, 9e3));
@@ -477,7 +477,7 @@ fn a_steady_start_does_not_bang() {
 fn a_steady_start_at_a_set_point_does_not_bang() {
     for model in MODELS {
         for drive in [Drive::Torque, Drive::Speed] {
-            let mut parameters = variator(model);
+            let mut parameters = belt_alone(variator(model));
             (parameters.primary.drive, parameters.secondary.drive) = (drive, Drive::Speed);
             parameters.primary.axial = Axial::Held;
             let mut inputs = inputs((50.0, 0.0), (0.0, 8.5e3));

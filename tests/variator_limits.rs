@@ -8,12 +8,12 @@ use pushbelt_lab::inside::sliding;
 use pushbelt_lab::load_cases::{given, pair, speeds};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::steady::steady;
-use pushbelt_lab::variators::{MODELS, SPEED, coarse, full_slip_torque, inputs, rigid, variator};
+use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, full_slip_torque, inputs, rigid, variator};
 
 /// Deviations from the frictionless law, of the thrust ratio from α_P/α_S and of S on P and on S from
 /// (F − σV²)α/(2 tan β).
 fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refinement: i32) -> [f64; 3] {
-    let mut parameters = rigid(variator(model));
+    let mut parameters = belt_alone(rigid(variator(model)));
     parameters.friction.pulley = 1e-9;
     parameters.friction.ring = 0.0;
     parameters.contact.stiffness = contact_stiffness;
@@ -80,7 +80,7 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
     for model in MODELS {
         // The smaller pulley slips; a slip far above the micro-slip leaves friction no radial share.
         for (ratio, slip) in [(0.5, 0.5), (2.0, 0.5), (2.0, -0.5)] {
-            let parameters = variator(model);
+            let parameters = belt_alone(variator(model));
             let slipping = pair(SPEED / ratio * (1.0 - slip), SPEED);
             let o = steady(&parameters, &given(ratio, Pulley::Primary, 10.0e3, 0.0), slipping).outputs;
             let (torque, law) = if ratio < 1.0 {

@@ -8,7 +8,7 @@ use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt_lab::checks::{assert_close, assert_pinned};
 use pushbelt_lab::load_cases::{LoadCase, given, pair, ratio, speeds};
 use pushbelt_lab::steady::{At, Steady, load_case, steady};
-use pushbelt_lab::variators::{MODELS, SPEED, coarse, mesh, variator};
+use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, mesh, variator};
 
 /// Smallest and largest.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -95,11 +95,16 @@ fn nine_load_cases(model: RingModel) {
             assert_close(o.ratio_geometric, ratio(case.theta), 1e-4, "ratio");
             assert!(state.power_defect().abs() < 2e-3, "{name}");
             assert!(o.slip > 0.0 && o.slip < 0.03, "{name}");
-            assert!(o.efficiency > measured && o.efficiency < 1.0, "{name}");
+            // At these ratios a belt alone loses less than that transmission; `variator_losses.rs` compares the shafts' power.
             assert!(
-                o.losses.sheaves > 0.0 && o.losses.ring > 0.0 && o.losses.other >= 0.0,
+                o.belt_efficiency > measured && o.efficiency < o.belt_efficiency,
                 "{name}"
             );
+            assert!(o.belt_efficiency < 1.0, "{name}");
+            let losses = &o.losses;
+            let least = [losses.sheaves, losses.ring, losses.shafts];
+            assert!(least.iter().all(|loss| *loss > 0.0) && losses.other >= 0.0, "{name}");
+            assert!(losses.layers >= 0.0, "{name}");
             if model == RingModel::Ale {
                 // Tilt alone spreads the radius by R aΔ on a wrap of half a turn: 1.1 mm at 21 kN on the large pulley.
                 for spiral in [o.primary.spiral, o.secondary.spiral] {
@@ -249,7 +254,7 @@ fn tension_ripple(state: &Steady) -> [f64; 2] {
 /// 7.5 %, 1.5 %.
 #[test]
 fn ring_tension_is_constant_without_ring_friction() {
-    let mut parameters = variator(RingModel::Ale);
+    let mut parameters = belt_alone(variator(RingModel::Ale));
     parameters.friction.ring = 0.0;
     let mut fine = parameters.clone();
     fine.mesh = parameters.mesh.refined(2);
@@ -278,9 +283,11 @@ fn swapped_pulleys_mirror_each_other() {
                 shaft: pair(ShaftMode::Transmit(50.0), ShaftMode::Fixed),
                 ..given(i, Pulley::Primary, 9000.0, 0.01)
             };
-            let direct = steady(&parameters, &task, speeds(i, SPEED)).outputs;
+            let direct = steady(&parameters, &task, speeds(i, SPEED));
+            let load = direct.external_torques().secondary;
+            let direct = direct.outputs;
             let task = SteadyTask {
-                shaft: pair(ShaftMode::Fixed, ShaftMode::Torque(-direct.secondary.shaft_torque)),
+                shaft: pair(ShaftMode::Fixed, ShaftMode::Torque(load)),
                 ..given(1.0 / i, Pulley::Secondary, 9000.0, -0.01)
             };
             let mirrored = steady(&parameters, &task, pair(SPEED, SPEED * i)).outputs;
@@ -445,7 +452,8 @@ fn strands_and_shafts_have_the_same_moments() {
         (RingModel::Ale, 1, 1e-3),
         (RingModel::Ale, 2, 2e-4),
     ] {
-        let mut parameters = variator(model);
+        // The drag of the ring's layers has no counterpart on the pulleys.
+        let mut parameters = belt_alone(variator(model));
         parameters.mesh = parameters.mesh.refined(factor);
         for torque in [50.0, -30.0] {
             for case in LoadCase::three(&parameters, 50.0) {

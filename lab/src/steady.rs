@@ -56,11 +56,18 @@ impl Steady {
             .collect()
     }
 
-    /// Sum of supplied powers less losses as a share of the driving power.
+    /// External torques that hold the state, N·m.
+    pub fn external_torques(&self) -> PerPulley<f64> {
+        let sums = Survey::of(&self.system, self.state.view()).sums;
+        sums.shaft_torque.map(|torque| -torque)
+    }
+
+    /// Power that the belt takes in less its losses as a share of the driving power.
     pub fn power_defect(&self) -> f64 {
         let o = &self.outputs;
         let driving = o.primary.power.max(o.secondary.power);
-        (o.primary.power + o.secondary.power - o.losses.total()) / driving
+        let of_belt = o.losses.total() - o.losses.shafts;
+        (o.primary.power + o.secondary.power - of_belt) / driving
     }
 
     /// Wrap angles of the belt's own radii, rad. (Θ is the radius at one point of S: a stretched ring is

@@ -2,7 +2,7 @@
 
 use pushbelt::contact;
 use pushbelt::variator::settings::{Inputs, PulleyInputs, PulleyOutputs};
-use pushbelt::variator::settings::{Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel};
+use pushbelt::variator::settings::{Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel, ShaftDrag};
 
 /// 2000 rpm, rad/s.
 pub const SPEED: f64 = 209.44;
@@ -42,6 +42,14 @@ pub fn coarse(model: RingModel) -> Parameters {
 pub fn rigid(mut parameters: Parameters) -> Parameters {
     parameters.primary.tilt.stiffness = RIGID_TILT_STIFFNESS;
     parameters.secondary.tilt.stiffness = RIGID_TILT_STIFFNESS;
+    parameters
+}
+
+/// The belt alone: shafts without drag, layers of the ring without friction. For claims of theories that know neither.
+pub fn belt_alone(mut parameters: Parameters) -> Parameters {
+    parameters.primary.drag = ShaftDrag::NONE;
+    parameters.secondary.drag = ShaftDrag::NONE;
+    parameters.layers.friction = 0.0;
     parameters
 }
 

@@ -24,6 +24,14 @@ pub struct UnalignedFrame<F> {
     segments: usize,
 }
 
+impl<F> UnalignedFrame<F> {
+    /// The frame of the curve itself, whose segments are its arcs and strands.
+    #[must_use]
+    pub fn aligned(&self) -> &F {
+        &self.frame
+    }
+}
+
 impl<C: ReferenceCurve> Unaligned<C> {
     /// What `frame` of `curve` is to a mesh that does not follow its arcs.
     #[must_use]

@@ -10,6 +10,7 @@ pub mod ancf;
 pub(crate) mod beam;
 pub mod kinematics;
 pub mod lagrangian;
+pub mod layers;
 pub mod mesh;
 pub mod model;
 mod parameters;

@@ -44,7 +44,13 @@ pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
 /// Lane by lane `yes` where `x` is positive, else `no`.
 #[inline(always)]
 fn if_positive<T: Real>(x: T, yes: T, no: T) -> T {
-    (0..T::WIDTH).fold(no, |sum, lane| if x.lane(lane) > 0.0 { sum.with_lane(lane, yes) } else { sum })
+    (0..T::WIDTH).fold(no, |sum, lane| {
+        if x.lane(lane) > 0.0 {
+            sum.with_lane(lane, yes)
+        } else {
+            sum
+        }
+    })
 }
 
 #[cfg(test)]
@@ -78,7 +84,10 @@ mod tests {
             }
             let energy = soft_plus_energy(Lanes::from(x), 0.3).lane(0);
             let number = soft_plus_energy(x, 0.3);
-            assert!((energy - number).abs() < 1e-13 * (1.0 + number.abs()), "{x}: {energy} {number}");
+            assert!(
+                (energy - number).abs() < 1e-13 * (1.0 + number.abs()),
+                "{x}: {energy} {number}"
+            );
         }
     }
 

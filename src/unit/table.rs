@@ -216,9 +216,9 @@ macro_rules! pulley_outputs {
         $t.read("{}.radius", 12, (Output, "m", typical(0.06)), "Running radius on the {} pulley: pressure-weighted mean pitch radius of the arc", read!($pulley.radius));
         $t.read("{}.position", 13, (Output, "m", typical(0.01)), "Displacement of the movable {} sheave, closing positive, 0 at ratio 1", read!($pulley.position));
         $t.read("{}.axialForce", 14, (Output, "N", typical(1e4)), "Axial force of the belt on one {} sheave", read!($pulley.axial_force));
-        $t.read("{}.shaftTorque", 15, (Output, "N.m", typical(100.0)), "Torque of the belt on the {} pulley, negative where power goes in", read!($pulley.shaft_torque));
+        $t.read("{}.shaftTorque", 15, (Output, "N.m", typical(100.0)), "Torque of the belt on the {} pulley, negative where power goes in; the drag of the shaft is not in it", read!($pulley.shaft_torque));
         $t.read("{}.externalTorque", 16, (Output, "N.m", typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or the reaction in speed drive", read!($pulley.external_torque));
-        $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed; what accelerates {}.inertia is not in it", read!($pulley.power));
+        $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed; what accelerates {}.inertia is not in it, nor the drag of the shaft", read!($pulley.power));
         $t.read("spiral.{}", 18, (Output, "m", not_negative(1e-4)), "Spiral running: spread of the running radius within the {} arc", read!($pulley.spiral));
         $t.read("{}.tilt", 19, (Output, "rad", not_negative(1e-3)), "Tilt of one {} sheave under the belt, the mean of both sheaves", read!($pulley.tilt));
     };
@@ -237,6 +237,10 @@ macro_rules! pulley_parameters {
         $t.set("{}.tiltTime", 37, Parameter, "s", "Relaxation time of the tilt of the {} sheaves", set!(parameters.$pulley.tilt.time));
         $t.set("{}.minRadius", 38, Parameter, "m", "Pitch radius at the opening stop of the {} sheaves", set!(parameters.$pulley.min_radius));
         $t.set("{}.maxRadius", 39, Parameter, "m", "Pitch radius at the closing stop of the {} sheaves", set!(parameters.$pulley.max_radius));
+        $t.set("{}.drag.constant", 41, Parameter, "N.m", "Drag torque of the {} shaft that depends neither on speed nor on load: seals", set!(parameters.$pulley.drag.constant));
+        $t.set("{}.drag.viscous", 42, Parameter, "N.m.s/rad", "Drag torque of the {} shaft per speed: oil", set!(parameters.$pulley.drag.viscous));
+        $t.set("{}.bearing.friction", 43, Parameter, "1", "Friction coefficient of the bearings of the {} shaft, under the resultant of the belt's contact forces on the pulley; 0 where they are modelled outside", set!(parameters.$pulley.drag.bearing_friction));
+        $t.set("{}.bearing.radius", 44, Parameter, "m", "Mean radius of the bearings of the {} shaft", set!(parameters.$pulley.drag.bearing_radius));
     };
 }
 
@@ -278,13 +282,16 @@ fn outputs(t: &mut Rows) {
     t.read("ratio.geometric", 5, (Output, "1", typical(1.0)), "secondary.radius / primary.radius", read!(ratio_geometric));
     t.read("reference.theta", 6, (Output, "1", between(-1.0, 1.0)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i) of its radii, positive in overdrive", read!(reference_theta));
     t.read("slip", 7, (Output, "1", between(-2.0, 2.0)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 where the primary pulley hardly turns, even if the belt slips through (see macroSlip)", read!(slip));
-    t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven power / driving power, 0 to 1; 0 where no power flows. Means little while speeds change: the belt's kinetic energy is in it", read!(efficiency));
+    t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven / driving shaft power, 0 to 1; 0 where no power flows. The drag of the shafts is in it. Means little while speeds change: the belt's kinetic energy is in it", read!(efficiency));
     t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). The belt slips through below 1 where the primary pulley slips first: in underdrive from about 0.8 driving and 0.6 in overrun", read!(torque_utilisation));
     t.add("macroSlip", 10, Output, "Whether all loaded elements of a pulley slide tangentially one way", Kind::Boolean { access: read!(macro_slip) });
     t.read("loss.total", 11, (Output, "W", typical(100.0)), "All losses", Access::Reading(|readings| readings.outputs.losses.total()));
     t.read("loss.sheaves", 12, (Output, "W", typical(100.0)), "Loss by friction between elements and sheaves", read!(losses.sheaves));
     t.read("loss.ring", 13, (Output, "W", typical(100.0)), "Loss by friction between ring and elements", read!(losses.ring));
     t.read("loss.other", 14, (Output, "W", typical(10.0)), "Loss in sheave dampers, tilt relaxation, chain, structural and contact damping and end stops", read!(losses.other));
+    t.read("efficiency.belt", 24, (Output, "1", typical(1.0)), "Driven / driving power at the belt, 0 to 1; 0 where no power flows. The drag of the shafts is not in it", read!(belt_efficiency));
+    t.read("loss.layers", 25, (Output, "W", typical(10.0)), "Loss by friction between the layers of the ring", read!(losses.layers));
+    t.read("loss.shafts", 26, (Output, "W", typical(100.0)), "Loss by the drag of both shafts in seals, oil and bearings", read!(losses.shafts));
     t.read("pushForce.max", 15, (Output, "N", typical(1000.0)), "Largest push force between elements", read!(push_force_max));
     t.read("ring.tensionMax", 16, (Output, "N", typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
     t.read("ring.tensionMin", 17, (Output, "N", typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
@@ -321,11 +328,14 @@ fn parameters(t: &mut Rows) {
     t.switch("ring.referenceDirections", 1048, "Whether the deflection is counted along tangent, normal and binormal of the reference curve instead of along x, y, z; ring.model ALE with mesh.aligned only", set!(parameters.reference_directions));
     t.count("ring.elements", 1045, "Elements of a ring that travels with its mesh (RCM, ANCF), at least 16; 0: 32 for RCM, 40 for ANCF. More of them need a finer mesh of the cells, which carry the ring in between", set!(parameters.ring_elements));
     t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
+    t.count("ring.layers", 1049, "Layers of each ring set, which slip on each other at other ratios than 1", set!(parameters.layers.count));
+    t.set("ring.layerThickness", 1050, Parameter, "m", "Thickness of a layer of the ring sets", set!(parameters.layers.thickness));
     t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave, below tan(geometry.wedgeAngle)", set!(parameters.friction.pulley));
     t.set("friction.ring", 1052, Tunable, "1", "Friction coefficient between ring and element", set!(parameters.friction.ring));
     t.set("friction.fall", 1054, Parameter, "1", "Share of friction.pulley that is lost in fast sliding: mu(v) = friction.pulley (1 - fall v2/(v2 + fallSpeed2)); 0 is Coulomb's law", set!(parameters.friction.fall));
     t.set("friction.fallSpeed", 1055, Parameter, "m/s", "Sliding speed at which half of friction.fall is lost", set!(parameters.friction.fall_speed));
     t.set("friction.velocity", 1053, Parameter, "m/s", "Regularisation speed of the friction between element and sheave, at most 1e-3 for accurate micro-slip", set!(parameters.friction.velocity));
+    t.set("friction.layers", 1056, Parameter, "1", "Friction coefficient between the layers of the ring sets", set!(parameters.layers.friction));
     t.set("contact.stiffness", 1061, Parameter, "N/m2", "Contact stiffness per flank and pitch-line length", set!(parameters.contact.stiffness));
     t.set("contact.roughness", 1063, Parameter, "m", "Roughness of flank and sheave: the distance over which they come into contact", set!(parameters.contact.roughness));
     t.set("contact.damping", 1062, Parameter, "s", "Damping time of the contact", set!(parameters.contact.damping));

@@ -59,6 +59,7 @@ impl Belt {
             law: CellLaw {
                 chain: parameters.belt.clone(),
                 ring: parameters.ring.clone(),
+                layers: parameters.layers,
                 contact: parameters.contact.clone(),
                 wedge: [sin, cos, sin / cos],
                 r0: radius - parameters.belt.pitch_offset,

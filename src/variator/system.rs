@@ -15,7 +15,7 @@ use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::jacobian::Differentiate;
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::packed::PackedCells;
-use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, RotatingRing};
 use crate::variator::cell::sample::Sample;
@@ -41,6 +41,8 @@ pub struct VariatorSystem {
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
     assembly: Box<dyn Assembly>,
+    /// Working memory.
+    resultants: ResultantSlopes,
 }
 
 /// The equations for the ring model of the belt: the one place that chooses them.
@@ -98,6 +100,7 @@ impl VariatorSystem {
             parameters: parameters.clone(),
             friction_velocity: parameters.friction.velocity,
             assembly: assembly(parameters, &belt),
+            resultants: ResultantSlopes::new(belt.layout.len()),
             belt: Arc::new(belt),
         }
     }
@@ -236,8 +239,14 @@ impl System for VariatorSystem {
         out.clear();
         let friction = &self.friction();
         let (belt, slopes) = (&*self.belt, [alpha, beta]);
-        let loads = self.assembly.jacobian(InForce { belt, friction }, view, slopes, out);
-        self.pulleys.jacobian(&self.loads.at(time), &loads, view, slopes, out);
+        self.resultants.clear();
+        let of_belt = (&mut *out, &mut self.resultants);
+        let loads = self
+            .assembly
+            .jacobian(InForce { belt, friction }, view, slopes, of_belt);
+        let boundary = self.loads.at(time);
+        self.pulleys
+            .jacobian(&boundary, (&loads, &self.resultants), view, slopes, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
                 out.add(c.multiplier, node, HOLD * sign);

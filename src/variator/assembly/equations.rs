@@ -8,7 +8,7 @@ use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
-use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use std::fmt::Debug;
@@ -29,14 +29,14 @@ pub(crate) trait Assembly: Debug + Send + Sync {
     /// Adds the equations of the belt to `out`; returns its loads on the pulleys.
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
-    /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to `out`; returns the loads on the
-    /// pulleys. Derivatives of an earlier call are used where they are still good for Newton's method.
+    /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the resultants
+    /// of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are used where they are still good for Newton's method.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        out: &mut Arrow,
+        out: (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad>;
 
     /// Values at the stations of each group of cells.

@@ -45,7 +45,7 @@ pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D
     probe: &mut S,
 ) -> (CellBalance<T>, RingForces<T, D>) {
     let motion = motion::<T, K>(unknowns, slopes, &seed);
-    let place = pack.place::<T, C>(frame);
+    let place = pack.place::<T, C>(&belt.law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
     let mut ring = K::ring::<T, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);

@@ -10,7 +10,9 @@ use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::cell::balance::balance;
-use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, RotatingRing};
+use crate::variator::cell::directions::{
+    DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RESULTANT, RotatingRing,
+};
 use crate::variator::cell::sample::NoProbe;
 use crate::variator::cell::state::CellInput;
 use crate::variator::cell::variation::Linearised;
@@ -115,7 +117,7 @@ fn pack_pass<const N: usize, K: RingKind<D>, const D: usize, C: MeshCurve>(
     unknowns: &Unknowns<Lanes>,
     slopes: [f64; 2],
     first: usize,
-) -> ([Tangent<N>; MOST], Transport<Tangent<N>>) {
+) -> ([Tangent<N>; MOST_ROWS], Transport<Tangent<N>>) {
     let seed = |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
     let (b, ring) = pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, slopes, seed, &mut NoProbe);
     (rows::<_, K, D>(&b, &ring), b.transport)
@@ -130,13 +132,13 @@ fn vary_pack<K: RingKind<D>, const D: usize, C: MeshCurve>(
     frame: &C::Frame<Lanes>,
     unknowns: &Unknowns<Lanes>,
     slopes: [f64; 2],
-    mut record: impl FnMut(usize, &[Lanes; MOST], &Transport<Lanes>),
+    mut record: impl FnMut(usize, &[Lanes; MOST_ROWS], &Transport<Lanes>),
 ) where
     for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
 {
     let plain = |value, _, _| value;
     let motion = motion::<Lanes, K>(unknowns, slopes, plain);
-    let place = pack.place::<Lanes, C>(frame);
+    let place = pack.place::<Lanes, C>(&belt.law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
     let mut ring = K::ring::<Lanes, C>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, plain);
@@ -199,7 +201,11 @@ pub(crate) fn worst_of_pack<K: Differentiate<D>, const D: usize, C: MeshCurve>(
     for lane in 0..pack.group.used {
         let [hand, forward] = kept.each_ref().map(|kept| {
             let entry = |row: usize, column: usize| kept.block[row * count + column].to_array()[lane];
-            let column = |column| (0..count - 1).map(move |row| entry(row, column)).collect::<Vec<_>>();
+            let column = |column| {
+                (0..count - 1 + RESULTANT)
+                    .map(move |row| entry(row, column))
+                    .collect::<Vec<_>>()
+            };
             (0..count).map(column).collect::<Vec<_>>()
         });
         let [of_hand, of_forward] = transports
@@ -246,9 +252,12 @@ impl<'a> Columns<'a> {
 
     /// Records the derivatives in a direction: rows of the balance, and figures of the transport.
     #[inline(always)]
-    fn record(&mut self, direction: usize, rows: &[Lanes; MOST], transport: &Transport<Lanes>) {
+    fn record(&mut self, direction: usize, rows: &[Lanes; MOST_ROWS], transport: &Transport<Lanes>) {
         let amount = self.amount;
-        let rows = rows[..self.count].iter().enumerate().filter(|(k, _)| *k != amount);
+        let rows = rows[..self.count + RESULTANT]
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| *k != amount);
         for ((_, row), block) in rows.zip(self.block.chunks_exact_mut(self.count)) {
             block[direction] = *row;
         }

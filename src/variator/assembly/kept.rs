@@ -167,7 +167,7 @@ pub(crate) struct Kept {
     pub slopes: [f64; 2],
     pub unknowns: Unknowns<Lanes>,
     pub regime: Regime,
-    /// Rows of the balance, the amount's left out, a direction after the other.
+    /// Rows of the balance, the amount's left out, then the resultant of the contact forces; each a direction after the other.
     pub block: Vec<Lanes>,
 }
 

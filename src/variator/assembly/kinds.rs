@@ -16,6 +16,9 @@ use crate::variator::rings::rotating::Rotating;
 pub(crate) trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {
     /// The frame of this curve from that of the two pulleys.
     fn mesh_frame<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T>;
+
+    /// Radii of the secondary and of the primary arc, m.
+    fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2];
 }
 
 /// The curve of a mesh whose element borders follow the arc borders.
@@ -24,12 +27,22 @@ impl MeshCurve for TwoPulley {
     fn mesh_frame<T: Real>(_curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> TwoPulleyFrame<T> {
         frame
     }
+
+    #[inline(always)]
+    fn arc_radii<T: Real>(frame: &TwoPulleyFrame<T>) -> [T; 2] {
+        frame.radius.map(|radius| radius.v)
+    }
 }
 
 /// The curve of a mesh whose elements stand still.
 impl MeshCurve for Unaligned<TwoPulley> {
     fn mesh_frame<T: Real>(curve: &TwoPulley, frame: TwoPulleyFrame<T>) -> Self::Frame<T> {
         Self::frame_of(curve, frame)
+    }
+
+    #[inline(always)]
+    fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2] {
+        <TwoPulley as MeshCurve>::arc_radii(frame.aligned())
     }
 }
 

@@ -10,8 +10,8 @@ use crate::solver::arrow::Shape;
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::unknowns::{Part, ReadUnknowns, Unknowns};
 use crate::variator::belt::Belt;
-use crate::variator::cell::directions::{Directions, MOST};
-use crate::variator::law::place::Place;
+use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
+use crate::variator::law::place::{CellLaw, Place};
 use crate::variator::mesh::belt_mesh::{Group, Station};
 use num_traits::Zero;
 use std::sync::Arc;
@@ -45,7 +45,9 @@ pub(crate) struct Pack {
 impl Pack {
     /// Place of its cells on the belt.
     #[inline(always)]
-    pub fn place<T: Real<Constant = Lanes>, C: MeshCurve>(&self, frame: &C::Frame<T>) -> Place<'_, T> {
+    pub fn place<T: Real<Constant = Lanes>, C: MeshCurve>(&self, law: &CellLaw, frame: &C::Frame<T>) -> Place<'_, T> {
+        let radii = C::arc_radii(frame).map(|radius| radius - law.chain.pitch_offset);
+        let [of_secondary, of_primary] = law.layers.drag_shares(radii);
         Place {
             of_segment: self.of_segment,
             face: &self.slots.face,
@@ -53,12 +55,13 @@ impl Pack {
             axis: self.axis,
             plane: self.plane,
             length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
+            layer_drag: of_secondary * self.group.on.secondary + of_primary * self.group.on.primary,
         }
     }
 
     /// Adds `rows` of the balance of each cell, its own directions', to `out`; the amount has its own balance.
     #[inline(always)]
-    pub fn scatter<K: Directions, const D: usize>(&self, rows: &[Lanes; MOST], out: &mut [f64]) {
+    pub fn scatter<K: Directions, const D: usize>(&self, rows: &[Lanes; MOST_ROWS], out: &mut [f64]) {
         let rows = rows.map(Lanes::to_array);
         for lane in 0..self.group.used {
             for first in (0..K::NODES).step_by(2 * D) {

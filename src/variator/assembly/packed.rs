@@ -14,11 +14,11 @@ use crate::variator::assembly::jacobian::{Differentiate, Frames, regime_and_bala
 use crate::variator::assembly::kept::Kept;
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
-use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::belt::Belt;
-use crate::variator::cell::directions::MOST;
+use crate::variator::cell::directions::{MOST, RESULTANT};
 use crate::variator::cell::sample::{NoProbe, Sample};
 use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
@@ -45,7 +45,10 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
         Self {
-            kept: packs.iter().map(|pack| Kept::new(pack.entries.len())).collect(),
+            kept: packs
+                .iter()
+                .map(|pack| Kept::new(pack.entries.len() + RESULTANT * K::COUNT))
+                .collect(),
             packs,
             differentiations: 0,
             transports: Transports::new(cells),
@@ -116,7 +119,7 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        out: &mut Arrow,
+        (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let [alpha, beta] = slopes;
@@ -135,6 +138,15 @@ impl<K: Differentiate<D>, const D: usize, C: MeshCurve> Assembly for PackedCells
                 let value = value.to_array();
                 for lane in 0..pack.group.used {
                     out.add_at(entry[lane], value[lane]);
+                }
+            }
+            let of_resultant = kept.block[pack.entries.len()..].chunks_exact(K::COUNT);
+            for (axis, of_axis) in of_resultant.enumerate() {
+                for (at, value) in pack.at.iter().zip(of_axis) {
+                    let value = value.to_array();
+                    for (lane, &cell) in pack.cells().iter().enumerate() {
+                        resultants.add(belt.mesh.cells[cell].pulley, axis, at[lane], value[lane]);
+                    }
                 }
             }
             add_loads(&mut loads, pack, &b);

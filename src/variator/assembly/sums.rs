@@ -1,5 +1,6 @@
 //! Loads of the belt on the pulleys: sums over its cells.
 
+use crate::pulley::{PerPulley, Pulley};
 use crate::scalar::{Lanes, Real};
 use crate::variator::law::place::CellBalance;
 
@@ -12,6 +13,8 @@ pub(crate) struct PulleyLoad<T = f64> {
     pub tilting: [T; 2],
     /// Torque on the pulley, N·m.
     pub torque: T,
+    /// Resultant of the contact forces on the belt, N.
+    pub resultant: [T; 2],
 }
 
 impl<T: Real> PulleyLoad<T> {
@@ -23,6 +26,9 @@ impl<T: Real> PulleyLoad<T> {
         for (sum, moment) in self.tilting.iter_mut().zip(cell.tilting) {
             *sum += moment * on;
         }
+        for (sum, force) in self.resultant.iter_mut().zip(cell.resultant) {
+            *sum += force * on;
+        }
     }
 }
 
@@ -33,6 +39,7 @@ impl PulleyLoad<Lanes> {
             axial: self.axial.sum(),
             tilting: self.tilting.map(Lanes::sum),
             torque: self.torque.sum(),
+            resultant: self.resultant.map(Lanes::sum),
         }
     }
 }
@@ -44,6 +51,7 @@ impl PulleyLoad {
             axial: cell.axial.re(),
             tilting: cell.tilting.map(|moment| moment.re()),
             torque: cell.torque.re(),
+            resultant: cell.resultant.map(|force| force.re()),
         }
     }
 }
@@ -55,5 +63,41 @@ impl std::ops::AddAssign for PulleyLoad {
         for (sum, moment) in self.tilting.iter_mut().zip(more.tilting) {
             *sum += moment;
         }
+        for (sum, force) in self.resultant.iter_mut().zip(more.resultant) {
+            *sum += force;
+        }
+    }
+}
+
+/// Derivatives of the resultants of the contact forces on the belt by every unknown, which the drag of the shafts needs.
+/// The resultants are no rows of the matrix.
+#[derive(Clone, Debug)]
+pub(crate) struct ResultantSlopes(PerPulley<[Vec<f64>; 2]>);
+
+impl ResultantSlopes {
+    /// Room for so many unknowns.
+    pub fn new(unknowns: usize) -> Self {
+        Self(PerPulley::from_fn(|_| [0, 1].map(|_| vec![0.0; unknowns])))
+    }
+
+    /// Sets all to zero.
+    pub fn clear(&mut self) {
+        for of in self.0.each_mut() {
+            for slopes in of {
+                slopes.fill(0.0);
+            }
+        }
+    }
+
+    /// Adds to the slope of component `axis` at a pulley by an unknown.
+    #[inline(always)]
+    pub fn add(&mut self, pulley: Pulley, axis: usize, unknown: usize, slope: f64) {
+        self.0[pulley][axis][unknown] += slope;
+    }
+
+    /// The slopes at a pulley of `factors`·resultant by each unknown.
+    pub fn along(&self, pulley: Pulley, factors: [f64; 2]) -> impl Iterator<Item = f64> + '_ {
+        let [x, y] = &self.0[pulley];
+        x.iter().zip(y).map(move |(x, y)| factors[0] * x + factors[1] * y)
     }
 }

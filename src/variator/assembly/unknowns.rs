@@ -2,7 +2,7 @@
 
 use crate::ring::kinematics::{Motion, Node};
 use crate::scalar::Real;
-use crate::variator::cell::directions::{Directions, MOST};
+use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
 use crate::variator::law::place::{CellBalance, CellMotion};
 use crate::variator::rings::ring::RingForces;
 use nalgebra::SVector;
@@ -92,10 +92,14 @@ pub(crate) fn motion<T: Real, K: Directions>(
     CellMotion::of_directions([K::NODES, K::DRIFT], position, value, rate)
 }
 
-/// Rows of the balance in the order of the directions; the amount has its own balance, the flux.
+/// Rows of the balance in the order of the directions, then the resultant of the contact forces; the amount has its own
+/// balance, the flux.
 #[inline(always)]
-pub(crate) fn rows<T: Real, K: Directions, const D: usize>(b: &CellBalance<T>, ring: &RingForces<T, D>) -> [T; MOST] {
-    let mut rows = [T::zero(); MOST];
+pub(crate) fn rows<T: Real, K: Directions, const D: usize>(
+    b: &CellBalance<T>,
+    ring: &RingForces<T, D>,
+) -> [T; MOST_ROWS] {
+    let mut rows = [T::zero(); MOST_ROWS];
     let g = K::DRIFT;
     if K::TENSIONS == 0 {
         for (i, node) in ring.nodes.iter().enumerate() {
@@ -117,5 +121,7 @@ pub(crate) fn rows<T: Real, K: Directions, const D: usize>(b: &CellBalance<T>, r
     rows[g + 3] = -b.tilting[0];
     rows[g + 4] = -b.tilting[1];
     rows[g + 5] = -b.torque;
+    rows[K::COUNT] = b.resultant[0];
+    rows[K::COUNT + 1] = b.resultant[1];
     rows
 }

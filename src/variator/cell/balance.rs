@@ -1,11 +1,11 @@
 //! One cell of the belt: ring, chain and contact meet in one virtual-power statement.
 //!
 //! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact force)·δ(its own point)
-//!    − ∫ f_r δ(sliding of ring on elements) = 0.
+//!    − ∫ f_r δ(sliding of ring on elements) − ∫ f_l δ(ring along itself) = 0.
 //!
 //! Each force enters with the velocity Jacobian of its own point: tangential flank forces at the pitch line (v_p),
-//! radial ones at the ring centre line (v_e), ring friction on the difference of ring and element there, the push force
-//! on the shortening of the stack. So no power is lost between ring, chain and pulleys, and no moment on the arcs.
+//! radial ones at the ring centre line (v_e), ring friction on the difference of ring and element there, drag of the ring's
+//! layers on the ring alone, the push force on the shortening of the stack. So no power is lost between ring, chain and pulleys, and no moment on the arcs.
 
 use crate::chain::{Stack, Transport};
 use crate::reference_curve::ReferencePoint;
@@ -35,6 +35,7 @@ pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         axial: T::zero(),
         tilting: [T::zero(); 2],
         torque: T::zero(),
+        resultant: [T::zero(); 2],
         transport: Transport {
             flow: chain_at_face(given, slots.face()).flow,
             density: cell.density,
@@ -73,9 +74,10 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
         load.position += normal * inward;
     }
     let across = load.position.dot(&point.n);
-    let dragged = forces.ring_friction * point.stretch;
+    let along_ring = forces.ring_friction + forces.layer_drag;
+    let dragged = along_ring * point.stretch;
     load.drift += dragged;
-    load.position += point.t * forces.ring_friction;
+    load.position += point.t * along_ring;
     let action = Action {
         load,
         tension: forces.tension,
@@ -99,6 +101,9 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     out.tilting[0] += axial * approach.rho * approach.e_r.x * weight;
     out.tilting[1] -= axial * approach.rho * approach.e_r.y * weight;
     out.torque += flanks.loads.torque * weight;
+    let force = approach.e_r * flanks.loads.radial + approach.e_t * flanks.loads.around;
+    out.resultant[0] += force.x * weight;
+    out.resultant[1] += force.y * weight;
 }
 
 /// The values at a station that outputs, losses and energies need.
@@ -134,6 +139,7 @@ fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
         normal: flanks.loads.normal * 0.5,
         axial: flanks.on_movable,
         torque: flanks.loads.torque,
+        resultant: (approach.e_r * flanks.loads.radial + approach.e_t * flanks.loads.around).into(),
         sliding: approach.flank.tangential,
         flank_sliding: approach.flank.along_flank,
         ring_sliding: forces.sliding,
@@ -148,6 +154,7 @@ fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
         speed: chain.speed,
         sheave_loss: flanks.loads.loss,
         ring_loss: forces.ring_friction * forces.sliding,
+        layer_loss: forces.layer_drag * forces.ring_speed,
         damping_loss: of_ring.viscous + stack_loss + flanks.loads.viscous,
         kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
         ring_elastic: of_ring.elastic,

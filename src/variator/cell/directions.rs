@@ -5,6 +5,12 @@
 /// Most directions of a cell: 12 node motions in space, V, V, N, and six globals.
 pub(crate) const MOST: usize = 21;
 
+/// Most rows of a cell: one for each direction, and two for the resultant of the contact forces.
+pub(crate) const MOST_ROWS: usize = MOST + RESULTANT;
+
+/// Components of the resultant, whose rows come after those of the directions.
+pub(crate) const RESULTANT: usize = 2;
+
 /// Directions of the globals: s, Θ, z, ψ_x, ψ_y, ω.
 const GLOBALS: usize = 6;
 

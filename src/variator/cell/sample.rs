@@ -31,6 +31,8 @@ pub struct Sample<L = f64> {
     pub axial: L,
     /// Torque of the belt on the pulley per ring length, N.
     pub torque: L,
+    /// Resultant of the contact forces on the belt per ring length, N/m.
+    pub resultant: [L; 2],
     /// Tangential sliding speed, m/s.
     pub sliding: L,
     /// Sliding speed along the flank, m/s.
@@ -51,6 +53,8 @@ pub struct Sample<L = f64> {
     pub sheave_loss: L,
     /// Loss to ring friction, W/m.
     pub ring_loss: L,
+    /// Loss to friction between the layers of the ring, W/m.
+    pub layer_loss: L,
     /// Loss to structural, chain and contact damping, W/m.
     pub damping_loss: L,
     /// Kinetic energy, J/m.
@@ -65,8 +69,8 @@ pub struct Sample<L = f64> {
 macro_rules! for_each_figure {
     ($with:ident) => {
         $with! {
-            xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque,
-            sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, damping_loss,
+            xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque, resultant[0], resultant[1],
+            sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, damping_loss,
             kinetic, ring_elastic, outward
         }
     };

@@ -7,7 +7,7 @@ use crate::ring::kinematics::{Load, RingPoint, embed, in_plane};
 use crate::scalar::Real;
 use crate::variator::law::flanks::{Approach, BothFlanks};
 use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
-use crate::variator::law::ring_friction::{pressing, ring_friction};
+use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
 use nalgebra::{SVector, Vector2};
@@ -181,6 +181,9 @@ pub(crate) struct StationForces<T: Real, const D: usize> {
     pub pressing: T,
     pub sliding: T,
     pub ring_friction: T,
+    /// Speed of the ring along itself, m/s, and drag of its layers, N/m.
+    pub ring_speed: T,
+    pub layer_drag: T,
     /// Conjugate of v_e·t̂: flanks and ring friction, N/m.
     pub tangential: T,
 }
@@ -229,8 +232,10 @@ impl<T: Real, const D: usize> StationForces<T, D> {
         }
 
         let pressing = pressing(&law.ring, tension, motion.reference.s_dot);
-        let sliding = point.t.dot(&point.r_dot) + point.w * point.stretch - chain.ring_line_speed();
-        let ring_friction = ring_friction(friction, pressing, point.reference.kappa, sliding);
+        let ring_speed = point.t.dot(&point.r_dot) + point.w * point.stretch;
+        let sliding = ring_speed - chain.ring_line_speed();
+        let kappa = point.reference.kappa;
+        let ring_friction = ring_friction(friction, pressing, kappa, sliding);
         Self {
             own_load,
             tension,
@@ -246,6 +251,8 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             pressing,
             sliding,
             ring_friction,
+            ring_speed,
+            layer_drag: layer_drag(place.layer_drag, pressing, kappa, ring_speed),
             tangential: at_ring_line.dot(&point.t) - ring_friction,
         }
     }

@@ -7,8 +7,8 @@ use crate::variator::cell::flank_variation::{Flank, FlankVariation};
 use crate::variator::cell::state::{CellInput, Station, StationForces};
 use crate::variator::law::flanks::FlankLoads;
 use crate::variator::law::place::{CellBalance, CellLaw};
-use crate::variator::law::ring_friction::ring_friction;
-use nalgebra::SVector;
+use crate::variator::law::ring_friction::{layer_drag, ring_friction};
+use nalgebra::{SVector, Vector2};
 
 /// A station, and the coefficients of its variations.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,8 @@ pub(crate) struct LinearisedStation<const D: usize> {
     flanks: [Flank; 2],
     /// Derivatives of ring friction by the load's argument T − m_r ṡ² and by the sliding speed.
     friction_by: [Lanes; 2],
+    /// Derivatives of the drag of the ring's layers by the same argument and by the ring's speed along itself.
+    drag_by: [Lanes; 2],
 }
 
 /// Variation of a station before contact: what its forces on ring, elements and pulley follow from.
@@ -80,6 +82,12 @@ impl<const D: usize> LinearisedStation<D> {
             Tangent::constant(ring.reference.kappa),
             Tangent::seed(forces.sliding, 1, 1.0),
         );
+        let drag = layer_drag(
+            Tangent::<2>::constant(given.place.layer_drag),
+            Tangent::seed(forces.pressing, 0, 1.0),
+            Tangent::constant(ring.reference.kappa),
+            Tangent::seed(forces.ring_speed, 1, 1.0),
+        );
         Self {
             terms: chain.acceleration_terms(&ring),
             weight,
@@ -90,6 +98,7 @@ impl<const D: usize> LinearisedStation<D> {
                 .motions
                 .map(|motion| Flank::new(given.law, given.friction, &motion)),
             friction_by: friction.eps,
+            drag_by: drag.eps,
             forces,
             ring,
             chain,
@@ -212,14 +221,15 @@ impl<const D: usize> LinearisedStation<D> {
     }
 
     /// Adds the variation of the flanks' forces to the load on the ring. Returns those of the conjugates of V, N/m: of the
-    /// part that acts at the pitch line, with inertia, and of the part that acts at the ring centre line.
+    /// part that acts at the pitch line, with inertia, and of the part that acts at the ring centre line; and the variation
+    /// of the force of both flanks in the plane, N/m.
     #[inline(always)]
     pub fn add_flank_forces<const MOVES: bool>(
         &self,
         change: &StationVariation<'_, D>,
         flanks: &BothFlanksVariation,
         load: &mut Load<Lanes, D>,
-    ) -> [Lanes; 2] {
+    ) -> ([Lanes; 2], Vector2<Lanes>) {
         let (ring, chain, at) = (&self.ring, &self.chain, &self.forces.approach);
         let StationVariation { by, flank, .. } = *change;
         let (base, loads) = (&self.forces.flanks.loads, &flanks.loads);
@@ -250,15 +260,16 @@ impl<const D: usize> LinearisedStation<D> {
             }
             load.position += normal * inward;
         }
-        [along, tangential]
+        ([along, tangential], push_out + drag)
     }
 
-    /// Adds the variation of the loads on the pulley.
+    /// Adds the variation of the loads on the pulley; `force` is that of both flanks in the plane, N/m.
     #[inline(always)]
     pub fn add_pulley_loads<const MOVES: bool>(
         &self,
         flank: &FlankVariation,
         flanks: &BothFlanksVariation,
+        force: Vector2<Lanes>,
         out: &mut CellBalance<Lanes>,
     ) {
         let (at, weight) = (&self.forces.approach, self.weight);
@@ -271,17 +282,22 @@ impl<const D: usize> LinearisedStation<D> {
         out.tilting[0] += moment.x * weight;
         out.tilting[1] -= moment.y * weight;
         out.torque += flanks.loads.torque * weight;
+        out.resultant[0] += force.x * weight;
+        out.resultant[1] += force.y * weight;
     }
 
-    /// Variation of the friction between ring and elements, N/m.
+    /// Variation of the friction between ring and elements, and of the drag of the ring's layers, N/m.
     #[inline(always)]
-    pub fn vary_ring_friction<const MOVES: bool>(&self, change: &StationVariation<'_, D>) -> Lanes {
+    pub fn vary_ring_friction<const MOVES: bool>(&self, change: &StationVariation<'_, D>) -> [Lanes; 2] {
         let (ring, chain, by) = (&self.ring, &self.chain, change.by);
-        let [by_load, by_sliding] = self.friction_by;
-        let mut sliding = by.w * ring.stretch - change.chain.speed * chain.lead;
+        let mut speed = by.w * ring.stretch;
+        let mut sliding = speed - change.chain.speed * chain.lead;
         if MOVES {
-            sliding += change.chain.along + ring.w * by.stretch - chain.speed * change.chain.lead;
+            let more = change.chain.along + ring.w * by.stretch;
+            speed += more;
+            sliding += more - chain.speed * change.chain.lead;
         }
-        by_load * change.pressing + by_sliding * sliding
+        let of = |[by_load, by_speed]: [Lanes; 2], speed: Lanes| by_load * change.pressing + by_speed * speed;
+        [of(self.friction_by, sliding), of(self.drag_by, speed)]
     }
 }

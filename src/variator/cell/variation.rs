@@ -307,17 +307,18 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let (ring, by, weight) = (&station.ring, change.by, station.weight);
         let ring_along = load.position.dot(&ring.t);
         let flanks = station.vary_flanks(&self.given, change.flank);
-        let [mut along, tangential] = station.add_flank_forces::<MOVES>(change, &flanks, &mut load);
-        station.add_pulley_loads::<MOVES>(change.flank, &flanks, out);
+        let ([mut along, tangential], force) = station.add_flank_forces::<MOVES>(change, &flanks, &mut load);
+        station.add_pulley_loads::<MOVES>(change.flank, &flanks, force, out);
 
-        let friction = station.forces.ring_friction;
-        let friction_by = station.vary_ring_friction::<MOVES>(change);
+        let along_ring = station.forces.ring_friction + station.forces.layer_drag;
+        let [friction_by, drag_by] = station.vary_ring_friction::<MOVES>(change);
+        let along_ring_by = friction_by + drag_by;
         let across = load.position.dot(&ring.n);
-        load.position += ring.t * friction_by;
-        let mut dragged = friction_by * ring.stretch;
+        load.position += ring.t * along_ring_by;
+        let mut dragged = along_ring_by * ring.stretch;
         if MOVES {
-            load.position += by.t * friction;
-            dragged += friction * by.stretch;
+            load.position += by.t * along_ring;
+            dragged += along_ring * by.stretch;
         }
         load.drift += dragged;
         along += (tangential - friction_by) * station.chain.lead;
@@ -345,6 +346,7 @@ fn nothing() -> CellBalance<Lanes> {
         axial: zero,
         tilting: [zero; 2],
         torque: zero,
+        resultant: [zero; 2],
         transport: Transport {
             flow: zero,
             density: zero,

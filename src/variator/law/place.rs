@@ -6,6 +6,7 @@ use crate::pulley::PerPulley;
 use crate::reference_curve::Jet;
 use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, ReferenceMotion};
+use crate::ring::layers::Layers;
 use crate::scalar::Real;
 use crate::variator::mesh::belt_mesh::Station;
 
@@ -16,6 +17,8 @@ pub struct CellLaw {
     pub chain: chain::Belt,
     /// Parameters of the ring sets, as one beam.
     pub ring: Ring,
+    /// Parameters of the ring's layers.
+    pub layers: Layers,
     /// Parameters of the contact between flank and sheave.
     pub contact: Contact,
     /// sin β, cos β, tan β of the wedge angle.
@@ -146,6 +149,8 @@ pub struct CellBalance<T: Real> {
     pub tilting: [T; 2],
     /// Torque of the belt on the pulley, N·m.
     pub torque: T,
+    /// Resultant of the contact forces on the belt, N: the pulley's shaft bears the opposite.
+    pub resultant: [T; 2],
     /// Quantities from which the fluxes of elements follow.
     pub transport: Transport<T>,
 }
@@ -165,6 +170,8 @@ pub struct Place<'a, T: Real> {
     pub plane: [T::Constant; 2],
     /// Length of the element.
     pub length: Jet<T>,
+    /// Drag of the ring's layers on the arc that is near, as a share of the load that presses the ring on it.
+    pub layer_drag: T,
 }
 
 impl<T: Real> Place<'_, T> {

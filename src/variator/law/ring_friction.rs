@@ -1,7 +1,7 @@
-//! Friction between ring and elements.
+//! Friction between ring and elements, and between the layers of the ring.
 
 use crate::contact::Friction;
-use crate::ring::Ring;
+use crate::ring::{Ring, layers};
 use crate::scalar::{Real, smooth_plus};
 
 /// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
@@ -32,6 +32,13 @@ pub(crate) fn ring_friction_slope<T: Real>(friction: &Friction, pressing: T, kap
     let speed = square_of_speed(friction, sliding).sqrt();
     let direction = sliding / speed;
     ring_load(pressing) * kappa * (friction.ring * scale) * (-(direction * direction) + 1.0) / speed
+}
+
+/// Drag of the ring's layers per dξ, N/m, under the tension `pressing`, N, where the ring moves along itself at `speed`, m/s.
+/// `share` is that of [`Layers::drag_shares`](layers::Layers::drag_shares).
+#[inline(always)]
+pub(crate) fn layer_drag<T: Real>(share: T, pressing: T, kappa: T, speed: T) -> T {
+    share * ring_load(pressing) * kappa * layers::direction(speed)
 }
 
 /// v² + v₀², m²/s².

@@ -207,7 +207,7 @@ fn slopes(
         let context = Context {
             external_torque: system
                 .pulleys
-                .external_torques(&boundary, state.view(), survey.sums.torque),
+                .external_torques(&boundary, state.view(), survey.sums.shaft_torque),
             macro_slip: false,
             supplied: 0.0,
             lost: 0.0,

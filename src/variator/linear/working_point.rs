@@ -93,7 +93,7 @@ fn hold(
         }
         boundary.shaft[j] = match pulley.drive {
             Drive::Torque => {
-                values.torque = -sums.torque[j];
+                values.torque = -sums.shaft_torque[j];
                 ShaftMode::Torque(values.torque)
             }
             Drive::Speed => {

@@ -40,7 +40,8 @@ pub enum ShaftMode {
         /// At the primary shaft.
         primary: f64,
     },
-    /// Secondary only: the speed at which the belt transmits the given torque of the primary shaft, N·m.
+    /// Secondary only: the speed at which the belt takes the given torque from the primary pulley, N·m. The drag of the shafts
+    /// is not in it.
     Transmit(f64),
 }
 

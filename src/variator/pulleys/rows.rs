@@ -2,13 +2,15 @@
 //!
 //! - axial: m_z z̈ = F − ∫p_ax − d_z ż + stop force; z closes the pulley, 0 at ratio 1,
 //! - tilt of one sheave: (M/a)(ψ + τ ψ̇) = ∫p_ax ϱ (cos θ, sin θ), see [`tilt`](crate::tilt),
-//! - rotation: J ω̇ = T + belt torque, or τ_ω ω̇ = ω_set − ω in speed drive.
+//! - rotation: J ω̇ = T + belt torque − T_d, or τ_ω ω̇ = ω_set − ω in speed drive; T_d is the [drag](crate::shaft) of the
+//!   shaft.
 
 use crate::pulley::{PerPulley, Pulley, StopForce, Travel};
 use crate::scalar::Tangent;
+use crate::shaft::Drag;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::mesh::layout::Layout;
 use crate::variator::pulleys::loads::{Boundary, RATIO_STIFFNESS, ShaftMode, SheaveMode};
@@ -85,14 +87,34 @@ impl Pulleys {
         }
     }
 
+    /// Drag of a shaft, where the contact forces on the belt have the resultant `[x, y]`, N.
+    fn drag(&self, pulley: Pulley, view: View<'_>, resultant: [f64; 2]) -> Drag {
+        let omega = view.y[self.layout.shaft_speed(pulley)];
+        self.parameters[pulley].drag.at(omega, resultant)
+    }
+
+    /// Drag torques of the shafts, N·m, where the contact forces on the belt have these resultants, N.
+    #[must_use]
+    pub fn drag_torques(&self, view: View<'_>, resultants: PerPulley<[f64; 2]>) -> PerPulley<f64> {
+        PerPulley::from_fn(|pulley| self.drag(pulley, view, resultants[pulley]).torque)
+    }
+
+    /// Torques of belt and drag on the shafts, N·m.
+    fn shaft_torques(&self, loads: &PerPulley<PulleyLoad>, view: View<'_>) -> PerPulley<f64> {
+        let drags = self.drag_torques(view, loads.map(|load| load.resultant));
+        PerPulley::from_fn(|pulley| loads[pulley].torque - drags[pulley])
+    }
+
     /// Writes the pulleys' rows of the residual, under the loads of the belt.
     pub(crate) fn residual(&self, boundary: &Boundary, loads: &PerPulley<PulleyLoad>, view: View<'_>, out: &mut [f64]) {
+        let torques = self.shaft_torques(loads, view);
         for pulley in Pulley::BOTH {
             let z = self.layout.sheave(pulley);
             out[z] = self.sheave_row(pulley, boundary.sheave[pulley], loads[pulley].axial, view);
             self.tilt_rows(pulley, &loads[pulley], view, out);
             let i = self.layout.shaft_speed(pulley);
-            out[i] = self.shaft_row(pulley, boundary.shaft[pulley], loads, view);
+            let mode = boundary.shaft[pulley];
+            out[i] = self.shaft_row((pulley, mode), torques, loads.primary.torque, view);
         }
     }
 
@@ -129,26 +151,35 @@ impl Pulleys {
         }
     }
 
-    fn shaft_row(&self, pulley: Pulley, mode: ShaftMode, loads: &PerPulley<PulleyLoad>, view: View<'_>) -> f64 {
+    /// Equation of motion of a shaft under the torque `on_primary` of the belt on the primary pulley; `torques` are those of
+    /// belt and drag on the shafts, N·m.
+    fn shaft_row(
+        &self,
+        (pulley, mode): (Pulley, ShaftMode),
+        torques: PerPulley<f64>,
+        on_primary: f64,
+        view: View<'_>,
+    ) -> f64 {
         let of = &self.parameters[pulley];
         let i = self.layout.shaft_speed(pulley);
         let inertia = self.inertia_factor * of.inertia * view.y_dot[i];
         match mode {
-            ShaftMode::Torque(torque) => inertia - torque - loads[pulley].torque,
+            ShaftMode::Torque(torque) => inertia - torque - torques[pulley],
             ShaftMode::Setpoint(set) => inertia - self.inertia_factor * of.inertia * (set - view.y[i]) / SPEED_LAG,
             ShaftMode::Fixed => inertia,
             ShaftMode::Balanced { own, primary } => {
-                inertia - own - loads[pulley].torque + self.balanced_factor(view) * (primary + loads.primary.torque)
+                inertia - own - torques[pulley] + self.balanced_factor(view) * (primary + torques.primary)
             }
-            ShaftMode::Transmit(primary) => inertia + primary + loads.primary.torque,
+            ShaftMode::Transmit(primary) => inertia + primary + on_primary,
         }
     }
 
-    /// Adds the derivatives of the pulleys' rows, with the factors α of ẏ and β of q; the belt's are in `out`.
+    /// Adds the derivatives of the pulleys' rows, with the factors α of ẏ and β of q; the belt's are in `out`, and those of the
+    /// resultants of its contact forces beside its loads.
     pub(crate) fn jacobian(
         &self,
         boundary: &Boundary,
-        loads: &PerPulley<PulleyLoad>,
+        (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantSlopes),
         view: View<'_>,
         slopes: [f64; 2],
         out: &mut Arrow,
@@ -158,7 +189,18 @@ impl Pulleys {
             self.tilt_slopes(pulley, view, slopes[0], out);
         }
         // Secondary first: its row may need the primary's before that is overwritten.
-        self.couple_secondary(boundary.shaft.secondary, loads.primary.torque, view, out);
+        let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout.shaft_speed(pulley));
+        if let ShaftMode::Transmit(_) = boundary.shaft.secondary {
+            out.set_unit_row(s, 0.0);
+            out.add_row(s, p, -1.0);
+        } else {
+            self.add_drag_slopes(Pulley::Secondary, (loads, resultants), view, out);
+        }
+        self.add_drag_slopes(Pulley::Primary, (loads, resultants), view, out);
+        if let ShaftMode::Balanced { primary, .. } = boundary.shaft.secondary {
+            let torque = primary + self.shaft_torques(loads, view).primary;
+            self.balance_secondary(torque, view, out);
+        }
         for pulley in Pulley::BOTH {
             let i = self.layout.shaft_speed(pulley);
             let inertia = self.inertia_factor * self.parameters[pulley].inertia;
@@ -193,6 +235,24 @@ impl Pulleys {
         }
     }
 
+    /// Adds the derivatives of the drag to the row of a shaft.
+    fn add_drag_slopes(
+        &self,
+        pulley: Pulley,
+        (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantSlopes),
+        view: View<'_>,
+        out: &mut Arrow,
+    ) {
+        let row = self.layout.shaft_speed(pulley);
+        let drag = self.drag(pulley, view, loads[pulley].resultant);
+        out.add(row, row, drag.by_speed);
+        if drag.by_resultant != [0.0; 2] {
+            for (column, slope) in resultants.along(pulley, drag.by_resultant).enumerate() {
+                out.add(row, column, slope);
+            }
+        }
+    }
+
     fn sheave_slopes(
         &self,
         pulley: Pulley,
@@ -218,28 +278,18 @@ impl Pulleys {
         }
     }
 
-    /// Slopes of a secondary shaft whose row contains that of the primary.
-    fn couple_secondary(&self, mode: ShaftMode, primary_torque: f64, view: View<'_>, out: &mut Arrow) {
+    /// Slopes of a secondary shaft that is balanced against the primary one, on which the torque `unbalanced` acts in all, N·m.
+    fn balance_secondary(&self, unbalanced: f64, view: View<'_>, out: &mut Arrow) {
         let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout.shaft_speed(pulley));
-        match mode {
-            ShaftMode::Balanced { primary, .. } => {
-                out.add_row(s, p, -self.balanced_factor(view));
-                let unbalanced = primary + primary_torque;
-                let omega = view.y[p];
-                if omega != 0.0 {
-                    let inertias = self.parameters.primary.inertia * omega;
-                    out.add(s, s, unbalanced * self.parameters.secondary.inertia / inertias);
-                }
-            }
-            ShaftMode::Transmit(_) => {
-                out.set_unit_row(s, 0.0);
-                out.add_row(s, p, -1.0);
-            }
-            ShaftMode::Torque(_) | ShaftMode::Setpoint(_) | ShaftMode::Fixed => {}
+        out.add_row(s, p, -self.balanced_factor(view));
+        let omega = view.y[p];
+        if omega != 0.0 {
+            let inertias = self.parameters.primary.inertia * omega;
+            out.add(s, s, unbalanced * self.parameters.secondary.inertia / inertias);
         }
     }
 
-    /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W.
+    /// Losses of the pulleys: sheave damper, tilt relaxation, end stops, W. The drag of the shafts is not in it.
     #[must_use]
     pub fn losses(&self, view: View<'_>) -> f64 {
         let mut loss = 0.0;
@@ -274,7 +324,7 @@ impl Pulleys {
         energy
     }
 
-    /// External torque at a shaft, N·m, without what accelerates it towards a set point; `torque` is the belt's.
+    /// External torque at a shaft, N·m, without what accelerates it towards a set point; `torque` is that of belt and drag.
     fn torque_supplied(mode: ShaftMode, torque: f64) -> f64 {
         match mode {
             ShaftMode::Torque(external) | ShaftMode::Balanced { own: external, .. } => external,
@@ -282,7 +332,7 @@ impl Pulleys {
         }
     }
 
-    /// External torques at the shafts, N·m; `torques` are the belt's on the pulleys.
+    /// External torques at the shafts, N·m; `torques` are those of belt and drag.
     #[must_use]
     pub fn external_torques(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> PerPulley<f64> {
         PerPulley::from_fn(|pulley| {
@@ -295,8 +345,8 @@ impl Pulleys {
         })
     }
 
-    /// Power supplied at the shafts, W, without what accelerates a pulley in speed drive; `torques` are the belt's on
-    /// the pulleys.
+    /// Power supplied at the shafts, W, without what accelerates a pulley in speed drive; `torques` are those of belt and
+    /// drag.
     #[must_use]
     pub fn shaft_power(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> f64 {
         PerPulley::from_fn(|pulley| {

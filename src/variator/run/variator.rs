@@ -217,7 +217,7 @@ impl Variator {
 
     /// Records the external torques under the present loads.
     pub(super) fn hold_external(&mut self) {
-        let torques = self.ledger.last.sums.torque;
+        let torques = self.ledger.last.sums.shaft_torque;
         let boundary = self.system.loads.at(self.time);
         let pulleys = &self.system.pulleys;
         self.external_torque = pulleys.external_torques(&boundary, self.state.view(), torques);
@@ -322,7 +322,7 @@ impl Variator {
             }
             let boundary = self.system.loads.at(self.time + after);
             let survey = Survey::of(&self.system, state.view());
-            let torques = survey.sums.torque;
+            let torques = survey.sums.shaft_torque;
             let context = self.context(self.system.pulleys.external_torques(&boundary, state.view(), torques));
             let mut outputs = Box::<Outputs>::default();
             self.observer

@@ -5,6 +5,8 @@ pub use crate::chain::Belt;
 pub use crate::contact::{Contact, Friction};
 use crate::pulley::Pulley;
 pub use crate::ring::Ring;
+pub use crate::ring::layers::Layers;
+pub use crate::shaft::ShaftDrag;
 pub use crate::tilt::{RIGID_TILT_STIFFNESS, Tilt};
 
 /// Model of the ring inside the variator.
@@ -72,6 +74,8 @@ pub struct Parameters {
     pub belt: Belt,
     /// The two ring sets, as one beam.
     pub ring: Ring,
+    /// Layers of a ring set, which slip on each other.
+    pub layers: Layers,
     /// Friction coefficients and their regularisation.
     pub friction: Friction,
     /// Element flank on sheave.
@@ -121,6 +125,8 @@ pub struct PulleyParameters {
     pub min_radius: f64,
     /// Pitch radius at the closing stop, m.
     pub max_radius: f64,
+    /// Drag of the shaft in seals, oil and bearings.
+    pub drag: ShaftDrag,
 }
 
 /// Elements along the belt: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary
@@ -218,6 +224,15 @@ impl Default for Parameters {
             },
             min_radius: 0.030,
             max_radius: 0.082,
+            // Engineering values of a shaft of some 40 mm: T₀ of two lip seals or sealing rings, b of the oil that pulley and
+            // bearings splash, μ_b between what catalogues have for ball bearings, 0.0015, and for roller bearings, 0.002, at
+            // half the bore.
+            drag: ShaftDrag {
+                constant: 0.15,
+                viscous: 5.0e-4,
+                bearing_friction: 1.8e-3,
+                bearing_radius: 0.02,
+            },
         };
         Self {
             ring_model: RingModel::Ale,
@@ -247,6 +262,13 @@ impl Default for Parameters {
                 bending_stiffness: 0.0159,
                 lateral_bending_stiffness: 37.6,
                 damping: 2.0e-5,
+            },
+            // Two sets of nine layers carry half the tension each: in sum as one set carries all. The friction is an
+            // engineering value, oiled steel on steel, as between ring and elements.
+            layers: Layers {
+                count: 9,
+                thickness: 1.85e-4,
+                friction: 0.05,
             },
             friction: Friction {
                 pulley: 0.09,

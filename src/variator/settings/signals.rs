@@ -78,7 +78,7 @@ pub struct PulleyOutputs {
     pub shaft_torque: f64,
     /// External torque at the shaft: the input, or the reaction in speed drive, N·m.
     pub external_torque: f64,
-    /// −shaft_torque·ω, power into the variator, W.
+    /// −shaft_torque·ω, power into the belt, W.
     pub power: f64,
     /// Spread of the running radius within the arc, m.
     pub spiral: f64,
@@ -93,6 +93,10 @@ pub struct Losses<L = f64> {
     pub sheaves: L,
     /// Friction between ring and elements.
     pub ring: L,
+    /// Friction between the layers of the ring.
+    pub layers: L,
+    /// Drag of the shafts in seals, oil and bearings.
+    pub shafts: L,
     /// Sheave damper, tilt relaxation, chain, structural and contact damping, end stops.
     pub other: L,
 }
@@ -101,7 +105,7 @@ impl Losses {
     /// Sum of all losses, W.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.sheaves + self.ring + self.other
+        self.sheaves + self.ring + self.layers + self.shafts + self.other
     }
 }
 
@@ -195,8 +199,10 @@ pub struct Outputs {
     pub slip: f64,
     /// Losses by their causes.
     pub losses: Losses,
-    /// Driven power / driving power, 0 where no power flows.
+    /// Driven / driving shaft power, 0 where no power flows. The drag of the shafts is in it.
     pub efficiency: f64,
+    /// Driven / driving power at the belt, 0 where no power flows. The drag of the shafts is not in it.
+    pub belt_efficiency: f64,
     /// abs(belt torque on P) cosβ/(2 μ F_S r_P), at most 10.
     pub torque_utilisation: f64,
     /// All loaded cells of a pulley slide one way.

@@ -126,11 +126,14 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
         1e9
     ),
     limit!("ring.damping", ring.damping, 0.0, 1e-2),
+    limit!("ring.layers", layers.count, 1.0, 100.0),
+    limit!("ring.layerThickness", layers.thickness, 0.0, 0.01),
     limit!("friction.pulley", friction.pulley, 0.0, 1.0),
     limit!("friction.ring", friction.ring, 0.0, 1.0),
     limit!("friction.fall", friction.fall, 0.0, 0.9),
     limit!("friction.fallSpeed", friction.fall_speed, 1e-3, 1e3),
     limit!("friction.velocity", friction.velocity, 1e-6, 0.1),
+    limit!("friction.layers", layers.friction, 0.0, 1.0),
     limit!("contact.stiffness", contact.stiffness, 1e6, 1e15),
     limit!("contact.roughness", contact.roughness, 1e-10, 1e-5),
     limit!("contact.damping", contact.damping, 0.0, 1e-2),
@@ -154,6 +157,10 @@ const PULLEY: &[Limit<PulleyParameters, 2>] = &[
     pulley_limit!("tiltTime", tilt.time, 1e-6, 10.0),
     pulley_limit!("minRadius", min_radius, 1e-3, 10.0),
     pulley_limit!("maxRadius", max_radius, 1e-3, 10.0),
+    pulley_limit!("drag.constant", drag.constant, 0.0, 1e3),
+    pulley_limit!("drag.viscous", drag.viscous, 0.0, 10.0),
+    pulley_limit!("bearing.friction", drag.bearing_friction, 0.0, 1.0),
+    pulley_limit!("bearing.radius", drag.bearing_radius, 0.0, 1.0),
 ];
 
 const INPUTS: &[Limit<PulleyInputs, 2>] = &[

@@ -51,12 +51,16 @@ impl Survey {
 /// Sums over the belt at one state, or over the cells in each lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeltSums<L = f64> {
-    /// Losses of the belt by their causes, W.
+    /// Losses of belt and shafts by their causes, W.
     pub losses: Losses<L>,
     /// Axial force on one sheave, N.
     pub axial: PerPulley<L>,
     /// Torque of the belt on the pulley, N·m.
     pub torque: PerPulley<L>,
+    /// Resultant of the contact forces on the belt, N.
+    pub resultant: PerPulley<[L; 2]>,
+    /// Torque of belt and drag on the shaft, N·m.
+    pub shaft_torque: PerPulley<L>,
     /// ∫ axial · ϱ, N·m.
     pub axial_radius: PerPulley<L>,
     /// Sliding weighted by normal force, and its share of either sign.
@@ -97,11 +101,15 @@ impl BeltSums<Lanes> {
         let weight = s.weight * in_use;
         self.losses.sheaves += s.sheave_loss * weight;
         self.losses.ring += s.ring_loss * weight;
+        self.losses.layers += s.layer_loss * weight;
         self.losses.other += s.damping_loss * weight;
         for j in Pulley::BOTH {
             let weight = s.weight * group.on[j];
             self.axial[j] += s.axial * weight;
             self.torque[j] += s.torque * weight;
+            for (sum, force) in self.resultant[j].iter_mut().zip(s.resultant) {
+                *sum += force * weight;
+            }
             self.axial_radius[j] += s.axial * weight * s.pitch_radius;
             let load = s.normal * weight;
             let sliding = &mut self.sliding[j];
@@ -120,16 +128,26 @@ impl BeltSums<Lanes> {
 
     /// The sums over all lanes.
     fn total(&self) -> BeltSums {
-        let Losses { sheaves, ring, other } = self.losses;
+        let Losses {
+            sheaves,
+            ring,
+            layers,
+            shafts,
+            other,
+        } = self.losses;
         BeltSums {
             losses: Losses {
                 sheaves: sheaves.sum(),
                 ring: ring.sum(),
+                layers: layers.sum(),
+                shafts: shafts.sum(),
                 other: other.sum(),
             },
             axial: self.axial.map(Lanes::sum),
             torque: self.torque.map(Lanes::sum),
+            resultant: self.resultant.map(|of| of.map(Lanes::sum)),
             axial_radius: self.axial_radius.map(Lanes::sum),
+            shaft_torque: PerPulley::default(),
             sliding: self.sliding.map(|of| Sliding {
                 load: of.load.sum(),
                 weighted: of.weighted.sum(),
@@ -164,6 +182,12 @@ impl Survey {
         self.sums = sums.total();
         let (energy, loss) = system.ring_energy(view);
         self.sums.losses.other += loss;
+        let speeds = system.belt.shaft_speeds(view);
+        let drags = system.pulleys.drag_torques(view, self.sums.resultant);
+        for j in Pulley::BOTH {
+            self.sums.losses.shafts += drags[j] * speeds[j];
+            self.sums.shaft_torque[j] = self.sums.torque[j] - drags[j];
+        }
         self.ring_energy = energy.total();
     }
 

@@ -173,7 +173,7 @@ impl Powers {
             moved += (sums.torque[pulley] * speeds[pulley]).abs();
         }
         Self {
-            supplied: system.pulleys.shaft_power(boundary, view, sums.torque),
+            supplied: system.pulleys.shaft_power(boundary, view, sums.shaft_torque),
             lost: sums.losses.total() + system.pulleys.losses(view),
             moved,
         }

@@ -74,7 +74,10 @@ impl Observer {
             other: sums.losses.other + system.pulleys.losses(view),
             ..sums.losses
         };
-        out.efficiency = efficiency(&out.primary, &out.secondary);
+        let speeds = belt.shaft_speeds(view);
+        let efficiency_of = |torques: PerPulley<f64>| efficiency(PerPulley::from_fn(|j| -torques[j] * speeds[j]));
+        out.efficiency = efficiency_of(sums.shaft_torque);
+        out.belt_efficiency = efficiency_of(sums.torque);
         out.torque_utilisation = torque_utilisation(system, sums, radii.primary);
         out.macro_slip = context.macro_slip;
         out.push_force_max = sums.push_force;
@@ -175,12 +178,13 @@ fn motion(belt: &Belt, view: View<'_>, sums: &BeltSums, radii: PerPulley<f64>, o
     };
 }
 
-/// Power of the driven shaft by that of the driving one; 0 where that is none.
-fn efficiency(primary: &PulleyOutputs, secondary: &PulleyOutputs) -> f64 {
-    let (driving, driven) = if primary.power >= secondary.power {
-        (primary.power, -secondary.power)
+/// Power that goes out at the driven side by that which goes in at the driving one; 0 where that is none. `power` is what
+/// goes in at each side, W.
+fn efficiency(power: PerPulley<f64>) -> f64 {
+    let (driving, driven) = if power.primary >= power.secondary {
+        (power.primary, -power.secondary)
     } else {
-        (secondary.power, -primary.power)
+        (power.secondary, -power.primary)
     };
     if driving < NO_POWER {
         return 0.0;

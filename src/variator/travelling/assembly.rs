@@ -9,7 +9,7 @@ use crate::scalar::{Lanes, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::variator::assembly::equations::{Assembly, InForce};
-use crate::variator::assembly::sums::PulleyLoad;
+use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::{NoProbe, Sample, Sampler};
@@ -123,9 +123,10 @@ fn add_cell_slopes<E: LagrangianElement>(
     frames: &Frames,
     slopes: [f64; 2],
     (of_cell, transports): (&mut CellSlopes, &mut Transports),
-    out: &mut Arrow,
+    (out, resultants): (&mut Arrow, &mut ResultantSlopes),
 ) -> PulleyLoad {
     let at = over.unknowns();
+    let pulley = evaluation.acting.belt.mesh.cells[over.cell].pulley;
     let (own, count) = (over.nodal(), at.len());
     of_cell.at[..count].copy_from_slice(at);
     of_cell.count = count;
@@ -155,6 +156,11 @@ fn add_cell_slopes<E: LagrangianElement>(
         }
         for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
             add(at[own + k], row);
+        }
+        for (axis, force) in rows.balance.resultant.iter().enumerate() {
+            for (&column, &slope) in columns.iter().zip(&force.eps) {
+                resultants.add(pulley, axis, column, slope);
+            }
         }
         transports.set(over.cell, &rows.balance.transport.map(|of| of.re));
         for (slopes, of) in of_cell
@@ -225,7 +231,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        out: &mut Arrow,
+        (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
         let layout = &belt.layout;
@@ -250,7 +256,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         for (cell, of_cell) in self.slopes.iter_mut().enumerate() {
             let over = CellOver::new(belt, &frame, cell, s);
             let into = (of_cell, &mut self.transports);
-            let load = add_cell_slopes(&evaluation, &over, &frames, slopes, into, out);
+            let load = add_cell_slopes(&evaluation, &over, &frames, slopes, into, (out, resultants));
             loads[belt.mesh.cells[cell].pulley] += load;
         }
         self.add_flux_slopes(belt, alpha, out);

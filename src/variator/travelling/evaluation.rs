@@ -1,5 +1,6 @@
 //! A cell over a ring that travels with its mesh, evaluated in plain numbers or with derivatives.
 
+use crate::pulley::Pulley;
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::ring::beam;
 use crate::ring::kinematics::Motion;
@@ -170,6 +171,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             axis: belt.law.axes[of_mesh.pulley],
             plane: belt.law.planes[of_mesh.pulley].constants(),
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
+            layer_drag: self.layer_drag(frame, of_mesh.pulley),
         };
         let references: [Option<ReferencePoint<S::T>>; SLOTS] = std::array::from_fn(|slot| {
             (slot <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(slot)))
@@ -195,6 +197,13 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             balance,
             ring: passing.into_forces(),
         }
+    }
+
+    /// Drag of the ring's layers on the arc of a pulley, as a share of the load that presses the ring on it.
+    fn layer_drag<T: Real>(&self, frame: &TwoPulleyFrame<T>, pulley: Pulley) -> T {
+        let law = &self.acting.belt.law;
+        let radii = frame.radius.map(|radius| radius.v - law.chain.pitch_offset);
+        law.layers.drag_shares(radii)[pulley as usize]
     }
 
     /// The ring at a slot, where its element is at the local coordinate `x` from −1 to 1.
