@@ -46,6 +46,11 @@ class Check:
     """Where it misses, by how much."""
 
 
+def signed(value: float) -> str:
+    """A plain number with its sign, for names."""
+    return f"{value:+g}".replace("-", MINUS)
+
+
 def reported(statement: str, source: Source, goal: str, found: str) -> Check:
     """A figure that stands beside another one and isn't judged."""
     return Check(statement, source, goal, found, Verdict.REPORTED)

@@ -7,14 +7,27 @@ from collections.abc import Iterable
 
 from pushbelt.fmu.data import load_cases
 from pushbelt.fmu.starts import driven_at_speed
-from pushbelt.page import MINUS
 from pushbelt.theory import cmm
 
 from .. import against_theory
 from ..against_theory import LADDER, LADDER_CASES, Deviation
 from ..bench import Bench, Plan
 from ..measured import THEORY
-from ..outcome import PERCENT, Check, Column, Curve, Panel, Picture, Section, Table, reported, share, table, within
+from ..outcome import (
+    PERCENT,
+    Check,
+    Column,
+    Curve,
+    Panel,
+    Picture,
+    Section,
+    Table,
+    reported,
+    share,
+    signed,
+    table,
+    within,
+)
 
 TOLERANCE = 0.05
 """Of the thrust ratio in the theory's limit."""
@@ -87,7 +100,7 @@ def run(bench: Bench, plan: Plan) -> Section:
 
 
 def _name(case: tuple[float, float]) -> str:
-    return f"r_S/r_P {case[0]:g}, r {case[1]:+g}"
+    return f"r_S/r_P {case[0]:g}, r {signed(case[1])}"
 
 
 def _limit(bench: Bench, plan: Plan) -> tuple[Table, Check]:
@@ -190,7 +203,7 @@ def _theory_table(bench: Bench, plan: Plan) -> Table:
         Column("r_S/r_P", digits=2),
         Column("Capacity, drive"),
         Column("Capacity, brake"),
-        *(Column(f"r = {r:+.1f}".replace("-", MINUS)) for r in tractions),
+        *(Column(f"r = {signed(r)}") for r in tractions),
     ]
     return table("theory", "The theory alone: thrust ratio over ratio and traction", columns, rows)
 

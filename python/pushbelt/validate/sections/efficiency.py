@@ -348,15 +348,17 @@ def _bounds(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
 
 
 def _picture(beside: Sequence[Beside]) -> Picture:
-    """Per cent over torque, a panel a ratio."""
-    panels = []
+    """Per cent over torque, a panel a ratio; the first one names the points."""
+    panels: list[Panel] = []
     for ratio in dict.fromkeys(b.measured.ratio for b in beside):
         group = sorted((b for b in beside if b.measured.ratio == ratio), key=lambda b: b.measured.torque)
         torques = tuple(b.measured.torque for b in group)
-        curves = [Curve(torques, tuple(100.0 * b.measured.efficiency for b in group), "transmission, measured", 1, "o")]
+        series = [("transmission, measured", 1, "o", [b.measured.efficiency for b in group])]
         for k, (safety, style) in enumerate(zip(SAFETIES, (".", "x"), strict=True)):
-            curves.append(
-                Curve(torques, tuple(100.0 * b.efficiencies[k] for b in group), f"FMU, safety {safety:g}", 0, style)
-            )
-        panels.append(Panel(f"Ratio {ratio:g}: efficiency (%)", "primary torque (N·m)", tuple(curves)))
+            series.append((f"FMU, safety {safety:g}", 0, style, [b.efficiencies[k] for b in group]))
+        curves = tuple(
+            Curve(torques, tuple(100.0 * value for value in values), "" if panels else name, colour, style)
+            for name, colour, style, values in series
+        )
+        panels.append(Panel(f"Ratio {ratio:g}: efficiency (%)", "primary torque (N·m)", curves))
     return Picture(tuple(panels), "Points at one torque differ in speed, 1500 to 5000 rpm.")

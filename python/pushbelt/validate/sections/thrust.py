@@ -9,7 +9,7 @@ from pushbelt.fmu.starts import driven_by_torque
 
 from ..bench import Bench, Plan
 from ..measured import source
-from ..outcome import PERCENT, Check, Column, Curve, Panel, Picture, Section, share, table, within
+from ..outcome import PERCENT, Check, Column, Curve, Panel, Picture, Section, share, signed, table, within
 
 RATIOS = (2.25, 1.5, 1.0, 0.67, 0.44)
 TORQUE_RATIOS = (-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
@@ -74,7 +74,7 @@ def _solve(bench: Bench, plan: Plan) -> dict[Key, dict[Key, float]]:
 
 
 def _checks(spread: dict[Key, float]) -> tuple[Check, ...]:
-    names = [(f"ratio {ratio:g}, torque ratio {torque:+g}", value) for (ratio, torque), value in spread.items()]
+    names = [(f"ratio {ratio:g}, torque ratio {signed(torque)}", value) for (ratio, torque), value in spread.items()]
     return (
         within(
             "The thrust ratio depends on ratio and torque ratio alone, not on force or speed",
