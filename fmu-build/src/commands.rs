@@ -17,6 +17,7 @@ pub mod linearize;
 pub mod paper;
 pub mod sweep;
 pub mod test;
+pub mod validate;
 
 /// Builds the FMU, installs the Python packages, and returns the command that starts a Python program with the FMU. Its
 /// results go to a folder of this name below the target directory.

@@ -58,6 +58,8 @@ enum Command {
     Sweep(commands::sweep::Arguments),
     /// Fit parameters to a table of measured steady points and write target/calibrate/report.html (1 minute for 60 points)
     Calibrate(commands::calibrate::Arguments),
+    /// Put the FMU beside theory and measurements and write target/validate/report.html (1 minute)
+    Validate(commands::validate::Arguments),
     /// Measure the speed of the model (1 minute)
     Bench(commands::bench::Arguments),
     /// Write the linear model A, B, C, D about a steady working point as JSON (seconds)
@@ -89,6 +91,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Paper(arguments) => commands::paper::run(&workspace, arguments),
         Command::Sweep(arguments) => commands::sweep::run(&workspace, arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&workspace, arguments),
+        Command::Validate(arguments) => commands::validate::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),

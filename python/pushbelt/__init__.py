@@ -2,7 +2,8 @@
 
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
 - `page`, `style`, `belt_picture`, `checks`, `progress`, `side_by_side`: what the reports share.
-- `calibrate`, `demo`, `drive`, `paper`, `sweep`: programs, each run by `python -m pushbelt.…`. None of them imports another.
+- `theory`: what theories say, independent of the FMU.
+- `calibrate`, `demo`, `drive`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them imports another.
 """
 
 from ._version import __version__

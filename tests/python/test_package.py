@@ -11,7 +11,7 @@ from conftest import ROOT
 import pushbelt
 
 PACKAGE = ROOT / "python" / "pushbelt"
-PROGRAMS = ("calibrate", "demo", "drive", "paper", "sweep")
+PROGRAMS = ("calibrate", "demo", "drive", "paper", "sweep", "validate")
 MODULES = {
     ".".join(("pushbelt", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
     for path in sorted(PACKAGE.rglob("*.py"))
@@ -19,9 +19,9 @@ MODULES = {
 
 
 def part_of(module: str) -> str:
-    """`fmu`, a program, or `shared` for what lies beside them."""
+    """`fmu`, `theory`, a program, or `shared` for what lies beside them."""
     names = module.split(".")
-    return names[1] if len(names) > 1 and names[1] in ("fmu", *PROGRAMS) else "shared"
+    return names[1] if len(names) > 1 and names[1] in ("fmu", "theory", *PROGRAMS) else "shared"
 
 
 def imported(module: str) -> set[str]:
@@ -38,8 +38,8 @@ def imported(module: str) -> set[str]:
     return found & MODULES.keys() - {module}
 
 
-MAY_IMPORT = {"fmu": {"fmu"}, "shared": {"fmu", "shared"}} | {
-    program: {"fmu", "shared", program} for program in PROGRAMS
+MAY_IMPORT = {"fmu": {"fmu"}, "theory": {"theory"}, "shared": {"fmu", "shared"}} | {
+    program: {"fmu", "theory", "shared", program} for program in PROGRAMS
 }
 
 

@@ -1,4 +1,5 @@
 """The FMU and what is known of it.
 
 geometry → results → unit (the FMU, call by call), data (published parameters and inputs) → load_cases (steady states)
+starts (start values of steady states), shift (how fast the ratio changes)
 """

@@ -238,7 +238,7 @@ def _centre(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.
     return float(brentq(excess, 1.0e-9, wrap - 1.0e-9, xtol=1.0e-13, rtol=1.0e-14))
 
 
-def _log_ratio(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, refinement: int = 1) -> float:
+def log_ratio(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, refinement: int = 1) -> float:
     centre = _centre(wrap, beta, mu, creep, shift, refinement)
     return _integrate(wrap, beta, mu, creep, centre, shift, refinement).log_ratio
 
@@ -246,7 +246,7 @@ def _log_ratio(wrap: float, beta: float, mu: float, creep: float, shift: float =
 _WIDEST = 16.0
 
 
-def _creep_of(u: float) -> float:
+def creep_of(u: float) -> float:
     """Maps the search variable to B = -1 + sinh u: fine about -1, where theta_c and psi turn fastest."""
     return -1.0 + float(np.sinh(u))
 
@@ -255,13 +255,13 @@ def _creep_of(u: float) -> float:
 def _creep_range(wrap: float, beta: float, mu: float) -> tuple[float, float]:
     """Search variable between the extremes of ln F'_out/F'_in: the branch that contains idle running."""
     grid = np.linspace(-_WIDEST, _WIDEST, 129)
-    values = np.array([_log_ratio(wrap, beta, mu, _creep_of(u)) for u in grid])
+    values = np.array([log_ratio(wrap, beta, mu, creep_of(u)) for u in grid])
 
     def extreme(index: int, sign: float) -> float:
         if index in (0, grid.size - 1):
             return float(grid[index])
         found = minimize_scalar(
-            lambda u: -sign * _log_ratio(wrap, beta, mu, _creep_of(float(u))),
+            lambda u: -sign * log_ratio(wrap, beta, mu, creep_of(float(u))),
             bounds=(grid[index - 1], grid[index + 1]),
             method="bounded",
             options={"xatol": 1.0e-6},
@@ -281,8 +281,8 @@ def arc_capacity(wrap: float, beta: float, mu: float) -> tuple[float, float]:
     low, high = _creep_range(wrap, beta, mu)
     full_slip = mu * wrap / sin(beta)
     return (
-        min(_log_ratio(wrap, beta, mu, _creep_of(low)), -full_slip),
-        max(_log_ratio(wrap, beta, mu, _creep_of(high)), full_slip),
+        min(log_ratio(wrap, beta, mu, creep_of(low)), -full_slip),
+        max(log_ratio(wrap, beta, mu, creep_of(high)), full_slip),
     )
 
 
@@ -318,11 +318,11 @@ def arc_at_traction(wrap: float, beta: float, mu: float, traction: float, points
     _check(wrap, beta, mu)
     wanted = 2.0 * atanh(traction)
     low, high = _creep_range(wrap, beta, mu)
-    ends = [_log_ratio(wrap, beta, mu, _creep_of(u)) for u in (low, high)]
+    ends = [log_ratio(wrap, beta, mu, creep_of(u)) for u in (low, high)]
     if not ends[0] < wanted < ends[1]:
         raise ValueError(f"traction {traction:.4f} is beyond the capacity of an arc of {wrap:.4f} rad")
-    u = brentq(lambda u: _log_ratio(wrap, beta, mu, _creep_of(u)) - wanted, low, high, xtol=1.0e-12)
-    return arc_at_creep(wrap, beta, mu, _creep_of(float(u)), points=points)
+    u = brentq(lambda u: log_ratio(wrap, beta, mu, creep_of(u)) - wanted, low, high, xtol=1.0e-12)
+    return arc_at_creep(wrap, beta, mu, creep_of(float(u)), points=points)
 
 
 # ----------------------------------------------------------------------------------------------------- two pulleys
@@ -422,24 +422,3 @@ def rest_and_slip_arc(
     thrust_p = entry_p * (wrap_p - slip_arc) / (2.0 * tan(beta)) + slipping
     thrust_s = entry_s * (wrap_s - slip_arc) / (2.0 * tan(beta)) + slipping
     return thrust_p / thrust_s, slip_arc, thrust_p, thrust_s
-
-
-def main() -> None:
-    """Prints the thrust ratio over ratio and traction for beta = 11 deg, mu = 0.09 on the laboratory variator."""
-    beta, mu = np.radians(11.0), 0.09
-    tractions = (-0.5, -0.4, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
-    print(" R_S/R_P  cap(drive) cap(brake)" + "".join(f"  r={r:+.1f}" for r in tractions))
-    for ratio in (0.45, 0.6, 0.8, 1.0, 1.25, 1.6, 2.2):
-        wrap_p, wrap_s, _, _ = wrap_angles(ratio, 0.168, 0.703)
-        limits = [capacity(wrap_p, wrap_s, beta, mu, driving) for driving in (True, False)]
-        row = f"{ratio:8.3f}{limits[0]:12.4f}{limits[1]:11.4f}"
-        for r in tractions:
-            if abs(r) < limits[0 if r > 0.0 else 1]:
-                row += f"{variator(wrap_p, wrap_s, beta, mu, r).thrust_ratio:8.4f}"
-            else:
-                row += "       -"
-        print(row)
-
-
-if __name__ == "__main__":
-    main()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from math import atan2, atanh, cos, exp, log, pi, radians, sin, tan, tanh
 
-import cmm
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+
+from pushbelt.theory import cmm
 
 BETA = radians(11.0)
 MU = 0.09
@@ -207,7 +208,7 @@ def test_one_centre_for_each_creep(wrap: float) -> None:
 def test_force_ratio_grows_with_creep(wrap: float) -> None:
     """On the branch with the smaller creep ln F'_out/F'_in is monotone, so the solution is the only one there."""
     low, high = cmm._creep_range(wrap, BETA, MU)
-    values = [cmm._log_ratio(wrap, BETA, MU, cmm._creep_of(u)) for u in np.linspace(low, high, 60)]
+    values = [cmm.log_ratio(wrap, BETA, MU, cmm.creep_of(u)) for u in np.linspace(low, high, 60)]
     assert (np.diff(values) > 0.0).all()
 
 

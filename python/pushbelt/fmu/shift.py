@@ -1,0 +1,82 @@
+"""How fast the ratio changes after a step of the primary clamping force, measured on the FMU.
+
+A run starts in a steady state at a speed ratio s = r_P/r_S. The primary force is then multiplied by exp(step) at once.
+ds/dt is the mean over a window after it: what the step itself does is over by then, and the ratio has hardly moved.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .geometry import Array
+from .starts import StartValues
+from .unit import UnitError, Variator
+
+LOG_STEP = 0.3
+"""Step of ln F_P."""
+WINDOW = (0.06, 0.12)
+"""Over which ds/dt is the mean, s after the step."""
+TIME_STEP = 0.01
+"""Communication step, s."""
+
+
+@dataclass(frozen=True)
+class ShiftRun:
+    """A run after a step of the primary force."""
+
+    time: Array
+    """s after the step."""
+    speed_ratio: Array
+    """s = r_P/r_S."""
+    start: float
+    """s before the step."""
+    log_step: float
+    """Step of ln F_P."""
+    log_thrust_ratio: float
+    """ln(F_P/F_S) before the step."""
+    tilt: float
+    """Mean tilt of both pulleys before the step, rad."""
+
+    @property
+    def rate(self) -> float:
+        """Mean ds/dt over the window, 1/s."""
+        return mean_rate(self.time, self.speed_ratio)
+
+    @property
+    def gain(self) -> float:
+        """`rate` per unit of ln F_P, 1/s."""
+        return self.rate / self.log_step
+
+
+def times() -> Array:
+    """Times after the step at which the ratio is read, s."""
+    return TIME_STEP * np.arange(1, round(WINDOW[1] / TIME_STEP) + 1)
+
+
+def mean_rate(time: Array, speed_ratio: Array) -> float:
+    """Mean slope over the window, 1/s."""
+    start, stop = (float(np.interp(moment, time, speed_ratio)) for moment in WINDOW)
+    return (stop - start) / (WINDOW[1] - WINDOW[0])
+
+
+def shift(unit: Variator, start_values: StartValues, log_step: float = LOG_STEP) -> ShiftRun:
+    """Starts in the steady state of these values, with both clamping forces given, and runs on after the step.
+
+    Raises UnitError where there is no steady state.
+    """
+    unit.restart(start_values)
+    unit.initialise()
+    if unit.not_steady:
+        raise UnitError(unit.not_steady)
+    force, start = unit.get("primary.axialForce"), 1.0 / unit.get("ratio.geometric")
+    thrust_ratio = unit.get("thrustRatio")
+    tilt = 0.5 * (unit.get("primary.tilt") + unit.get("secondary.tilt"))
+    unit.set({"primary.clampingForce": force * math.exp(log_step)})
+    moments, found = times(), []
+    for moment in moments:
+        unit.step_to(float(moment))
+        found.append(1.0 / unit.get("ratio.geometric"))
+    return ShiftRun(moments, np.array(found), start, log_step, math.log(thrust_ratio), tilt)

@@ -1,0 +1,65 @@
+"""Start values of steady states: what is given at shafts and sheaves. Speeds in rad/s, torques in N·m, forces in N."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .enumerations import Axial, Drive
+
+StartValues = dict[str, float]
+
+
+def _steady(parameters: Mapping[str, float], ratio: float, speed: float, force: float) -> StartValues:
+    return {
+        **parameters,
+        "initial.steady": True,
+        "initial.ratio": ratio,
+        "initial.primarySpeed": speed,
+        "secondary.axial": Axial.FORCE,
+        "secondary.clampingForce": force,
+    }
+
+
+def driven_by_torque(
+    parameters: Mapping[str, float], ratio: float, speed: float, torque: float, force: float
+) -> StartValues:
+    """Primary shaft driven by a torque, secondary held at speed/ratio; primary sheave held, secondary force given."""
+    return {
+        **_steady(parameters, ratio, speed, force),
+        "primary.drive": Drive.TORQUE,
+        "primary.axial": Axial.HELD,
+        "primary.torque": torque,
+        "secondary.drive": Drive.SPEED,
+        "secondary.speedSetpoint": speed / ratio,
+    }
+
+
+def driven_by_slip(
+    parameters: Mapping[str, float], ratio: float, speed: float, slip: float, force: float
+) -> StartValues:
+    """Both shafts held at speeds with a slip between them; primary sheave held, secondary force given."""
+    return {
+        **_steady(parameters, ratio, speed, force),
+        "primary.drive": Drive.SPEED,
+        "primary.axial": Axial.HELD,
+        "primary.speedSetpoint": speed,
+        "secondary.drive": Drive.SPEED,
+        "secondary.speedSetpoint": speed / ratio * (1.0 - slip),
+    }
+
+
+def driven_at_speed(
+    parameters: Mapping[str, float], ratio: float, speed: float, load: float, force: float, held: bool = False
+) -> StartValues:
+    """Primary shaft held at a speed, secondary shaft under a load torque (0: no load); both clamping forces given.
+
+    The run starts with the primary force that holds the ratio; `held` holds the primary sheave instead.
+    """
+    return {
+        **_steady(parameters, ratio, speed, force),
+        "primary.drive": Drive.SPEED,
+        "primary.axial": Axial.HELD if held else Axial.FORCE,
+        "primary.speedSetpoint": speed,
+        "secondary.drive": Drive.TORQUE,
+        "secondary.torque": load,
+    }

@@ -1,0 +1,55 @@
+"""Puts the FMU beside theory and measurements: `python -m pushbelt.validate --fmu … --output target/validate
+[--short]`.
+
+Two processors take about a minute, with --short some seconds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from pushbelt.fmu.unit import UnitError
+
+from .bench import Plan
+from .runs import SECTIONS, run_all
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Solves, writes report and tables, and says where they are.
+
+    A goal that the model misses is a result, no failure of the program.
+    """
+    parser = argparse.ArgumentParser(prog="pushbelt.validate", description=__doc__)
+    parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
+    parser.add_argument(
+        "--output", type=Path, required=True, help="folder for report.html, tables.md and the CSV files"
+    )
+    parser.add_argument("--short", action="store_true", help="few points of each section")
+    parser.add_argument("--section", action="append", choices=SECTIONS, help="only this section; may be given again")
+    options = parser.parse_args(arguments)
+    # Workers import this module, but need not wait for matplotlib.
+    from . import report
+    from .outcome import Verdict
+
+    begin = time.perf_counter()
+    try:
+        results = run_all(options.fmu, Plan(options.short), tuple(options.section or SECTIONS))
+    except (UnitError, OSError) as error:
+        print(f"The validation failed: {error}", file=sys.stderr)
+        return 1
+    path = report.write(results, options.output)
+    found = report.counts(results)
+    for section in results.sections:
+        for check in section.checks:
+            if check.verdict is Verdict.MISSES:
+                print(f"  misses: {check.statement}: {check.found} ({check.goal}); {check.by}")
+    words = ", ".join(f"{verdict.value} {found[verdict]}" for verdict in Verdict)
+    print(f"{path.resolve()} ({words}; {time.perf_counter() - begin:.0f} s)")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

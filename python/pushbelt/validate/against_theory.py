@@ -1,0 +1,292 @@
+"""The FMU beside the continuum theory at the FMU's own radii, torque and force; and what leads it into the theory's
+limit.
+
+The theory knows no ring friction, no play, no compression of contact and chain, no losses of layers and shafts, and
+friction
+that doesn't fall. In its limit the FMU has none of that either; at default parameters it has all of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from pushbelt.fmu.data import load_case_speed
+from pushbelt.fmu.enumerations import Axial, Drive
+from pushbelt.fmu.geometry import ratio_of
+from pushbelt.fmu.load_cases import held_primary
+from pushbelt.fmu.results import LoadCase, Profile
+from pushbelt.fmu.starts import StartValues
+from pushbelt.theory import cmm
+from pushbelt.theory.shifting import Belt
+
+from .bench import Bench
+
+# ------------------------------------------------------------------------------------------------------ comparison
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """One steady state of the FMU and of the theory, and how far the FMU is from the theory's limit."""
+
+    theory: cmm.Variator
+    outputs: dict[str, float] = field(repr=False)
+    compression: float
+    """Mean compression of the contact against the sheave's opening psi R, larger of the two pulleys."""
+    strain: float
+    """Strain of the chain under F_1 - F_2 against the sliding, larger of the two pulleys."""
+    regularisation: float
+    """v_0 against the sliding."""
+    theory_slip: float
+    """Slip from the creep of both pulleys, at the FMU's own tilt: for slip and loss the opening's size matters."""
+    theory_loss: float
+    """Friction power on the sheaves, W."""
+    tilt_error: float
+    """Tilt of the FMU against moment over tilt stiffness, larger of the two pulleys; without clearance it is 0."""
+
+    @property
+    def ratio(self) -> float:
+        """Geometric ratio."""
+        return self.outputs["ratio.geometric"]
+
+    @property
+    def thrust_ratio(self) -> float:
+        """Of the FMU."""
+        return self.outputs["thrustRatio"]
+
+    @property
+    def thrust_error(self) -> float:
+        """Thrust ratio of the FMU against the theory's, relative."""
+        return float(self.thrust_ratio / self.theory.thrust_ratio - 1.0)
+
+    @property
+    def slip_error(self) -> float:
+        """The same of the slip."""
+        return self.outputs["slip"] / self.theory_slip - 1.0
+
+    @property
+    def loss_error(self) -> float:
+        """The same of the friction power on the sheaves."""
+        return self.outputs["loss.sheaves"] / self.theory_loss - 1.0
+
+    @property
+    def residual(self) -> float:
+        """Power balance of the belt in the FMU's steady state, against the larger power of a pulley."""
+        powers = self.outputs["primary.power"], self.outputs["secondary.power"]
+        losses = self.outputs["loss.total"] - self.outputs["loss.shafts"]
+        return (sum(powers) - losses) / max(abs(power) for power in powers)
+
+
+def strand_traction(profile: Profile, out: Mapping[str, float], bench: Bench) -> float:
+    """r from the FMU's own strand forces F = T - Q at the middle of both strands."""
+    length = bench.given("geometry.beltLength")
+    count = len(profile.position)
+
+    def force(xi: float) -> float:
+        k = round(xi / length * count) % count
+        return float(profile.ring_tension[k] - profile.push_force[k])
+
+    mass = bench.given("belt.massPerLength") + bench.given("ring.massPerLength")
+    centrifugal = mass * out["belt.speed"] ** 2
+    # From xi = 0 to the middle of the upper strand: half the wrap of S and half a strand.
+    radius_p, radius_s = out["primary.radius"], out["secondary.radius"]
+    wrap_p, wrap_s = _wraps(radius_p, radius_s, bench.given("geometry.centerDistance"))
+    half_arc = radius_s * wrap_s / 2.0
+    middle = half_arc + (length - radius_s * wrap_s - radius_p * wrap_p) / 4.0
+    upper, lower = force(middle) - centrifugal, force(length - middle) - centrifugal
+    return (upper - lower) / (upper + lower)
+
+
+def _wraps(radius_p: float, radius_s: float, center_distance: float) -> tuple[float, float]:
+    lean = math.asin((radius_p - radius_s) / center_distance)
+    return math.pi + 2.0 * lean, math.pi - 2.0 * lean
+
+
+def compare(bench: Bench, values: StartValues, what: str = "") -> Deviation | None:
+    """Starts the FMU and solves the theory at the FMU's own state; none where either has no solution."""
+    out = bench.steady({**bench.parameters, **values}, what)
+    if out is None:
+        return None
+    try:
+        return deviation(bench, values, out)
+    except ValueError as error:
+        bench.failures.append(f"{what}, theory: {error}")
+        return None
+
+
+def deviation(bench: Bench, values: StartValues, out: dict[str, float]) -> Deviation:
+    """The theory beside a steady state of the FMU. Raises ValueError where the theory can't carry the torque."""
+
+    def given(name: str) -> float:
+        return bench.given(name, values)
+
+    beta, mu = given("geometry.wedgeAngle"), given("friction.pulley")
+    radius_p, radius_s = out["primary.radius"], out["secondary.radius"]
+    wrap_p, wrap_s = _wraps(radius_p, radius_s, given("geometry.centerDistance"))
+    thrust_s = out["secondary.axialForce"]
+    # Torque of the belt on the pulleys; both pulleys give the same F_1 - F_2 but for the spread of the radii.
+    pull = (-out["primary.shaftTorque"] / radius_p + out["secondary.shaftTorque"] / radius_s) / 2.0
+    theory = cmm.variator_at_torque(wrap_p, wrap_s, beta, mu, radius_p, pull * radius_p, thrust_s)
+    mean = theory.mean_force(thrust_s)
+
+    amplitudes, compressions, tilt_errors = [], [], []
+    for name, arc, radius in (("primary", theory.primary, radius_p), ("secondary", theory.secondary, radius_s)):
+        tilt = out[f"{name}.tilt"]
+        expected = arc.thrust * mean * arc.moment * radius / given(f"{name}.tiltStiffness")
+        tilt_errors.append(tilt / expected - 1.0)
+        amplitudes.append(tilt / math.tan(beta))  # a Delta
+        load = arc.thrust * mean / (radius * arc.wrap * math.cos(beta))
+        compressions.append(load / (given("contact.stiffness") * math.cos(beta)) / (tilt * radius))
+    arcs = (theory.primary, theory.secondary)
+    speed = out["belt.speed"]
+    sliding = [amplitude * _typical_sliding(arc) for amplitude, arc in zip(amplitudes, arcs, strict=True)]
+    return Deviation(
+        theory=theory,
+        outputs=out,
+        compression=max(compressions),
+        strain=abs(pull) / given("belt.pushStiffness") / min(sliding),
+        regularisation=given("friction.velocity") / (abs(speed) * min(sliding)),
+        theory_slip=amplitudes[1] * arcs[1].mean_sliding - amplitudes[0] * arcs[0].mean_sliding,
+        theory_loss=speed * mean * sum(a * arc.dissipation for a, arc in zip(amplitudes, arcs, strict=True)),
+        tilt_error=max(tilt_errors, key=abs),
+    )
+
+
+def _typical_sliding(arc: cmm.Arc) -> float:
+    """Root mean square of the sliding speed over the arc, in units of omega R a Delta."""
+    v_r, v_t = cmm.sliding(arc.theta, arc.centre, arc.creep)
+    return math.sqrt(float((v_r**2 + v_t**2).mean()))
+
+
+def belt_of(bench: Bench) -> Belt:
+    """The variator's belt at its pitch line, for the theory."""
+    offset = bench.given("belt.pitchOffset")
+    return Belt(
+        bench.given("geometry.wedgeAngle"),
+        bench.given("friction.pulley"),
+        bench.given("geometry.centerDistance"),
+        bench.given("geometry.beltLength") - 2.0 * math.pi * offset,
+    )
+
+
+# --------------------------------------------------------------------------------------------- parameters and cases
+
+
+@dataclass(frozen=True)
+class Level:
+    """How far to go towards the theory's limit."""
+
+    tilt: float = 3.0e-3
+    """Tilt of both sheaves, rad: large against compression, chain strain and v_0, small against 1."""
+    contact: float = 8.0e11
+    chain: float = 2.0e8
+    ring: float = 1.0e10
+    pitch_offset: float = 1.0e-6
+    roughness: float = 5.0e-7
+    """Of the flanks, m: small against the opening, which is 0.2 mm, and large enough for steady states to be found."""
+    arc: int = 24
+    strand: int = 8
+    cells: int = 2
+
+
+LIMIT = Level()
+
+LADDER = (
+    Level(contact=2.0e10, chain=2.0e7, ring=1.0e9, arc=12, strand=6),
+    Level(contact=6.0e10, chain=5.0e7, ring=3.0e9, arc=16, strand=8),
+    Level(contact=2.0e11, chain=1.0e8, ring=1.0e10, arc=20, strand=8),
+    Level(contact=8.0e11, chain=2.0e8, ring=1.0e10, arc=24, strand=8),
+)
+"""Stiffness and mesh grow together."""
+
+LADDER_CASES = ((0.45, 0.35), (1.0, 0.35), (1.0, -0.35), (2.2, 0.35))
+"""Ratio and traction of the ladders."""
+
+CLAMPING = 40_000.0
+"""Secondary clamping force of the limit cases, N."""
+
+RATIOS = (0.45, 0.7, 1.0, 1.5, 2.2)
+TRACTIONS = (-0.5, -0.35, -0.2, 0.2, 0.35, 0.5, 0.7)
+LARGEST_SHARE = 0.85
+"""Largest share of the theory's capacity that is compared."""
+
+NOT_IN_THE_THEORY = {
+    "friction.ring": 0.0,
+    "friction.fall": 0.0,
+    "friction.layers": 0.0,
+    "belt.play": 0.0,
+    "primary.tiltClearance": 0.0,
+    "secondary.tiltClearance": 0.0,
+    "primary.drag.constant": 0.0,
+    "primary.drag.viscous": 0.0,
+    "primary.bearing.friction": 0.0,
+    "secondary.drag.constant": 0.0,
+    "secondary.drag.viscous": 0.0,
+    "secondary.bearing.friction": 0.0,
+}
+"""What the theory leaves out, and a parameter of 0 takes away."""
+
+
+def _geometry(bench: Bench, ratio: float) -> tuple[float, float, float, float]:
+    return cmm.wrap_angles(ratio, bench.given("geometry.centerDistance"), bench.given("geometry.beltLength"))
+
+
+def cases(bench: Bench, ratios: Sequence[float] = RATIOS) -> list[tuple[float, float]]:
+    """Ratio and traction: |r| from 0.2 to 0.7, at most 85 % of the theory's capacity at that ratio and sign.
+
+    Where a traction exceeds that share, the share itself takes its place, once.
+    """
+    beta, mu = bench.given("geometry.wedgeAngle"), bench.given("friction.pulley")
+    found: list[tuple[float, float]] = []
+    for ratio in ratios:
+        wrap_p, wrap_s, _, _ = _geometry(bench, ratio)
+        for traction in TRACTIONS:
+            limit = LARGEST_SHARE * cmm.capacity(wrap_p, wrap_s, beta, mu, traction > 0.0)
+            if abs(traction) > limit:
+                traction = math.copysign(math.floor(1e3 * limit) / 1e3, traction)
+            if all(i != ratio or abs(traction - r) > 0.02 for i, r in found):
+                found.append((ratio, traction))
+    return found
+
+
+def limit_case(bench: Bench, ratio: float, traction: float, level: Level = LIMIT) -> StartValues:
+    """Settings of a steady start in the theory's limit, with the shaft torque that the theory asks for."""
+    beta, mu = bench.given("geometry.wedgeAngle"), bench.given("friction.pulley")
+    wrap_p, wrap_s, radius_p, radius_s = _geometry(bench, ratio)
+    theory = cmm.variator(wrap_p, wrap_s, beta, mu, traction)
+    pull = 2.0 * traction * theory.mean_force(CLAMPING)
+
+    def tilt_stiffness(arc: cmm.Arc, radius: float) -> float:
+        return arc.thrust * theory.mean_force(CLAMPING) * arc.moment * radius / level.tilt
+
+    return {
+        **NOT_IN_THE_THEORY,
+        "primary.drive": Drive.SPEED,
+        "secondary.drive": Drive.TORQUE,
+        "primary.axial": Axial.HELD,
+        "secondary.axial": Axial.FORCE,
+        "initial.steady": True,
+        "initial.ratio": ratio,
+        "belt.pitchOffset": level.pitch_offset,
+        "belt.pushStiffness": level.chain,
+        "ring.axialStiffness": level.ring,
+        "contact.stiffness": level.contact,
+        "contact.roughness": level.roughness,
+        "primary.tiltStiffness": tilt_stiffness(theory.primary, radius_p),
+        "secondary.tiltStiffness": tilt_stiffness(theory.secondary, radius_s),
+        "mesh.primaryArc": level.arc,
+        "mesh.secondaryArc": level.arc,
+        "mesh.strand": level.strand,
+        "mesh.cellsPerElement": level.cells,
+        "secondary.clampingForce": CLAMPING,
+        "secondary.torque": -pull * radius_s,
+        "primary.torque": pull * radius_p,
+    }
+
+
+def load_case(case: LoadCase, changed: Mapping[str, float] | None = None) -> StartValues:
+    """Settings of one of the nine load cases: 2000 rpm and primary sheave held."""
+    ratio = ratio_of(case.theta)
+    held = held_primary({}, ratio, load_case_speed(), case.clamping_force)
+    return held | {"secondary.torque": -case.torque * ratio} | dict(changed or {})

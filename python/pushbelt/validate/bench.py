@@ -1,0 +1,97 @@
+"""Steady points and shifts of one variator on one instance of the FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from pushbelt.fmu import data, shift
+from pushbelt.fmu.starts import StartValues
+from pushbelt.fmu.unit import Archive, UnitError, Variator
+
+Outputs = dict[str, float]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How much is run."""
+
+    short: bool = False
+
+    def thin(self, values: Sequence[T], count: int = 3) -> list[T]:
+        """All values; in a short run `count` of them, evenly picked, the first and the last among them."""
+        if not self.short or len(values) <= count:
+            return list(values)
+        if count == 1:
+            return [values[len(values) // 2]]
+        return [values[round(k * (len(values) - 1) / (count - 1))] for k in range(count)]
+
+
+@dataclass
+class Bench:
+    """A variator to be asked for steady points. A context manager: its instance is freed at its end.
+
+    Each point calls `solved`. A point without a steady state is none, and its reason stays in `failures`.
+    """
+
+    archive: Archive
+    name: str = "bench168"
+    solved: Callable[[], None] = lambda: None
+    failures: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.parameters = data.parameter_set(self.name)
+        self.unit = Variator(self.archive, {})
+
+    def __enter__(self) -> Bench:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.unit.free()
+
+    def given(self, name: str, values: Mapping[str, float] | None = None) -> float:
+        """Value of a parameter: as set, else the variator's, else the FMU's start value."""
+        for source in (values or {}, self.parameters):
+            if name in source:
+                return float(source[name])
+        return float(self.unit.variables[name].start)
+
+    def steady(self, values: StartValues, what: str = "") -> Outputs | None:
+        """All outputs of the steady start; `what` names the point among the failures."""
+
+        def read() -> Outputs:
+            self.unit.restart(values)
+            self.unit.initialise()
+            if self.unit.not_steady:
+                raise UnitError(self.unit.not_steady)
+            return self.unit.outputs()
+
+        return self._attempt(read, what)
+
+    def shift(self, values: StartValues, log_step: float = shift.LOG_STEP, what: str = "") -> shift.ShiftRun | None:
+        """A run after a step of the primary force."""
+        return self._attempt(lambda: shift.shift(self.unit, values, log_step), what)
+
+    def _attempt(self, what_to_do: Callable[[], T], what: str) -> T | None:
+        try:
+            return what_to_do()
+        except UnitError as error:
+            self.failures.append(f"{what}: {error}")
+            # After an error of the FMU the instance may be of no use any more.
+            self.unit.free()
+            self.unit = Variator(self.archive, {})
+            return None
+        finally:
+            self.solved()
+
+    # Quantities of the variator
+
+    def capacity(self, ratio: float, force: float, changed: Mapping[str, float] | None = None) -> float:
+        """Primary torque of full slip under a secondary force in N, N·m; parameters may be changed."""
+        return data.torque_capacity({**self.parameters, **(changed or {})}, ratio, force)
+
+    def force(self, ratio: float, torque: float, safety: float, least: float = 0.0) -> float:
+        """Secondary force that carries a torque in N·m with a safety factor, N."""
+        return max(safety * abs(torque) / self.capacity(ratio, 1.0), least)

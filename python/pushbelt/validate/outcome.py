@@ -1,0 +1,224 @@
+"""What a section of the report consists of, as plain data: checks with their sources, tables, figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from pushbelt.page import MINUS, number
+
+Value = float | str | None
+
+NOTHING = "no point was solved"
+FEW = 3
+"""Values outside a goal that are named."""
+
+
+class Verdict(Enum):
+    """How a figure of the model compares with its goal."""
+
+    MEETS = "meets"
+    MISSES = "misses"
+    REPORTED = "reported"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a goal comes from."""
+
+    text: str
+    certainty: str
+    """How sure it is: measured, fitted, read in an abstract, an engineering value."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """A statement, the goal it sets, what the model does, and whether it meets the goal."""
+
+    statement: str
+    source: Source
+    goal: str
+    found: str
+    verdict: Verdict
+    by: str = ""
+    """Where it misses, by how much."""
+
+
+def signed(value: float) -> str:
+    """A plain number with its sign, for names."""
+    return f"{value:+g}".replace("-", MINUS)
+
+
+def reported(statement: str, source: Source, goal: str, found: str) -> Check:
+    """A figure that stands beside another one and isn't judged."""
+    return Check(statement, source, goal, found, Verdict.REPORTED)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """How numbers of a check are shown."""
+
+    name: str = ""
+    digits: int = 2
+    scale: float = 1.0
+    """What a value is multiplied by to be shown."""
+
+    def show(self, value: float) -> str:
+        """Without the name."""
+        return number(self.scale * value, self.digits)
+
+    def text(self, *values: float) -> str:
+        """One value, or the least and the greatest of several, with the name."""
+        if not values:
+            return NOTHING
+        shown = list(dict.fromkeys(self.show(value) for value in (min(values), max(values))))
+        return " to ".join(shown) + (f"\N{NO-BREAK SPACE}{self.name}" if self.name else "")
+
+
+PERCENT = Unit("%", 1, 100.0)
+PLAIN = Unit()
+
+
+def within(
+    statement: str,
+    source: Source,
+    values: Iterable[tuple[str, float | None]],
+    low: float | None,
+    high: float | None,
+    unit: Unit = PLAIN,
+    goal: str | None = None,
+) -> Check:
+    """All named values between limits, where there are. What lies outside is named, worst first.
+
+    A value that is none is of a point without a steady state: it misses.
+    """
+    pairs = list(values)
+    solved = [(name, value) for name, value in pairs if value is not None and not math.isnan(value)]
+    missing = [name for name, value in pairs if value is None or math.isnan(value)]
+    found = unit.text(*(value for _, value in solved)) + (f", {len(solved)} values" if len(solved) > 2 else "")
+
+    def beyond(value: float) -> float:
+        return max(low - value if low is not None else -1.0, value - high if high is not None else -1.0)
+
+    outside = sorted((pair for pair in solved if beyond(pair[1]) > 0.0), key=lambda pair: -beyond(pair[1]))
+    by = []
+    if outside:
+        named = "; ".join(f"{name}: {unit.text(value)}" for name, value in outside[:FEW])
+        by.append(f"{len(outside)} of {len(pairs)} outside, by up to {unit.text(beyond(outside[0][1]))}: {named}")
+    if missing:
+        by.append(f"{len(missing)} of {len(pairs)} without a steady state: {'; '.join(missing[:FEW])}")
+    verdict = Verdict.MEETS if solved and not by else Verdict.MISSES
+    return Check(statement, source, goal or _limits(low, high, unit), found, verdict, ". ".join(by))
+
+
+def _limits(low: float | None, high: float | None, unit: Unit) -> str:
+    if low is None or high is None:
+        sign, limit = ("≤", high) if low is None else ("≥", low)
+        return f"{sign} {unit.text(limit)}" if limit is not None else ""
+    if low == -high:
+        return f"±{unit.text(high)}"
+    return unit.text(low, high)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table."""
+
+    name: str
+    unit: str = ""
+    digits: int = 3
+    scale: float = 1.0
+    """What a value is multiplied by to be shown in the unit; CSV files hold SI values."""
+    signed: bool = False
+
+    def show(self, value: Value) -> str:
+        """A value as in print."""
+        if value is None or isinstance(value, str):
+            return value or "–"
+        if math.isnan(value):
+            return "–"
+        shown = number(self.scale * value, self.digits)
+        return f"+{shown}" if self.signed and not shown.startswith(MINUS) else shown
+
+    @property
+    def heading(self) -> str:
+        """Name and unit."""
+        return f"{self.name} ({self.unit})" if self.unit else self.name
+
+
+def share(name: str, digits: int = 1, signed: bool = True) -> Column:
+    """A column of shares, shown as per cent."""
+    return Column(name, "%", digits, 100.0, signed)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of the report, also written as CSV."""
+
+    key: str
+    """Name of its CSV file."""
+    title: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Value, ...], ...]
+    note: str = ""
+
+    def shown(self) -> list[list[str]]:
+        """All rows as in print."""
+        return [[column.show(value) for column, value in zip(self.columns, row, strict=True)] for row in self.rows]
+
+
+def table(key: str, title: str, columns: Sequence[Column], rows: Iterable[Sequence[Value]], note: str = "") -> Table:
+    """A table from any sequences."""
+    return Table(key, title, tuple(columns), tuple(tuple(row) for row in rows), note)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A line or points of a panel."""
+
+    x: tuple[float, ...]
+    y: tuple[float, ...]
+    label: str = ""
+    colour: int = 0
+    """Which of the colours; curves that belong together share one."""
+    style: str = "-"
+    """Of matplotlib: `-`, `--`, `o` and so on."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A panel of a figure."""
+
+    title: str
+    x_label: str
+    curves: tuple[Curve, ...]
+    log_y: bool = False
+    names: tuple[str, ...] = ()
+    """Of rows at y = 0, −1, −2 and so on, where the panel has such."""
+    places: tuple[str, ...] = ()
+    """Names of x = 0, 1, 2 and so on, where the panel has such."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure: panels side by side."""
+
+    panels: tuple[Panel, ...]
+    caption: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of the report."""
+
+    key: str
+    title: str
+    lead: str
+    checks: tuple[Check, ...] = ()
+    tables: tuple[Table, ...] = ()
+    pictures: tuple[Picture, ...] = ()
+    notes: tuple[str, ...] = ()
+    failures: tuple[str, ...] = ()
+    """Points without a steady state, with the FMU's reasons."""

@@ -1,0 +1,80 @@
+"""The report: one HTML file that needs nothing else, the tables as CSV, and all of it as Markdown for the docs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+from pushbelt import page
+from pushbelt.page import image
+
+from . import figures
+from .outcome import Check, Section, Table, Verdict
+from .runs import Results
+
+CHECKS = "checks.csv"
+
+
+def write(results: Results, folder: Path) -> Path:
+    """Writes everything into a folder; returns where the report is."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _write_checks(results, folder / CHECKS)
+    for table in (table for section in results.sections for table in section.tables):
+        page.write_table(folder / f"{table.key}.csv", [column.name for column in table.columns], table.rows)
+    (folder / "tables.md").write_text(markdown(results), encoding="utf-8")
+    path = folder / "report.html"
+    context = {
+        "results": results,
+        "verdicts": counts(results),
+        "sources": {s.key: list(dict.fromkeys(check.source for check in s.checks)) for s in results.sections},
+        "pictures": {s.key: [(image(figures.draw(p)), p.caption) for p in s.pictures] for s in results.sections},
+    }
+    page.write_html("validate/validate.html.j2", context, path)
+    return path
+
+
+def counts(results: Results) -> Counter[Verdict]:
+    """How many checks have which verdict."""
+    return Counter(check.verdict for section in results.sections for check in section.checks)
+
+
+def _write_checks(results: Results, path: Path) -> None:
+    header = ("section", "statement", "goal", "found", "verdict", "by", "source", "certainty")
+    rows = [
+        (section.title, c.statement, c.goal, c.found, c.verdict.value, c.by, c.source.text, c.source.certainty)
+        for section in results.sections
+        for c in section.checks
+    ]
+    page.write_table(path, header, rows)
+
+
+# Markdown, to be taken into the docs
+
+
+def markdown(results: Results) -> str:
+    """All checks and tables."""
+    return "\n".join(part for section in results.sections for part in _markdown_section(section))
+
+
+def _markdown_section(section: Section) -> list[str]:
+    lines = [
+        f"## {section.title}\n",
+        _markdown_rows(("statement", "goal", "found", "verdict"), map(_markdown_check, section.checks)),
+    ]
+    for table in section.tables:
+        lines += [f"### {table.title}\n", _markdown_table(table)]
+    return lines
+
+
+def _markdown_check(check: Check) -> tuple[str, ...]:
+    verdict = f"{check.verdict.value}: {check.by}" if check.by else check.verdict.value
+    return check.statement, check.goal, check.found, verdict
+
+
+def _markdown_table(table: Table) -> str:
+    return _markdown_rows([column.heading for column in table.columns], table.shown())
+
+
+def _markdown_rows(header, rows) -> str:
+    lines = [list(header), ["---"] * len(header), *map(list, rows)]
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)

@@ -1,0 +1,101 @@
+"""Thrust ratio over torque ratio: one curve a ratio, whatever force and speed."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+from pushbelt.fmu.starts import driven_by_torque
+
+from ..bench import Bench, Plan
+from ..measured import source
+from ..outcome import PERCENT, Check, Column, Curve, Panel, Picture, Section, share, signed, table, within
+
+RATIOS = (2.25, 1.5, 1.0, 0.67, 0.44)
+TORQUE_RATIOS = (-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
+FORCES = (10e3, 20e3)
+SPEEDS = (1000.0, 3000.0)
+TOLERANCE = 0.05
+
+Key = tuple[float, float]
+"""Ratio and torque ratio."""
+
+
+def count(plan: Plan) -> int:
+    """Points, about."""
+    return 12 if plan.short else 260
+
+
+def run(bench: Bench, plan: Plan) -> Section:
+    """Solves and judges."""
+    solved = _solve(bench, plan)
+    found = {key: values for key, values in solved.items() if len(values) > 1}
+    spread = {key: max(values.values()) / min(values.values()) - 1.0 for key, values in found.items()}
+    columns = (
+        Column("Ratio", digits=2),
+        Column("Torque ratio", digits=2, signed=True),
+        Column("Least", digits=3),
+        Column("Greatest", digits=3),
+        share("Apart", signed=False),
+        Column("Carried", "of 4", 0),
+    )
+    rows = [[*key, min(v.values()), max(v.values()), spread[key], float(len(v))] for key, v in found.items()]
+    note = (
+        "Over 10 and 20 kN, 1000 and 3000 rpm. A point that slips through is not counted: in underdrive the primary "
+        "pulley slips first."
+    )
+    return Section(
+        "thrust-ratio",
+        "Thrust ratio over torque",
+        "Torque ratio: torque over that of full slip under the secondary force.",
+        _checks(spread),
+        (table("thrust-ratio", "Thrust ratio over force and speed", columns, rows, note),),
+        (_picture(found),),
+    )
+
+
+def _solve(bench: Bench, plan: Plan) -> dict[Key, dict[Key, float]]:
+    """Thrust ratios by ratio and torque ratio, over force and speed."""
+    ratios, torque_ratios = plan.thin(RATIOS, 1), plan.thin(TORQUE_RATIOS)
+    found: dict[Key, dict[Key, float]] = {(i, t): {} for i in ratios for t in torque_ratios}
+    branches = [t for t in torque_ratios if t >= 0.0], [t for t in reversed(torque_ratios) if t < 0.0]
+    for ratio, force, rpm, branch in itertools.product(ratios, FORCES, SPEEDS, branches):
+        for torque_ratio in branch:
+            torque = torque_ratio * bench.capacity(ratio, force)
+            values = driven_by_torque(bench.parameters, ratio, rpm * math.pi / 30.0, torque, force)
+            out = bench.steady(
+                values, f"ratio {ratio:g}, torque ratio {torque_ratio:g}, {force / 1e3:g} kN, {rpm:g} rpm"
+            )
+            if not out or out["macroSlip"]:
+                # More torque isn't carried either.
+                break
+            found[ratio, torque_ratio][force, rpm] = out["thrustRatio"]
+    return found
+
+
+def _checks(spread: dict[Key, float]) -> tuple[Check, ...]:
+    names = [(f"ratio {ratio:g}, torque ratio {signed(torque)}", value) for (ratio, torque), value in spread.items()]
+    return (
+        within(
+            "The thrust ratio depends on ratio and torque ratio alone, not on force or speed",
+            source("thrustRatioInvariance"), names, None, TOLERANCE, PERCENT,
+            "largest over least ≤ 5\N{NO-BREAK SPACE}% apart",
+        ),
+    )  # fmt: skip
+
+
+def _picture(found: dict[Key, dict[Key, float]]) -> Picture:
+    curves = []
+    for colour, ratio in enumerate(dict.fromkeys(ratio for ratio, _ in found)):
+        for force, rpm in itertools.product(FORCES, SPEEDS):
+            points = [
+                (t, values[force, rpm]) for (i, t), values in found.items() if i == ratio and (force, rpm) in values
+            ]
+            label = f"ratio {ratio:g}" if (force, rpm) == (FORCES[0], SPEEDS[0]) else ""
+            curves.append(
+                Curve(*map(tuple, zip(*points, strict=True)), label, colour, "-" if rpm == SPEEDS[0] else "--")
+            )  # type: ignore[arg-type]
+    return Picture(
+        (Panel("Thrust ratio F_P/F_S", "torque over that of full slip of the secondary force", tuple(curves)),),
+        "Four lines a ratio: 10 and 20 kN, 1000 rpm (solid) and 3000 rpm (dashed).",
+    )

@@ -1,0 +1,200 @@
+"""The report beside theory and measurements: judging, reading data, and all of it, short."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pushbelt.fmu import shift
+from pushbelt.fmu.starts import driven_by_slip, driven_by_torque
+from pushbelt.fmu.unit import Archive
+from pushbelt.validate import __main__, measured, report
+from pushbelt.validate.bench import Bench, Plan
+from pushbelt.validate.outcome import PERCENT, Column, Source, Unit, Verdict, table, within
+from pushbelt.validate.runs import SECTIONS
+from pushbelt.validate.sections import efficiency, shifting, slip
+
+SOURCE = Source("somebody 2007", "fitted")
+
+
+@pytest.fixture(scope="module")
+def bench(archive: Archive) -> Iterator[Bench]:
+    with Bench(archive) as opened:
+        yield opened
+
+
+# Judging
+
+
+def test_what_lies_outside_is_named_with_its_distance() -> None:
+    values = [("a", 0.8), ("b", 1.3), ("c", 1.0), ("d", 2.0)]
+    check = within("statement", SOURCE, values, 0.9, 1.1, Unit("N", 1))
+    assert check.verdict is Verdict.MISSES
+    assert check.found == "0.8 to 2.0\N{NO-BREAK SPACE}N, 4 values"
+    assert check.goal == "0.9 to 1.1\N{NO-BREAK SPACE}N"
+    assert check.by.startswith("3 of 4 outside, by up to 0.9\N{NO-BREAK SPACE}N: d: 2.0")
+
+
+def test_limits_themselves_are_inside() -> None:
+    check = within("statement", SOURCE, [("a", -0.05), ("b", 0.05)], -0.05, 0.05, PERCENT)
+    assert check.verdict is Verdict.MEETS and not check.by
+    assert within("statement", SOURCE, [("a", 7.0)], 7.0, None).verdict is Verdict.MEETS
+    assert within("statement", SOURCE, [("a", 7.1)], None, 7.0).verdict is Verdict.MISSES
+
+
+def test_a_point_without_a_steady_state_misses() -> None:
+    for missing in (None, math.nan):
+        check = within("statement", SOURCE, [("a", 1.0), ("gone", missing)], 0.0, 2.0)
+        assert check.verdict is Verdict.MISSES
+        assert check.found == "1.00" and check.by == "1 of 2 without a steady state: gone"
+    assert within("statement", SOURCE, [], 0.0, 2.0).verdict is Verdict.MISSES
+
+
+def test_tables_show_units_and_keep_si_values(tmp_path: Path) -> None:
+    found = table("key", "title", [Column("F", "kN", 1, 1e-3), Column("x", digits=2, signed=True)], [[1234.0, 0.5]])
+    assert found.shown() == [["1.2", "+0.50"]]
+    assert Column("x").show(None) == "–" == Column("x").show(math.nan)
+    assert report._markdown_table(found) == "| F (kN) | x |\n| --- | --- |\n| 1.2 | +0.50 |\n"
+
+
+def test_a_short_plan_keeps_the_ends() -> None:
+    assert Plan(short=True).thin([1, 2, 3, 4, 5]) == [1, 3, 5]
+    assert Plan(short=True).thin([1, 2, 3, 4, 5], 2) == [1, 5]
+    assert Plan(short=True).thin([1, 2, 3, 4, 5], 1) == [3]
+    assert Plan().thin([1, 2, 3, 4, 5]) == [1, 2, 3, 4, 5]
+
+
+# Measurements
+
+
+def test_every_measurement_has_a_source_and_says_how_sure_it_is() -> None:
+    entries = [entry for entry in measured.data().values() if isinstance(entry, dict)]
+    entries += measured.data()["bounds"]
+    assert len(entries) > 8
+    for entry in entries:
+        assert entry["source"] and entry["certainty"]
+
+
+def test_the_measured_map_is_read() -> None:
+    points = measured.transmission_map()
+    assert len(points) == 117
+    assert {point.ratio for point in points} == {2.5, 2.0, 1.5, 1.0, 0.5}
+    for point in points:
+        assert 1000.0 <= point.rpm <= 5000.0 and 10.0 < point.torque < 100.0 and 0.7 < point.efficiency < 1.0
+
+
+def test_the_opening_is_the_fitted_one() -> None:
+    assert measured.opening(20e3) == pytest.approx(1e-3)
+    assert measured.opening(30e3) / measured.opening(20e3) == pytest.approx(1.2)
+    assert measured.opening(10e3) / measured.opening(20e3) == pytest.approx(0.8)
+
+
+# What is computed from points
+
+
+def test_the_mean_rate_is_that_over_the_window() -> None:
+    time = shift.times()
+    assert time[-1] == pytest.approx(shift.WINDOW[1])
+    moving = np.where(time < shift.WINDOW[0], 5.0, 5.0 + 3.0 * (time - shift.WINDOW[0]))
+    assert shift.mean_rate(time, moving) == pytest.approx(3.0)
+
+
+def test_a_line_is_told_from_a_curve() -> None:
+    x = [-2.0, -1.0, 1.0, 2.0]
+    assert shifting._deviation_from_a_line(x, [3.0 * value + 1.0 for value in x]) == pytest.approx(0.0, abs=1e-12)
+    # y = x²: the best line is its mean, 2.5.
+    assert shifting._deviation_from_a_line(x, [value**2 for value in x]) == pytest.approx(0.5)
+
+
+def test_losses_of_the_rest_are_fitted() -> None:
+    points = [measured.MapPoint(1.0, rpm, torque, 0.9) for rpm in (1000.0, 3000.0) for torque in (20.0, 50.0, 80.0)]
+    # The rest loses 1 N·m, 0.5 N·m per 1000 rpm and 2 % of the torque.
+    beside = [efficiency.Beside(p, (0.9 + (1.0 + 5e-4 * p.rpm + 0.02 * p.torque) / p.torque, 0.0)) for p in points]
+    assert efficiency._rest(beside) == pytest.approx((1.0, 5e-4, 0.02))
+    slopes = efficiency._slopes(points, [0.5 + 0.03 * math.log2(p.torque) - 0.01 * math.log2(p.rpm) for p in points])
+    assert slopes == pytest.approx((0.03, -0.01))
+
+
+def test_a_curve_of_traction_is_described() -> None:
+    curve = slip.Traction(1.0, 1e4, 1000.0, (0.0, 0.01, 0.02, 0.1), (0.0, 0.8, 1.0, 0.9))
+    assert curve.peak == 1.0 and curve.rise == pytest.approx(0.01) and curve.fall == pytest.approx(0.1)
+    assert curve.at(0.015) == pytest.approx(0.9)
+
+
+# Points of the FMU
+
+
+def test_start_values_lead_to_what_they_say(bench: Bench) -> None:
+    torque = bench.steady(driven_by_torque(bench.parameters, 1.5, 150.0, 40.0, 12e3), "torque")
+    assert torque and torque["ratio.geometric"] == pytest.approx(1.5, rel=1e-3)
+    assert torque["secondary.speed"] == pytest.approx(100.0)
+    assert torque["secondary.axialForce"] == pytest.approx(12e3, rel=1e-3)
+    slipping = bench.steady(driven_by_slip(bench.parameters, 1.5, 150.0, 0.03, 12e3), "slip")
+    assert slipping and slipping["slip"] == pytest.approx(0.03, abs=1e-3)
+    assert slipping["torqueUtilisation"] > torque["torqueUtilisation"]
+
+
+def test_a_point_without_a_steady_state_leaves_its_reason(bench: Bench) -> None:
+    solved: list[None] = []
+    bench.solved, before = lambda: solved.append(None), len(bench.failures)
+    force = bench.force(1.0, 50.0, safety=0.5)
+    assert bench.steady(driven_by_torque(bench.parameters, 1.0, 200.0, 50.0, force), "too much") is None
+    assert len(bench.failures) == before + 1 and bench.failures[-1].startswith("too much: ")
+    # The next point is none the worse.
+    assert bench.steady(driven_by_torque(bench.parameters, 1.0, 200.0, 50.0, 4.0 * force), "enough")
+    assert len(solved) == 2
+
+
+# All of it
+
+
+@pytest.fixture(scope="module")
+def short_run(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("validate")
+    assert __main__.main(["--fmu", str(fmu), "--output", str(folder), "--short"]) == 0
+    return folder
+
+
+def test_the_report_has_every_section_and_needs_nothing_else(short_run: Path) -> None:
+    page = (short_run / "report.html").read_text(encoding="utf-8")
+    for title in ("Continuum theory", "Speed of ratio change", "Efficiency", "Slip", "Wedge angle", "Two variators"):
+        assert f">{title}</h2>" in page
+    assert "http://" not in page.replace("http://www.w3.org", "") and "<script" not in page
+    assert "nan" not in page.replace("dominant", "").split("</style>")[1].lower().split("data:image")[0]
+
+
+def test_every_check_has_a_verdict_a_goal_and_a_source(short_run: Path) -> None:
+    with (short_run / "checks.csv").open(encoding="utf-8", newline="") as file:
+        checks = list(csv.DictReader(file))
+    assert len(checks) > 35
+    assert {check["section"] for check in checks} >= {"Slip", "Efficiency", "Continuum theory"}
+    assert {check["verdict"] for check in checks} <= {verdict.value for verdict in Verdict}
+    for check in checks:
+        assert check["statement"] and check["goal"] and check["found"] and check["source"] and check["certainty"]
+        assert bool(check["by"]) == (check["verdict"] == "misses"), check
+
+
+def test_the_theorys_limit_is_met(short_run: Path) -> None:
+    """Of all goals this one can't depend on a parameter that nobody has measured."""
+    with (short_run / "checks.csv").open(encoding="utf-8", newline="") as file:
+        verdicts = {check["statement"]: check["verdict"] for check in csv.DictReader(file)}
+    assert verdicts["In the theory's limit the thrust ratio is the theory's"] == "meets"
+
+
+def test_tables_are_there_as_csv_and_markdown(short_run: Path) -> None:
+    text = (short_run / "tables.md").read_text(encoding="utf-8")
+    for name in ("limit", "shift-gains", "efficiency-map", "traction", "thrust-ratio", "sensitivity"):
+        with (short_run / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+            header, *rows = csv.reader(file)
+        assert rows and all(len(row) == len(header) for row in rows), name
+    assert text.count("\n## ") + text.startswith("## ") == len(SECTIONS)
+
+
+def test_a_wrong_fmu_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert __main__.main(["--fmu", str(tmp_path / "none.fmu"), "--output", str(tmp_path / "out"), "--short"]) == 1
+    assert "The validation failed" in capsys.readouterr().err
