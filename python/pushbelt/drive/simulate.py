@@ -46,6 +46,7 @@ OUTPUTS = (
     "secondary.axialForce",
     "primary.power",
     "secondary.power",
+    "loss.total",
     *(f"loss.{part}" for part in LOSSES),
     "stored.energy",
     "energy.residual",
