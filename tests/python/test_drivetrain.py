@@ -202,7 +202,9 @@ def test_map_is_bilinear_and_constant_beyond() -> None:
 
 def test_map_survives_its_cache(tmp_path: Path) -> None:
     path = tmp_path / "map.csv"
-    odd = dataclasses.replace(MAP, thrust=MAP.thrust / 3.0, shift_rates=MAP.shift_rates / 7.0, clearance_force=1e4 / 3.0)
+    odd = dataclasses.replace(
+        MAP, thrust=MAP.thrust / 3.0, shift_rates=MAP.shift_rates / 7.0, clearance_force=1e4 / 3.0
+    )
     odd.write(path, "key")
     for key in ("key", None):
         found = ThrustMap.read(path, key)
@@ -230,9 +232,7 @@ def test_a_clearance_shifts_at_little_force_too() -> None:
     assert clear.shift_gain(1.0, 0.0) == MAP.shift_gain(1.0, 0.0)
     assert clear.shift_gain(1.0, 0.0, secondary=6e3) == pytest.approx(1.5 * MAP.shift_gain(1.0, 0.0, secondary=6e3))
     # So less excess serves for the same shift.
-    primary = [
-        RatioControl(FRICTION, table, (2e3, 6e4)).forces(0.9, MEASURED, 6e3, STEP)[0] for table in (MAP, clear)
-    ]
+    primary = [RatioControl(FRICTION, table, (2e3, 6e4)).forces(0.9, MEASURED, 6e3, STEP)[0] for table in (MAP, clear)]
     assert primary[1] < primary[0]
 
 
@@ -511,7 +511,7 @@ def test_shift_speed_grows_with_force_as_the_map_says(archive: Archive, table: T
     expected = table.acting_force(force) / force
     for ratio in (0.6, 1.0, 1.7):
         at_map, found = (
-            thrust_map._shift_rates(archive, PARAMETERS, ratio, 0.3, at, shares)  # noqa: SLF001
+            thrust_map.measured_shift_rates(archive, PARAMETERS, ratio, 0.3, at, shares)
             for at in (thrust_map.FORCE, force)
         )
         assert found / at_map == pytest.approx(np.full(2, expected), rel=0.25)

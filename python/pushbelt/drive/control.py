@@ -55,7 +55,7 @@ class Friction:
     wedge_angle: float
     """β, rad."""
     reserve: float = 8.0
-    """Torque added for what the estimate leaves out (inertia of the pulley, errors), N·m."""
+    """Torque added for what the estimate leaves out (inertia of the pulley, drag of the shaft, errors), N·m."""
 
     def clamping_force(self, measured: Measured, safety: float) -> float:
         """Secondary clamping force for the estimated torque, N."""

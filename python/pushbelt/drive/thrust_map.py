@@ -86,7 +86,7 @@ class ThrustMap:
     ε, 0 at ε = 0. F is the acting force."""
     clearance_force: float = 0.0
     """F_c, N. The belt shifts in proportion to the tilt of the sheaves: their clearance, and bending that grows with force.
-    F_c is the force at which bending is as large as the clearance."""
+    F_c is the force at which bending is as large as the clearance; 0 is a belt that shifts in proportion to force."""
 
     @cached_property
     def _plain(self) -> _Plain:
@@ -254,7 +254,7 @@ def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array,
     return np.interp(UTILISATIONS, share, thrust), np.interp(UTILISATIONS, share, slip)
 
 
-def _shift_rates(
+def measured_shift_rates(
     archive: Archive,
     parameters: Parameters,
     ratio: float,
@@ -286,7 +286,12 @@ def _shift_rates(
 def _clearance_force(archive: Archive, parameters: Parameters) -> float:
     """F_c, N, from shift rates at the map's force and at another: the median over ratios and forces."""
     at_map, at_other = (
-        np.array([_shift_rates(archive, parameters, r, OTHER_UTILISATION, force, OTHER_SHARES) * force for r in RATIOS])
+        np.array(
+            [
+                measured_shift_rates(archive, parameters, r, OTHER_UTILISATION, force, OTHER_SHARES) * force
+                for r in RATIOS
+            ]
+        )
         for force in (FORCE, OTHER_FORCE)
     )
     # 1 is a tilt of clearance alone, the forces' own ratio one of bending alone.
@@ -311,7 +316,9 @@ def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
     excesses = np.insert(np.log(SHIFT_SHARES), below, 0.0)
 
     def rates(ratio: float, utilisation: float) -> Array:
-        return _ascending(np.insert(_shift_rates(archive, parameters, ratio, utilisation), below, 0.0), excesses)
+        return _ascending(
+            np.insert(measured_shift_rates(archive, parameters, ratio, utilisation), below, 0.0), excesses
+        )
 
     found = np.array([[rates(ratio, utilisation) for utilisation in SHIFT_UTILISATIONS] for ratio in RATIOS])
     clearance_force = _clearance_force(archive, parameters)
