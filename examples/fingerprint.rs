@@ -65,6 +65,7 @@ impl Figures {
                 external_torque,
                 power,
                 spiral,
+                tilt,
             } = *pulley;
             for value in [
                 speed,
@@ -75,6 +76,7 @@ impl Figures {
                 external_torque,
                 power,
                 spiral,
+                tilt,
             ] {
                 self.add(value);
             }

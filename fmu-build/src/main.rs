@@ -58,7 +58,7 @@ enum Command {
     Sweep(commands::sweep::Arguments),
     /// Fit parameters to a table of measured steady points and write target/calibrate/report.html (1 minute for 60 points)
     Calibrate(commands::calibrate::Arguments),
-    /// Put the FMU beside theory and measurements and write target/validate/report.html (1 minute)
+    /// Put the FMU beside theory and measurements and write target/validate/report.html (3 minutes)
     Validate(commands::validate::Arguments),
     /// Measure the speed of the model (1 minute)
     Bench(commands::bench::Arguments),

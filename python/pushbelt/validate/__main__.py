@@ -1,7 +1,7 @@
 """Puts the FMU beside theory and measurements: `python -m pushbelt.validate --fmu … --output target/validate
 [--short]`.
 
-Two processors take about a minute, with --short some seconds.
+Two processors take two to three minutes, with --short less than one.
 """
 
 from __future__ import annotations
