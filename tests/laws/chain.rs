@@ -2,7 +2,8 @@
 
 use num_dual::Dual64;
 use pushbelt::chain::{
-    Belt, CLOSING_SMOOTHING, Transport, UPWIND_SMOOTHING, collision_force, energy_density, flux, lag, push_force, upwinding,
+    Belt, CLOSING_SMOOTHING, Transport, UPWIND_SMOOTHING, collision_force, energy_density, flux, lag, push_force,
+    upwinding,
 };
 use pushbelt_lab::laws::{belt, integral};
 use pushbelt_lab::noise;
