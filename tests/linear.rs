@@ -189,7 +189,8 @@ fn what_has_no_linear_model_says_why() {
 }
 
 /// Communication steps of 1 ms damp what is faster than some 100 Hz. A steady state must stay without that: of all its
-/// modes up to 20 kHz none grows, with ten times the ring's damping neither.
+/// modes up to 20 kHz none that swings grows, with ten times the ring's damping neither. Under given torques and forces ratio and
+/// speed may creep away, within seconds: the slowest modes don't swing.
 #[test]
 fn no_mode_of_a_steady_state_grows() {
     for (ratio, torque) in [(2.0, 50.0), (1.0, 50.0), (1.0, -50.0), (0.5, 50.0), (0.5, 0.0)] {
@@ -200,13 +201,14 @@ fn no_mode_of_a_steady_state_grows() {
             let inputs = inputs((torque, 12.0e3), (-torque * ratio, 12.0e3));
             let modes = modes(&parameters, &inputs, 2.0e4).expect("a steady state");
             let most = modes[0];
+            let swinging = modes.iter().find(|mode| mode[1] > 0.0).expect("a mode that swings");
             println!(
                 "{ratio}, {torque} N·m, {damping} times: {} modes, at most {most:?} 1/s",
                 modes.len()
             );
             assert!(
-                modes.len() > 100 && most[0] < 0.0,
-                "{ratio}, {torque} N·m: {most:?} 1/s"
+                modes.len() > 100 && swinging[0] < 0.0 && most[0] < 1.0,
+                "{ratio}, {torque} N·m: {most:?}, {swinging:?} 1/s"
             );
         }
     }

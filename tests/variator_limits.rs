@@ -122,7 +122,7 @@ fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
 #[test]
 fn over_torque_slips_at_capacity_and_recovers() {
     for model in MODELS {
-        let mut parameters = coarse(model);
+        let mut parameters = belt_alone(coarse(model));
         parameters.secondary.drive = Drive::Speed;
         let normal = inputs((50.0, 12.0e3), (0.0, 9.0e3));
         let mut run = Run::new(parameters, normal);
@@ -163,7 +163,7 @@ fn over_torque_slips_at_capacity_and_recovers() {
 #[test]
 fn speeds_pulled_apart_slip_at_capacity_and_recover() {
     for model in MODELS {
-        let mut parameters = coarse(model);
+        let mut parameters = belt_alone(coarse(model));
         parameters.primary.drive = Drive::Speed;
         parameters.secondary.drive = Drive::Speed;
         let mut run = Run::new(parameters, inputs((0.0, 12.0e3), (0.0, 9.0e3)));
@@ -263,9 +263,9 @@ fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrus
     let later = shift_coefficients(RingModel::Ale, SPEED, [4.0, 12.0]);
     for c in [slow, fast] {
         let mean = 0.5 * (c[1] + c[2]);
-        // What separates opposite steps is of the order of the step: at most 2.5 times it.
+        // What separates opposite steps is of the order of the step: at most 3 times it.
         for (k, step) in [(0, 0.01), (1, 0.005), (2, 0.005), (3, 0.01)] {
-            assert_close(c[k], mean, 2.5 * step, "coefficient of a step");
+            assert_close(c[k], mean, 3.0 * step, "coefficient of a step");
         }
         assert_close(c[0] + c[3], c[1] + c[2], 5e-3, "mean of opposite steps");
     }

@@ -39,7 +39,7 @@ fn pull(state: &Steady, segment: usize) -> f64 {
 /// seals, oil, and bearings under the pull of both strands. That hardly changes with speed: the clamping force is the same.
 #[test]
 fn torque_that_turns_the_variator_without_load() {
-    for (rpm, expected) in [(500.0, 1.03), (2000.0, 1.18), (5000.0, 1.50)] {
+    for (rpm, expected) in [(500.0, 1.15), (2000.0, 1.30), (5000.0, 1.60)] {
         let speed = rpm * std::f64::consts::TAU / 60.0;
         let state = idling(&variator(RingModel::Ale), 1.0, 10e3, speed);
         let o = &state.outputs;

@@ -45,11 +45,13 @@ pub fn rigid(mut parameters: Parameters) -> Parameters {
     parameters
 }
 
-/// The belt alone: shafts without drag, layers of the ring without friction. For claims of theories that know neither.
+/// The belt alone: shafts without drag, layers of the ring without friction, Coulomb friction on the sheaves. For claims of theories that
+/// know no other.
 pub fn belt_alone(mut parameters: Parameters) -> Parameters {
     parameters.primary.drag = ShaftDrag::NONE;
     parameters.secondary.drag = ShaftDrag::NONE;
     parameters.layers.friction = 0.0;
+    parameters.friction.fall = 0.0;
     parameters
 }
 

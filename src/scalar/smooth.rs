@@ -25,10 +25,20 @@ pub fn smooth_plus_energy<T: Real>(x: T, delta: f64, reach: f64) -> T {
 #[inline(always)]
 #[must_use]
 pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
-    // −Li₂(−z) in powers of l = ln(1 + z) ≤ ln 2; the coefficients are B_n/(n + 1)!. The next term is below 1e-12.
+    // −Li₂(−z) in powers of l = ln(1 + z) ≤ ln 2; the coefficients are B_n/(n + 1)!. The next term is below 1e-14.
     let of_log = |l: T| {
         let square = l * l;
-        let odd = ((square * (-1.0 / 10_886_400.0) + 1.0 / 211_680.0) * square - 1.0 / 3600.0) * square + 1.0 / 36.0;
+        let odd = [
+            -4.064_761_645_144_226e-11,
+            1.0 / 526_901_760.0,
+            -1.0 / 10_886_400.0,
+            1.0 / 211_680.0,
+            -1.0 / 3600.0,
+        ]
+        .into_iter()
+        .fold(T::zero(), |sum, coefficient| sum * square + T::from(coefficient))
+            * square
+            + 1.0 / 36.0;
         l + square * 0.25 + odd * square * l
     };
     let [above, ..] = x.soft_plus(delta);

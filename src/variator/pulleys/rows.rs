@@ -305,6 +305,25 @@ impl Pulleys {
         loss
     }
 
+    /// What relaxation of the tilt takes in a step of length `h`, s, beyond the trapezoidal rule, J: a sheave takes its clearance up within
+    /// a step. The work of the moment follows from the tilt's way; what of it is not stored is lost.
+    #[must_use]
+    pub fn tilt_loss_beyond_trapezoid(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64) -> f64 {
+        let law = &self.parameters[pulley].tilt;
+        if law.is_rigid() {
+            return 0.0;
+        }
+        let [start, end] = [before, after].map(|view| self.tilt(pulley, view));
+        let [first, second] = [start, end].map(|[psi, rate]| law.moment(psi, rate));
+        let work: f64 = (0..2)
+            .map(|axis| 0.5 * (first[axis] + second[axis]) * (end[0][axis] - start[0][axis]))
+            .sum();
+        let lost = work - (law.energy(end[0]) - law.energy(start[0]));
+        let trapezoid = 0.5 * h * (law.loss(start[0], start[1]) + law.loss(end[0], end[1]));
+        // Both sheaves.
+        2.0 * (lost - trapezoid)
+    }
+
     /// Energy of the pulleys: rotation, axial motion, tilt, end stops, J.
     #[must_use]
     pub fn energy(&self, view: View<'_>) -> f64 {

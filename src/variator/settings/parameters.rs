@@ -279,7 +279,8 @@ impl Default for Parameters {
             },
             contact: Contact {
                 stiffness: 6.0e10,
-                damping: 1.0e-6,
+                // With 1e-6 waves of 2.6 kHz grow where the belt enters an arc, on the default mesh and not on twice the elements.
+                damping: 3.0e-6,
                 roughness: 1.0e-7,
             },
             primary: pulley.clone(),

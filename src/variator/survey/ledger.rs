@@ -122,7 +122,7 @@ impl Evolution for Running<'_> {
             let of_sheave = self.sheave_work(pulley, before, after, h, forces.map(|force| force[pulley]));
             supplied += of_sheave.work;
             moved += of_sheave.work.abs();
-            lost += of_sheave.damped;
+            lost += of_sheave.damped + self.system.pulleys.tilt_loss_beyond_trapezoid(pulley, before, after, h);
             // A shaft follows its set point in less than a step. The work on the pulley's own inertia is known.
             if let ShaftMode::Setpoint(_) = at_end.shaft[pulley] {
                 let omega = self.system.belt.layout.shaft_speed(pulley);
