@@ -17,6 +17,7 @@ CHANGES = {
     "friction.ring": 1.5,
     "friction.velocity": 0.5,
     "tiltStiffness": 0.8,
+    "tiltClearance": 0.8,
     "contact.stiffness": 0.5,
     "belt.pushStiffness": 0.5,
     "belt.play": 2.0,
@@ -24,7 +25,7 @@ CHANGES = {
     "ring.axialStiffness": 0.8,
 }
 """Parameters and the factors by which they are off; a name without a pulley means both."""
-SHOWN = ("thrustRatio", "slip", "loss.sheaves", "loss.ring", "spiral.primary")
+SHOWN = ("thrustRatio", "slip", "loss.sheaves", "loss.ring", "loss.layers", "loss.shafts", "spiral.primary")
 
 
 def steady(archive: Archive, parameters: dict[str, float]) -> dict[str, float]:

@@ -32,7 +32,9 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--variator", default=simulate.VARIATOR, help="parameter set, or its file, ….json")
     options = parser.parse_args(arguments)
-    plan = dataclasses.replace(runs.SHORT if options.short else FULL[options.cycle], ring=options.ring, variator=options.variator)
+    plan = dataclasses.replace(
+        runs.SHORT if options.short else FULL[options.cycle], ring=options.ring, variator=options.variator
+    )
     if options.until is not None:
         plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))
     begin = time.perf_counter()

@@ -55,7 +55,7 @@ class Friction:
     wedge_angle: float
     """β, rad."""
     reserve: float = 8.0
-    """Torque added for what the estimate leaves out (inertia of the pulley, errors), N·m."""
+    """Torque added for what the estimate leaves out (inertia of the pulley, drag of the shaft, errors), N·m."""
 
     def clamping_force(self, measured: Measured, safety: float) -> float:
         """Secondary clamping force for the estimated torque, N."""
@@ -148,9 +148,9 @@ class SlipControl:
     def stable_utilisation(self, measured: Measured) -> float:
         """Torque utilisation beyond which the flywheel lets the belt run away."""
         belt = self.friction
-        torque_per_force = (
-            self.flywheel * self.map.shift_gain(measured.ratio, self.utilisation) * measured.primary_speed**2
-        )
+        secondary = belt.clamping_force(measured, 1.0 / self.utilisation)
+        gain = self.map.shift_gain(measured.ratio, self.utilisation, secondary=secondary)
+        torque_per_force = self.flywheel * gain * measured.primary_speed**2
         force_per_torque = clamping_force(1.0, measured.pitch_radius, belt.coefficient, belt.wedge_angle, 1.0)
         return self.map.stable_utilisation(measured.ratio, torque_per_force * force_per_torque)
 
@@ -188,12 +188,13 @@ class RatioControl:
     """Primary clamping force from the thrust-ratio map and a PI controller on the shift speed.
 
     The ratio error asks for a shift speed, λ* = clip(k (ln i* − ln i), ±λ_max) with λ = d(ln i)/dt. The belt shifts with
-    the excess ε = ln(F_P/(κ F_S)) of the thrust ratio over the one that holds, λ = −ω_P F_S R(ε), so
+    the excess ε = ln(F_P/(κ F_S)) of the thrust ratio over the one that holds, λ = −ω_P F R(ε), so
 
-        F_P = κ(i, u) F_S exp(R⁻¹(−λ*/(ω_P F_S))) − C (k_p e + k_i ∫e dt),   e = λ* − λ
+        F_P = κ(i, u) F_S exp(R⁻¹(−λ*/(ω_P F))) − C (k_p e + k_i ∫e dt),   e = λ* − λ
 
     κ is the thrust ratio of the map at the ratio and the torque utilisation u, R the map's shift rates; with R in
-    proportion to ε this is the law of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005). C = 1/(g ω_P) makes
+    proportion to ε this is the law of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005). F grows with F_S as
+    the tilt of the sheaves does: less than in proportion, since a part of the tilt is their clearance. C = 1/(g ω_P) makes
     the loop as fast as designed. g is the steepest gain near the excess that is asked for, because R may bend sharply: a
     belt that shifts by creep hardly moves until its elements slide radially. Where g is small C stays at `MOST_FORCE`.
 
@@ -261,7 +262,7 @@ class RatioControl:
 
     def _excess(self, wanted: float, measured: Measured, secondary: float) -> float:
         """ε that shifts at a wanted λ, 1/s, against a secondary force, N."""
-        rate = -wanted / (max(measured.primary_speed, self.LEAST_SPEED) * secondary)
+        rate = -wanted / (max(measured.primary_speed, self.LEAST_SPEED) * self.map.acting_force(secondary))
         return self.map.excess(measured.ratio, self._utilisation(measured, secondary), rate)
 
     def _shifting(self, wanted: float, measured: Measured, secondary: float) -> float:
@@ -272,7 +273,7 @@ class RatioControl:
     def _force_per_shift_speed(self, wanted: float, measured: Measured, secondary: float) -> float:
         """C of the control law, N·s."""
         excess = self._excess(wanted, measured, secondary)
-        gain = self.map.shift_gain(measured.ratio, self._utilisation(measured, secondary), excess)
+        gain = self.map.shift_gain(measured.ratio, self._utilisation(measured, secondary), excess, secondary)
         return min(1.0 / (gain * measured.primary_speed), self.MOST_FORCE)
 
     def _secondary_for(self, primary: float, wanted: float, measured: Measured, secondary: float) -> float:

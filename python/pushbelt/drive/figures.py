@@ -10,10 +10,14 @@ from pushbelt.fmu.intervals import intervals
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, STYLE, VIOLET, svg
 
 from .hydraulics import PressureCircuit
-from .simulate import STEP, Run
+from .simulate import LOSSES, STEP, Run
 from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
+LOSS_COLOURS = (BLUE, ORANGE, GREEN, VIOLET, MUTED)
+"""Of `LOSSES` over time."""
+SHARE_COLOURS = (ORANGE, RED, "#e0b23c", INK, MUTED)
+"""Of `LOSSES` beside where else the engine's work went."""
 MOST_POINTS = 3000
 """Points of a curve in a figure at most."""
 
@@ -58,7 +62,7 @@ def drive(run: Run) -> str:
         slip.fill_between(run.time[: len(low) * step : step], low, high, color=BLUE, linewidth=0.5)
         slip.set_ylim(-3.0, 4.0)
         slip.set_title("Slip (%)")
-        for part, colour in (("sheaves", BLUE), ("ring", ORANGE), ("other", MUTED)):
+        for part, colour in zip(LOSSES, LOSS_COLOURS, strict=True):
             loss.plot(time, run[f"loss.{part}"][some], color=colour, linewidth=0.9, label=part)
         loss.set_title("Loss of the variator (W)")
         loss.set_xlabel(TIME)
@@ -66,7 +70,7 @@ def drive(run: Run) -> str:
             for start, stop in intervals(run.time, run["macroSlip"], gap=0.2):
                 axes.axvspan(start, stop + STEP, color=RED, alpha=0.25, linewidth=0)
             if axes.get_legend_handles_labels()[0]:
-                axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.0)
+                axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, borderaxespad=0.0)
         rows[0].set_xlim(run.time[0], run.time[-1])
     return svg(figure)
 
@@ -77,8 +81,7 @@ def savings(fixed: Run, slip: Run) -> str:
         figure, (loss, share) = plt.subplots(1, 2, figsize=(11.2, 3.4), layout="constrained")
         for run, colour in ((fixed, ORANGE), (slip, BLUE)):
             some = thinned(run)
-            total = sum(run[f"loss.{part}"] for part in ("sheaves", "ring", "other"))
-            loss.plot(run.time[some], 1e-3 * STEP * np.cumsum(total)[some], color=colour, label=run.setup.name)
+            loss.plot(run.time[some], 1e-3 * STEP * np.cumsum(run.loss)[some], color=colour, label=run.setup.name)
             driving = run["primary.power"] > 1000.0
             share.hist(
                 run["utilisation.signed"][driving],
@@ -102,9 +105,7 @@ def energy_shares(fixed: Run, slip: Run) -> str:
         ("road load", BLUE),
         ("brakes", VIOLET),
         ("launch clutch", GREEN),
-        ("variator, sheaves", ORANGE),
-        ("variator, ring", RED),
-        ("variator, other", MUTED),
+        *((f"variator, {part}", colour) for part, colour in zip(LOSSES, SHARE_COLOURS, strict=True)),
     )
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(figsize=(11.2, 2.3), layout="constrained")
@@ -118,7 +119,7 @@ def energy_shares(fixed: Run, slip: Run) -> str:
         axes.set_title("Energy (kJ)")
         for part, colour in parts:
             axes.barh(0, 0.0, color=colour, label=part)
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=6)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=4)
     return svg(figure)
 
 
@@ -128,11 +129,10 @@ def low_friction(fixed: Run, slip: Run) -> str:
         figure, rows = plt.subplots(1, 3, figsize=(11.2, 3.2), layout="constrained")
         slipping, force, loss = rows
         for run, colour in ((fixed, ORANGE), (slip, BLUE)):
-            total = sum(run[f"loss.{part}"] for part in ("sheaves", "ring", "other"))
             label = run.setup.strategy
             slipping.plot(run.time, 100.0 * run["slip"], color=colour, label=label)
             force.plot(run.time, 1e-3 * run["secondary.clampingForce"], color=colour, label=label)
-            loss.plot(run.time, 1e-3 * STEP * np.cumsum(total), color=colour, label=label)
+            loss.plot(run.time, 1e-3 * STEP * np.cumsum(run.loss), color=colour, label=label)
         slipping.set_title("Slip (%)")
         force.set_title("Secondary clamping force (kN)")
         loss.set_title("Variator loss, added up (kJ)")

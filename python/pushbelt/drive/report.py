@@ -15,7 +15,8 @@ from pushbelt.page import image
 from . import figures
 from .car import demo_car
 from .runs import LOW_FRICTION, Results
-from .simulate import STEP, Run
+from .simulate import LOSSES, STEP, Run
+from .thrust_map import FORCE
 
 CSV_STEP = 0.1
 """Time between the rows of the results, s."""
@@ -85,6 +86,8 @@ def context(results: Results) -> dict[str, Any]:
         ],
         "saved": fixed.variator_loss - slip.variator_loss,
         "saved_share": 1.0 - slip.variator_loss / fixed.variator_loss,
+        "losses": LOSSES,
+        "map_force": FORCE,
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "step": STEP,
         "low_friction": LOW_FRICTION,

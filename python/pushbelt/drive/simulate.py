@@ -30,6 +30,9 @@ MESHES: Mapping[str, Mapping[str, float]] = {
 }
 """Start values by name: for long runs, and the FMU's own."""
 
+LOSSES = ("sheaves", "ring", "layers", "shafts", "other")
+"""Parts of the variator's loss, by the names of the FMU's outputs without their `loss.`; together they are `loss.total`."""
+
 OUTPUTS = (
     "primary.speed",
     "secondary.speed",
@@ -43,9 +46,8 @@ OUTPUTS = (
     "secondary.axialForce",
     "primary.power",
     "secondary.power",
-    "loss.sheaves",
-    "loss.ring",
-    "loss.other",
+    "loss.total",
+    *(f"loss.{part}" for part in LOSSES),
     "stored.energy",
     "energy.residual",
     "reference.theta",
@@ -110,7 +112,7 @@ class Run:
         """Work and losses over the run, J: where the engine's work went."""
         step, speed = self.setup.step, self["speed.car"]
         engine = self["work.engine"]
-        losses = {part: step * float(self[f"loss.{part}"].sum()) for part in ("sheaves", "ring", "other")}
+        losses = {part: step * float(self[f"loss.{part}"].sum()) for part in LOSSES}
         return {
             "engine, driving": float(engine[engine > 0.0].sum()),
             "engine, braking": float(-engine[engine < 0.0].sum()),
@@ -120,6 +122,11 @@ class Run:
             "road load": step * float((self["force.road"] * speed).sum()),
             "brakes": step * float((self["force.brake"] * speed).sum()),
         }
+
+    @property
+    def loss(self) -> Array:
+        """Loss of the variator over time, W, shape (n,)."""
+        return np.sum([self[f"loss.{part}"] for part in LOSSES], axis=0)
 
     @property
     def variator_loss(self) -> float:

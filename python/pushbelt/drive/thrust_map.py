@@ -32,6 +32,10 @@ SHIFT_SHARES = (0.3, 0.4, 0.55, 0.75, 1.3, 1.8, 2.4, 3.0)
 """Primary forces at which the shift rate is measured, as shares of what holds the ratio."""
 SHIFT_UTILISATIONS = (-0.3, 0.3)
 """Torque utilisations at which it is measured."""
+OTHER_FORCE = 5e3
+"""Secondary clamping force at which it is measured once more, N: that tells how it grows with force."""
+OTHER_SHARES, OTHER_UTILISATION = (0.75, 1.3), 0.3
+"""Primary forces, as shares of what holds the ratio, and torque utilisation there."""
 STILL = 1e-4
 """Slip that a step of the utilisation moves by at least, where both of its ends are steady states."""
 NEARBY = 0.2
@@ -78,8 +82,11 @@ class ThrustMap:
     excesses: Array
     """ε = ln(F_P/(κ F_S)), shape (k,), ascending, 0 among them."""
     shift_rates: Array
-    """R of d(ln i)/dt = −ω_P F_S R(ε) at the utilisations `SHIFT_UTILISATIONS`, 1/(N·rad), shape (m, 2, k), ascending along
-    ε, 0 at ε = 0."""
+    """R of d(ln i)/dt = −ω_P F R(ε) at the utilisations `SHIFT_UTILISATIONS`, 1/(N·rad), shape (m, 2, k), ascending along
+    ε, 0 at ε = 0. F is the acting force."""
+    clearance_force: float = 0.0
+    """F_c, N. The belt shifts in proportion to the tilt of the sheaves: their clearance, and bending that grows with force.
+    F_c is the force at which bending is as large as the clearance; 0 is a belt that shifts in proportion to force."""
 
     @cached_property
     def _plain(self) -> _Plain:
@@ -93,12 +100,19 @@ class ThrustMap:
         rows = zip(self.thrust[:, driving], self.slips[:, driving], strict=True)
         return [_steepest_falls(self.utilisations[driving], *row) for row in rows]
 
+    def acting_force(self, secondary: float) -> float:
+        """F of the shift law, N, at a secondary clamping force, N: F_S at the force of the map, F_0 (F_S + F_c)/(F_0 + F_c)."""
+        return FORCE * (secondary + self.clearance_force) / (FORCE + self.clearance_force)
+
     def excess(self, ratio: float, utilisation: float, rate: float) -> float:
         """ε that shifts at a rate R, 1/(N·rad); linear between the points, constant beyond them."""
         return interpolate(rate, self._rates(ratio, utilisation), self._plain.excesses)
 
-    def shift_gain(self, ratio: float, utilisation: float, excess: float = 0.0) -> float:
-        """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad): the steepest R within ±`NEARBY` of it."""
+    def shift_gain(self, ratio: float, utilisation: float, excess: float = 0.0, secondary: float = FORCE) -> float:
+        """g of d(ln i)/dt = −g ω_P ΔF_P about an excess, 1/(N·rad): the steepest R within ±`NEARBY` of it.
+
+        `secondary` is the secondary clamping force, N.
+        """
         low, high = excess - NEARBY, excess + NEARBY
         points = list(zip(self._plain.excesses, self._rates(ratio, utilisation), strict=True))
         steepest = max(
@@ -107,7 +121,7 @@ class ThrustMap:
             for (start, rate_before), (end, rate) in pairwise(points)
             if end > low and start < high
         )
-        return steepest / self.thrust_ratio(ratio, utilisation)
+        return steepest / self.thrust_ratio(ratio, utilisation) * self.acting_force(secondary) / secondary
 
     def _rates(self, ratio: float, utilisation: float) -> list[float]:
         """R at the excesses, of length k."""
@@ -146,7 +160,11 @@ class ThrustMap:
         """Writes it as CSV, to the last bit: a comment with key and shift rates, then one row a point."""
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", encoding="utf-8", newline="") as file:
-            shifting = {"excesses": self.excesses.tolist(), "shiftRates": self.shift_rates.tolist()}
+            shifting = {
+                "excesses": self.excesses.tolist(),
+                "shiftRates": self.shift_rates.tolist(),
+                "clearanceForce": self.clearance_force,
+            }
             file.write("# " + json.dumps({"key": key, **shifting}) + "\n")
             writer = csv.writer(file)
             writer.writerow(["ratio", "utilisation", "thrustRatio", "slip"])
@@ -163,12 +181,13 @@ class ThrustMap:
                 rows = np.array(list(csv.reader(file))[1:], dtype=float)
         except (OSError, ValueError):
             return None
-        if (key is not None and head.get("key") != key) or "shiftRates" not in head:
+        if (key is not None and head.get("key") != key) or "clearanceForce" not in head:
             return None
         ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
         shape = (len(ratios), len(utilisations))
         thrust, slips = (rows[:, k].reshape(shape) for k in (2, 3))
-        return cls(ratios, utilisations, thrust, slips, np.array(head["excesses"]), np.array(head["shiftRates"]))
+        shifting = np.array(head["excesses"]), np.array(head["shiftRates"]), float(head["clearanceForce"])
+        return cls(ratios, utilisations, thrust, slips, *shifting)
 
 
 def map_key(fmu: Path, parameters: Parameters) -> str:
@@ -185,18 +204,21 @@ def map_key(fmu: Path, parameters: Parameters) -> str:
             SHIFT_TIME,
             SHIFT_STEP,
             SHIFT_REACH,
+            OTHER_FORCE,
+            OTHER_SHARES,
+            OTHER_UTILISATION,
         ],
         sort_keys=True,
     )
     return hashlib.sha256(fmu.read_bytes() + text.encode()).hexdigest()
 
 
-def torque_at(parameters: Parameters, ratio: float, utilisation: float) -> float:
-    """Primary torque of a utilisation under the map's clamping force, N·m."""
-    return utilisation * torque_capacity(parameters, ratio, FORCE)
+def torque_at(parameters: Parameters, ratio: float, utilisation: float, force: float = FORCE) -> float:
+    """Primary torque of a utilisation under a secondary clamping force, N; N·m."""
+    return utilisation * torque_capacity(parameters, ratio, force)
 
 
-def _start(archive: Archive, parameters: Parameters, ratio: float, torque: float) -> Variator:
+def _start(archive: Archive, parameters: Parameters, ratio: float, torque: float, force: float = FORCE) -> Variator:
     unit = Variator(
         archive,
         {
@@ -206,7 +228,7 @@ def _start(archive: Archive, parameters: Parameters, ratio: float, torque: float
             "initial.steady": True,
             "primary.torque": torque,
             "secondary.torque": -torque * ratio,
-            "secondary.clampingForce": FORCE,
+            "secondary.clampingForce": force,
         },
     )
     unit.initialise()
@@ -232,26 +254,49 @@ def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array,
     return np.interp(UTILISATIONS, share, thrust), np.interp(UTILISATIONS, share, slip)
 
 
-def _shift_rates(archive: Archive, parameters: Parameters, ratio: float, utilisation: float) -> Array:
-    """Shift rates, from the clamping forces of the steady state with a jump of the primary one."""
+def measured_shift_rates(
+    archive: Archive,
+    parameters: Parameters,
+    ratio: float,
+    utilisation: float,
+    force: float = FORCE,
+    shares: Sequence[float] = SHIFT_SHARES,
+) -> Array:
+    """Shift speeds over ω_P and a secondary force, N, from the clamping forces of the steady state with a jump of the primary one."""
     rates = []
     with (
-        _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation)) as unit,
+        _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation, force), force) as unit,
         unit.stored() as restore,
     ):
         outputs = unit.reals(["primary.axialForce", "ratio.geometric"])
-        force, begin = unit.get_reals(outputs)
-        for share in SHIFT_SHARES:
+        holding, begin = unit.get_reals(outputs)
+        for share in shares:
             restore()
-            unit.set({"primary.clampingForce": share * force})
+            unit.set({"primary.clampingForce": share * holding})
             logs = [math.log(begin)]
             while abs(logs[-1] - logs[0]) < SHIFT_REACH and len(logs) * SHIFT_STEP <= SHIFT_TIME:
                 unit.step_to(len(logs) * SHIFT_STEP)
                 logs.append(math.log(unit.get_reals(outputs)[1]))
             # The first half belongs to what the jump itself does.
             half = (len(logs) - 1) // 2
-            rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * FORCE))
+            rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * force))
     return np.array(rates)
+
+
+def _clearance_force(archive: Archive, parameters: Parameters) -> float:
+    """F_c, N, from shift rates at the map's force and at another: the median over ratios and forces."""
+    at_map, at_other = (
+        np.array(
+            [
+                measured_shift_rates(archive, parameters, r, OTHER_UTILISATION, force, OTHER_SHARES) * force
+                for r in RATIOS
+            ]
+        )
+        for force in (FORCE, OTHER_FORCE)
+    )
+    # 1 is a tilt of clearance alone, the forces' own ratio one of bending alone.
+    share = clip(float(np.median(at_other / at_map)), OTHER_FORCE / FORCE, 0.98)
+    return (share * FORCE - OTHER_FORCE) / (1.0 - share)
 
 
 def _ascending(rates: Array, excesses: Array) -> Array:
@@ -271,10 +316,13 @@ def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
     excesses = np.insert(np.log(SHIFT_SHARES), below, 0.0)
 
     def rates(ratio: float, utilisation: float) -> Array:
-        return _ascending(np.insert(_shift_rates(archive, parameters, ratio, utilisation), below, 0.0), excesses)
+        return _ascending(
+            np.insert(measured_shift_rates(archive, parameters, ratio, utilisation), below, 0.0), excesses
+        )
 
     found = np.array([[rates(ratio, utilisation) for utilisation in SHIFT_UTILISATIONS] for ratio in RATIOS])
-    return ThrustMap(np.array(RATIOS), np.array(UTILISATIONS), thrust, slip, excesses, found)
+    clearance_force = _clearance_force(archive, parameters)
+    return ThrustMap(np.array(RATIOS), np.array(UTILISATIONS), thrust, slip, excesses, found, clearance_force)
 
 
 def load(fmu: Path, archive: Archive, parameters: Parameters, cache: Path) -> ThrustMap:

@@ -75,12 +75,15 @@ impl Evolution for Running<'_> {
             norm = norm
                 .max((q_error[z] / (1.0e-3 * tolerance)).abs())
                 .max((y_error[omega] / (tolerance * (10.0 + 0.1 * view.y[omega].abs()))).abs());
+            for axis in 0..2 {
+                norm = norm.max((y_error[layout.tilt(pulley, axis)] / (2.0e-3 * tolerance)).abs());
+            }
         }
         // Sharper near standstill, where there is little energy to be wrong about.
         let speed = view.y[layout.belt_speed(0)].abs();
         let running = speed / (1.0 + speed);
         let speed_scale = tolerance * (2.0 + speed + 8.0 * running);
-        let place_scale = 1.0e-2 * tolerance * (0.2 + 0.8 * running);
+        let place_scale = 1.0e-2 * tolerance * (0.03 + 0.97 * running);
         let mut local = 0.0;
         for at in &belt.cells_at {
             let speed = y_error[at.speed] / speed_scale;

@@ -19,7 +19,7 @@ from pushbelt.fmu.unit import UnitError
 from ..thrust_map import ThrustMap
 from .unit import MAP_FILE
 
-PROGRAMS = ("demo", "drive", "paper", "sweep")
+PROGRAMS = ("calibrate", "demo", "drive", "paper", "sweep", "validate")
 """Subpackages of this package that are programs of their own."""
 
 SLAVES = Path(__file__).parent / "slaves"
