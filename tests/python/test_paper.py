@@ -74,7 +74,8 @@ def test_means_are_over_time_and_ratios_are_of_means() -> None:
             "secondary.axialForce": [5.0, 10.0, 15.0],
             "primary.power": [100.0, 200.0, 100.0],
             "secondary.power": [-90.0, -190.0, -90.0],
-            "loss.total": [10.0, 10.0, 10.0],
+            "loss.total": [15.0, 17.0, 15.0],
+            "loss.shafts": [5.0, 7.0, 5.0],
         }
     )
     assert part.thrust_ratio == pytest.approx(2.0)
@@ -105,14 +106,18 @@ def test_an_evenly_spaced_mesh_gets_near_when_fine_and_keeps_worse_books(archive
     case = next(case for case in load_cases(parameters) if case.name == "overdrive-50")
     names = ("aligned", "even", "even, fine")
     states = {name: cases.steady(archive, {**parameters, **cases.MESHES[name]}, case) for name in names}
-    shifts = cases.shift_on_meshes(archive, parameters, 0.05)
+    # Long enough that an arc border passes a quadrature point of the even mesh.
+    shifts = cases.shift_on_meshes(archive, parameters, 0.1)
+    worst = {name: abs(shift.residual).max() / shift.stored.max() for name, shift in shifts.items()}
     thrust = {name: state["thrustRatio"] for name, state in states.items()}
     tension = {name: state["ring.tensionMin"] / state["ring.tensionMax"] for name, state in states.items()}
     off = {name: abs(ratio / thrust["aligned"] - 1.0) for name, ratio in thrust.items()}
     assert off["even, fine"] < 0.06
     assert off["even"] < 0.1
     assert tension["even"] < tension["aligned"]
-    assert abs(shifts["even"].residual).max() > 5.0 * abs(shifts["aligned"].residual).max()
+    # The jump of the force costs both meshes the same 0.1 J in the first step; what comes later is the mesh.
+    assert worst["aligned"] < 1e-3 < worst["even"]
+    assert worst["even"] > 10.0 * worst["aligned"]
 
 
 def test_numbers_are_brief() -> None:

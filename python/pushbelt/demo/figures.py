@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,12 +15,15 @@ from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, STYLE, VIOLET, 
 
 from .checks import energy_bound
 from .events import Event
+from .results import MeasuredPoint
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
 LOSSES = (
     ("loss.sheaves", "sheave friction", BLUE),
     ("loss.ring", "ring friction", ORANGE),
+    ("loss.layers", "ring layers", GREEN),
+    ("loss.shafts", "shafts", VIOLET),
     ("loss.other", "rest", MUTED),
 )
 """Output, name and colour of each loss."""
@@ -29,7 +32,7 @@ STANDSTILL = 1.0
 """Below this secondary speed quotients of speeds are left out, rad/s."""
 
 
-def load_case_bars(results: Sequence[LoadCaseResult], measured: Mapping[str, float]) -> str:
+def load_case_bars(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoint]) -> str:
     """Thrust ratio, efficiency with the measured transmission beside it, and shares of the loss."""
     names = ["underdrive", "medium", "overdrive"]
     torques = sorted({result.case.torque for result in results})
@@ -44,19 +47,30 @@ def load_case_bars(results: Sequence[LoadCaseResult], measured: Mapping[str, flo
                 name, (torques[-1], ratios[-1]), (-2, 6), textcoords="offset points", ha="right", color=colour
             )
             efficiency.plot(torques, [100 * r.steady["efficiency"] for r in line], "o-", color=colour)
-            efficiency.plot(
-                torques, [100 * measured[r.case.name] for r in line], "x--", color=colour, alpha=0.7, linewidth=0.9
-            )
+            for point in (point for point in measured if nearest_case(point, results) == name):
+                place = [point.measured.torque] * 2
+                values = [100 * point.efficiency, 100 * point.measured.efficiency]
+                efficiency.plot(place, values, ":", color=colour, linewidth=0.9)
+                efficiency.plot(place[0], values[0], "o", color=colour, fillstyle="none")
+                efficiency.plot(place[0], values[1], "x", color=colour)
         thrust.set(title="Thrust ratio", xlabel="primary torque (N·m)")
         thrust.margins(y=0.16)
-        efficiency.set(title="Efficiency (%)", xlabel="primary torque (N·m)")
-        efficiency.plot([], [], "o-", color=MUTED, label="this variator")
-        efficiency.plot([], [], "x--", color=MUTED, label="measured transmission")
-        low, high = efficiency.get_ylim()
-        efficiency.set_ylim(low, high + 0.24 * (high - low))
-        efficiency.legend(loc="upper center", ncols=2, columnspacing=1.0)
+        efficiency.set(title="Efficiency of the shafts (%)", xlabel="primary torque (N·m)")
+        efficiency.plot([], [], "o-", color=MUTED, label="load cases")
+        efficiency.plot([], [], "o", color=MUTED, fillstyle="none", label="at the measured points")
+        efficiency.plot([], [], "x", color=MUTED, label="measured transmission")
+        efficiency.legend(loc="lower right")
         _loss_shares(losses, results, names, torques)
     return svg(figure)
+
+
+def nearest_case(point: MeasuredPoint, results: Sequence[LoadCaseResult]) -> str:
+    """Which of the load cases' ratios a measured point is nearest to."""
+
+    def distance(result: LoadCaseResult) -> float:
+        return abs(np.log(point.measured.ratio / result.steady["ratio.geometric"]))
+
+    return min(results, key=distance).case.ratio_name
 
 
 def _loss_shares(axes: Axes, results: Sequence[LoadCaseResult], names: Sequence[str], torques: Sequence[float]) -> None:
@@ -87,7 +101,7 @@ def _loss_shares(axes: Axes, results: Sequence[LoadCaseResult], names: Sequence[
     axes.set_xlabel(" ", labelpad=12)
     for _, label, colour in LOSSES:
         axes.bar(0, 0, color=colour, label=label)
-    axes.set_ylim(top=1.2 * axes.get_ylim()[1])
+    axes.set_ylim(top=1.35 * axes.get_ylim()[1])
     axes.legend(loc="upper center", ncols=3, columnspacing=1.0, handlelength=1.2)
 
 

@@ -11,14 +11,15 @@ import numpy as np
 
 from pushbelt import page
 from pushbelt.belt_picture import belt_picture
-from pushbelt.fmu.data import EfficiencyPoint, curve_at, curve_of, load_case_speed, measured_efficiency
+from pushbelt.fmu.data import curve_at, curve_of, load_case_speed
 from pushbelt.fmu.results import LoadCaseResult
 from pushbelt.page import image, number, percent
 
 from . import checks, events, figures
 from .manoeuvre import START_VALUES
+from .measured import LEAST_FORCE, SAFETY
 from .results import DemoResults, ReferenceResult
-from .spiral import TOLERANCE, spiral_rows
+from .spiral import TOLERANCE, TURN_TOLERANCE, spiral_rows
 
 CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
@@ -29,7 +30,6 @@ class CaseRow:
     """A line of the table of load cases."""
 
     result: LoadCaseResult
-    measured: EfficiencyPoint
     imbalance: float
 
 
@@ -58,15 +58,7 @@ REFERENCE_QUANTITIES = (
 
 def case_rows(results: Iterable[LoadCaseResult]) -> list[CaseRow]:
     """Lines of the table of load cases."""
-    rpm = load_case_speed() * 30.0 / np.pi
-    return [
-        CaseRow(
-            result,
-            measured_efficiency(result.steady["ratio.geometric"], rpm, result.case.torque),
-            checks.power_imbalance(result),
-        )
-        for result in results
-    ]
+    return [CaseRow(result, checks.power_imbalance(result)) for result in results]
 
 
 def reference_rows(result: ReferenceResult) -> list[ReferenceRow]:
@@ -97,11 +89,10 @@ def _context(results: DemoResults) -> dict[str, Any]:
     curve = curve_at(results.parameters, chosen.steady)
     trace = results.manoeuvre.trace
     found = events.detect(trace)
-    measured = {row.result.case.name: row.measured.efficiency for row in rows}
     overload = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
     pictures = {
-        "cases": figures.load_case_bars(results.cases, measured),
+        "cases": figures.load_case_bars(results.cases, results.measured),
         "manoeuvre": figures.manoeuvre(trace, found),
         "fields": figures.fields(chosen.steady.profile, curve),
         "belt": belt_picture(chosen.steady, curve, results.parameters["belt.pitchOffset"]),
@@ -115,6 +106,9 @@ def _context(results: DemoResults) -> dict[str, Any]:
     return {
         "version": results.fmu_version,
         "rows": rows,
+        "measured": results.measured,
+        "safety": SAFETY,
+        "least_force": LEAST_FORCE,
         "reference": results.reference,
         "reference_rows": reference_rows(results.reference),
         "events": found,
@@ -130,6 +124,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "speed": load_case_speed(),
         "spiral": spiral_rows(results.cases, results.parameters),
         "spiral_tolerance": TOLERANCE,
+        "turn_tolerance": TURN_TOLERANCE,
         "parameters": results.parameters,
         "variator": results.variator,
         "pictures": {name: image(svg) for name, svg in pictures.items()},

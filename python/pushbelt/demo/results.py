@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from pushbelt.fmu.data import EfficiencyPoint
 from pushbelt.fmu.results import LoadCaseResult, Profile, SteadyState, Trace
 
 
@@ -41,6 +42,22 @@ class ReferenceResult:
 
 
 @dataclass(frozen=True)
+class MeasuredPoint:
+    """A measured point of a transmission, and the FMU at the same ratio, speed and torque."""
+
+    measured: EfficiencyPoint
+    clamping_force: float
+    """Secondary clamping force, N; the measured one is unknown."""
+    efficiency: float
+    """Of the FMU's shafts."""
+
+    @property
+    def margin(self) -> float:
+        """Efficiency of the FMU less the measured one."""
+        return self.efficiency - self.measured.efficiency
+
+
+@dataclass(frozen=True)
 class ManoeuvreResult:
     """The manoeuvre."""
 
@@ -62,9 +79,11 @@ class DemoResults:
     fmu_version: str
     """Version in the model description."""
     cases: tuple[LoadCaseResult, ...]
+    measured: tuple[MeasuredPoint, ...]
+    """The FMU at the points of a measured transmission."""
     reference: ReferenceResult
     manoeuvre: ManoeuvreResult
     parameters: Mapping[str, float]
+    """Parameters of the variator in the load cases and the manoeuvre."""
     variator: str
     """Parameter set of the load cases and the manoeuvre, or its file."""
-    """Parameters of the variator in the load cases and the manoeuvre."""

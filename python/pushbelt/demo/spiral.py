@@ -6,9 +6,16 @@ runs further in by the sum of both over the slope of the groove,
 
     Δϱ = −(w + g)/tan β.
 
-The normal force is read from the fields along the belt, and scaled so that it gives the axial force. With a uniform
-pressure and no g the spread over an arc of angle α would be (ϱ ψ/tan β) (1 − cos(α/2)), ψ the tilt under F ϱ sin(α/2)/(α/2). That
-is no measure: the pressure rises up to 2.5-fold towards the exit and turns the tilt by up to 45°.
+The points of the profile hold Δϱ and p, so the tilt that opens the groove is found from them: two unknowns and the arc's mean, by least
+squares. What is left over says whether the groove opens as that of a tilted cone.
+
+The moment is taken from the normal force at the points, scaled so that it gives the axial force. Its amount gives |ψ| by the law of the
+tilt. Its direction is less sure: the pressure has peaks of some millimetres at the borders of the arc, the points are 10 mm apart, and
+friction along the flank has an axial share that the normal force does not show. So the direction is compared on its own, and the spread
+is predicted with |ψ| by the law in the direction found. On a small arc 4° of direction are 10 % of the spread.
+
+With a uniform pressure and no g the spread over an arc of angle α would be (ϱ ψ/tan β) (1 − cos(α/2)), ψ the tilt under
+F ϱ sin(α/2)/(α/2). That is no measure: the pressure rises towards the exit and turns the tilt by up to 45°.
 """
 
 from __future__ import annotations
@@ -23,11 +30,19 @@ from pushbelt.fmu.fields import EDGE
 from pushbelt.fmu.results import BeltState, LoadCaseResult
 from pushbelt.fmu.tilt import tilt_under
 
-TOLERANCE = 0.1
-"""Of the predicted spread, upwards and downwards: twice what the points of the profile leave out.
+TOLERANCE = 0.05
+"""Of the predicted spread, upwards and downwards: the axial force that the normal forces at the points miss."""
 
-They are 10 mm apart, and friction along the flank has an axial share that the normal force does not show. So the normal
-forces at the points miss the axial force by up to 5 %."""
+TILT_TOLERANCE = 0.02
+"""Of the tilt that the FMU reports: the law under the moment of the points, and the groove that is found. Beyond the clearance little of
+an error of the force comes through, since most of the tilt is the clearance."""
+
+TURN_TOLERANCE = 5.0 * np.pi / 180.0
+"""Between the direction of the tilt and that of the moment of the points, rad. 5 % of the axial force missed at the border of an arc turn
+a moment with a lever of 0.65 ϱ by 4.4°, and friction's axial share μ tan β by up to another 1°."""
+
+SHAPE_TOLERANCE = 0.02
+"""Of the spread: what no tilt explains."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +57,19 @@ class SpiralRunning:
     wrap_angle: float
     """rad."""
     tilt: float
-    """|ψ|, rad."""
+    """|ψ| by the law under the moment of the points, rad."""
+    tilt_reported: float
+    """|ψ| as the FMU reports it, rad."""
+    tilt_found: float
+    """|ψ| of the groove that the profile shows, rad."""
+    turn: float
+    """Direction of that tilt less that of the moment of the points, rad."""
+    shape: float
+    """Largest distance of the profile from the groove of that tilt, m."""
     uniform: float
     """Spread under a uniform pressure, by tilt alone, m."""
     predicted: float
-    """Spread by the law, m."""
+    """Spread by the law, in the direction found, m."""
     found: float
     """Spread in the profile, m."""
 
@@ -59,6 +82,21 @@ class SpiralRunning:
     def error(self) -> float:
         """Of the predicted spread, relative."""
         return self.found / self.predicted - 1.0
+
+    @property
+    def tilts(self) -> bool:
+        """Whether the sheave tilts at all: a rigid one has no direction."""
+        return self.tilt > 1e-6
+
+    @property
+    def follows(self) -> bool:
+        """Whether spread, tilt, direction and shape are those of the law."""
+        tilts = not self.tilts or (
+            abs(self.tilt / self.tilt_reported - 1.0) <= TILT_TOLERANCE
+            and abs(self.tilt_found / self.tilt_reported - 1.0) <= TILT_TOLERANCE
+            and abs(self.turn) <= TURN_TOLERANCE
+        )
+        return tilts and abs(self.error) <= TOLERANCE and self.shape <= SHAPE_TOLERANCE * self.found
 
 
 def spiral_running(state: BeltState, parameters: Mapping[str, float], pulley: str) -> SpiralRunning:
@@ -73,21 +111,32 @@ def spiral_running(state: BeltState, parameters: Mapping[str, float], pulley: st
     pressing = np.where(np.abs(distance) < half_arc + EDGE, profile.normal_force, 0.0)
     share = pressing / pressing.sum()
     moment = force * radius * np.array([share @ np.cos(angle), share @ np.sin(angle)])
-    psi = moment * (tilt_under(float(np.hypot(*moment)), *sheave) / np.hypot(*moment))
-    opening = radius * (psi[0] * np.cos(angle) + psi[1] * np.sin(angle))
+    tilt = tilt_under(float(np.hypot(*moment)), *sheave)
     penetration = profile.normal_force / (parameters["contact.stiffness"] * np.cos(beta))
 
     on_arc, half_angle = np.abs(distance) <= half_arc, half_arc / curve.radius(pulley)
+    deviation = profile.radial_deviation[on_arc]
+    opening = -(deviation * np.tan(beta) + penetration[on_arc])
+    groove = np.column_stack((radius * np.cos(angle), radius * np.sin(angle), np.ones_like(angle)))[on_arc]
+    fitted, *_ = np.linalg.lstsq(groove, opening, rcond=None)
+    psi, amount = fitted[:2], float(np.hypot(*fitted[:2]))
+    turn = float(np.arctan2(moment[0] * psi[1] - moment[1] * psi[0], moment @ psi))
+    by_law = groove[:, :2] @ (psi * (tilt / amount)) if amount > 0.0 else np.zeros_like(opening)
+
     lever = radius * np.sin(half_angle) / half_angle
     return SpiralRunning(
         pulley,
         force,
         float(pressing.sum() * np.cos(beta) * curve.length / len(profile.position) * radius / curve.radius(pulley)),
         2.0 * half_angle,
-        float(np.hypot(*psi)),
+        tilt,
+        state[f"{pulley}.tilt"],
+        amount,
+        turn,
+        float(np.abs(opening - groove @ fitted).max() / np.tan(beta)),
         tilt_under(force * lever, *sheave) * radius * (1.0 - np.cos(half_angle)) / np.tan(beta),
-        float(np.ptp((opening + penetration)[on_arc]) / np.tan(beta)),
-        float(np.ptp(profile.radial_deviation[on_arc])),
+        float(np.ptp(by_law + penetration[on_arc]) / np.tan(beta)),
+        float(np.ptp(deviation)),
     )
 
 

@@ -123,22 +123,13 @@ class EfficiencyPoint:
     efficiency: float
 
 
-def measured_efficiency(ratio: float, speed: float, torque: float) -> EfficiencyPoint:
-    """The measured point nearest to a working point (speed in rpm, torque in N·m).
-
-    The ratio decides; among the points of the nearest ratio the distance is |Δ ln speed| + |Δ ln torque|.
-    """
+def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
+    """All of these points."""
     keys = {"ratio": "ratio", "rpm": "speed", "torque": "torque", "efficiency": "efficiency"}
-    points = [
+    return tuple(
         EfficiencyPoint(**{field: float(point[key]) for key, field in keys.items()})
         for point in published_data()["measuredEfficiency"]["points"]
-    ]
-
-    def distance(point: EfficiencyPoint) -> tuple[float, float]:
-        by_ratio = abs(np.log(point.ratio / ratio))
-        return round(by_ratio, 6), abs(np.log(point.speed / speed)) + abs(np.log(point.torque / torque))
-
-    return min(points, key=distance)
+    )
 
 
 @dataclass(frozen=True)

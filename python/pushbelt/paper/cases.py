@@ -60,7 +60,7 @@ def at_speeds(
 ) -> tuple[SpeedPoint, ...]:
     """Steady states of `ALE` at other primary speeds, rad/s, with the same belt torque."""
     states = [(speed, steady(archive, parameters, case, speed=speed)) for speed in speeds]
-    return tuple(SpeedPoint(speed, state["thrustRatio"], state["efficiency"]) for speed, state in states)
+    return tuple(SpeedPoint(speed, state["thrustRatio"]) for speed, state in states)
 
 
 def with_rigid_sheaves(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> dict[str, float]:
@@ -82,7 +82,7 @@ def shift_on_meshes(archive: Archive, parameters: Mapping[str, float], duration:
         with Variator(archive, start) as unit:
             unit.initialise()
             unit.set({"primary.clampingForce": SHIFT_FORCE * unit.get("primary.axialForce")})
-            outputs = unit.reals(("ratio.geometric", "energy.residual"))
+            outputs = unit.reals(("ratio.geometric", "energy.residual", "stored.energy"))
             rows, begin = [unit.get_reals(outputs)], time.process_time()
             for moment in _moments(duration):
                 unit.step_to(float(moment))

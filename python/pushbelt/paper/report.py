@@ -235,11 +235,12 @@ def _write_arcs(results: PaperResults, folder: Path) -> None:
 
 
 def _write_meshes(results: PaperResults, folder: Path) -> None:
+    columns = ("thrustRatio", "efficiency.belt", "ring.tensionMin", "ring.tensionMax")
     page.write_table(
         folder / "meshes.csv",
-        ["case", "mesh", "thrustRatio", "efficiency", "ring.tensionMin", "ring.tensionMax"],
+        ["case", "mesh", *columns],
         (
-            [case, mesh, *(state[name] for name in ("thrustRatio", "efficiency", "ring.tensionMin", "ring.tensionMax"))]
+            [case, mesh, *(state[name] for name in columns)]
             for case, states in results.meshes.items()
             for mesh, state in states.items()
         ),

@@ -68,13 +68,13 @@ class Window:
 
     @property
     def efficiency(self) -> float:
-        """Work at S over work at P."""
+        """Work at S over work at P, of the belt: the paper's shafts have no drag."""
         return -self.mean("secondary.power") / self.mean("primary.power")
 
     @property
     def loss(self) -> float:
-        """Mean of all losses, W."""
-        return self.mean("loss.total")
+        """Mean of all losses of the belt, so without the drag of the shafts, W."""
+        return self.mean("loss.total") - self.mean("loss.shafts")
 
     @property
     def efficiency_from_losses(self) -> float:
@@ -154,7 +154,6 @@ class SpeedPoint:
     speed: float
     """Primary speed, rad/s."""
     thrust_ratio: float
-    efficiency: float
 
 
 @dataclass(frozen=True)
@@ -167,6 +166,8 @@ class Shift:
     """Geometric ratio."""
     residual: Array
     """Energy supplied less lost less stored, J."""
+    stored: Array
+    """Energy stored, J."""
 
 
 @dataclass(frozen=True)

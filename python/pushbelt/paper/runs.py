@@ -53,7 +53,7 @@ SHORT = Plan(
     ("medium-50",),
     (),
     (),
-    shift=0.02,
+    shift=0.1,
     short=True,
 )
 

@@ -1,7 +1,7 @@
 """A working point: what is set in the FMU, and what is recorded.
 
 The secondary pulley turns at ω_P/i, the primary pulley is driven by the torque of the wanted utilisation and its sheave
-is held at the ratio: utilisation and clamping force are met exactly, the primary speed within the slip.
+is held at the ratio: shaft torque and clamping force are met exactly, the primary speed within the slip.
 """
 
 from __future__ import annotations

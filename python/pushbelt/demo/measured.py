@@ -1,0 +1,39 @@
+"""The FMU at the points of a measured transmission: a variator alone must lose less than the whole of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+
+from pushbelt.fmu.data import EfficiencyPoint, clamping_force, curve_of, measured_efficiencies
+from pushbelt.fmu.geometry import theta_of
+from pushbelt.fmu.load_cases import NotFoundError
+from pushbelt.fmu.starts import driven_by_torque
+from pushbelt.fmu.unit import Archive, Variator
+
+from .results import MeasuredPoint
+
+SAFETY = 1.3
+"""Of the clamping force, as of the load cases."""
+
+LEAST_FORCE = 4e3
+"""Least clamping force, N."""
+
+
+def run(archive: Archive, parameters: Mapping[str, float]) -> tuple[MeasuredPoint, ...]:
+    """Steady states at the measured ratios, speeds and torques."""
+    return tuple(_at(archive, parameters, point) for point in measured_efficiencies())
+
+
+def _at(archive: Archive, parameters: Mapping[str, float], point: EfficiencyPoint) -> MeasuredPoint:
+    pitch_radius = curve_of(parameters, theta_of(point.ratio)).primary_radius - parameters["belt.pitchOffset"]
+    friction, wedge_angle = parameters["friction.pulley"], parameters["geometry.wedgeAngle"]
+    force = max(clamping_force(point.torque, pitch_radius, friction, wedge_angle, SAFETY), LEAST_FORCE)
+    start_values = driven_by_torque(parameters, point.ratio, point.speed * pi / 30.0, point.torque, force)
+    with Variator(archive, start_values) as unit:
+        unit.initialise()
+        if unit.not_steady:
+            raise NotFoundError(
+                f"at ratio {point.ratio:g}, {point.speed:g} rpm, {point.torque:g} N·m the FMU reports: {unit.not_steady}"
+            )
+        return MeasuredPoint(point, force, unit.get("efficiency"))
