@@ -23,10 +23,8 @@ struct Bounds {
     power: f64,
 }
 
-/// Underdrive, medium, overdrive. Found: thrust ratio +1.3, −0.5, −6.9 %, tension 1.56, 1.17, 1.74 times as wide, power
-/// 6e-4, 4e-4, 2.4e-3. In overdrive an element is a sixth of the small arc, too long for the release of elements at its
-/// exit. In medium both arcs are as long, so the tension ripples least: 1.2 times, as was once asked of every case, does
-/// not hold there since neighbouring elements touch over 0.15 µm instead of 45 nm.
+/// Underdrive, medium, overdrive. Found: thrust ratio +2.4, −2.2, −2.7 %, tension 1.48, 1.18, 1.76 times as wide, power
+/// 4e-4, 2e-5, 2.5e-4. In medium both arcs are as long, so the tension ripples least.
 const BOUNDS: [Bounds; 3] = [
     Bounds {
         thrust: 0.03,
@@ -39,13 +37,13 @@ const BOUNDS: [Bounds; 3] = [
         power: 1e-3,
     },
     Bounds {
-        thrust: 0.08,
+        thrust: 0.04,
         spread: 1.6,
         power: 3e-3,
     },
 ];
 
-/// Steady states: thrust ratios are off the aligned mesh's, and with three times the elements they are within 1.5 %. The
+/// Steady states: thrust ratios are off the aligned mesh's, and with three times the elements they are within 2 %: the edge of the contact is 1.6 mm wide. The
 /// ring tension ripples more where a border lies within an element. More power is left that no law accounts for:
 /// Gauss's rule takes r'' and λ, which jump at a border, for smooth across a cell, so what flows in along ξ is not what
 /// flows out. (The figures: docs/paper.md.)
@@ -76,7 +74,7 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
         let fine = load_case(&fine, case).outputs.thrust_ratio;
         println!("{}: {fine:.4} with three times the elements", case.name);
         assert_close(e.thrust_ratio, a.thrust_ratio, bounds.thrust, case.name);
-        assert_close(fine, a.thrust_ratio, 0.015, case.name);
+        assert_close(fine, a.thrust_ratio, 0.02, case.name);
         assert!((fine - a.thrust_ratio).abs() < (e.thrust_ratio - a.thrust_ratio).abs());
         assert!(spread(e) > bounds.spread * spread(a), "{}", case.name);
         assert!(even.power_defect().abs() < bounds.power && aligned.power_defect().abs() < 1.5e-4);

@@ -279,7 +279,7 @@ fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrus
         for (k, step) in [(0, 0.01), (1, 0.005), (2, 0.005), (3, 0.01)] {
             assert_close(c[k], mean, 6.0 * step, "coefficient of a step");
         }
-        assert_close(c[0] + c[3], c[1] + c[2], 5e-3, "mean of opposite steps");
+        assert_close(c[0] + c[3], c[1] + c[2], 2e-2, "mean of opposite steps");
     }
     for ((a, b), c) in slow.iter().zip(&fast).zip(&later) {
         // The driven pulley's inertia takes part in a fast shift.
