@@ -106,7 +106,7 @@ fn a_run_without_wiring_goes_through_all_its_states() {
 fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
     let importer = Importer::new(c"discard");
     importer.make_cheap();
-    assert_eq!(importer.set_real("solver.tolerance", 1e-10), Ok);
+    assert_eq!(importer.set_real("solver.tolerance", 1e-9), Ok);
     assert_eq!(importer.set_real("friction.velocity", 1e-6), Ok);
     importer.start();
     assert_eq!(importer.step(0.0, 1e-4), Ok, "{:?}", importer.heard);
