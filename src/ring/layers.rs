@@ -16,7 +16,7 @@
 //! tension of kilonewtons. The moments of the strands about a pulley miss 0.3 N·m in overdrive at 20 kN.
 //!
 //! The weaker pulley is the one with the smaller wrap, so the one with the smaller radius. Its share passes from 0 to 1 where
-//! the difference of curvatures passes [`EVEN`]. There the loss is small, and at ratio 1 it is zero with a zero slope.
+//! the difference of curvatures passes `EVEN`. There the loss is small, and at ratio 1 it is zero with a zero slope.
 
 use crate::scalar::Real;
 
