@@ -15,7 +15,7 @@
 
 use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
 use super::jet::Jet;
-use super::two_pulley::{SEGMENTS, TwoPulley, VectorJet, arc_angles};
+use super::two_pulley::{SEGMENTS, TwoPulley, VectorJet, arc_angles, on_arc, on_strand};
 use super::unaligned::{Unaligned, UnalignedFrame};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
@@ -369,37 +369,13 @@ impl ReferenceCurve for Displaced {
         if segment == 1 || segment == 3 {
             let (start, along) = &frame.strands[segment / 2];
             let phi_d = if segment == 1 { frame.phi.d } else { -frame.phi.d };
-            let position = start.plus_scaled(along, fraction);
             let t = along.v * frame.lengths[segment].v.recip();
-            return ReferencePoint {
-                r: position.v,
-                r_theta: position.d,
-                r_theta2: position.dd,
-                t,
-                n: turn_right(t),
-                chi_theta: phi_d + frame.turn.d,
-                kappa: T::zero(),
-                kappa_theta: T::zero(),
-                xi,
-            };
+            return on_strand(start.plus_scaled(along, fraction), t, phi_d + frame.turn.d, xi);
         }
         let (pulley, chi) = frame.angle(segment, fraction);
-        let rho = frame.radius[pulley];
-        let arm = VectorJet::polar(rho, chi);
-        let kappa = rho.v.recip();
-        let n = arm.v * (-kappa);
-        let position = frame.centers[pulley].plus_scaled_by(&arm, 1.0);
-        ReferencePoint {
-            r: position.v,
-            r_theta: position.d,
-            r_theta2: position.dd,
-            t: Vector2::new(-n.y, n.x),
-            n,
-            chi_theta: chi.d,
-            kappa,
-            kappa_theta: -(rho.d * kappa * kappa),
-            xi,
-        }
+        on_arc(frame.radius[pulley], chi, xi, |arm| {
+            frame.centers[pulley].plus_scaled_by(&arm, 1.0)
+        })
     }
 
     fn tangent_angle<T: Real>(frame: &DisplacedFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {

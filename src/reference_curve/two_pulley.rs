@@ -314,6 +314,47 @@ pub(super) fn arc_angles(segment: usize) -> (usize, [f64; 2], [f64; 2]) {
     }
 }
 
+/// The curve at a point of a strand along t, which turns by `chi_theta`.
+#[inline(always)]
+pub(super) fn on_strand<T: Real>(position: VectorJet<T>, t: Vector2<T>, chi_theta: T, xi: Jet<T>) -> ReferencePoint<T> {
+    ReferencePoint {
+        r: position.v,
+        r_theta: position.d,
+        r_theta2: position.dd,
+        t,
+        n: crate::scalar::turn_right(t),
+        chi_theta,
+        kappa: T::zero(),
+        kappa_theta: T::zero(),
+        xi,
+    }
+}
+
+/// The curve at the tangent angle χ of an arc; `from_origin` adds the arc's centre to the arm from there.
+#[inline(always)]
+pub(super) fn on_arc<T: Real>(
+    rho: Jet<T>,
+    chi: Jet<T>,
+    xi: Jet<T>,
+    from_origin: impl FnOnce(VectorJet<T>) -> VectorJet<T>,
+) -> ReferencePoint<T> {
+    let arm = VectorJet::polar(rho, chi);
+    let kappa = rho.v.recip();
+    let n = arm.v * (-kappa);
+    let position = from_origin(arm);
+    ReferencePoint {
+        r: position.v,
+        r_theta: position.d,
+        r_theta2: position.dd,
+        t: Vector2::new(-n.y, n.x),
+        n,
+        chi_theta: chi.d,
+        kappa,
+        kappa_theta: -(rho.d * kappa * kappa),
+        xi,
+    }
+}
+
 impl ReferenceCurve for TwoPulley {
     type Frame<T: Real> = TwoPulleyFrame<T>;
 
@@ -341,38 +382,16 @@ impl ReferenceCurve for TwoPulley {
         if segment == 1 || segment == 3 {
             let (start, along) = &frame.strands[segment / 2];
             let chi_theta = if segment == 1 { frame.phi.d } else { -frame.phi.d };
-            let position = start.plus_scaled(along, fraction);
             let t = along.v * frame.lengths[segment].v.recip();
-            return ReferencePoint {
-                r: position.v,
-                r_theta: position.d,
-                r_theta2: position.dd,
-                t,
-                n: crate::scalar::turn_right(t),
-                chi_theta,
-                kappa: T::zero(),
-                kappa_theta: T::zero(),
-                xi,
-            };
+            return on_strand(start.plus_scaled(along, fraction), t, chi_theta, xi);
         }
         let (pulley, start, sweep) = arc_angles(segment);
         let mut chi = Jet::constant(0.0).plus_scaled(frame.phi, fraction * sweep[1] + start[1]);
         chi.v += T::constant(fraction * sweep[0] + start[0]);
-        let rho = frame.radius[pulley];
-        let position = VectorJet::polar(rho, chi);
-        let kappa = rho.v.recip();
-        let n = position.v * (-kappa);
-        ReferencePoint {
-            r: position.v + Vector2::new(T::from(frame.center[pulley]), T::zero()),
-            r_theta: position.d,
-            r_theta2: position.dd,
-            t: Vector2::new(-n.y, n.x),
-            n,
-            chi_theta: chi.d,
-            kappa,
-            kappa_theta: -(rho.d * kappa * kappa),
-            xi,
-        }
+        on_arc(frame.radius[pulley], chi, xi, |mut arm| {
+            arm.v += Vector2::new(T::from(frame.center[pulley]), T::zero());
+            arm
+        })
     }
 
     fn tangent_angle<T: Real>(frame: &TwoPulleyFrame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T> {
