@@ -217,6 +217,7 @@ pub(crate) fn regime_and_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve
         law: &acting.belt.law,
         friction: acting.friction,
         alpha,
+        spatial: D == 3,
         ring_speed: unknowns.value[K::DRIFT],
         regime: &mut regime,
     };

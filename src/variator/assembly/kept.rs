@@ -131,6 +131,8 @@ pub(crate) struct RegimeProbe<'a> {
     pub friction: &'a Friction,
     /// Factor 1/(hγ) of ẏ in the derivatives, 1/s.
     pub alpha: f64,
+    /// Whether the ring deflects in space: there one flank is deeper in than the other.
+    pub spatial: bool,
     /// Drift rate ṡ of the ring, m/s.
     pub ring_speed: Lanes,
     pub regime: &'a mut Regime,
@@ -142,9 +144,12 @@ impl RegimeProbe<'_> {
         let Self { law, friction, .. } = *self;
         let inertia = 1.0 / (law.chain.mass_per_length * self.alpha);
         let station = &mut self.regime.stations[self.regime.recorded];
-        // In space one flank is deeper in than the other.
-        let [[deep, touching], [flat, other_touching]] =
-            [s.penetration + s.offset, s.penetration - s.offset].map(|g| touch(&law.contact, g));
+        let movable @ [deep, touching] = touch(&law.contact, s.penetration + s.offset);
+        let [flat, other_touching] = if self.spatial {
+            touch(&law.contact, s.penetration - s.offset)
+        } else {
+            movable
+        };
         let sliding = [s.sliding, s.flank_sliding];
         let FrictionSlopes { direction, slopes } =
             friction_slopes(&law.contact, friction, deep + flat, sliding, inertia);
