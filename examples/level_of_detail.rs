@@ -4,25 +4,14 @@
 //! at 1000 rpm, in the steady state of the speed ratio s = r_P/r_S and the secondary force. There F_P is raised by e^0.3.
 //! The gain is ds/dt per unit of ln F_P, from 60 to 120 ms after the step.
 
-use std::error::Error;
-
-use pushbelt::pulley::PerPulley;
-use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Drive, Inputs, Outputs, RingModel};
+use pushbelt::variator::settings::RingModel;
 use pushbelt_lab::load_cases::LoadCase;
+use pushbelt_lab::shift::unloaded_shift;
 use pushbelt_lab::steady::load_case;
-use pushbelt_lab::variators::{inputs, variator};
+use pushbelt_lab::variators::variator;
 
 /// Rings beside each other.
 const RINGS: [RingModel; 2] = [RingModel::Ale, RingModel::Ale0];
-/// 1000 rpm, rad/s.
-const SPEED: f64 = 104.72;
-/// Logarithm of the step of F_P.
-const STEP: f64 = 0.3;
-/// Times between which the shift is measured, s.
-const WINDOW: [f64; 2] = [0.06, 0.12];
-/// Communication step, s.
-const COMMUNICATION: f64 = 1e-3;
 
 /// The thrust ratio and slip of a load case.
 fn thrust(ring: RingModel, torque: f64, of_three: usize) -> [f64; 2] {
@@ -32,47 +21,12 @@ fn thrust(ring: RingModel, torque: f64, of_three: usize) -> [f64; 2] {
     [outputs.thrust_ratio, outputs.slip]
 }
 
-/// A variator without load in its steady state at the speed ratio `s`, under these clamping forces, N.
-fn unloaded(ring: RingModel, s: f64, clamping: PerPulley<f64>) -> Result<(Variator, Inputs), Box<dyn Error>> {
-    let mut parameters = variator(ring);
-    parameters.primary.drive = Drive::Speed;
-    parameters.initial.ratio = 1.0 / s;
-    let mut loads = inputs((0.0, clamping.primary), (0.0, clamping.secondary));
-    loads.primary.speed_setpoint = SPEED;
-    let mut variator = Variator::new(parameters)?;
-    variator.initialise(0.0, &loads)?;
-    Ok((variator, loads))
-}
-
-/// Gain of a shift at the speed ratio `s` and the secondary force `force`, N, in 1/s; F_P/F_S before the step.
-fn shift(ring: RingModel, s: f64, force: f64) -> Result<[f64; 2], Box<dyn Error>> {
-    let mut clamping = PerPulley {
-        secondary: force,
-        primary: force,
-    };
-    clamping.primary = unloaded(ring, s, clamping)?.0.outputs().primary.axial_force;
-    let (mut variator, mut loads) = unloaded(ring, s, clamping)?;
-    loads.primary.clamping_force *= STEP.exp();
-    let speed_ratio = |outputs: &Outputs| 1.0 / outputs.ratio_geometric;
-    let mut reached = [0.0; 2];
-    let mut clock = 0.0;
-    for (reached, until) in reached.iter_mut().zip(WINDOW) {
-        while clock < until - 0.5 * COMMUNICATION {
-            clock += COMMUNICATION;
-            variator.advance(clock, &loads)?;
-        }
-        *reached = speed_ratio(variator.outputs());
-    }
-    let gain = (reached[1] - reached[0]) / (WINDOW[1] - WINDOW[0]) / STEP;
-    Ok([gain, clamping.primary / clamping.secondary])
-}
-
 /// How far `ALE0` is from `ALE`, %.
 fn off([ale, ale0]: [f64; 2]) -> f64 {
     100.0 * (ale0 / ale - 1.0)
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() {
     println!("thrust ratio: ALE, ALE0, difference; slip: ALE, ALE0");
     for torque in [30.0, 50.0, 100.0] {
         for (k, name) in ["underdrive", "medium", "overdrive"].into_iter().enumerate() {
@@ -91,18 +45,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("shift gain, 1/s: ALE, ALE0, difference; F_P/F_S before: ALE, ALE0");
     for s in [0.6, 0.8, 1.0, 1.25, 1.5, 1.8] {
         for force in [8e3, 12e3, 20e3] {
-            let [ale, ale0] = RINGS.map(|ring| shift(ring, s, force));
-            let (ale, ale0) = (ale?, ale0?);
+            let found = RINGS.map(|ring| unloaded_shift(ring, s, force));
+            let [gain, force_ratio] = [
+                found.each_ref().map(|of| of.gain),
+                found.each_ref().map(|of| of.force_ratio),
+            ];
             println!(
                 "s {s:<4} {:>2} kN  {:.4} {:.4} {:+.1} %  {:.4} {:.4}",
                 force / 1e3,
-                ale[0],
-                ale0[0],
-                off([ale[0], ale0[0]]),
-                ale[1],
-                ale0[1]
+                gain[0],
+                gain[1],
+                off(gain),
+                force_ratio[0],
+                force_ratio[1]
             );
         }
     }
-    Ok(())
 }

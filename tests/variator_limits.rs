@@ -7,6 +7,7 @@ use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::inside::sliding;
 use pushbelt_lab::load_cases::{given, pair, speeds};
 use pushbelt_lab::run::Run;
+use pushbelt_lab::shift::unloaded_shift;
 use pushbelt_lab::steady::steady;
 use pushbelt_lab::variators::{MODELS, SPEED, belt_alone, coarse, full_slip_torque, inputs, rigid, variator};
 
@@ -288,35 +289,20 @@ fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrus
     }
 }
 
-/// ds/dt per unit of ln F_P, s = r_P/r_S, from 60 to 120 ms after F_P rose by e^0.3 in the steady state without load.
-fn shift_gain(model: RingModel, s: f64, force: f64) -> f64 {
-    let mut parameters = variator(model);
-    parameters.primary.drive = Drive::Speed;
-    parameters.initial.ratio = 1.0 / s;
-    let start = |primary: f64| {
-        let mut start = inputs((0.0, primary), (0.0, force));
-        start.primary.speed_setpoint = 0.5 * SPEED;
-        Run::new(parameters.clone(), start)
-    };
-    let holding = start(force).variator.outputs().primary.axial_force;
-    let mut run = start(holding);
-    run.inputs.primary.clamping_force *= 0.3_f64.exp();
-    let [from, to] = [0.06, 0.06].map(|span| 1.0 / run.go(span, 1e-3).ratio_geometric);
-    println!(
-        "{model:?} s {s}, {force} N: {:.4} 1/s, energy residual {:.2} of what is allowed",
-        (to - from) / 0.06 / 0.3,
-        run.residual
-    );
-    run.assert_books();
-    (to - from) / 0.06 / 0.3
-}
-
 /// Circles about free centres (`ALE0`) have the sliding that tilted sheaves force on the belt, so they shift as fast as
 /// the ring that deflects. On circles about the axes it was some fifty times slower, held by sticking.
 #[test]
 fn arcs_about_free_centres_shift_as_the_deflecting_ring_does() {
     for (s, force) in [(0.6, 8e3), (1.0, 12e3), (1.8, 20e3)] {
-        let [deflecting, guided] = [RingModel::Ale, RingModel::Ale0].map(|model| shift_gain(model, s, force));
+        let [deflecting, guided] = [RingModel::Ale, RingModel::Ale0].map(|model| {
+            let found = unloaded_shift(model, s, force);
+            println!(
+                "{model:?} s {s}, {force} N: {:.4} 1/s, energy residual {:.2} of what is allowed",
+                found.gain, found.run.residual
+            );
+            found.run.assert_books();
+            found.gain
+        });
         assert_close(guided, deflecting, 0.2, "gain of ALE0");
     }
 }

@@ -9,6 +9,7 @@ mod noise;
 pub mod ring;
 pub mod run;
 pub mod shared_library;
+pub mod shift;
 pub mod steady;
 pub mod variators;
 
