@@ -11,14 +11,15 @@ from pushbelt.fmu.fields import mean_between
 from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
 from pushbelt.fmu.load_cases import steady_state
 from pushbelt.fmu.results import SteadyState
+from pushbelt.fmu.tilt import RIGID
 from pushbelt.fmu.unit import Archive
 
 from .results import ReferenceResult, StrandForces, Variant
 from .theory import ContinuousBelt
 
 ASSUMPTIONS: Mapping[str, float] = {
-    "primary.tiltStiffness": 1e12,
-    "secondary.tiltStiffness": 1e12,
+    "primary.tiltStiffness": RIGID,
+    "secondary.tiltStiffness": RIGID,
     "friction.ring": 0.0,
     "friction.layers": 0.0,
     "friction.fall": 0.0,

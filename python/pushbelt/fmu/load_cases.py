@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from .data import load_case_speed
-from .enumerations import Axial, Drive
 from .geometry import ratio_of
 from .results import LoadCase, LoadCaseResult, SteadyState
+from .starts import driven_at_speed
 from .unit import Archive, Variator
 
 TORQUE_TOLERANCE = 1e-4
@@ -74,16 +74,7 @@ def _next_load(points: list[tuple[float, float]], wanted: float, guess: float) -
 
 def held_primary(parameters: Mapping[str, float], ratio: float, speed: float, force: float) -> dict[str, float]:
     """Start values of a load case: primary speed (rad/s) and sheave held, secondary clamping force (N) given."""
-    return {
-        **parameters,
-        "primary.drive": Drive.SPEED,
-        "primary.axial": Axial.HELD,
-        "initial.steady": True,
-        "initial.ratio": ratio,
-        "initial.primarySpeed": speed,
-        "primary.speedSetpoint": speed,
-        "secondary.clampingForce": force,
-    }
+    return driven_at_speed(parameters, ratio, speed, 0.0, force, held=True)
 
 
 def steady_state(

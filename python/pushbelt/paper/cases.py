@@ -18,6 +18,7 @@ from pushbelt.fmu.enumerations import Drive, RingModel
 from pushbelt.fmu.geometry import Array, ratio_of
 from pushbelt.fmu.load_cases import held_primary, steady_state
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
+from pushbelt.fmu.tilt import RIGID
 from pushbelt.fmu.unit import Archive, Variator, output_names
 
 from .results import CaseRun, Effort, Shift, SpeedPoint, Times, Window
@@ -30,9 +31,6 @@ WAVE_FREQUENCY = 50.0
 
 WAVE_DEPTH = 0.4
 """How far it falls below the load of the case, as a share of it."""
-
-RIGID = 1e12
-"""Tilt stiffness from which on sheaves are rigid, N·m/rad."""
 
 MESHES: Mapping[str, Mapping[str, float]] = {
     "aligned": {},
