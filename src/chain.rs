@@ -18,8 +18,10 @@
 //!
 //! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt), H the slope of ⟨·⟩₊: damping acts in contact only. With ε = ν − 1
 //! k_e⟨ε⟩₊ = k_e δ ln(1 + e^{ε/δ}) + (q/ln 2) ln(1 + e^{ε/δ_f}): across a gap wider than the roughness only the film's few
-//! newtons q act. The play is measured at ε = 0, where the stack has half its stiffness. The material shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring receives Qκ̂
-//! outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
+//! newtons q act. The play is measured at ε = 0, where the stack has half its stiffness.
+//!
+//! The material shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring
+//! receives Qκ̂ outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
 //!
 //! A ring in space has two normals, n̂ and b̂. Every equation with n̂ holds for both, and their contributions add up.
 //!
