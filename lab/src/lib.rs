@@ -4,6 +4,7 @@ pub mod checks;
 pub mod inside;
 pub mod laws;
 pub mod load_cases;
+pub mod loads;
 pub mod manoeuvre;
 mod noise;
 pub mod ring;

@@ -1,0 +1,222 @@
+//! Loads as drivetrains give them: jumps, ripple, noise, each with a vehicle on the secondary shaft and a controller of the
+//! ratio on the primary force.
+
+use std::f64::consts::TAU;
+
+use pushbelt::contact::full_slip_torque;
+use pushbelt::variator::system::VariatorSystem;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
+
+use crate::noise;
+use crate::variators::{SPEED, inputs};
+
+/// A load on the variator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Load {
+    /// Torque that swings slowly.
+    Smooth,
+    /// 80 ± 30 N·m at 70 Hz on the primary shaft: an engine's firing.
+    Firing,
+    /// Both clamping forces ± 5 % at 100 Hz.
+    Ripple,
+    /// White noise of 30 N (rms) on both clamping forces.
+    Noise,
+    /// From 50 to 150 N·m into macro-slip and back, each second.
+    Slam,
+    /// Launch from standstill through a clutch that slips, braking to standstill, and again.
+    Launch,
+    /// A torque of ± 50 N·m that flips at each step of 10 ms.
+    Flips,
+    /// Forces in stairs of 200 N, with a noise of 150 N (rms) before the stairs.
+    Stairs,
+    /// `Firing` about 20 N·m with `Noise`, in underdrive.
+    FiringAndNoise,
+    /// A clutch that hunts at low speed: its torque changes sign with the speed's difference at each step of 10 ms.
+    Hunting,
+}
+
+/// All loads, in the order of their letters.
+pub const LOADS: [Load; 10] = [
+    Load::Smooth,
+    Load::Firing,
+    Load::Ripple,
+    Load::Noise,
+    Load::Slam,
+    Load::Launch,
+    Load::Flips,
+    Load::Stairs,
+    Load::FiringAndNoise,
+    Load::Hunting,
+];
+
+/// Geometric ratios at which they are run.
+pub const RATIOS: [f64; 3] = [2.2, 1.0, 0.5];
+
+impl Load {
+    /// Its letter.
+    pub fn letter(self) -> char {
+        let at = LOADS.iter().position(|&load| load == self).expect("listed");
+        char::from(b'a' + at as u8)
+    }
+
+    /// Communication step, s.
+    pub fn step(self) -> f64 {
+        match self {
+            Self::Flips | Self::Hunting => 10e-3,
+            _ => 1e-3,
+        }
+    }
+
+    /// Ratios at which it is run.
+    pub fn ratios(self) -> &'static [f64] {
+        match self {
+            Self::FiringAndNoise => &RATIOS[..1],
+            _ => &RATIOS,
+        }
+    }
+
+    /// Mean torque on the primary shaft, N·m.
+    fn mean_torque(self) -> f64 {
+        match self {
+            Self::Firing => 80.0,
+            Self::FiringAndNoise => 20.0,
+            Self::Launch | Self::Flips | Self::Hunting => 0.0,
+            _ => 50.0,
+        }
+    }
+
+    /// Torque that the secondary clamping force just carries, N·m.
+    fn capacity(self) -> f64 {
+        match self {
+            Self::Firing => 1.3 * 110.0,
+            Self::Slam => 100.0,
+            Self::Smooth | Self::Launch => 1.3 * 80.0,
+            _ => 1.3 * 60.0,
+        }
+    }
+
+    fn start_speed(self) -> f64 {
+        match self {
+            Self::Launch => 0.0,
+            Self::Hunting => 20.0,
+            _ => SPEED,
+        }
+    }
+}
+
+/// White noise of unit variance from numbers within ± 0.5, √12.
+const UNIT: f64 = 3.464_101_615_137_754_6;
+
+/// Gains of the controllers: of the ratio, N and N/s; of the vehicle's speed, N·m·s/rad.
+const PROPORTIONAL: f64 = 2.0e4;
+const INTEGRAL: f64 = 1.0e4;
+const OF_SPEED: f64 = 2.0;
+
+/// A variator under a load.
+#[derive(Debug)]
+pub struct Driven {
+    /// The variator.
+    pub variator: Variator,
+    load: Load,
+    ratio: f64,
+    /// Clamping forces about which the load moves them, N: S, and P when the controller is at rest.
+    middle: [f64; 2],
+    /// Speed that the vehicle is held at, rad/s.
+    cruise: f64,
+    integral: f64,
+    steps: u32,
+    seed: u64,
+}
+
+impl Driven {
+    /// A variator in its start state; a vehicle stands on its secondary shaft.
+    pub fn new(load: Load, mut parameters: Parameters, ratio: f64) -> Self {
+        parameters.secondary.inertia = 4.0;
+        parameters.initial.ratio = ratio;
+        parameters.initial.primary_speed = load.start_speed();
+        let belt = VariatorSystem::new(&parameters).belt;
+        let (primary, _) = belt.curve.radii(ratio).expect("the belt closes");
+        let radius = primary - parameters.belt.pitch_offset;
+        let cos_beta = parameters.geometry.wedge_angle.cos();
+        let clamping = load.capacity() / full_slip_torque(&parameters.friction, cos_beta, 1.0, radius);
+        let clamping = clamping.max(6e3);
+        let mut variator = Variator::new(parameters).expect("valid parameters");
+        let torque = load.mean_torque();
+        let start = inputs((torque, 1.3 * clamping), (-torque * ratio, clamping));
+        variator.initialise(0.0, &start).expect("a start");
+        let balanced = variator.outputs().primary.axial_force;
+        let primary = if balanced > 0.0 { balanced } else { 1.3 * clamping };
+        Self {
+            variator,
+            load,
+            ratio,
+            middle: [clamping, primary],
+            cruise: load.start_speed() / ratio,
+            integral: 0.0,
+            steps: 0,
+            seed: 1,
+        }
+    }
+
+    /// Inputs for the next communication step.
+    pub fn inputs(&mut self) -> Inputs {
+        let time = f64::from(self.steps) * self.load.step();
+        let outputs = self.variator.outputs().clone();
+        let torques = self.torques(time, &outputs);
+        let [secondary, primary] = self.clamping_forces(time, &outputs);
+        self.steps += 1;
+        inputs((torques[0], primary), (torques[1], secondary))
+    }
+
+    /// Torques on P and S, N·m.
+    fn torques(&self, time: f64, outputs: &Outputs) -> [f64; 2] {
+        let (p, s) = (outputs.primary.speed, outputs.secondary.speed);
+        let mean = self.load.mean_torque();
+        let cruising = -mean * self.ratio - OF_SPEED * (s - self.cruise);
+        let sign = if self.steps % 2 == 0 { 1.0 } else { -1.0 };
+        match self.load {
+            Load::Smooth => {
+                let torque = mean + 30.0 * (TAU * 0.2 * time).sin();
+                [torque, -torque * self.ratio - OF_SPEED * (s - self.cruise)]
+            }
+            Load::Firing | Load::FiringAndNoise => [mean + 30.0 * (TAU * 70.0 * time).sin(), cruising],
+            Load::Ripple | Load::Noise | Load::Stairs => [mean, cruising],
+            Load::Slam => [if time % 1.0 < 0.15 { 150.0 } else { mean }, cruising],
+            Load::Launch => match time % 10.0 {
+                t if t < 6.0 => [60.0 * t.min(1.0) * ((150.0 - p) / 10.0).tanh(), -5.0],
+                _ => [0.0, -100.0 * (s / 2.0).tanh()],
+            },
+            Load::Flips => [50.0 * sign, cruising],
+            Load::Hunting => [if p < 22.0 { 60.0 } else { -60.0 }, cruising],
+        }
+    }
+
+    /// Clamping forces of S and P, N.
+    fn clamping_forces(&mut self, time: f64, outputs: &Outputs) -> [f64; 2] {
+        let error = outputs.ratio_geometric - self.ratio;
+        self.integral += self.load.step() * error;
+        let most = 0.5 * self.middle[1];
+        let control = (PROPORTIONAL * error + INTEGRAL * self.integral).clamp(-most, most);
+        let forces = [self.middle[0], self.middle[1] + control];
+        match self.load {
+            Load::Ripple => forces.map(|force| force * (1.0 + 0.05 * (TAU * 100.0 * time).sin())),
+            Load::Noise | Load::FiringAndNoise => forces.map(|force| force + 30.0 * self.normal()),
+            Load::Stairs => forces.map(|force| 200.0 * ((force + 150.0 * self.normal()) / 200.0).round()),
+            _ => forces,
+        }
+    }
+
+    /// A number of a distribution of unit variance.
+    fn normal(&mut self) -> f64 {
+        self.seed += 1;
+        let mut next = noise(self.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        next();
+        UNIT * next()
+    }
+
+    /// Time at the end of the step for which inputs were given last, s.
+    pub fn until(&self) -> f64 {
+        f64::from(self.steps) * self.load.step()
+    }
+}
