@@ -5,8 +5,9 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::Settled;
 use crate::solver::newton::Newton;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
+use crate::variator::run::course::Held;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
-use crate::variator::run::variator::{Held, InitialisationError, Variator, integrator};
+use crate::variator::run::variator::{InitialisationError, Variator, integrator};
 use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
 use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
@@ -53,11 +54,8 @@ impl Variator {
         self.start_state = self.find_state(time, inputs, &start)?;
         self.warn_of_held_sheaves();
         self.state.y_dot.fill(0.0);
-        self.held = Held {
-            from: time,
-            inputs: *inputs,
-            rates: Inputs::ZERO,
-        };
+        self.held = Held::constant(time, inputs);
+        self.reached = *inputs;
         self.apply();
         self.ledger = Ledger::open(&self.system, self.state.view());
         self.macro_slip = macro_slip(&self.system, self.state.view(), &self.ledger.last.sums, false);

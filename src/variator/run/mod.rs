@@ -1,5 +1,6 @@
 //! A run of a variator: start, steps, outputs, stored states.
 
+mod course;
 mod initial;
 pub(crate) mod soft_start;
 pub(crate) mod variator;

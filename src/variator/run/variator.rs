@@ -6,8 +6,11 @@ use crate::solver::newton::Counts;
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
+use crate::variator::run::course::{Course, Held};
 use crate::variator::run::soft_start::SoftStart;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
+#[cfg(doc)]
+use crate::variator::settings::parameters::Solver;
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState};
 use crate::variator::settings::validation::ParameterError;
 use crate::variator::survey::belt_survey::Survey;
@@ -99,19 +102,13 @@ pub struct Variator {
     external_torque: PerPulley<f64>,
     /// Inputs in force, the time at which they were given, and how they change from then on.
     pub(super) held: Held,
+    /// Inputs at the end of the last step.
+    pub(super) reached: Inputs,
     observer: Observer,
     readings: Box<Readings>,
     pub(super) stale: bool,
     profile_stale: bool,
     pub(super) messages: Vec<Message>,
-}
-
-/// Inputs from a point of time on.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Held {
-    pub from: f64,
-    pub inputs: Inputs,
-    pub rates: Inputs,
 }
 
 /// Outputs a moment before and after the present, along the tangent of the state.
@@ -157,11 +154,8 @@ impl Variator {
             slipped: f64::NEG_INFINITY,
             initial_energy: 0.0,
             external_torque: PerPulley::default(),
-            held: Held {
-                from: 0.0,
-                inputs: Inputs::default(),
-                rates: Inputs::ZERO,
-            },
+            held: Held::constant(0.0, &Inputs::default()),
+            reached: Inputs::default(),
             observer: Observer::default(),
             readings: Box::default(),
             stale: true,
@@ -223,7 +217,7 @@ impl Variator {
         self.external_torque = pulleys.external_torques(&boundary, self.state.view(), torques);
     }
 
-    /// Advances to time `to` with constant inputs.
+    /// Advances to time `to` with inputs that are held, after the ramp of [`Solver::input_ramp`].
     ///
     /// # Errors
     /// Inputs out of range, or a step that can't be done.
@@ -242,14 +236,15 @@ impl Variator {
             return Ok(());
         }
         let from = self.time;
-        self.held = Held {
-            from,
-            inputs: *inputs,
-            rates: *rates,
-        };
+        let ramp = self.system.parameters.solver.input_ramp;
+        let course = Course::new(ramp, [from, to], &self.reached, inputs, rates);
         self.stale = true;
         while to - self.time >= SHORTEST_STEP {
-            let end = to.min(self.time + self.soft_start.piece(self.time));
+            self.held = course.held(self.time);
+            let mut end = to.min(self.time + self.soft_start.piece(self.time));
+            if self.time < course.knee && course.knee < to - SHORTEST_STEP {
+                end = end.min(course.knee);
+            }
             self.apply();
             let mut running = Running {
                 system: &mut self.system,
@@ -267,6 +262,7 @@ impl Variator {
             self.time = end;
         }
         self.time = to;
+        self.reached = self.held.at(to);
         self.report_slip();
         self.report_buckling();
         self.hold_external();
@@ -367,6 +363,11 @@ impl Variator {
             &mut self.system.parameters.friction.ring,
         ] {
             tape.real(value);
+        }
+        for pulley in [&mut self.reached.primary, &mut self.reached.secondary] {
+            for value in [&mut pulley.torque, &mut pulley.clamping_force, &mut pulley.speed_setpoint] {
+                tape.real(value);
+            }
         }
         tape.flag(&mut self.macro_slip);
         let mut start = self.start_state as i32;

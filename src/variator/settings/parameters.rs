@@ -160,13 +160,16 @@ impl Mesh {
     }
 }
 
-/// Parameters of time integration.
+/// Parameters of time integration, and of the inputs that drive it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solver {
     /// Relative tolerance of the error control.
     pub tolerance: f64,
     /// Longest internal step, s.
     pub max_step: f64,
+    /// Time over which an input that is held reaches a new value, s, no longer than the communication step; 0: it jumps,
+    /// −1: the whole communication step.
+    pub input_ramp: f64,
 }
 
 /// State that a run starts from.
@@ -251,7 +254,7 @@ impl Default for Parameters {
                 mass_per_length: 1.33,
                 push_stiffness: 1.0e7,
                 damping: 5.0e-6,
-                roughness: 1.0e-7,
+                roughness: 4.0e-7,
                 element_thickness: 1.5e-3,
                 film_force: 10.0,
                 film_thickness: 6.0e-6,
@@ -293,6 +296,7 @@ impl Default for Parameters {
                 cells_per_element: 2,
             },
             solver: Solver {
+                input_ramp: 1.0e-3,
                 tolerance: 1.0e-4,
                 max_step: 1.0e-2,
             },

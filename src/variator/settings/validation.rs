@@ -144,6 +144,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("ring.elements", ring_elements, 0.0, 400.0),
     limit!("solver.tolerance", solver.tolerance, 1e-10, 1e-1),
     limit!("solver.maxStep", solver.max_step, 1e-6, 10.0),
+    limit!("inputs.ramp", solver.input_ramp, -1.0, 10.0),
     limit!("initial.ratio", initial.ratio, 1e-2, 100.0),
     limit!("initial.primarySpeed", initial.primary_speed, -1e4, 1e4),
 ];
@@ -194,6 +195,7 @@ impl Parameters {
         }
         self.validate_wedge()?;
         self.validate_mesh()?;
+        self.validate_ramp()?;
         self.validate_ring()?;
         self.validate_belt()?;
         self.validate_stops()
@@ -229,6 +231,18 @@ impl Parameters {
             format!(
                 "above {friction_angle}, the friction angle of friction.pulley = {friction}; below it the sheaves jam"
             ),
+        ))
+    }
+
+    fn validate_ramp(&self) -> Result<(), ParameterError> {
+        let ramp = self.solver.input_ramp;
+        if ramp >= 0.0 || ramp == -1.0 {
+            return Ok(());
+        }
+        Err(ParameterError::new(
+            "inputs.ramp",
+            ramp,
+            "0 to 10, or -1 for the whole communication step".to_string(),
         ))
     }
 
