@@ -16,7 +16,8 @@
 //!
 //! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`flux`]).
 //!
-//! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt), H the slope of ⟨·⟩₊: damping acts in contact only. With ε = ν − 1
+//! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) + d_f Dν/Dt, H the slope of ⟨·⟩₊: the stack's damping acts in contact only, that of the oil
+//! between the elements, d_f, across gaps too. With ε = ν − 1
 //! k_e⟨ε⟩₊ = k_e δ ln(1 + e^{ε/δ}) + (q/ln 2) ln(1 + e^{ε/δ_f}): across a gap wider than the roughness only the film's few
 //! newtons q act. The play is measured at ε = 0, where the stack has half its stiffness.
 //!
@@ -59,6 +60,9 @@ pub struct Belt {
     pub film_force: f64,
     /// Distance over which that force falls off, m.
     pub film_thickness: f64,
+    /// Force between elements per rate of strain that squeezes the oil between them, across gaps too, N·s. Elements that close up
+    /// are braked over some cells and not at once; at the rates of a steady state it takes next to nothing.
+    pub film_damping: f64,
 }
 
 impl Belt {
@@ -358,7 +362,7 @@ pub struct Push<T> {
 #[inline(always)]
 pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     let [strain, contact, _] = stack_contact(belt, nu);
-    let viscous = contact * nu_rate * (belt.push_stiffness * belt.damping);
+    let viscous = (contact * (belt.push_stiffness * belt.damping) + belt.film_damping) * nu_rate;
     Push {
         force: strain * belt.push_stiffness + viscous,
         viscous,
@@ -379,8 +383,9 @@ fn stack_contact<T: Real>(belt: &Belt, nu: T) -> [T; 3] {
 #[inline(always)]
 pub(crate) fn stack_contact_slopes<T: Real>(belt: &Belt, nu: T, push: T) -> [T; 2] {
     let [strain, contact, bend] = stack_contact(belt, nu);
-    let viscous = (push * (1.0 / belt.push_stiffness) - strain) / contact;
-    [contact, bend * viscous]
+    let viscous = (push * (1.0 / belt.push_stiffness) - strain) * belt.damping;
+    let per_rate = contact * belt.damping + (belt.film_damping / belt.push_stiffness + f64::MIN_POSITIVE);
+    [contact, bend * viscous / per_rate]
 }
 
 /// Share of closing where V has this `difference` across a cell, m/s, from 0 (elements part) to 1, and its slope.

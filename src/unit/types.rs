@@ -37,6 +37,7 @@ pub(super) const UNITS: &[UnitDefinition] = &[
     unit("N.m2", &[("kg", 1), ("m", 3), ("s", -2)]),
     unit("N.m.s/rad", &[("kg", 1), ("m", 2), ("s", -1), ("rad", -1)]),
     unit("N.m/rad", &[("kg", 1), ("m", 2), ("s", -2), ("rad", -1)]),
+    unit("N.s", &[("kg", 1), ("m", 1), ("s", -1)]),
     unit("N.s/m", &[("kg", 1), ("s", -1)]),
     unit("J", &[("kg", 1), ("m", 2), ("s", -2)]),
     unit("W", &[("kg", 1), ("m", 2), ("s", -3)]),

@@ -258,6 +258,7 @@ impl Default for Parameters {
                 element_thickness: 1.5e-3,
                 film_force: 10.0,
                 film_thickness: 6.0e-6,
+                film_damping: 1.0,
             },
             ring: Ring {
                 mass_per_length: 0.24,

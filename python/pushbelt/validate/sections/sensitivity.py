@@ -61,6 +61,7 @@ def changes(bench: Bench) -> list[Change]:
         *pair("roughness of the elements", "belt.roughness"),
         *pair("film between the elements", "belt.filmForce", factors=off),
         *pair("thickness of that film", "belt.filmThickness"),
+        *pair("damping of that film", "belt.filmDamping", factors=off),
         *pair("push stiffness", "belt.pushStiffness"),
         *pair("contact stiffness", "contact.stiffness"),
         *pair("roughness of the flanks", "contact.roughness"),
@@ -79,7 +80,7 @@ def changes(bench: Bench) -> list[Change]:
 
 def count(plan: Plan) -> int:
     """Points, about."""
-    return 20 if plan.short else 4 * 41
+    return 20 if plan.short else 4 * 43
 
 
 def run(bench: Bench, plan: Plan) -> Section:
