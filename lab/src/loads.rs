@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 
 use pushbelt::contact::full_slip_torque;
-use pushbelt::variator::system::VariatorSystem;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
+use pushbelt::variator::system::VariatorSystem;
 
 use crate::noise;
 use crate::variators::{SPEED, inputs};
@@ -174,7 +174,7 @@ impl Driven {
         let (p, s) = (outputs.primary.speed, outputs.secondary.speed);
         let mean = self.load.mean_torque();
         let cruising = -mean * self.ratio - OF_SPEED * (s - self.cruise);
-        let sign = if self.steps % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if self.steps.is_multiple_of(2) { 1.0 } else { -1.0 };
         match self.load {
             Load::Smooth => {
                 let torque = mean + 30.0 * (TAU * 0.2 * time).sin();

@@ -4,7 +4,7 @@ use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
 use pushbelt::variator::cell::sample::Sample;
-use pushbelt::variator::settings::{Outputs, Parameters, StartState};
+use pushbelt::variator::settings::{Outputs, Parameters};
 use pushbelt::variator::steady::solve::{SteadyTask, solve};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::survey::belt_survey::Survey;
@@ -99,14 +99,7 @@ pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>
     if let Err(report) = solve(&mut system, &mut newton, &mut state, task, MAX_SOLVES) {
         panic!("no steady state of {task:?} at {speeds:?} rad/s: {report:?}");
     }
-    let context = Context {
-        external_torque: PerPulley::default(),
-        macro_slip: false,
-        supplied: 0.0,
-        lost: 0.0,
-        initial_energy: 0.0,
-        start_state: StartState::Steady,
-    };
+    let context = Context::of_steady_state(PerPulley::default());
     let mut outputs = Outputs::default();
     let survey = Survey::of(&system, state.view());
     Observer::default().observe(&system, state.view(), &survey, &context, &mut outputs);

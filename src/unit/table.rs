@@ -132,6 +132,11 @@ impl Rows {
         self.add(name, reference, Parameter, text, Kind::Integer { range, access });
     }
 
+    /// An output that counts.
+    fn work(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Readings, i32>) {
+        self.add(name, reference, Output, text, Kind::Integer { range: None, access });
+    }
+
     fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Readings, bool>) {
         self.add(name, reference, Parameter, text, Kind::Boolean { access });
     }
@@ -295,6 +300,9 @@ fn outputs(t: &mut Rows) {
     t.read("pushForce.max", 15, (Output, "N", typical(1000.0)), "Largest push force between elements", read!(push_force_max));
     t.read("ring.tensionMax", 16, (Output, "N", typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
     t.read("ring.tensionMin", 17, (Output, "N", typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
+    t.work("solver.steps", 27, "Steps of the integrator in the last communication step, those included that were refused", Access::Reading(|readings| readings.outputs.work.steps));
+    t.work("solver.jacobians", 28, "Jacobians formed and factored in the last communication step", Access::Reading(|readings| readings.outputs.work.jacobians));
+    t.work("solver.residuals", 29, "Residuals evaluated in the last communication step", Access::Reading(|readings| readings.outputs.work.residuals));
     t.read("belt.misalignment", 20, (Output, "m", typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves stand on opposite sides", read!(misalignment));
     t.read("belt.lateralMax", 21, (Output, "m", not_negative(1e-3)), "Largest deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", read!(lateral_max));
     t.read("belt.skew", 22, (Output, "rad", typical(1e-2)), "Mean inclination of the strands against the plane of the drive, from secondary to primary; 0 without ring.spatial", read!(skew));

@@ -9,7 +9,7 @@ use crate::variator::linear::loads::{Load, load_columns, loads_in_force};
 use crate::variator::linear::modes::slow_modes;
 use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
 use crate::variator::settings::parameters::Parameters;
-use crate::variator::settings::signals::{Inputs, Outputs, StartState};
+use crate::variator::settings::signals::{Inputs, Outputs};
 use crate::variator::survey::belt_survey::Survey;
 use crate::variator::survey::observe::{Context, Observer};
 use crate::variator::system::VariatorSystem;
@@ -204,16 +204,8 @@ fn slopes(
         }
         let survey = Survey::of(system, state.view());
         let boundary = system.loads.at(TIME);
-        let context = Context {
-            external_torque: system
-                .pulleys
-                .external_torques(&boundary, state.view(), survey.sums.shaft_torque),
-            macro_slip: false,
-            supplied: 0.0,
-            lost: 0.0,
-            initial_energy: 0.0,
-            start_state: StartState::Steady,
-        };
+        let torques = survey.sums.shaft_torque;
+        let context = Context::of_steady_state(system.pulleys.external_torques(&boundary, state.view(), torques));
         let mut outputs = Outputs::default();
         Observer::default().observe(system, state.view(), &survey, &context, &mut outputs);
         outputs

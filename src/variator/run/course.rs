@@ -56,7 +56,12 @@ impl Course {
             inputs: *given,
             rates: *rates,
         };
-        let start = each3(present, given, rates, |present, given, rate| if rate == 0.0 { present } else { given });
+        let start = each3(
+            present,
+            given,
+            rates,
+            |present, given, rate| if rate == 0.0 { present } else { given },
+        );
         if time <= 0.0 || start == *given {
             return Self {
                 ramp: rest,

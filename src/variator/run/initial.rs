@@ -9,7 +9,7 @@ use crate::variator::run::course::Held;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::run::variator::{InitialisationError, Variator, integrator};
 use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
-use crate::variator::settings::signals::{Inputs, StartState};
+use crate::variator::settings::signals::{Inputs, StartState, Work};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
 use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio};
 use crate::variator::steady::start::{Start, kinematic_state};
@@ -56,6 +56,7 @@ impl Variator {
         self.state.y_dot.fill(0.0);
         self.held = Held::constant(time, inputs);
         self.reached = *inputs;
+        self.work = Work::default();
         self.apply();
         self.ledger = Ledger::open(&self.system, self.state.view());
         self.macro_slip = macro_slip(&self.system, self.state.view(), &self.ledger.last.sums, false);

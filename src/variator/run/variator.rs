@@ -8,10 +8,10 @@ use crate::tape::Tape;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
 use crate::variator::run::course::{Course, Held};
 use crate::variator::run::soft_start::SoftStart;
-use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 #[cfg(doc)]
 use crate::variator::settings::parameters::Solver;
-use crate::variator::settings::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState};
+use crate::variator::settings::parameters::{Axial, Drive, Parameters};
+use crate::variator::settings::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState, Work};
 use crate::variator::settings::validation::ParameterError;
 use crate::variator::survey::belt_survey::Survey;
 use crate::variator::survey::ledger::{Ledger, Running};
@@ -100,6 +100,7 @@ pub struct Variator {
     pub(super) slipped: f64,
     pub(super) initial_energy: f64,
     external_torque: PerPulley<f64>,
+    pub(super) work: Work,
     /// Inputs in force, the time at which they were given, and how they change from then on.
     pub(super) held: Held,
     /// Inputs at the end of the last step.
@@ -133,6 +134,16 @@ pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
     integrator
 }
 
+/// Work from one count to a later one.
+fn work(before: &Counts, after: &Counts) -> Work {
+    let count = |of: fn(&Counts) -> u64| i32::try_from(of(after) - of(before)).unwrap_or(i32::MAX);
+    Work {
+        steps: count(|counts| counts.steps + counts.rejected + counts.failed),
+        jacobians: count(|counts| counts.factorizations),
+        residuals: count(|counts| counts.residuals),
+    }
+}
+
 impl Variator {
     /// A variator with these parameters, not yet initialised.
     ///
@@ -154,6 +165,7 @@ impl Variator {
             slipped: f64::NEG_INFINITY,
             initial_energy: 0.0,
             external_torque: PerPulley::default(),
+            work: Work::default(),
             held: Held::constant(0.0, &Inputs::default()),
             reached: Inputs::default(),
             observer: Observer::default(),
@@ -239,6 +251,7 @@ impl Variator {
         let ramp = self.system.parameters.solver.input_ramp;
         let course = Course::new(ramp, [from, to], &self.reached, inputs, rates);
         self.stale = true;
+        let before = self.integrator.newton.counts;
         while to - self.time >= SHORTEST_STEP {
             self.held = course.held(self.time);
             let mut end = to.min(self.time + self.soft_start.piece(self.time));
@@ -262,6 +275,7 @@ impl Variator {
             self.time = end;
         }
         self.time = to;
+        self.work = work(&before, &self.integrator.newton.counts);
         self.reached = self.held.at(to);
         self.report_slip();
         self.report_buckling();
@@ -365,9 +379,21 @@ impl Variator {
             tape.real(value);
         }
         for pulley in [&mut self.reached.primary, &mut self.reached.secondary] {
-            for value in [&mut pulley.torque, &mut pulley.clamping_force, &mut pulley.speed_setpoint] {
+            for value in [
+                &mut pulley.torque,
+                &mut pulley.clamping_force,
+                &mut pulley.speed_setpoint,
+            ] {
                 tape.real(value);
             }
+        }
+        let Work {
+            steps,
+            jacobians,
+            residuals,
+        } = &mut self.work;
+        for count in [steps, jacobians, residuals] {
+            tape.integer(count);
         }
         tape.flag(&mut self.macro_slip);
         let mut start = self.start_state as i32;
@@ -446,6 +472,7 @@ impl Variator {
             lost: self.ledger.lost,
             initial_energy: self.initial_energy,
             start_state: self.start_state,
+            work: self.work,
         }
     }
 

@@ -175,6 +175,17 @@ impl StartState {
     }
 }
 
+/// What a communication step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Steps of the integrator, those included that were refused.
+    pub steps: i32,
+    /// Jacobians formed and factored.
+    pub jacobians: i32,
+    /// Residuals evaluated.
+    pub residuals: i32,
+}
+
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs
 /// (a torque drive's `external_torque` aside, which is the input as held over the last step).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -225,6 +236,8 @@ pub struct Outputs {
     pub energy_residual: f64,
     /// State that the run started from.
     pub start_state: StartState,
+    /// What the last communication step took.
+    pub work: Work,
 }
 
 /// Outputs and profile of a variator.

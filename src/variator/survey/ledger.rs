@@ -61,9 +61,8 @@ impl System for Running<'_> {
 }
 
 impl Evolution for Running<'_> {
-    /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions and
-    /// displaced centres (1 mm; their turn to 1e-3 of the tolerance),
-    /// speeds (10 rad/s and a tenth of the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring
+    /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm),
+    /// displaced centres (5 mm; their turn to 5e-3 of the tolerance), tilt (2 mrad), speeds (10 rad/s and a tenth of the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring
     /// positions (10 mm: tension, radial deviation). The last three enter as a mean over the belt.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
         let belt = &*self.system.belt;
@@ -83,7 +82,7 @@ impl Evolution for Running<'_> {
         let speed = view.y[layout.belt_speed(0)].abs();
         let running = speed / (1.0 + speed);
         let speed_scale = tolerance * (2.0 + speed + 8.0 * running);
-        let place_scale = 1.0e-2 * tolerance * (0.02 + 0.98 * running);
+        let place_scale = 1.0e-2 * tolerance * (0.1 + 0.9 * running);
         let mut local = 0.0;
         for at in &belt.cells_at {
             let speed = y_error[at.speed] / speed_scale;
@@ -95,7 +94,7 @@ impl Evolution for Running<'_> {
             local += x * x;
         });
         for centre in layout.centres() {
-            norm = norm.max((q_error[centre] / (1.0e-3 * tolerance)).abs());
+            norm = norm.max((q_error[centre] / (5.0e-3 * tolerance)).abs());
         }
         let norm = norm.max((local / layout.len() as f64).sqrt());
         if norm.is_finite() { norm } else { f64::MAX }

@@ -7,7 +7,7 @@ use crate::solver::View;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
-use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, StartState};
+use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, StartState, Work};
 use crate::variator::survey::belt_survey::{BeltSums, NO_FORCE, Sliding, Survey};
 use crate::variator::system::VariatorSystem;
 
@@ -51,6 +51,24 @@ pub struct Context {
     pub initial_energy: f64,
     /// State that the run started from.
     pub start_state: StartState,
+    /// What the last communication step took.
+    pub work: Work,
+}
+
+impl Context {
+    /// A steady state outside a run, under these external torques, N·m: nothing is booked.
+    #[must_use]
+    pub fn of_steady_state(external_torque: PerPulley<f64>) -> Self {
+        Self {
+            external_torque,
+            macro_slip: false,
+            supplied: 0.0,
+            lost: 0.0,
+            initial_energy: 0.0,
+            start_state: StartState::Steady,
+            work: Work::default(),
+        }
+    }
 }
 
 impl Observer {
@@ -88,6 +106,7 @@ impl Observer {
         lateral(belt, view, survey, out);
         out.stored_energy = survey.belt_energy(belt) + system.pulleys.energy(view);
         out.start_state = context.start_state;
+        out.work = context.work;
         out.energy_residual = context.supplied - context.lost - (out.stored_energy - context.initial_energy);
     }
 
