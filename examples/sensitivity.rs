@@ -1,6 +1,6 @@
 //! How thrust ratio and slip move with the parameters that nobody knows exactly, around the laboratory variator at 50
-//! N·m, 2000 rpm and three ratios; then with the roughness over which neighbouring elements touch. Prints the Markdown
-//! tables of `docs/sensitivity.md`:
+//! N·m, 2000 rpm and three ratios; then with the roughness over which neighbouring elements touch, and with that and
+//! the damping of the film between them. Prints the Markdown tables of `docs/sensitivity.md`:
 //!
 //! `cargo run --release --example sensitivity`
 
@@ -42,12 +42,16 @@ const TOUCH_CASES: [Case; 3] = [
     case("overdrive, 30 N·m", 3.0 / 7.0, 30.0, 6_000.0),
 ];
 /// Roughness of the elements' faces, m.
-const ROUGHNESSES: [f64; 9] = [2e-8, 3e-8, 5e-8, 7e-8, 1e-7, 1.4e-7, 2e-7, 3e-7, 5e-7];
+const ROUGHNESSES: [f64; 9] = [5e-8, 7e-8, 1e-7, 1.4e-7, 2e-7, 3e-7, 4e-7, 6e-7, 1e-6];
+/// Where slip depends on the roughness without film damping.
+const DAMPED: Case = case("underdrive, 50 N·m", 7.0 / 3.0, 50.0, 11_200.0);
+/// Film dampings of the third table, N·s.
+const DAMPINGS: [f64; 3] = [0.0, 1.0, 3.0];
 const SPEED: f64 = 209.44;
 
 type Change = (&'static str, fn(&mut Parameters));
 
-const CHANGES: [Change; 30] = [
+const CHANGES: [Change; 33] = [
     ("contact stiffness k_c × 0.5", |p| p.contact.stiffness *= 0.5),
     ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
     ("push stiffness k_e × 0.5", |p| p.belt.push_stiffness *= 0.5),
@@ -67,6 +71,9 @@ const CHANGES: [Change; 30] = [
     ("film force × 2", |p| p.belt.film_force *= 2.0),
     ("film thickness × 0.5", |p| p.belt.film_thickness *= 0.5),
     ("film thickness × 2", |p| p.belt.film_thickness *= 2.0),
+    ("film damping = 0", |p| p.belt.film_damping = 0.0),
+    ("film damping × 0.5", |p| p.belt.film_damping *= 0.5),
+    ("film damping × 2", |p| p.belt.film_damping *= 2.0),
     ("roughness of the flanks × 0.5", |p| p.contact.roughness *= 0.5),
     ("roughness of the flanks × 2", |p| p.contact.roughness *= 2.0),
     ("tilt clearance × 0.5", |p| clearance(p, 0.5)),
@@ -160,6 +167,25 @@ fn main() -> Result<(), Box<dyn Error>> {
             match steady(&parameters, case)? {
                 Some((thrust, slip)) => print!(" {thrust:.3} | {:.2} % |", 100.0 * slip),
                 None => print!(" slips | – |"),
+            }
+        }
+        println!();
+    }
+    println!();
+    print!("| roughness, µm |");
+    for damping in DAMPINGS {
+        print!(" slip at film damping {damping:.0} N·s |");
+    }
+    println!("\n|---|{}", "---|".repeat(DAMPINGS.len()));
+    for roughness in ROUGHNESSES {
+        print!("| {:.2} |", 1e6 * roughness);
+        for damping in DAMPINGS {
+            let mut parameters = base.clone();
+            parameters.belt.roughness = roughness;
+            parameters.belt.film_damping = damping;
+            match steady(&parameters, &DAMPED)? {
+                Some((_, slip)) => print!(" {:.2} % |", 100.0 * slip),
+                None => print!(" – |"),
             }
         }
         println!();

@@ -9,11 +9,13 @@
 //! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
 //! - `--ripple` adds what a ripple of the clamping force costs,
+//! - `--loads` adds loads that jump, ripple or are noisy, 20 s each or as long as `--seconds` says (an hour, or minutes),
 //! - `--rings` adds the ring models beside each other (a minute),
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
 
 mod cycle;
 mod errors;
+mod loads;
 mod picture;
 mod proposals;
 mod rings;
@@ -69,6 +71,12 @@ struct Options {
     /// A ripple of the clamping force
     #[arg(long)]
     ripple: bool,
+    /// Loads that jump, ripple or are noisy
+    #[arg(long)]
+    loads: bool,
+    /// How long each of these loads is run, s
+    #[arg(long, default_value_t = 20.0)]
+    seconds: f64,
     /// The ring models beside each other
     #[arg(long)]
     rings: bool,
@@ -113,6 +121,9 @@ fn main() {
     }
     if options.ripple {
         ripple::measure(&mut table);
+    }
+    if options.loads {
+        loads::measure(&mut table, options.seconds);
     }
     if options.rings {
         rings::measure(&mut table);

@@ -1,0 +1,93 @@
+//! What loads cost that jump, ripple or are noisy, beside a smooth one: processor time of every communication step.
+
+use cpu_time::ThreadTime;
+use pushbelt::solver::newton::Counts;
+use pushbelt::variator::settings::{Parameters, RingModel};
+use pushbelt_lab::loads::{Driven, LOADS, Load};
+use pushbelt_lab::variators::variator;
+use serde_json::json;
+
+use crate::{Table, numbers, quantiles, text};
+
+/// A step that takes longer than this is counted, s.
+const LONG: f64 = 1e-3;
+
+/// Rows of the table: each load at each ratio for `seconds`, with each ring, jumping and over the default ramp.
+pub fn measure(table: &mut Table, seconds: f64) {
+    for load in LOADS {
+        for &ratio in load.ratios() {
+            for (name, parameters) in rings() {
+                for ramp in [0.0, parameters.solver.input_ramp] {
+                    let mut parameters = parameters.clone();
+                    parameters.solver.input_ramp = ramp;
+                    row(table, (load, ratio), (name, parameters), seconds);
+                }
+            }
+        }
+    }
+}
+
+/// The rings that are compared, by name.
+fn rings() -> [(&'static str, Parameters); 3] {
+    let mut one_cell = variator(RingModel::Ale);
+    one_cell.mesh.cells_per_element = 1;
+    [
+        ("ALE", variator(RingModel::Ale)),
+        ("ALE, one cell", one_cell),
+        ("ALE0", variator(RingModel::Ale0)),
+    ]
+}
+
+fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, parameters): (&str, Parameters), seconds: f64) {
+    let shape = if parameters.solver.input_ramp == 0.0 {
+        "jumping"
+    } else {
+        "ramped"
+    };
+    let mut driven = Driven::new(load, parameters, ratio);
+    let start = driven.variator.counts();
+    let steps = (seconds / load.step()).round().max(1.0) as usize;
+    let mut times = Vec::with_capacity(steps);
+    for _ in 0..steps {
+        let inputs = driven.inputs();
+        let clock = ThreadTime::now();
+        driven.variator.advance(driven.until(), &inputs).expect("a step");
+        driven.variator.outputs();
+        times.push(clock.elapsed().as_secs_f64());
+    }
+    let total: f64 = times.iter().sum();
+    let factor = seconds / total;
+    let slowest = quantiles(&times, [0.5, 0.99, 0.999, 1.0]);
+    let long = times.iter().filter(|&&time| time > LONG).count() as f64 / steps as f64;
+    let counts = since(&driven.variator.counts(), &start);
+    table.row(
+        &format!("{} {load:?}, ratio {ratio}, {ring}, {shape}", load.letter()),
+        format!(
+            "{factor:.2} x real time; {} ms; {:.0} % above 1 ms; {}",
+            slowest.map(|time| format!("{:.2}", 1e3 * time)).join(", "),
+            100.0 * long,
+            text(&counts)
+        ),
+        json!({
+            "load": load.letter().to_string(),
+            "ratio": ratio,
+            "ring": ring,
+            "inputs": shape,
+            "real_time_factor": factor,
+            "seconds": slowest,
+            "above_1_ms": long,
+            "counts": numbers(&counts),
+        }),
+    );
+}
+
+/// Work since an earlier count.
+fn since(now: &Counts, then: &Counts) -> Counts {
+    Counts {
+        steps: now.steps - then.steps,
+        rejected: now.rejected - then.rejected,
+        failed: now.failed - then.failed,
+        residuals: now.residuals - then.residuals,
+        factorizations: now.factorizations - then.factorizations,
+    }
+}

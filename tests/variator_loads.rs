@@ -1,0 +1,134 @@
+//! Loads that jump, ripple or are noisy: what they take, and inputs that ramp.
+
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
+use pushbelt_lab::checks::{assert_close, assert_pinned};
+use pushbelt_lab::loads::{Driven, LOADS};
+use pushbelt_lab::run::Run;
+use pushbelt_lab::variators::{coarse, inputs, variator};
+
+/// Time for which each load acts, s.
+const SPAN: f64 = 0.2;
+
+/// Jacobians that the loads take at ratio 1, in the order of their letters.
+fn jacobians(model: RingModel, pinned: [u64; 10]) {
+    let found = LOADS.map(|load| {
+        let mut driven = Driven::new(load, variator(model), 1.0);
+        let start = driven.variator.counts().factorizations;
+        while driven.until() < SPAN - 1e-9 {
+            let inputs = driven.inputs();
+            driven.variator.advance(driven.until(), &inputs).expect("a step");
+        }
+        driven.variator.counts().factorizations - start
+    });
+    println!("{model:?}: {found:?}");
+    for ((load, found), pinned) in LOADS.iter().zip(found).zip(pinned) {
+        assert_pinned(found, pinned, &format!("Jacobians of {load:?}"));
+    }
+}
+
+#[test]
+fn jacobians_of_ale() {
+    jacobians(RingModel::Ale, [9, 159, 45, 15, 73, 370, 542, 70, 467, 473]);
+}
+
+#[test]
+fn jacobians_of_ale0() {
+    jacobians(RingModel::Ale0, [5, 120, 45, 19, 30, 118, 374, 66, 180, 330]);
+}
+
+/// The coarse variator with a ramp of the inputs.
+fn ramping(ramp: f64) -> Parameters {
+    let mut parameters = coarse(RingModel::Ale);
+    parameters.solver.input_ramp = ramp;
+    parameters
+}
+
+/// Torque and forces change at communication steps of several lengths: at the end of each step the input is what was set,
+/// energy is accounted for, and where the run goes hardly depends on the ramp.
+#[test]
+fn held_inputs_reach_their_values_and_energy_is_accounted_for() {
+    let speeds = [0.0, 1e-3, 3e-3, -1.0].map(|ramp| {
+        let mut run = Run::new(ramping(ramp), inputs((50.0, 13e3), (-49.0, 10e3)));
+        for k in 0..60 {
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            run.inputs = inputs((50.0 + 20.0 * sign, 13e3 + 500.0 * sign), (-49.0, 10e3 - 300.0 * sign));
+            let step = [1e-3, 2.5e-3, 0.4e-3][k % 3];
+            let outputs = run.go(step, step);
+            assert_close(
+                outputs.primary.external_torque,
+                50.0 + 20.0 * sign,
+                1e-9,
+                "torque at the end of a step",
+            );
+        }
+        run.assert_books();
+        run.variator.outputs().primary.speed
+    });
+    println!("primary speed at the end: {speeds:?} rad/s");
+    for speed in speeds {
+        assert_close(speed, speeds[0], 5e-3, "speed without a ramp");
+    }
+}
+
+/// An input that has a derivative starts at its value and follows that; the others ramp.
+#[test]
+fn derivatives_go_before_the_ramp() {
+    let start = inputs((50.0, 13e3), (-49.0, 10e3));
+    let mut rates = Inputs::ZERO;
+    rates.primary.torque = 1e4;
+    let end_of = |ramp: f64| {
+        let mut variator = Variator::new(ramping(ramp)).expect("valid parameters");
+        variator.initialise(0.0, &start).expect("a start");
+        variator.advance_along(1e-3, &start, &rates).expect("a step");
+        variator.outputs().primary.external_torque
+    };
+    for ramp in [0.0, 1e-3, -1.0] {
+        assert_close(end_of(ramp), 60.0, 1e-9, "torque at the end of its ramp");
+    }
+}
+
+/// A run that is stored while inputs change goes on as if it had not been stored.
+#[test]
+fn a_copy_continues_alike_while_inputs_change() {
+    let of = |k: u32| inputs((50.0 + 30.0 * f64::from(k % 3), 13e3), (-49.0, 10e3));
+    let mut variator = Variator::new(ramping(-1.0)).expect("valid parameters");
+    variator.initialise(0.0, &of(0)).expect("a start");
+    for k in 1..10 {
+        variator.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
+    }
+    let mut copy = variator.clone();
+    for k in 10..20 {
+        for run in [&mut variator, &mut copy] {
+            run.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
+        }
+        assert_eq!(variator.state(), copy.state());
+    }
+}
+
+/// What a step took stands in the outputs.
+#[test]
+fn outputs_count_the_work_of_a_step() {
+    let start = inputs((50.0, 13e3), (-49.0, 10e3));
+    let mut variator = Variator::new(coarse(RingModel::Ale0)).expect("valid parameters");
+    variator.initialise(0.0, &start).expect("a start");
+    assert_eq!(variator.outputs().work.steps, 0);
+    let (mut steps, mut residuals, mut jacobians) = (0, 0, 0);
+    let before = variator.counts();
+    for k in 1..=20 {
+        let torque = if k > 10 { 80.0 } else { 50.0 };
+        let given = inputs((torque, 13e3), (-49.0, 10e3));
+        variator.advance(1e-3 * f64::from(k), &given).expect("a step");
+        let work = variator.outputs().work;
+        assert!(work.steps >= 1 && work.residuals >= 2);
+        steps += work.steps;
+        residuals += work.residuals;
+        jacobians += work.jacobians;
+    }
+    let after = variator.counts();
+    let taken =
+        |of: fn(&pushbelt::solver::newton::Counts) -> u64| i32::try_from(of(&after) - of(&before)).expect("few");
+    assert_eq!(steps, taken(|counts| counts.steps + counts.rejected + counts.failed));
+    assert_eq!(residuals, taken(|counts| counts.residuals));
+    assert_eq!(jacobians, taken(|counts| counts.factorizations));
+}
