@@ -19,8 +19,6 @@ const FURTHER: usize = 3;
 /// Growth of the step in one iteration at which Broyden's method is given up. Where a law changes its regime steps
 /// grow and fall again.
 const DIVERGED: f64 = 8.0;
-/// Growth over the least step at which it is given up.
-const GROWN: f64 = 10.0;
 /// Contraction that the first iteration is trusted with at best, and its growth with each stage that ends without
 /// measuring it: so it is measured again before it is stale.
 const BEST_RATE: f64 = 1.0e-3;
@@ -318,7 +316,7 @@ impl Newton {
             if iteration > 0 {
                 let rate = change / before;
                 self.rate = if iteration == 1 { rate } else { self.rate.max(rate) };
-                if (rate > DIVERGED || change > GROWN * least && GROWN > 0.0) && change > tolerance {
+                if rate > DIVERGED && change > tolerance {
                     break;
                 }
             }
