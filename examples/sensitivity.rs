@@ -1,6 +1,7 @@
 //! How thrust ratio and slip move with the parameters that nobody knows exactly, around the laboratory variator at 50
-//! N·m, 2000 rpm and three ratios; then with the roughness over which neighbouring elements touch, and with that and
-//! the damping of the film between them. Prints the Markdown tables of `docs/sensitivity.md`:
+//! N·m, 2000 rpm and three ratios; then with the roughness over which neighbouring elements touch and the film between
+//! them; then what moves the thrust ratio without torque and the peak of traction. Prints the Markdown tables of
+//! `docs/sensitivity.md`:
 //!
 //! `cargo run --release --example sensitivity`
 
@@ -11,6 +12,7 @@ use pushbelt::variator::settings::{Axial, Drive, Parameters};
 use pushbelt::variator::settings::{Inputs, StartState};
 
 /// A working point.
+#[derive(Clone, Copy)]
 struct Case {
     name: &'static str,
     /// r_S/r_P.
@@ -44,14 +46,36 @@ const TOUCH_CASES: [Case; 3] = [
 /// Roughness of the elements' faces, m.
 const ROUGHNESSES: [f64; 9] = [5e-8, 7e-8, 1e-7, 1.4e-7, 2e-7, 3e-7, 4e-7, 6e-7, 1e-6];
 /// Where slip depends on the roughness without film damping.
-const DAMPED: Case = case("underdrive, 50 N·m", 7.0 / 3.0, 50.0, 11_200.0);
+const DAMPED: [Case; 2] = [
+    case("50 N·m", 7.0 / 3.0, 50.0, 10_781.0),
+    case("100 N·m", 7.0 / 3.0, 100.0, 21_562.0),
+];
 /// Film dampings of the third table, N·s.
 const DAMPINGS: [f64; 3] = [0.0, 1.0, 3.0];
+/// Where the film is needed.
+const FILM_CASES: [Case; 3] = [case("30 N·m", 7.0 / 3.0, 30.0, 6_469.0), DAMPED[0], DAMPED[1]];
+/// Film forces, N, and dampings, N·s, of the fourth table.
+const FILMS: [(f64, f64); 4] = [(0.0, 0.0), (10.0, 0.0), (0.0, 1.0), (10.0, 1.0)];
+/// Ratio and force without torque, –, N.
+const UNLOADED: [(f64, f64); 4] = [(2.25, 10e3), (2.25, 20e3), (1.0 / 2.25, 10e3), (1.0 / 2.25, 20e3)];
+const SLIPS: [f64; 6] = [0.007, 0.01, 0.015, 0.02, 0.03, 0.04];
 const SPEED: f64 = 209.44;
 
 type Change = (&'static str, fn(&mut Parameters));
 
-const CHANGES: [Change; 33] = [
+const UNLOADED_CHANGES: [Change; 4] = [
+    ("nothing", |_| {}),
+    ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
+    ("contact stiffness k_c × 20", |p| p.contact.stiffness *= 20.0),
+    ("ring friction μ_r = 0", |p| p.friction.ring = 0.0),
+];
+const TRACTION_CHANGES: [Change; 3] = [
+    ("nothing", |_| {}),
+    ("ring friction μ_r = 0", |p| p.friction.ring = 0.0),
+    ("fall of friction = 0", |p| p.friction.fall = 0.0),
+];
+
+const CHANGES: [Change; 35] = [
     ("contact stiffness k_c × 0.5", |p| p.contact.stiffness *= 0.5),
     ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
     ("push stiffness k_e × 0.5", |p| p.belt.push_stiffness *= 0.5),
@@ -71,7 +95,12 @@ const CHANGES: [Change; 33] = [
     ("film force × 2", |p| p.belt.film_force *= 2.0),
     ("film thickness × 0.5", |p| p.belt.film_thickness *= 0.5),
     ("film thickness × 2", |p| p.belt.film_thickness *= 2.0),
+    ("film force = 0", |p| p.belt.film_force = 0.0),
     ("film damping = 0", |p| p.belt.film_damping = 0.0),
+    ("film force and damping = 0", |p| {
+        p.belt.film_force = 0.0;
+        p.belt.film_damping = 0.0;
+    }),
     ("film damping × 0.5", |p| p.belt.film_damping *= 0.5),
     ("film damping × 2", |p| p.belt.film_damping *= 2.0),
     ("roughness of the flanks × 0.5", |p| p.contact.roughness *= 0.5),
@@ -131,13 +160,103 @@ fn heading(first: &str, cases: &[Case]) {
     println!("\n|---|{}", "---|---|".repeat(cases.len()));
 }
 
+/// The fifth table: what moves the thrust ratio without torque.
+fn without_torque(base: &Parameters) -> Result<(), Box<dyn Error>> {
+    print!("| changed |");
+    for (ratio, force) in UNLOADED {
+        print!(" ratio {ratio:.2}, {:.0} kN |", 1e-3 * force);
+    }
+    println!("\n|---|{}", "---|".repeat(UNLOADED.len()));
+    for (name, change) in UNLOADED_CHANGES {
+        let mut parameters = base.clone();
+        change(&mut parameters);
+        print!("| {name} |");
+        for (ratio, force) in UNLOADED {
+            match steady(&parameters, &case("", ratio, 0.0, force))? {
+                Some((thrust, _)) => print!(" {thrust:.3} |"),
+                None => print!(" – |"),
+            }
+        }
+        println!();
+    }
+    Ok(())
+}
+
+/// The sixth table: how far the peaks of traction over slip are apart at 10 and 30 kN, 1000 and 4000 rpm.
+fn traction(base: &Parameters) -> Result<(), Box<dyn Error>> {
+    println!("| changed | ratio 1: peaks apart | ratio 0.5: peaks apart |\n|---|---|---|");
+    for (name, change) in TRACTION_CHANGES {
+        let mut parameters = base.clone();
+        change(&mut parameters);
+        print!("| {name} |");
+        for ratio in [1.0, 0.5] {
+            let mut peaks = Vec::new();
+            for force in [10e3, 30e3] {
+                for speed in [SPEED / 2.0, 2.0 * SPEED] {
+                    peaks.push(peak(&parameters, ratio, force, speed)?);
+                }
+            }
+            let least = peaks.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = peaks.iter().copied().fold(0.0, f64::max);
+            print!(" {:.1} % |", 100.0 * (most / least - 1.0));
+        }
+        println!();
+    }
+    Ok(())
+}
+
+/// Largest traction over slip.
+fn peak(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Result<f64, Box<dyn Error>> {
+    let mut largest: f64 = 0.0;
+    for slip in SLIPS {
+        let mut p = parameters.clone();
+        p.initial.ratio = ratio;
+        p.initial.primary_speed = speed;
+        p.primary.axial = Axial::Held;
+        p.primary.drive = Drive::Speed;
+        p.secondary.drive = Drive::Speed;
+        let mut inputs = Inputs::default();
+        inputs.primary.speed_setpoint = speed;
+        inputs.secondary.speed_setpoint = speed / ratio * (1.0 - slip);
+        inputs.secondary.clamping_force = force;
+        let mut variator = Variator::new(p)?;
+        variator.initialise(0.0, &inputs)?;
+        largest = largest.max(variator.outputs().torque_utilisation);
+    }
+    Ok(largest)
+}
+
+/// Prints a cell with the slip of a steady state.
+fn slip(parameters: &Parameters, case: &Case) -> Result<(), Box<dyn Error>> {
+    match steady(parameters, case)? {
+        Some((_, slip)) => print!(" {:.2} % |", 100.0 * slip),
+        None => print!(" slips |"),
+    }
+    Ok(())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let base = Parameters::default();
+    changes(&base)?;
+    println!();
+    roughness(&base)?;
+    println!();
+    damping(&base)?;
+    println!();
+    film(&base)?;
+    println!();
+    without_torque(&base)?;
+    println!();
+    traction(&base)
+}
+
+/// The first table: one parameter at a time.
+fn changes(base: &Parameters) -> Result<(), Box<dyn Error>> {
     let mut reference = [(0.0, 0.0); 3];
     heading("changed", &CASES);
     print!("| nothing |");
     for (case, reference) in CASES.iter().zip(&mut reference) {
-        *reference = steady(&base, case)?.ok_or("no steady state at default parameters")?;
+        *reference = steady(base, case)?.ok_or("no steady state at default parameters")?;
         print!(" {:.4} | {:.2} % |", reference.0, 100.0 * reference.1);
     }
     println!();
@@ -157,7 +276,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         println!();
     }
-    println!();
+    Ok(())
+}
+
+/// The second table: the roughness alone.
+fn roughness(base: &Parameters) -> Result<(), Box<dyn Error>> {
     heading("roughness, µm", &TOUCH_CASES);
     for roughness in ROUGHNESSES {
         let mut parameters = base.clone();
@@ -171,24 +294,52 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         println!();
     }
-    println!();
+    Ok(())
+}
+
+/// The third table: roughness and film damping.
+fn damping(base: &Parameters) -> Result<(), Box<dyn Error>> {
     print!("| roughness, µm |");
-    for damping in DAMPINGS {
-        print!(" slip at film damping {damping:.0} N·s |");
+    for case in &DAMPED {
+        for damping in DAMPINGS {
+            print!(" {}: slip at {damping:.0} N·s |", case.name);
+        }
     }
-    println!("\n|---|{}", "---|".repeat(DAMPINGS.len()));
+    println!("\n|---|{}", "---|".repeat(DAMPED.len() * DAMPINGS.len()));
     for roughness in ROUGHNESSES {
         print!("| {:.2} |", 1e6 * roughness);
-        for damping in DAMPINGS {
-            let mut parameters = base.clone();
-            parameters.belt.roughness = roughness;
-            parameters.belt.film_damping = damping;
-            match steady(&parameters, &DAMPED)? {
-                Some((_, slip)) => print!(" {:.2} % |", 100.0 * slip),
-                None => print!(" – |"),
+        for case in &DAMPED {
+            for damping in DAMPINGS {
+                let mut parameters = base.clone();
+                parameters.belt.roughness = roughness;
+                parameters.belt.film_damping = damping;
+                slip(&parameters, case)?;
             }
         }
         println!();
+    }
+    Ok(())
+}
+
+/// The fourth table: with and without the film.
+fn film(base: &Parameters) -> Result<(), Box<dyn Error>> {
+    print!("| roughness, µm | film force, N | film damping, N·s |");
+    for case in &FILM_CASES {
+        print!(" slip at {} |", case.name);
+    }
+    println!("\n|---|---|---|{}", "---|".repeat(FILM_CASES.len()));
+    for roughness in [1e-7, 4e-7] {
+        for (force, damping) in FILMS {
+            let mut parameters = base.clone();
+            parameters.belt.roughness = roughness;
+            parameters.belt.film_force = force;
+            parameters.belt.film_damping = damping;
+            print!("| {:.1} | {force:.0} | {damping:.0} |", 1e6 * roughness);
+            for case in &FILM_CASES {
+                slip(&parameters, case)?;
+            }
+            println!();
+        }
     }
     Ok(())
 }

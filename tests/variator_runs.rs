@@ -103,8 +103,10 @@ fn the_over_torque_keeps_its_books_ale() {
 /// ones damp, so a wave of the mesh that the model drives would grow in them.
 #[test]
 fn macro_slip_is_the_same_in_short_steps() {
+    let mut parameters = Manoeuvre::before_over_torque(variator(RingModel::Ale));
+    parameters.solver.input_ramp = STEP / 20.0;
     let mut start = drive(
-        Manoeuvre::before_over_torque(variator(RingModel::Ale)),
+        parameters,
         8.45,
         8.6,
         |_, _| {},
@@ -228,14 +230,17 @@ fn a_tighter_tolerance_changes_little_ale() {
 /// The end of a run does not depend on how it is cut into communication steps.
 #[test]
 fn communication_steps_of_any_size() {
+    const SHORTEST: f64 = 1e-4;
     for model in MODELS {
         let run = |step: f64| {
-            let mut run = Run::new(coarse(model), Inputs::default());
+            let mut parameters = coarse(model);
+            parameters.solver.input_ramp = SHORTEST;
+            let mut run = Run::new(parameters, Inputs::default());
             run.inputs.primary.clamping_force = 15e3;
             run.go(0.03, step)
         };
         let reference = run(1e-3);
-        for step in [1e-4, 7.5e-3, 0.03] {
+        for step in [SHORTEST, 7.5e-3, 0.03] {
             let o = run(step);
             assert!((o.ratio_geometric - reference.ratio_geometric).abs() < 1e-4);
             assert_close(o.primary.speed, reference.primary.speed, 1e-4, "primary speed");

@@ -59,6 +59,7 @@ fn input_derivatives_raise_the_order_on_a_ramp() {
         let importer = Importer::new(c"ramp");
         importer.make_cheap();
         assert_eq!(importer.set_real("solver.tolerance", 1e-7), Ok);
+        assert_eq!(importer.set_real("inputs.ramp", 0.0), Ok);
         importer.start();
         assert_eq!(importer.step(0.0, 0.02), Ok, "past the ramp of the loads");
         let (size, from) = (0.016 / f64::from(steps), 0.02);

@@ -254,11 +254,11 @@ impl Default for Parameters {
                 mass_per_length: 1.33,
                 push_stiffness: 1.0e7,
                 damping: 5.0e-6,
-                roughness: 4.0e-7,
+                roughness: 1.0e-7,
                 element_thickness: 1.5e-3,
                 film_force: 10.0,
                 film_thickness: 6.0e-6,
-                film_damping: 1.0,
+                film_damping: 3.0,
             },
             ring: Ring {
                 mass_per_length: 0.24,

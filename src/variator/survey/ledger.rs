@@ -82,7 +82,7 @@ impl Evolution for Running<'_> {
         let speed = view.y[layout.belt_speed(0)].abs();
         let running = speed / (1.0 + speed);
         let speed_scale = tolerance * (2.0 + speed + 8.0 * running);
-        let place_scale = 1.0e-2 * tolerance * (0.1 + 0.9 * running);
+        let place_scale = 1.0e-2 * tolerance * (0.02 + 0.98 * running);
         let mut local = 0.0;
         for at in &belt.cells_at {
             let speed = y_error[at.speed] / speed_scale;
