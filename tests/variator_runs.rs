@@ -105,12 +105,7 @@ fn the_over_torque_keeps_its_books_ale() {
 fn macro_slip_is_the_same_in_short_steps() {
     let mut parameters = Manoeuvre::before_over_torque(variator(RingModel::Ale));
     parameters.solver.input_ramp = STEP / 20.0;
-    let mut start = drive(
-        parameters,
-        8.45,
-        8.6,
-        |_, _| {},
-    );
+    let mut start = drive(parameters, 8.45, 8.6, |_, _| {});
     let manoeuvre = Manoeuvre::read();
     let [long, short] = [STEP, STEP / 20.0].map(|step| {
         let mut run = start.clone();
