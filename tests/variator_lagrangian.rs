@@ -76,12 +76,13 @@ const RCM_THRUST: f64 = 0.05;
 const ANCF_THRUST: f64 = 0.15;
 
 /// From standstill: unloaded on the reference curve, loads ramp in. What the laid elements stretch relaxes in
-/// microseconds.
+/// microseconds; with the oil between the elements some of it is lost so fast that the books want shorter steps.
 #[test]
 fn a_run_may_start_at_a_standstill() {
     for model in TRAVELLING {
         let mut parameters = variator(model);
         parameters.initial.primary_speed = 0.0;
+        parameters.solver.tolerance = 1e-5;
         let mut run = Run::new(parameters, inputs((20.0, 8e3), (-10.0, 8e3)));
         let o = run.go(6e-3, 1e-3);
         println!("{model:?}: residual {:.2} of what is allowed", run.residual);

@@ -162,7 +162,7 @@ fn misalignment_follows_the_ratio() {
     }
 }
 
-/// Skewed strands change thrust ratio and losses little, with the square of the misalignment. On the movable sheave acts half the
+/// Skewed strands change thrust ratio and losses little, losses with the square of the misalignment. On the movable sheave acts half the
 /// lateral force of the strands besides, which changes its sign with the misalignment.
 #[test]
 fn misalignment_acts_by_its_square() {
@@ -189,8 +189,8 @@ fn misalignment_acts_by_its_square() {
         change
     };
     let (small, large) = (even(4.0e-4), even(8.0e-4));
-    assert_close(large[0] / small[0], 4.0, 0.15, "change at twice the misalignment");
-    assert!(large[0].abs() < 0.02 && large[1].abs() < 5e-3, "{large:?}");
+    assert_close(large[1] / small[1], 4.0, 0.15, "loss at twice the misalignment");
+    assert!(large[0].abs() < 5e-3 && large[1].abs() < 1e-3, "{large:?}");
 }
 
 /// What power the misaligned belt seems to lose beyond its losses falls with the mesh.
@@ -201,7 +201,7 @@ fn power_balance_out_of_plane() {
     parameters.mesh = parameters.mesh.refined(2);
     let fine = at_ratio(&parameters, RATIO).power_defect();
     println!("power defect {coarse:.2e}, {fine:.2e} on twice the elements");
-    assert!(coarse.abs() < 1e-3 && fine.abs() < 0.7 * coarse.abs());
+    assert!(coarse.abs() < 1e-4 && fine.abs() < coarse.abs());
 }
 
 /// A shift carries the whole belt along its pulleys' axes; the books stay balanced.
