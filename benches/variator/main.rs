@@ -8,7 +8,6 @@
 //! - `--errors` adds the errors against finer meshes and tighter tolerances (some minutes),
 //! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
-//! - `--ripple` adds what a ripple of the clamping force costs,
 //! - `--loads` adds loads that jump, ripple or are noisy, 20 s each or as long as `--seconds` says (an hour, or minutes),
 //! - `--rings` adds the ring models beside each other (a minute),
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
@@ -19,7 +18,6 @@ mod loads;
 mod picture;
 mod proposals;
 mod rings;
-mod ripple;
 
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -68,9 +66,6 @@ struct Options {
     /// 1800 s of driving
     #[arg(long)]
     cycle: bool,
-    /// A ripple of the clamping force
-    #[arg(long)]
-    ripple: bool,
     /// Loads that jump, ripple or are noisy
     #[arg(long)]
     loads: bool,
@@ -118,9 +113,6 @@ fn main() {
     }
     if options.cycle {
         cycle::rides(&mut table);
-    }
-    if options.ripple {
-        ripple::measure(&mut table);
     }
     if options.loads {
         loads::measure(&mut table, options.seconds);
