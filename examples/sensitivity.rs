@@ -51,11 +51,11 @@ const DAMPED: [Case; 2] = [
     case("100 N·m", 7.0 / 3.0, 100.0, 21_562.0),
 ];
 /// Film dampings of the third table, N·s.
-const DAMPINGS: [f64; 3] = [0.0, 1.0, 3.0];
+const DAMPINGS: [f64; 4] = [0.0, 1.0, 3.0, 10.0];
 /// Where the film is needed.
 const FILM_CASES: [Case; 3] = [case("30 N·m", 7.0 / 3.0, 30.0, 6_469.0), DAMPED[0], DAMPED[1]];
 /// Film forces, N, and dampings, N·s, of the fourth table.
-const FILMS: [(f64, f64); 4] = [(0.0, 0.0), (10.0, 0.0), (0.0, 1.0), (10.0, 1.0)];
+const FILMS: [(f64, f64); 4] = [(0.0, 0.0), (10.0, 0.0), (0.0, 3.0), (10.0, 3.0)];
 /// Ratio and force without torque, –, N.
 const UNLOADED: [(f64, f64); 4] = [(2.25, 10e3), (2.25, 20e3), (1.0 / 2.25, 10e3), (1.0 / 2.25, 20e3)];
 const SLIPS: [f64; 6] = [0.007, 0.01, 0.015, 0.02, 0.03, 0.04];
