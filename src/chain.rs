@@ -384,6 +384,7 @@ fn stack_contact<T: Real>(belt: &Belt, nu: T) -> [T; 3] {
 pub(crate) fn stack_contact_slopes<T: Real>(belt: &Belt, nu: T, push: T) -> [T; 2] {
     let [strain, contact, bend] = stack_contact(belt, nu);
     let viscous = (push * (1.0 / belt.push_stiffness) - strain) * belt.damping;
+    // The least number: without any damping nothing is divided by nothing.
     let per_rate = contact * belt.damping + (belt.film_damping / belt.push_stiffness + f64::MIN_POSITIVE);
     [contact, bend * viscous / per_rate]
 }

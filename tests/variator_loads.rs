@@ -1,5 +1,6 @@
 //! Loads that jump, ripple or are noisy: what they take, and inputs that ramp.
 
+use pushbelt::tape::Tape;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_lab::checks::{assert_close, assert_pinned};
@@ -90,7 +91,7 @@ fn derivatives_go_before_the_ramp() {
 
 /// A run that is stored while inputs change goes on as if it had not been stored.
 #[test]
-fn a_copy_continues_alike_while_inputs_change() {
+fn copies_and_stored_states_continue_alike_while_inputs_change() {
     let of = |k: u32| inputs((50.0 + 30.0 * f64::from(k % 3), 13e3), (-49.0, 10e3));
     let mut variator = Variator::new(ramping(-1.0)).expect("valid parameters");
     variator.initialise(0.0, &of(0)).expect("a start");
@@ -98,11 +99,17 @@ fn a_copy_continues_alike_while_inputs_change() {
         variator.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
     }
     let mut copy = variator.clone();
+    let mut tape = Tape::writer();
+    variator.pass(&mut tape);
+    let bytes = tape.into_bytes();
+    let mut restored = Variator::new(ramping(-1.0)).expect("valid parameters");
+    restored.pass(&mut Tape::reader(&bytes));
     for k in 10..20 {
-        for run in [&mut variator, &mut copy] {
+        for run in [&mut variator, &mut copy, &mut restored] {
             run.advance(1e-3 * f64::from(k), &of(k)).expect("a step");
         }
         assert_eq!(variator.state(), copy.state());
+        assert_eq!(variator.state(), restored.state());
     }
 }
 

@@ -12,7 +12,7 @@ use pushbelt::solver::newton::Counts;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt::variator::settings::{Inputs, PulleyInputs};
-use pushbelt_lab::variators::variator;
+use pushbelt_lab::variators::{one_cell, variator};
 use serde_json::json;
 
 use crate::{Table, numbers, text};
@@ -146,11 +146,9 @@ fn ride(mut parameters: Parameters) -> Ride {
 
 /// Both ring models on the cycle, and `ALE` with one cell in an element.
 pub fn rides(table: &mut Table) {
-    let mut single = variator(RingModel::Ale);
-    single.mesh.cells_per_element = 1;
     let rides = [
         ("Ale0", variator(RingModel::Ale0)),
-        ("Ale, one cell an element", single),
+        ("Ale, one cell an element", one_cell(RingModel::Ale)),
         ("Ale", variator(RingModel::Ale)),
     ];
     for (name, parameters) in rides {

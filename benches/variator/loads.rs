@@ -1,10 +1,9 @@
 //! What loads cost that jump, ripple or are noisy, beside a smooth one: processor time of every communication step.
 
 use cpu_time::ThreadTime;
-use pushbelt::solver::newton::Counts;
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_lab::loads::{Driven, LOADS, Load};
-use pushbelt_lab::variators::variator;
+use pushbelt_lab::variators::{one_cell, variator};
 use serde_json::json;
 
 use crate::{Table, numbers, quantiles, text};
@@ -29,11 +28,9 @@ pub fn measure(table: &mut Table, seconds: f64) {
 
 /// The rings that are compared, by name.
 fn rings() -> [(&'static str, Parameters); 3] {
-    let mut one_cell = variator(RingModel::Ale);
-    one_cell.mesh.cells_per_element = 1;
     [
         ("ALE", variator(RingModel::Ale)),
-        ("ALE, one cell", one_cell),
+        ("ALE, one cell", one_cell(RingModel::Ale)),
         ("ALE0", variator(RingModel::Ale0)),
     ]
 }
@@ -59,7 +56,7 @@ fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, parameters): (&str,
     let factor = seconds / total;
     let slowest = quantiles(&times, [0.5, 0.99, 0.999, 1.0]);
     let long = times.iter().filter(|&&time| time > LONG).count() as f64 / steps as f64;
-    let counts = since(&driven.variator.counts(), &start);
+    let counts = driven.variator.counts() - start;
     table.row(
         &format!("{} {load:?}, ratio {ratio}, {ring}, {shape}", load.letter()),
         format!(
@@ -79,15 +76,4 @@ fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, parameters): (&str,
             "counts": numbers(&counts),
         }),
     );
-}
-
-/// Work since an earlier count.
-fn since(now: &Counts, then: &Counts) -> Counts {
-    Counts {
-        steps: now.steps - then.steps,
-        rejected: now.rejected - then.rejected,
-        failed: now.failed - then.failed,
-        residuals: now.residuals - then.residuals,
-        factorizations: now.factorizations - then.factorizations,
-    }
 }

@@ -24,16 +24,11 @@ pub struct LoadCase {
 impl LoadCase {
     /// The case of Θ and torque.
     pub fn new(parameters: &Parameters, name: &'static str, theta: f64, torque: f64) -> Self {
-        let system = VariatorSystem::new(parameters);
-        let (primary, _) = system.belt.curve.radii(ratio(theta)).expect("the belt closes");
-        let radius = primary - parameters.belt.pitch_offset;
-        let cos_beta = parameters.geometry.wedge_angle.cos();
-        let per_force = contact::full_slip_torque(&parameters.friction, cos_beta, 1.0, radius);
         Self {
             name,
             theta,
             torque,
-            clamping: (1.3 * torque / per_force).max(6000.0),
+            clamping: clamping(parameters, ratio(theta), 1.3 * torque),
         }
     }
 
@@ -50,6 +45,15 @@ impl LoadCase {
             ..given(ratio(self.theta), Pulley::Primary, self.clamping, 0.01)
         }
     }
+}
+
+/// Clamping force with which the primary pulley just carries a torque at a ratio, at least 6 kN.
+pub fn clamping(parameters: &Parameters, ratio: f64, capacity: f64) -> f64 {
+    let system = VariatorSystem::new(parameters);
+    let (primary, _) = system.belt.curve.radii(ratio).expect("the belt closes");
+    let radius = primary - parameters.belt.pitch_offset;
+    let cos_beta = parameters.geometry.wedge_angle.cos();
+    (capacity / contact::full_slip_torque(&parameters.friction, cos_beta, 1.0, radius)).max(6000.0)
 }
 
 /// A value for each pulley.

@@ -3,11 +3,10 @@
 
 use std::f64::consts::TAU;
 
-use pushbelt::contact::full_slip_torque;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
-use pushbelt::variator::system::VariatorSystem;
 
+use crate::load_cases::clamping;
 use crate::noise;
 use crate::variators::{SPEED, inputs};
 
@@ -135,12 +134,7 @@ impl Driven {
         parameters.secondary.inertia = 4.0;
         parameters.initial.ratio = ratio;
         parameters.initial.primary_speed = load.start_speed();
-        let belt = VariatorSystem::new(&parameters).belt;
-        let (primary, _) = belt.curve.radii(ratio).expect("the belt closes");
-        let radius = primary - parameters.belt.pitch_offset;
-        let cos_beta = parameters.geometry.wedge_angle.cos();
-        let clamping = load.capacity() / full_slip_torque(&parameters.friction, cos_beta, 1.0, radius);
-        let clamping = clamping.max(6e3);
+        let clamping = clamping(&parameters, ratio, load.capacity());
         let mut variator = Variator::new(parameters).expect("valid parameters");
         let torque = load.mean_torque();
         let start = inputs((torque, 1.3 * clamping), (-torque * ratio, clamping));
@@ -173,22 +167,22 @@ impl Driven {
     fn torques(&self, time: f64, outputs: &Outputs) -> [f64; 2] {
         let (p, s) = (outputs.primary.speed, outputs.secondary.speed);
         let mean = self.load.mean_torque();
-        let cruising = -mean * self.ratio - OF_SPEED * (s - self.cruise);
+        let cruising = |torque: f64| -torque * self.ratio - OF_SPEED * (s - self.cruise);
         let sign = if self.steps.is_multiple_of(2) { 1.0 } else { -1.0 };
         match self.load {
             Load::Smooth => {
                 let torque = mean + 30.0 * (TAU * 0.2 * time).sin();
-                [torque, -torque * self.ratio - OF_SPEED * (s - self.cruise)]
+                [torque, cruising(torque)]
             }
-            Load::Firing | Load::FiringAndNoise => [mean + 30.0 * (TAU * 70.0 * time).sin(), cruising],
-            Load::Ripple | Load::Noise | Load::Stairs => [mean, cruising],
-            Load::Slam => [if time % 1.0 < 0.15 { 150.0 } else { mean }, cruising],
+            Load::Firing | Load::FiringAndNoise => [mean + 30.0 * (TAU * 70.0 * time).sin(), cruising(mean)],
+            Load::Ripple | Load::Noise | Load::Stairs => [mean, cruising(mean)],
+            Load::Slam => [if time % 1.0 < 0.15 { 150.0 } else { mean }, cruising(mean)],
             Load::Launch => match time % 10.0 {
                 t if t < 6.0 => [60.0 * t.min(1.0) * ((150.0 - p) / 10.0).tanh(), -5.0],
                 _ => [0.0, -100.0 * (s / 2.0).tanh()],
             },
-            Load::Flips => [50.0 * sign, cruising],
-            Load::Hunting => [if p < 22.0 { 60.0 } else { -60.0 }, cruising],
+            Load::Flips => [50.0 * sign, cruising(mean)],
+            Load::Hunting => [if p < 22.0 { 60.0 } else { -60.0 }, cruising(mean)],
         }
     }
 

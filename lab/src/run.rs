@@ -2,7 +2,7 @@
 
 use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::Parameters;
-use pushbelt::variator::settings::{Inputs, Outputs, PulleyInputs};
+use pushbelt::variator::settings::{Inputs, Outputs};
 
 /// A run that keeps its books: energy and element amount at every output point.
 #[derive(Clone, Debug)]
@@ -84,17 +84,7 @@ impl Run {
         let from = self.variator.time();
         let steps = (span / step).round().max(1.0) as u32;
         let start = self.inputs;
-        let after = |time: f64| {
-            let moved = |value: &PulleyInputs, rate: &PulleyInputs| PulleyInputs {
-                torque: value.torque + time * rate.torque,
-                clamping_force: value.clamping_force + time * rate.clamping_force,
-                speed_setpoint: value.speed_setpoint + time * rate.speed_setpoint,
-            };
-            Inputs {
-                primary: moved(&start.primary, &rates.primary),
-                secondary: moved(&start.secondary, &rates.secondary),
-            }
-        };
+        let after = |time: f64| start.after(time, rates);
         for k in 0..steps {
             let at = |k: u32| span * f64::from(k) / f64::from(steps);
             self.variator

@@ -29,7 +29,14 @@ pub fn variator(model: RingModel) -> Parameters {
     }
 }
 
-/// The same on a mesh that is enough for a law and too coarse for a claim about accuracy.
+/// The same with one cell in each element.
+pub fn one_cell(model: RingModel) -> Parameters {
+    let mut parameters = variator(model);
+    parameters.mesh.cells_per_element = 1;
+    parameters
+}
+
+/// The laboratory variator on a mesh that is enough for a law and too coarse for a claim about accuracy.
 pub fn coarse(model: RingModel) -> Parameters {
     let factor = if model == RingModel::Ale0 { 2 } else { 1 };
     Parameters {

@@ -65,6 +65,21 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
+/// Work from an earlier count on.
+impl std::ops::Sub for Counts {
+    type Output = Self;
+
+    fn sub(self, earlier: Self) -> Self {
+        Self {
+            steps: self.steps - earlier.steps,
+            rejected: self.rejected - earlier.rejected,
+            failed: self.failed - earlier.failed,
+            residuals: self.residuals - earlier.residuals,
+            factorizations: self.factorizations - earlier.factorizations,
+        }
+    }
+}
+
 /// Newton did not converge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("Newton's method found no solution")]

@@ -354,8 +354,8 @@ fn parameters(t: &mut Rows) {
     t.count("mesh.cellsPerElement", 1074, "Cells of the element chain in each ring element (ALE; in ALE0 it is one)", set!(parameters.mesh.cells_per_element));
     t.switch("mesh.aligned", 1075, "Whether element borders follow the arc borders; if not, as many elements stand evenly spaced along the belt and arc borders move through them. ring.model ALE0 and ALE", set!(parameters.mesh.aligned));
     t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; left at its default, a tolerance of the experiment takes its place. Under smooth loads a coarser one is no faster, for steps are as long as the communication steps; under loads that jump it is. Output derivatives of forces and losses want 1e-6", set!(parameters.solver.tolerance));
-    t.set("inputs.ramp", 1083, Parameter, "s", "Time over which an input that is set before a step reaches its new value, no longer than that step; 0: it jumps, -1: the whole step. Inputs whose derivative is set follow that", set!(parameters.solver.input_ramp));
     t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step", set!(parameters.solver.max_step));
+    t.set("inputs.ramp", 1083, Parameter, "s", "Time over which an input that is set before a step reaches its new value, no longer than that step; 0: it jumps, -1: the whole step. Inputs whose derivative is set follow that", set!(parameters.solver.input_ramp));
 }
 
 #[rustfmt::skip]

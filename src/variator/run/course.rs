@@ -1,6 +1,9 @@
 //! How inputs that a master gives come into force: at once, over a ramp, or with the rates that it gives.
 
-use crate::variator::settings::signals::{Inputs, PulleyInputs};
+use crate::variator::settings::signals::Inputs;
+
+/// Shortest time to advance by, s: rates over less are rounding errors.
+pub(super) const SHORTEST_STEP: f64 = 1.0e-9;
 
 /// Inputs from a point of time on.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +28,7 @@ impl Held {
 
     /// Inputs at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
     pub fn at(&self, time: f64) -> Inputs {
-        let after = time - self.from;
-        let mut inputs = each(&self.inputs, &self.rates, |value, rate| value + after * rate);
+        let mut inputs = self.inputs.after(time - self.from, &self.rates);
         for pulley in [&mut inputs.primary, &mut inputs.secondary] {
             pulley.clamping_force = pulley.clamping_force.max(0.0);
         }
@@ -39,8 +41,8 @@ impl Held {
 pub(super) struct Course {
     /// While inputs ramp.
     ramp: Held,
-    /// Time at which the ramp ends, s.
-    pub knee: f64,
+    /// Time at which the ramp ends, s; that of its start where there is none.
+    knee: f64,
     /// From then on.
     rest: Held,
 }
@@ -50,33 +52,25 @@ impl Course {
     /// stands for all of it. An input that has a rate starts at its value and changes at that rate.
     pub fn new(time: f64, [from, to]: [f64; 2], present: &Inputs, given: &Inputs, rates: &Inputs) -> Self {
         let step = to - from;
-        let time = if time < 0.0 { step } else { time.min(step) };
+        let whole = time < 0.0 || time >= step - SHORTEST_STEP;
+        let time = if whole { step } else { time };
         let rest = Held {
             from,
             inputs: *given,
             rates: *rates,
         };
-        let start = each3(
-            present,
-            given,
-            rates,
-            |present, given, rate| if rate == 0.0 { present } else { given },
-        );
-        if time <= 0.0 || start == *given {
-            return Self {
-                ramp: rest,
-                knee: from,
-                rest,
-            };
+        let mut ramp = rest;
+        let slopes = ramp.inputs.each_mut().into_iter().zip(ramp.rates.each_mut());
+        for ((start, rate), present) in slopes.zip(present.values()) {
+            if *rate == 0.0 && time > 0.0 {
+                *rate = (*start - present) / time;
+                *start = present;
+            }
         }
-        let ramp = Held {
-            from,
-            inputs: start,
-            rates: each3(&start, given, rates, |start, given, rate| {
-                if rate == 0.0 { (given - start) / time } else { rate }
-            }),
-        };
-        let knee = from + time;
+        if ramp.inputs == rest.inputs {
+            return Self { ramp, knee: from, rest };
+        }
+        let knee = if whole { to } else { from + time };
         Self {
             ramp,
             knee,
@@ -88,27 +82,14 @@ impl Course {
         }
     }
 
-    /// The inputs in force from a time on, s, until the knee or the end.
+    /// The inputs in force from a time on, s.
     pub fn held(&self, time: f64) -> Held {
         if time < self.knee { self.ramp } else { self.rest }
     }
-}
 
-/// A function of each value of two sets of inputs.
-fn each(a: &Inputs, b: &Inputs, f: impl Fn(f64, f64) -> f64) -> Inputs {
-    each3(a, b, b, |a, b, _| f(a, b))
-}
-
-/// A function of each value of three sets of inputs.
-fn each3(a: &Inputs, b: &Inputs, c: &Inputs, f: impl Fn(f64, f64, f64) -> f64) -> Inputs {
-    let of = |a: &PulleyInputs, b: &PulleyInputs, c: &PulleyInputs| PulleyInputs {
-        torque: f(a.torque, b.torque, c.torque),
-        clamping_force: f(a.clamping_force, b.clamping_force, c.clamping_force),
-        speed_setpoint: f(a.speed_setpoint, b.speed_setpoint, c.speed_setpoint),
-    };
-    Inputs {
-        primary: of(&a.primary, &b.primary, &c.primary),
-        secondary: of(&a.secondary, &b.secondary, &c.secondary),
+    /// Until when they change alike, s.
+    pub fn until(&self, time: f64) -> f64 {
+        if time < self.knee { self.knee } else { f64::INFINITY }
     }
 }
 

@@ -55,7 +55,6 @@ impl Variator {
         self.warn_of_held_sheaves();
         self.state.y_dot.fill(0.0);
         self.held = Held::constant(time, inputs);
-        self.reached = *inputs;
         self.work = Work::default();
         self.apply();
         self.ledger = Ledger::open(&self.system, self.state.view());

@@ -6,7 +6,7 @@ use crate::solver::newton::Counts;
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
-use crate::variator::run::course::{Course, Held};
+use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
 use crate::variator::run::soft_start::SoftStart;
 #[cfg(doc)]
 use crate::variator::settings::parameters::Solver;
@@ -20,9 +20,6 @@ use crate::variator::system::VariatorSystem;
 
 /// First step from a kinematic state, s.
 const COLD_STEP: f64 = 1.0e-6;
-
-/// Shortest time to advance by, s: rates over less are rounding errors.
-const SHORTEST_STEP: f64 = 1.0e-9;
 
 /// Time without net compression in a strand after which it is logged again, s: a strand at the limit does not fill the log.
 const QUIET: f64 = 1.0;
@@ -103,8 +100,6 @@ pub struct Variator {
     pub(super) work: Work,
     /// Inputs in force, the time at which they were given, and how they change from then on.
     pub(super) held: Held,
-    /// Inputs at the end of the last step.
-    pub(super) reached: Inputs,
     observer: Observer,
     readings: Box<Readings>,
     pub(super) stale: bool,
@@ -134,13 +129,13 @@ pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
     integrator
 }
 
-/// Work from one count to a later one.
-fn work(before: &Counts, after: &Counts) -> Work {
-    let count = |of: fn(&Counts) -> u64| i32::try_from(of(after) - of(before)).unwrap_or(i32::MAX);
+/// Counts as outputs.
+fn work(counts: Counts) -> Work {
+    let output = |count: u64| i32::try_from(count).unwrap_or(i32::MAX);
     Work {
-        steps: count(|counts| counts.steps + counts.rejected + counts.failed),
-        jacobians: count(|counts| counts.factorizations),
-        residuals: count(|counts| counts.residuals),
+        steps: output(counts.steps + counts.rejected + counts.failed),
+        jacobians: output(counts.factorizations),
+        residuals: output(counts.residuals),
     }
 }
 
@@ -167,7 +162,6 @@ impl Variator {
             external_torque: PerPulley::default(),
             work: Work::default(),
             held: Held::constant(0.0, &Inputs::default()),
-            reached: Inputs::default(),
             observer: Observer::default(),
             readings: Box::default(),
             stale: true,
@@ -249,15 +243,13 @@ impl Variator {
         }
         let from = self.time;
         let ramp = self.system.parameters.solver.input_ramp;
-        let course = Course::new(ramp, [from, to], &self.reached, inputs, rates);
+        let course = Course::new(ramp, [from, to], &self.held.at(from), inputs, rates);
         self.stale = true;
         let before = self.integrator.newton.counts;
         while to - self.time >= SHORTEST_STEP {
             self.held = course.held(self.time);
-            let mut end = to.min(self.time + self.soft_start.piece(self.time));
-            if self.time < course.knee && course.knee < to - SHORTEST_STEP {
-                end = end.min(course.knee);
-            }
+            let piece = self.time + self.soft_start.piece(self.time);
+            let end = to.min(piece).min(course.until(self.time));
             self.apply();
             let mut running = Running {
                 system: &mut self.system,
@@ -275,8 +267,7 @@ impl Variator {
             self.time = end;
         }
         self.time = to;
-        self.work = work(&before, &self.integrator.newton.counts);
-        self.reached = self.held.at(to);
+        self.work = work(self.integrator.newton.counts - before);
         self.report_slip();
         self.report_buckling();
         self.hold_external();
@@ -378,14 +369,13 @@ impl Variator {
         ] {
             tape.real(value);
         }
-        for pulley in [&mut self.reached.primary, &mut self.reached.secondary] {
-            for value in [
-                &mut pulley.torque,
-                &mut pulley.clamping_force,
-                &mut pulley.speed_setpoint,
-            ] {
-                tape.real(value);
-            }
+        // Where the next ramp starts.
+        let mut present = self.held.at(self.time);
+        for value in present.each_mut() {
+            tape.real(value);
+        }
+        if tape.is_reading() {
+            self.held = Held::constant(self.time, &present);
         }
         let Work {
             steps,

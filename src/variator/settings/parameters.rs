@@ -297,9 +297,9 @@ impl Default for Parameters {
                 cells_per_element: 2,
             },
             solver: Solver {
-                input_ramp: 1.0e-3,
                 tolerance: 1.0e-4,
                 max_step: 1.0e-2,
+                input_ramp: 1.0e-3,
             },
             initial: Initial {
                 ratio: 1.0,

@@ -39,6 +39,33 @@ impl Inputs {
         }
     };
 
+    /// The values, the primary pulley's first.
+    pub(crate) fn each_mut(&mut self) -> [&mut f64; 6] {
+        let [primary, secondary] = [&mut self.primary, &mut self.secondary];
+        [
+            &mut primary.torque,
+            &mut primary.clamping_force,
+            &mut primary.speed_setpoint,
+            &mut secondary.torque,
+            &mut secondary.clamping_force,
+            &mut secondary.speed_setpoint,
+        ]
+    }
+
+    /// The values, the primary pulley's first.
+    pub(crate) fn values(mut self) -> [f64; 6] {
+        self.each_mut().map(|value| *value)
+    }
+
+    /// The inputs after a time, s, in which they change at `rates`.
+    #[must_use]
+    pub fn after(mut self, time: f64, rates: &Self) -> Self {
+        for (value, rate) in self.each_mut().into_iter().zip(rates.values()) {
+            *value += time * rate;
+        }
+        self
+    }
+
     /// Inputs of a pulley.
     #[must_use]
     pub fn pulley(&self, pulley: Pulley) -> &PulleyInputs {

@@ -62,8 +62,9 @@ impl System for Running<'_> {
 
 impl Evolution for Running<'_> {
     /// Errors relative to the working range of each quantity: ratio (Θ to 0.01 of the tolerance), sheave positions (1 mm),
-    /// displaced centres (5 mm; their turn to 5e-3 of the tolerance), tilt (2 mrad), speeds (10 rad/s and a tenth of the speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring
-    /// positions (10 mm: tension, radial deviation). The last three enter as a mean over the belt.
+    /// displaced centres (5 mm; their turn to 5e-3 of the tolerance), tilt (2 mrad), speeds (10 rad/s and a tenth of the
+    /// speed); belt speed and sliding (m/s); element amounts (5 mm: push force); ring positions (10 mm: tension, radial
+    /// deviation). The last three enter as a mean over the belt.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64 {
         let belt = &*self.system.belt;
         let layout = &belt.layout;
