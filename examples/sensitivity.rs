@@ -132,13 +132,27 @@ fn mesh(p: &mut Parameters, times: i32, over: i32) {
     }
 }
 
-/// Thrust ratio and slip of the steady state; none where the belt does not carry the torque.
-fn steady(parameters: &Parameters, case: &Case) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
+/// A variator that starts at a ratio, held by the primary sheave, and a primary speed, rad/s; its secondary shaft follows a set point.
+fn held(parameters: &Parameters, ratio: f64, speed: f64) -> Parameters {
     let mut p = parameters.clone();
-    p.initial.ratio = case.ratio;
-    p.initial.primary_speed = SPEED;
+    p.initial.ratio = ratio;
+    p.initial.primary_speed = speed;
     p.primary.axial = Axial::Held;
     p.secondary.drive = Drive::Speed;
+    p
+}
+
+/// Begins the row of a change; the changed parameters.
+fn begin_row(base: &Parameters, name: &str, change: fn(&mut Parameters)) -> Parameters {
+    print!("| {name} |");
+    let mut parameters = base.clone();
+    change(&mut parameters);
+    parameters
+}
+
+/// Thrust ratio and slip of the steady state; none where the belt does not carry the torque.
+fn steady(parameters: &Parameters, case: &Case) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
+    let p = held(parameters, case.ratio, SPEED);
     let mut inputs = Inputs::default();
     inputs.primary.torque = case.torque;
     inputs.secondary.clamping_force = case.force;
@@ -168,9 +182,7 @@ fn without_torque(base: &Parameters) -> Result<(), Box<dyn Error>> {
     }
     println!("\n|---|{}", "---|".repeat(UNLOADED.len()));
     for (name, change) in UNLOADED_CHANGES {
-        let mut parameters = base.clone();
-        change(&mut parameters);
-        print!("| {name} |");
+        let parameters = begin_row(base, name, change);
         for (ratio, force) in UNLOADED {
             match steady(&parameters, &case("", ratio, 0.0, force))? {
                 Some((thrust, _)) => print!(" {thrust:.3} |"),
@@ -186,9 +198,7 @@ fn without_torque(base: &Parameters) -> Result<(), Box<dyn Error>> {
 fn traction(base: &Parameters) -> Result<(), Box<dyn Error>> {
     println!("| changed | ratio 1: peaks apart | ratio 0.5: peaks apart |\n|---|---|---|");
     for (name, change) in TRACTION_CHANGES {
-        let mut parameters = base.clone();
-        change(&mut parameters);
-        print!("| {name} |");
+        let parameters = begin_row(base, name, change);
         for ratio in [1.0, 0.5] {
             let mut peaks = Vec::new();
             for force in [10e3, 30e3] {
@@ -209,12 +219,8 @@ fn traction(base: &Parameters) -> Result<(), Box<dyn Error>> {
 fn peak(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Result<f64, Box<dyn Error>> {
     let mut largest: f64 = 0.0;
     for slip in SLIPS {
-        let mut p = parameters.clone();
-        p.initial.ratio = ratio;
-        p.initial.primary_speed = speed;
-        p.primary.axial = Axial::Held;
+        let mut p = held(parameters, ratio, speed);
         p.primary.drive = Drive::Speed;
-        p.secondary.drive = Drive::Speed;
         let mut inputs = Inputs::default();
         inputs.primary.speed_setpoint = speed;
         inputs.secondary.speed_setpoint = speed / ratio * (1.0 - slip);
@@ -261,9 +267,7 @@ fn changes(base: &Parameters) -> Result<(), Box<dyn Error>> {
     }
     println!();
     for (name, change) in CHANGES {
-        let mut parameters = base.clone();
-        change(&mut parameters);
-        print!("| {name} |");
+        let parameters = begin_row(base, name, change);
         for (case, reference) in CASES.iter().zip(&reference) {
             match steady(&parameters, case)? {
                 Some((thrust, slip)) => print!(
