@@ -49,6 +49,16 @@ pub struct Friction {
     pub fall: f64,
     /// Sliding speed v_c at which half of f is lost, m/s.
     pub fall_speed: f64,
+    /// Whether derivatives are those of the secants from rest: μ(v)/√(v² + v₀²) counts as constant. Values are the same.
+    pub secant: bool,
+}
+
+impl Friction {
+    /// Friction per speed, with derivatives or, for secants, without.
+    #[inline(always)]
+    pub(crate) fn per_speed<T: Real>(&self, value: T) -> T {
+        if self.secant { T::constant(value.value()) } else { value }
+    }
 }
 
 /// Motion of a flank relative to its sheave.
@@ -106,7 +116,7 @@ pub fn flank_force<T: Real>(
     let viscous = touching * motion.closing * (k * contact.damping);
     let square = square_of_speed([motion.tangential, motion.along_flank]);
     let (_, inverse_speed) = (square + friction.velocity * friction.velocity).root_and_inverse();
-    let drag = -(elastic * coefficient(friction, square) * inverse_speed);
+    let drag = -(elastic * friction.per_speed(coefficient(friction, square) * inverse_speed));
     FlankForce {
         normal: elastic + viscous,
         viscous,
@@ -202,6 +212,7 @@ mod tests {
             velocity: 5.0e-4,
             fall: 0.3,
             fall_speed: 2.0e-2,
+            secant: false,
         };
         (contact, friction)
     }

@@ -6,6 +6,8 @@
 #![forbid(unsafe_code)]
 
 pub mod arrow;
+pub mod bounded;
+mod broyden;
 pub mod continuation;
 #[cfg(test)]
 pub(crate) mod differences;

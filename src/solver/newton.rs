@@ -1,6 +1,7 @@
 //! Newton's method for one implicit stage, with reuse of the factored Jacobian.
 
 use super::arrow::{Arrow, ArrowLu};
+use super::broyden::Broyden;
 use super::{System, View};
 use crate::tape::Tape;
 
@@ -85,28 +86,6 @@ impl std::ops::Sub for Counts {
 #[error("Newton's method found no solution")]
 pub struct NotConverged;
 
-/// A scaled step of Broyden's method.
-#[derive(Clone, Debug)]
-struct Update {
-    step: Vec<f64>,
-    /// Its squared 2-norm.
-    square: f64,
-}
-
-/// a·b, in as many sums as keep the processor's adders busy.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const SUMS: usize = 16;
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
-    let mut sums = [0.0; SUMS];
-    for (a, b) in a.iter().zip(b) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
-}
-
 /// Newton's method with its factored Jacobian, which later stages use again.
 #[derive(Clone, Debug)]
 pub struct Newton {
@@ -118,12 +97,15 @@ pub struct Newton {
     step: Vec<f64>,
     guess: Vec<f64>,
     scale: Vec<f64>,
-    updates: Vec<Update>,
+    broyden: Broyden,
     best: Vec<f64>,
     /// Contraction per iteration seen with these factors; 1 before any.
     rate: f64,
     /// What iterations with these factors have cost beyond the first of each stage.
     excess: u64,
+    /// Largest change that the last iteration of a stage left to make, as a share of the tolerance, as far as its contraction
+    /// tells. Whoever reads it sets it to zero.
+    pub left: f64,
     /// Work counts.
     pub counts: Counts,
 }
@@ -186,15 +168,11 @@ impl Newton {
             step: vec![0.0; shape.len()],
             guess: vec![0.0; shape.len()],
             scale: vec![0.0; shape.len()],
-            updates: (0..QUASI_ITERATIONS)
-                .map(|_| Update {
-                    step: vec![0.0; shape.len()],
-                    square: 0.0,
-                })
-                .collect(),
+            broyden: Broyden::new(QUASI_ITERATIONS, shape.len()),
             best: vec![0.0; shape.len()],
             rate: 1.0,
             excess: 0,
+            left: 0.0,
             counts: Counts::default(),
         }
     }
@@ -302,10 +280,8 @@ impl Newton {
         }
     }
 
-    /// Broyden's method from the factors at hand (the good update, in the form of Kelley 1995, section 7.3): where a
-    /// few rows have changed between sticking and sliding, the Jacobian has changed in rank by as few, which updates
-    /// make good. Given up when it diverges; `stage.y` is then the best point it reached. `corrected` says that the
-    /// correction at `stage.y` is at hand.
+    /// Broyden's method from the factors at hand. Given up when it diverges; `stage.y` is then the best point it reached.
+    /// `corrected` says that the correction at `stage.y` is at hand.
     fn quasi<S: System>(
         &mut self,
         system: &mut S,
@@ -314,14 +290,16 @@ impl Newton {
         corrected: bool,
     ) -> Result<(), NotConverged> {
         self.best.copy_from_slice(stage.y);
+        self.broyden.restart();
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..QUASI_ITERATIONS {
             let at_hand = corrected && iteration == 0;
             if !at_hand && self.correct(system, stage, false).is_err() {
                 break;
             }
-            let change = self.update(iteration);
-            if !self.updates[iteration].square.is_finite() {
+            let step = self.broyden.step(&self.correction, &self.scale);
+            let change = step.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            if !self.broyden.is_finite() {
                 break;
             }
             if change < least {
@@ -343,11 +321,10 @@ impl Newton {
                 (change / before).powf(FASTER).min(1.0)
             };
             before = change;
-            for ((y, u), s) in stage.y.iter_mut().zip(&self.updates[iteration].step).zip(&self.scale) {
-                *y += u * s;
-            }
+            self.broyden.add_to(stage.y, &self.scale);
             // What is left after this step, as far as the rate tells.
             if change * ahead < LEFT * tolerance {
+                self.left = self.left.max(change * ahead / tolerance);
                 stage.complete(system.has_position());
                 self.excess += (iteration.min(1) + FURTHER * iteration.saturating_sub(1)) as u64;
                 if self.excess > STALE {
@@ -359,27 +336,6 @@ impl Newton {
         self.rate = 1.0;
         stage.y.copy_from_slice(&self.best);
         Err(NotConverged)
-    }
-
-    /// Makes Broyden's step of iteration `k` from the correction, scaled, into `updates[k]`; its largest entry.
-    fn update(&mut self, k: usize) -> f64 {
-        let (earlier, rest) = self.updates.split_at_mut(k);
-        let Update { step, square } = &mut rest[0];
-        for ((u, d), s) in step.iter_mut().zip(&self.correction).zip(&self.scale) {
-            *u = -d / s;
-        }
-        for pair in earlier.windows(2) {
-            let along = dot(&pair[0].step, step) / pair[0].square;
-            for (u, next) in step.iter_mut().zip(&pair[1].step) {
-                *u += along * next;
-            }
-        }
-        if let Some(last) = earlier.last() {
-            let factor = 1.0 / (1.0 - dot(&last.step, step) / last.square);
-            step.iter_mut().for_each(|u| *u *= factor);
-        }
-        *square = dot(step, step);
-        step.iter().fold(0.0, |most: f64, u| most.max(u.abs()))
     }
 
     /// Newton with the exact Jacobian, damped by the natural monotonicity test (Deuflhard 2011, section 3.3): a step
@@ -396,6 +352,7 @@ impl Newton {
         for iteration in 1..=FRESH_ITERATIONS {
             let (largest, norm) = self.correct_and_measure(system, stage, true)?;
             if iteration == 1 && largest < SOLVED * tolerance {
+                self.left = self.left.max(largest / tolerance);
                 return Ok(iteration);
             }
             damping = (damping / DAMPED).min(1.0);

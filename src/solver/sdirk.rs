@@ -5,6 +5,7 @@
 //! last one of the step before. The formula is of third order for quadrature only, where the state doesn't act on its
 //! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
 
+use super::arrow::Arrow;
 use super::newton::{Newton, Stage};
 use super::{State, System, View};
 use crate::tape::Tape;
@@ -30,6 +31,12 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
+    /// The Jacobian for iterations that are few and must not overshoot: where a law saturates, that of its secant from
+    /// rest. Other slopes as in [`System::jacobian`].
+    fn secant_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.jacobian(time, view, alpha, beta, out);
+    }
+
     /// Called for each accepted step: to integrate what is not part of the state.
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval);
 }
@@ -41,6 +48,18 @@ pub struct Interval {
     pub end: f64,
     /// Size of the step, s.
     pub length: f64,
+    /// How powers are to be integrated over it.
+    pub rule: Quadrature,
+}
+
+/// How powers are integrated over a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quadrature {
+    /// From both ends: of the order of [`Sdirk`].
+    Trapezoid,
+    /// From the end alone. What implicit Euler balances are the powers there; all that is then unaccounted for is what it
+    /// damps by itself, and what was left unsolved.
+    End,
 }
 
 /// The step size fell below the smallest.
@@ -237,7 +256,15 @@ impl Sdirk {
             match self.attempt(system, state.view(), time + done, h) {
                 Some(error) if error <= 1.0 => {
                     let end = time + done + h;
-                    self.accept(system, state, Interval { end, length: h });
+                    self.accept(
+                        system,
+                        state,
+                        Interval {
+                            end,
+                            length: h,
+                            rule: Quadrature::Trapezoid,
+                        },
+                    );
                     self.lengthen(h, error, preferred, longest);
                     done = if last { span } else { done + h };
                 }

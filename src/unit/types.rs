@@ -1,7 +1,7 @@
 //! Units and enumerations of the interface.
 
 use crate::fmi2::table::{Enumeration, Item, UnitDefinition};
-use crate::variator::settings::{Axial, Drive, RingModel, StartState};
+use crate::variator::settings::{Axial, Drive, Mode, RingModel, StartState};
 
 const fn unit(name: &'static str, exponents: &'static [(&'static str, i32)]) -> UnitDefinition {
     UnitDefinition {
@@ -107,6 +107,24 @@ pub(super) static AXIAL: Enumeration = Enumeration {
     ],
 };
 
+/// `solver.mode`.
+pub(super) static MODE: Enumeration = Enumeration {
+    name: "Mode",
+    description: "How a run is integrated",
+    items: &[
+        item(
+            "Accurate",
+            Mode::Accurate as i32,
+            "Steps as the error control requires, each solved",
+        ),
+        item(
+            "RealTime",
+            Mode::RealTime as i32,
+            "One Jacobian and eight residuals a millisecond, whatever happens, with rounded laws; ring.model ALE0 or ALE",
+        ),
+    ],
+};
+
 /// `initial.found`.
 pub(super) static START_STATE: Enumeration = Enumeration {
     name: "StartState",
@@ -141,4 +159,4 @@ pub(super) static START_STATE: Enumeration = Enumeration {
 };
 
 /// Every enumeration that a variable uses.
-pub(super) static ENUMERATIONS: &[&Enumeration] = &[&RING_MODEL, &DRIVE, &AXIAL, &START_STATE];
+pub(super) static ENUMERATIONS: &[&Enumeration] = &[&RING_MODEL, &DRIVE, &AXIAL, &START_STATE, &MODE];

@@ -40,6 +40,8 @@ pub struct VariatorSystem {
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
+    /// Whether the derivatives of friction are those of secants: while such a Jacobian is formed.
+    secant: bool,
     assembly: Box<dyn Assembly>,
     /// Working memory.
     resultants: ResultantSlopes,
@@ -102,6 +104,7 @@ impl VariatorSystem {
             loads: Loads::constant(Boundary::HELD),
             parameters: parameters.clone(),
             friction_velocity: parameters.friction.velocity,
+            secant: false,
             assembly: assembly(parameters, &belt),
             resultants: ResultantSlopes::new(belt.layout.len()),
             belt: Arc::new(belt),
@@ -113,6 +116,7 @@ impl VariatorSystem {
     pub fn friction(&self) -> Friction {
         Friction {
             velocity: self.friction_velocity,
+            secant: self.secant,
             ..self.parameters.friction
         }
     }
@@ -131,6 +135,14 @@ impl VariatorSystem {
             }
         }
         loads
+    }
+
+    /// The Jacobian with friction by its secants from rest. Keeps no derivatives.
+    pub(crate) fn secant_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.secant = true;
+        self.jacobian(time, view, alpha, beta, out);
+        self.secant = false;
+        self.forget_derivatives();
     }
 
     /// Values at the stations of each group of cells.

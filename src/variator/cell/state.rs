@@ -73,6 +73,8 @@ pub(crate) struct CellState<T: Real> {
     pub inverse_length: T,
     /// Density ν.
     pub density: T,
+    /// ∂ν/∂t at fixed mesh points, 1/s; the ring's stretch aside.
+    pub density_rate: T,
     /// Difference of V across the cell, m/s.
     pub difference: T,
     /// Rate of the stack's lengthening, m/s.
@@ -127,11 +129,14 @@ impl<T: Real> CellState<T> {
         for station in slots.stations.iter_mut().flatten() {
             station.ring.strain_gradient = strain_gradient;
         }
+        let density = motion.amount * inverse_pitch_length;
+        let widening = place.length.d * theta_dot / length;
         Self {
             pitch_length,
             inverse_pitch_length,
             inverse_length,
-            density: motion.amount * inverse_pitch_length,
+            density,
+            density_rate: motion.amount_rate * inverse_pitch_length - density * widening,
             difference,
             lengthening: difference - carried,
             flow: through * inverse_length,
@@ -148,7 +153,17 @@ impl<T: Real> CellState<T> {
     /// Forces in the stack of the cell.
     #[inline(always)]
     pub fn stack(&self, law: &CellLaw) -> Stack<T> {
-        Stack::new(&law.chain, self.stack_arguments())
+        let mut stack = Stack::new(&law.chain, self.stack_arguments());
+        let settling = self.settling(law);
+        stack.push.force += settling;
+        stack.push.viscous += settling;
+        stack
+    }
+
+    /// Part of the push force that settles the stack, N.
+    #[inline(always)]
+    pub fn settling(&self, law: &CellLaw) -> T {
+        self.density_rate * law.settling
     }
 
     /// ∂V/∂ξ, 1/s.

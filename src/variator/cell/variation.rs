@@ -10,7 +10,7 @@
 use crate::chain::{ChainPoint, ChainVariation, Stack, Transport};
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation};
-use crate::scalar::{Lanes, Tangent};
+use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
@@ -79,7 +79,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         cell.density = given.motion.amount / cell.pitch_length;
         let arguments = cell.stack_arguments();
         let seeded = std::array::from_fn(|k| Tangent::<4>::seed(arguments[k], k, 1.0));
-        let Stack { push, collision, lag } = Stack::new(&given.law.chain, seeded);
+        let Stack {
+            mut push,
+            collision,
+            lag,
+        } = Stack::new(&given.law.chain, seeded);
+        push.force += Tangent::constant(cell.settling(given.law));
         let lag = if given.law.has_lag { lag.eps } else { [Lanes::zero(); 4] };
         let face = *slots.face();
         let mut this = Self {
@@ -256,9 +261,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let slopes = &self.stack[k];
             slopes[0] * arguments[0] + slopes[1] * arguments[1] + slopes[2] * arguments[2] + slopes[3] * arguments[3]
         });
+        let rate = (amount * self.slopes[0] - self.cell.density_rate * by.pitch_length) * inverse;
         StackVariation {
             density,
-            push,
+            push: push + rate * self.given.law.settling,
             collision,
             lag,
         }

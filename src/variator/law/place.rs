@@ -29,6 +29,9 @@ pub struct CellLaw {
     pub axes: PerPulley<f64>,
     /// Position of the sheaves along z.
     pub planes: PerPulley<SheavePlane>,
+    /// Force between elements per rate at which the density changes at fixed mesh points, N·s: it settles a stack over some
+    /// ticks of [`Mode::RealTime`](crate::variator::settings::Mode::RealTime), and vanishes in a steady state. Else zero.
+    pub settling: f64,
     /// Whether amounts leave with a lag. Not with one cell an element: what it depends on would leave the band of the
     /// matrix.
     pub has_lag: bool,
@@ -97,6 +100,8 @@ pub struct CellMotion<T: Real> {
     pub speed_dot: [T; 2],
     /// Amount N of elements, m.
     pub amount: T,
+    /// Ṅ, m/s.
+    pub amount_rate: T,
     /// Motion of the reference curve and drift of the ring.
     pub reference: ReferenceMotion<T>,
     /// The pulley this cell can touch.
@@ -119,6 +124,7 @@ impl<T: Real> CellMotion<T> {
             speed: [value(own), value(own + 1)],
             speed_dot: [rate(own), rate(own + 1)],
             amount: value(own + 2),
+            amount_rate: rate(own + 2),
             reference: ReferenceMotion {
                 theta: Motion {
                     value: position(theta),

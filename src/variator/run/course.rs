@@ -87,6 +87,16 @@ impl Course {
         if time < self.knee { self.ramp } else { self.rest }
     }
 
+    /// Mean of the inputs from one time to another, s.
+    pub fn mean(&self, [from, to]: [f64; 2]) -> Inputs {
+        let knee = self.knee.clamp(from, to);
+        let share = (knee - from) / (to - from);
+        Inputs::blend([
+            (share, self.ramp.at(0.5 * (from + knee))),
+            (1.0 - share, self.rest.at(0.5 * (knee + to))),
+        ])
+    }
+
     /// Until when they change alike, s.
     pub fn until(&self, time: f64) -> f64 {
         if time < self.knee { self.knee } else { f64::INFINITY }
@@ -120,6 +130,9 @@ mod tests {
             assert!((whole.knee - 2.01).abs() < 1e-12);
             assert!((whole.held(2.0).at(2.01).primary.torque - 30.0).abs() < 1e-9);
         }
+        let mean = |course: &Course| course.mean([2.0, 2.01]).primary.torque;
+        assert!((mean(&jump) - 30.0).abs() < 1e-9);
+        assert!((mean(&short) - 26.0).abs() < 1e-9);
         let given = course(4e-3, 100.0);
         assert_eq!((at(&given, 2.0), given.knee), (30.0, 2.0));
         assert!((at(&given, 2.01) - 31.0).abs() < 1e-9);

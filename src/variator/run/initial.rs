@@ -3,10 +3,10 @@
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::Settled;
-use crate::solver::newton::Newton;
+use crate::solver::newton::{Counts, Newton};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::run::course::Held;
-use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
+use crate::variator::run::course::{Course, Held};
+use crate::variator::run::soft_start::{LOAD_RAMP, SHARPENING, SoftStart};
 use crate::variator::run::variator::{InitialisationError, Variator, integrator};
 use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
 use crate::variator::settings::signals::{Inputs, StartState, Work};
@@ -54,7 +54,14 @@ impl Variator {
         self.start_state = self.find_state(time, inputs, &start)?;
         self.warn_of_held_sheaves();
         self.state.y_dot.fill(0.0);
+        if self.ticks.is_some() && self.soft_start.from == time {
+            self.clamp_before(time, inputs);
+        }
         self.held = Held::constant(time, inputs);
+        self.integrator.newton.counts = Counts::default();
+        if let Some(ticks) = &mut self.ticks {
+            ticks.counts = Counts::default();
+        }
         self.work = Work::default();
         self.apply();
         self.ledger = Ledger::open(&self.system, self.state.view());
@@ -65,6 +72,23 @@ impl Variator {
             self.ledger.last.belt_energy(&self.system.belt) + self.system.pulleys.energy(self.state.view());
         self.stale = true;
         Ok(())
+    }
+
+    /// Lets the clamping forces come in before a start without load in real time: a ring without tension is a mechanism, too rough
+    /// for ticks of bounded work. Torques come with the run.
+    fn clamp_before(&mut self, time: f64, inputs: &Inputs) {
+        let mut quiet = *inputs;
+        (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
+        self.time = time - SHARPENING;
+        self.soft_start.from = self.time;
+        let course = Course::new(0.0, [self.time, time], &quiet, &quiet, &Inputs::ZERO);
+        if let Err(stalled) = self.integrate_along(&course, time) {
+            self.log(true, format!("the belt was not clamped before the start: {stalled}"));
+        }
+        self.time = time;
+        self.soft_start = SoftStart::NONE;
+        self.soften();
+        self.system.forget_derivatives();
     }
 
     /// Moves an initial ratio beyond an end stop to the stop.

@@ -6,7 +6,7 @@
 pub const LOAD_RAMP: f64 = 2.0e-3;
 
 /// Time over which friction sharpens, s.
-const SHARPENING: f64 = 1.0e-2;
+pub const SHARPENING: f64 = 1.0e-2;
 
 /// v₀ that friction starts with, m/s, unless its own is larger.
 const SOFT_VELOCITY: f64 = 0.02;

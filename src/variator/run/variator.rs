@@ -2,15 +2,16 @@
 
 use crate::pulley::PerPulley;
 use crate::solver::State;
+use crate::solver::bounded::{Bounded, TICK};
 use crate::solver::newton::Counts;
-use crate::solver::sdirk::Sdirk;
+use crate::solver::sdirk::{Sdirk, Stalled};
 use crate::tape::Tape;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
 use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
 use crate::variator::run::soft_start::SoftStart;
 #[cfg(doc)]
 use crate::variator::settings::parameters::Solver;
-use crate::variator::settings::parameters::{Axial, Drive, Parameters};
+use crate::variator::settings::parameters::{Axial, Drive, Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState, Work};
 use crate::variator::settings::validation::ParameterError;
 use crate::variator::survey::belt_survey::Survey;
@@ -86,6 +87,8 @@ pub struct Variator {
     pub(super) system: VariatorSystem,
     pub(super) ledger: Ledger,
     pub(super) integrator: Sdirk,
+    /// Instead of the integrator, in real time.
+    pub(super) ticks: Option<Box<Bounded>>,
     pub(super) state: State,
     pub(super) time: f64,
     pub(super) soft_start: SoftStart,
@@ -129,26 +132,29 @@ pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
     integrator
 }
 
-/// Counts as outputs.
-fn work(counts: Counts) -> Work {
+/// Counts as outputs, with a defect in units of Newton's scale.
+fn work(counts: Counts, defect: f64) -> Work {
     let output = |count: u64| i32::try_from(count).unwrap_or(i32::MAX);
     Work {
         steps: output(counts.steps + counts.rejected + counts.failed),
         jacobians: output(counts.factorizations),
         residuals: output(counts.residuals),
+        defect,
     }
 }
 
 impl Variator {
-    /// A variator with these parameters, not yet initialised.
+    /// A variator with these parameters, not yet initialised. In real time those [in force](Parameters::in_force) differ.
     ///
     /// # Errors
     /// The first parameter that is out of its range.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         parameters.validate()?;
-        let system = VariatorSystem::new(&parameters);
+        let system = VariatorSystem::new(&parameters.in_force());
+        let in_real_time = system.parameters.solver.mode == Mode::RealTime;
         Ok(Self {
             integrator: integrator(&system),
+            ticks: in_real_time.then(|| Box::new(Bounded::new(&system))),
             state: State::zero(system.belt.layout.len()),
             ledger: Ledger::default(),
             system,
@@ -245,7 +251,27 @@ impl Variator {
         let ramp = self.system.parameters.solver.input_ramp;
         let course = Course::new(ramp, [from, to], &self.held.at(from), inputs, rates);
         self.stale = true;
-        let before = self.integrator.newton.counts;
+        let defect = if self.ticks.is_some() {
+            self.tick_along(&course, to)
+        } else {
+            let outcome = self.integrate_along(&course, to);
+            outcome.map_err(|stalled| StepError::Stalled {
+                from,
+                reached: stalled.time,
+                reason: stalled.to_string(),
+            })?
+        };
+        self.work = work(self.counts(), defect);
+        self.report_slip();
+        self.report_buckling();
+        self.hold_external();
+        Ok(())
+    }
+
+    /// Integrates to a time, s, with steps as the error control requires; returns what Newton's method left to change, as a share
+    /// of its tolerance.
+    pub(super) fn integrate_along(&mut self, course: &Course, to: f64) -> Result<f64, Stalled> {
+        self.integrator.newton.left = 0.0;
         while to - self.time >= SHORTEST_STEP {
             self.held = course.held(self.time);
             let piece = self.time + self.soft_start.piece(self.time);
@@ -258,20 +284,42 @@ impl Variator {
             let outcome = self.integrator.advance(&mut running, &mut self.state, self.time, end);
             if let Err(stalled) = outcome {
                 self.time = stalled.time;
-                return Err(StepError::Stalled {
-                    from,
-                    reached: stalled.time,
-                    reason: stalled.to_string(),
-                });
+                return Err(stalled);
             }
             self.time = end;
         }
         self.time = to;
-        self.work = work(self.integrator.newton.counts - before);
-        self.report_slip();
-        self.report_buckling();
-        self.hold_external();
-        Ok(())
+        Ok(self.integrator.newton.left)
+    }
+
+    /// Advances to a time, s, in ticks of bounded work, each under the mean of its inputs; returns the largest defect, as a share
+    /// of what accurate steps tolerate.
+    fn tick_along(&mut self, course: &Course, to: f64) -> f64 {
+        let from = self.time;
+        let count = ((to - from) / TICK - SHORTEST_STEP).ceil().max(1.0);
+        let length = (to - from) / count;
+        let mut ended = 0.0;
+        while ended < count {
+            ended += 1.0;
+            let end = if ended < count { from + ended * length } else { to };
+            self.held = Held::constant(self.time, &course.mean([self.time, end]));
+            self.apply();
+            let mut running = Running {
+                system: &mut self.system,
+                ledger: &mut self.ledger,
+            };
+            if let Some(ticks) = &mut self.ticks {
+                ticks.tick(&mut running, &mut self.state, end, end - self.time);
+            }
+            self.time = end;
+        }
+        self.held = course.held(to);
+        self.apply();
+        let defect = self
+            .ticks
+            .as_mut()
+            .map_or(0.0, |ticks| std::mem::take(&mut ticks.defect));
+        defect / NEWTON_TOLERANCE
     }
 
     /// Logs when the belt begins to slip through, and when it grips again.
@@ -349,6 +397,9 @@ impl Variator {
             tape.reals(values);
         }
         self.integrator.pass(tape);
+        if let Some(ticks) = &mut self.ticks {
+            ticks.pass(tape);
+        }
         self.system.pass(tape);
         let ledger = &mut self.ledger;
         let [torque_s, torque_p] = self.external_torque.each_mut();
@@ -381,10 +432,12 @@ impl Variator {
             steps,
             jacobians,
             residuals,
+            defect,
         } = &mut self.work;
         for count in [steps, jacobians, residuals] {
             tape.integer(count);
         }
+        tape.real(defect);
         tape.flag(&mut self.macro_slip);
         let mut start = self.start_state as i32;
         tape.integer(&mut start);
@@ -429,10 +482,14 @@ impl Variator {
         &self.state
     }
 
-    /// Work done since the start.
+    /// Work done since the start of the run.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        self.integrator.newton.counts
+        let mut counts = self.integrator.newton.counts;
+        if let Some(ticks) = &self.ticks {
+            counts += ticks.counts;
+        }
+        counts
     }
 
     /// Changes the two tunable friction coefficients.

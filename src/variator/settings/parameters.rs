@@ -7,6 +7,7 @@ use crate::pulley::Pulley;
 pub use crate::ring::Ring;
 pub use crate::ring::layers::Layers;
 pub use crate::shaft::ShaftDrag;
+use crate::solver::bounded::TICK;
 pub use crate::tilt::{RIGID_TILT_STIFFNESS, Tilt};
 
 /// Model of the ring inside the variator.
@@ -49,6 +50,17 @@ pub enum Axial {
     Force = 1,
     /// The sheave is held where the geometric ratio is the initial ratio.
     Held = 2,
+}
+
+/// How a run is integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum Mode {
+    /// Steps as the error control requires, each solved.
+    Accurate = 1,
+    /// A tick each millisecond that always takes the same work ([`bounded`](crate::solver::bounded)), with rounded laws
+    /// ([`Parameters::in_force`]). `ALE0` and `ALE`.
+    RealTime = 2,
 }
 
 /// Lag of a pulley's speed behind its set point in [`Drive::Speed`], s.
@@ -163,6 +175,8 @@ impl Mesh {
 /// Parameters of time integration, and of the inputs that drive it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solver {
+    /// How a run is integrated.
+    pub mode: Mode,
     /// Relative tolerance of the error control.
     pub tolerance: f64,
     /// Longest internal step, s.
@@ -171,6 +185,17 @@ pub struct Solver {
     /// −1: the whole communication step.
     pub input_ramp: f64,
 }
+
+/// Least regularisation speed of friction in real time, m/s: slip of a belt at 10 m/s grows by 2e-4 or less.
+pub const REAL_TIME_VELOCITY: f64 = 2.0e-3;
+
+/// Least roughness of the flanks in real time, m: as deep as they are pressed in, so that the edges of contact move by a
+/// share of their width in a tick.
+pub const REAL_TIME_ROUGHNESS: f64 = 1.0e-6;
+
+/// Share of the stack's stiffness that resists a change of density within a tick. With less, elements that close up
+/// overshoot into contact; a torque that flips moves the play over within some five ticks.
+const SETTLING: f64 = 0.2;
 
 /// State that a run starts from.
 #[derive(Clone, Debug, PartialEq)]
@@ -192,6 +217,27 @@ impl Parameters {
         match pulley {
             Pulley::Secondary => &self.secondary,
             Pulley::Primary => &self.primary,
+        }
+    }
+
+    /// The parameters of a run: in real time with rounded laws, so that a tick with one Jacobian gets near its solution. Friction
+    /// sets in over at least [`REAL_TIME_VELOCITY`], flanks touch over at least [`REAL_TIME_ROUGHNESS`].
+    #[must_use]
+    pub fn in_force(mut self) -> Self {
+        if self.solver.mode == Mode::RealTime {
+            self.friction.velocity = self.friction.velocity.max(REAL_TIME_VELOCITY);
+            self.contact.roughness = self.contact.roughness.max(REAL_TIME_ROUGHNESS);
+        }
+        self
+    }
+
+    /// What settles the stack of elements, N·s: zero but in real time, where a change of density that lasts for a tick takes
+    /// [`SETTLING`] of the force that the stack in contact would have.
+    #[must_use]
+    pub fn settling(&self) -> f64 {
+        match self.solver.mode {
+            Mode::Accurate => 0.0,
+            Mode::RealTime => SETTLING * self.belt.push_stiffness * TICK,
         }
     }
 
@@ -280,6 +326,7 @@ impl Default for Parameters {
                 velocity: 5.0e-4,
                 fall: 0.1,
                 fall_speed: 0.5,
+                secant: false,
             },
             contact: Contact {
                 stiffness: 6.0e10,
@@ -297,6 +344,7 @@ impl Default for Parameters {
                 cells_per_element: 2,
             },
             solver: Solver {
+                mode: Mode::Accurate,
                 tolerance: 1.0e-4,
                 max_step: 1.0e-2,
                 input_ramp: 1.0e-3,

@@ -57,6 +57,16 @@ impl Inputs {
         self.each_mut().map(|value| *value)
     }
 
+    /// The sum of the inputs, each times its share.
+    #[must_use]
+    pub(crate) fn blend(parts: [(f64, Self); 2]) -> Self {
+        let mut sum = Self::ZERO;
+        for (share, part) in parts {
+            sum = sum.after(share, &part);
+        }
+        sum
+    }
+
     /// The inputs after a time, s, in which they change at `rates`.
     #[must_use]
     pub fn after(mut self, time: f64, rates: &Self) -> Self {
@@ -202,8 +212,8 @@ impl StartState {
     }
 }
 
-/// What a communication step took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What a run took since its start, and what its last communication step left.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
     /// Steps of the integrator, those included that were refused.
     pub steps: i32,
@@ -211,6 +221,8 @@ pub struct Work {
     pub jacobians: i32,
     /// Residuals evaluated.
     pub residuals: i32,
+    /// What solutions were left to change by the next correction, as a share of what accurate steps tolerate.
+    pub defect: f64,
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs

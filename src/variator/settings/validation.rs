@@ -5,7 +5,7 @@
 //! what can't be meant, so they are wide: a limit case of theory is a legal variator.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, ratio_of_theta};
-use crate::variator::settings::parameters::{Parameters, PulleyParameters, RingModel};
+use crate::variator::settings::parameters::{Mode, Parameters, PulleyParameters, RingModel};
 use crate::variator::settings::signals::{Inputs, PulleyInputs};
 use std::f64::consts::PI;
 
@@ -281,6 +281,13 @@ impl Parameters {
                 "ring.referenceDirections",
                 true,
                 "false, unless ring.model is ALE and mesh.aligned is true",
+            ));
+        }
+        if self.solver.mode == Mode::RealTime && self.ring_model.travels() {
+            return Err(ParameterError::new(
+                "solver.mode",
+                f64::from(Mode::RealTime as i32),
+                "1 (Accurate), unless ring.model is ALE0 or ALE".to_string(),
             ));
         }
         if self.ring_elements == 0 || self.ring_elements >= FEWEST {

@@ -2,7 +2,7 @@
 
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::{Evolution, Interval};
+use crate::solver::sdirk::{Evolution, Interval, Quadrature};
 use crate::solver::{System, View};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::survey::belt_survey::{BeltSums, Survey};
@@ -109,8 +109,15 @@ impl Evolution for Running<'_> {
         way / drift
     }
 
+    fn secant_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+        self.system.secant_jacobian(time, view, alpha, beta, out);
+    }
+
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
-        let Interval { end, length: h } = interval;
+        let Interval { end, length: h, rule } = interval;
+        if rule == Quadrature::End {
+            return self.accumulate_at_end(before, after, interval);
+        }
         let loads = self.system.loads;
         let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| loads.at(time));
         let first = Powers::of(self.system, &at_start, before, &self.ledger.last.sums);
@@ -126,12 +133,7 @@ impl Evolution for Running<'_> {
             supplied += of_sheave.work;
             moved += of_sheave.work.abs();
             lost += of_sheave.damped + self.system.pulleys.tilt_loss_beyond_trapezoid(pulley, before, after, h);
-            // A shaft follows its set point in less than a step. The work on the pulley's own inertia is known.
-            if let ShaftMode::Setpoint(_) = at_end.shaft[pulley] {
-                let omega = self.system.belt.layout.shaft_speed(pulley);
-                let change = after.y[omega].powi(2) - before.y[omega].powi(2);
-                supplied += 0.5 * self.system.pulleys.parameters(pulley).inertia * change;
-            }
+            supplied += self.work_on_set_point(pulley, &at_end, before, after);
         }
         let ledger = &mut self.ledger;
         ledger.supplied += supplied;
@@ -147,6 +149,35 @@ struct SheaveWork {
 }
 
 impl Running<'_> {
+    /// The energies of a step by the powers at its end.
+    fn accumulate_at_end(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
+        let Interval { end, length: h, .. } = interval;
+        let boundary = self.system.loads.at(end);
+        self.ledger.last.update(self.system, after);
+        let powers = Powers::of(self.system, &boundary, after, &self.ledger.last.sums);
+        let forces = boundary.clamping_forces();
+        let (mut supplied, mut moved) = (h * powers.supplied, h * powers.moved);
+        for pulley in Pulley::BOTH {
+            let work = h * forces[pulley] * after.y[self.system.belt.layout.sheave(pulley)];
+            supplied += work + self.work_on_set_point(pulley, &boundary, before, after);
+            moved += work.abs();
+        }
+        self.ledger.supplied += supplied;
+        self.ledger.lost += h * powers.lost;
+        self.ledger.moved += moved;
+    }
+
+    /// Work on the own inertia of a pulley in speed drive: it follows its set point in less than a step, and this work is
+    /// known. Else zero.
+    fn work_on_set_point(&self, pulley: Pulley, boundary: &Boundary, before: View<'_>, after: View<'_>) -> f64 {
+        let ShaftMode::Setpoint(_) = boundary.shaft[pulley] else {
+            return 0.0;
+        };
+        let omega = self.system.belt.layout.shaft_speed(pulley);
+        let change = after.y[omega].powi(2) - before.y[omega].powi(2);
+        0.5 * self.system.pulleys.parameters(pulley).inertia * change
+    }
+
     /// A sheave's step response is shorter than a step, so its force's work and its damper's loss follow from Simpson's
     /// rule, with ż in the middle from the change of z: under a constant force the work is exact. `forces` are those at
     /// the start, in the middle and at the end.

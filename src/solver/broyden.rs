@@ -1,0 +1,93 @@
+//! Broyden's good update on kept factors, in the form of Kelley, Iterative Methods for Linear and Nonlinear Equations
+//! (1995), section 7.3: it needs the steps made so far and no matrix. Where a few rows have changed between sticking and
+//! sliding, the Jacobian has changed in rank by as few, which updates make good.
+
+/// A scaled step.
+#[derive(Clone, Debug)]
+struct Step {
+    entries: Vec<f64>,
+    /// Their squared 2-norm.
+    square: f64,
+}
+
+/// The steps of Broyden's method from one point on.
+#[derive(Clone, Debug)]
+pub(super) struct Broyden {
+    steps: Vec<Step>,
+    made: usize,
+}
+
+/// a·b, in as many sums as keep the processor's adders busy.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const SUMS: usize = 16;
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
+    let mut sums = [0.0; SUMS];
+    for (a, b) in a.iter().zip(b) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += a * b;
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+impl Broyden {
+    /// Memory for at most so many steps of so many unknowns.
+    pub fn new(steps: usize, unknowns: usize) -> Self {
+        let step = || Step {
+            entries: vec![0.0; unknowns],
+            square: 0.0,
+        };
+        Self {
+            steps: (0..steps).map(|_| step()).collect(),
+            made: 0,
+        }
+    }
+
+    /// Forgets the steps made so far: the next one is Newton's with the kept factors.
+    pub fn restart(&mut self) {
+        self.made = 0;
+    }
+
+    /// The next step, scaled, from the `correction` that the kept factors give at the present point, after whole steps.
+    ///
+    /// # Panics
+    /// After as many steps as there is memory for.
+    pub fn step(&mut self, correction: &[f64], scale: &[f64]) -> &[f64] {
+        let (earlier, rest) = self.steps.split_at_mut(self.made);
+        let Step { entries, square } = &mut rest[0];
+        for ((u, d), s) in entries.iter_mut().zip(correction).zip(scale) {
+            *u = -d / s;
+        }
+        for pair in earlier.windows(2) {
+            let along = dot(&pair[0].entries, entries) / pair[0].square;
+            for (u, next) in entries.iter_mut().zip(&pair[1].entries) {
+                *u += along * next;
+            }
+        }
+        if let Some(last) = earlier.last() {
+            let factor = 1.0 / (1.0 - dot(&last.entries, entries) / last.square);
+            entries.iter_mut().for_each(|u| *u *= factor);
+        }
+        *square = dot(entries, entries);
+        self.made += 1;
+        entries
+    }
+
+    fn last(&self) -> Option<&Step> {
+        self.made.checked_sub(1).map(|last| &self.steps[last])
+    }
+
+    /// Whether the last step is a number.
+    pub fn is_finite(&self) -> bool {
+        self.last().is_none_or(|step| step.square.is_finite())
+    }
+
+    /// Adds the last step to y.
+    pub fn add_to(&self, y: &mut [f64], scale: &[f64]) {
+        let Some(last) = self.last() else { return };
+        for ((y, u), s) in y.iter_mut().zip(&last.entries).zip(scale) {
+            *y += u * s;
+        }
+    }
+}
