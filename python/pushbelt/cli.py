@@ -42,7 +42,9 @@ def parser() -> argparse.ArgumentParser:
         metavar="NAME=VALUE",
         help="start value of a parameter or an input, in SI units; enumerations by name; may be given again",
     )
-    fmu.add_argument("--variator", metavar="NAME", help="parameter set that goes before, bench168 or belt155, or its file, ….json")
+    fmu.add_argument(
+        "--variator", metavar="NAME", help="parameter set that goes before, bench168 or belt155, or its file, ….json"
+    )
     fmu.add_argument("--fmu", type=Path, help="the FMU that is copied, instead of that of the package")
     text = "show where unpacked FMUs are kept, and how much it is"
     cache = commands.add_parser("cache", help=text, description=f"{text.capitalize()}.")
@@ -109,6 +111,9 @@ def write_fmu(options: argparse.Namespace) -> int:
     start_values.write_copy(fmu, options.copy, values)
     for remark in remarks:
         print(f"  the FMU warns: {remark}", file=sys.stderr)
+    if values:
+        # The library has its own defaults and reads no file: it is the importer that passes these on.
+        print("  they hold in importers that set the start values of the model description", file=sys.stderr)
     print(f"{options.copy.resolve()} ({len(values)} start values)")
     return 0
 

@@ -47,7 +47,7 @@ class SteadyStateError(RuntimeError):
 
 
 def start_values(parameters: Parameters) -> dict[str, Any]:
-    """Values of a published variator by its name, of a parameter set by its file (`….json`), or those that are given."""
+    """Values of a published variator by name, of a parameter set by its file (`….json`), or those that are given."""
     return dict(parameters) if isinstance(parameters, Mapping) else parameter_set(os.fspath(parameters))
 
 
@@ -57,24 +57,29 @@ class Variator:
         with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
             state = variator.step(0.01, {"primary.torque": 60.0, "secondary.torque": -85.0})
 
-    Names are those of the FMU's variables (`docs/variables.md`), units are SI: N·m, N, rad/s, m, W, s. Torques are external
-    torques on the shafts, positive in the direction of positive speed: an engine's is above 0, a load's below.
+    Names are those of the FMU's variables (`docs/variables.md`), units are SI: N·m, N, rad/s, m, W, s. Torques are
+    external torques on the shafts, positive in the direction of positive speed: an engine's is above 0, a load's below.
     """
 
-    def __init__(self, parameters: Parameters = "bench168", changes: Values | None = None, *, fmu: Path | None = None) -> None:
+    def __init__(
+        self, parameters: Parameters = "bench168", changes: Values | None = None, *, fmu: Path | None = None
+    ) -> None:
         """Makes a variator.
 
-        `parameters` is a published variator (`bench168`, `belt155`), the file of a parameter set, or a mapping of start values;
-        `changes` go over them. Start values of inputs hold until `step` sets others. Without `fmu`, the FMU is that of
-        the package.
+        `parameters` is a published variator (`bench168`, `belt155`), the file of a parameter set, or a mapping of start
+        values; `changes` go over them. Start values of inputs hold until `step` sets others. Without `fmu`, the FMU is
+        that of the package.
 
-        Raises StartValueError for a name or a value that the FMU doesn't take, OSError and ValueError for files that can't be read.
+        Raises StartValueError for a name or a value that the FMU doesn't take, OSError and ValueError for files that
+        can't be read.
         """
         self._unit = self._solver = None
         self._archive = cache.unpacked(Path(fmu) if fmu is not None else default_fmu())
         self.variables: Mapping[str, Any] = {v.name: v for v in self._archive.description.modelVariables}
         """The FMU's variables by name: each has `description`, `unit`, `min`, `max`, `start`, `causality`."""
-        described = {v.name: v.start for v in self.variables.values() if v.causality in SETTABLE and v.start is not None}
+        described = {
+            v.name: v.start for v in self.variables.values() if v.causality in SETTABLE and v.start is not None
+        }
         given = {**described, **start_values(parameters), **(changes or {})}
         self._values = checked(self.variables, given)
         self._unit = calls.Variator(self._archive, self._values)
@@ -158,10 +163,10 @@ class Variator:
 
     @property
     def outputs(self) -> NDArray[Any]:
-        """All communication points so far as a record array: `outputs["time"]` in s, `outputs["primary.speed"]` in rad/s, and so on.
+        """All communication points so far as a record array: `outputs["time"]` in s, `outputs["primary.speed"]` in rad/s.
 
-        Columns are the real inputs and outputs, stored and residual energy, and `macroSlip` as 0 or 1. A value of an input is
-        that at the end of the step before.
+        Columns are the real inputs and outputs, stored and residual energy, and `macroSlip` as 0 or 1. A value of an
+        input is that at the end of the step before.
         """
         names = ["time", *self._recorded.names, "macroSlip"]
         rows = np.array(self._rows) if self._rows else np.empty((0, len(names)))
@@ -189,11 +194,11 @@ class Variator:
     def steady(
         self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY
     ) -> SteadyState:
-        """The steady state at a geometric ratio r_S/r_P (1) and a primary torque (N·m). The run over time is left as it is.
+        """The steady state at a geometric ratio r_S/r_P (1) and a primary torque (N·m). The run over time stays as it is.
 
-        The primary pulley turns at `speed`, rad/s, less the slip; its sheave is held at the ratio. `force` is the secondary
-        clamping force, N: without it the one that carries the torque with a factor of `safety`, at least 4 kN. The state has
-        outputs by name, `profile`, and `load_torque`, the secondary torque that goes with it.
+        The primary pulley turns at `speed`, rad/s, less the slip; its sheave is held at the ratio. `force` is the
+        secondary clamping force, N: without it the one that carries the torque with a factor of `safety`, at least 4 kN.
+        The state has outputs by name, `profile`, and `load_torque`, the secondary torque that goes with it.
 
         Raises SteadyStateError where there is none, or where the belt slips through.
         """
@@ -218,11 +223,13 @@ class Variator:
             raise
         self._solver = solver
         if state["macroSlip"]:
-            raise SteadyStateError(f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}")
+            raise SteadyStateError(
+                f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}"
+            )
         return state
 
     def least_force(self, ratio: float, torque: float, safety: float = SAFETY) -> float:
-        """Secondary clamping force that carries a primary torque (N·m) at a ratio with a safety factor, at least 4 kN; N."""
+        """Secondary clamping force that carries a primary torque (N·m) with a safety factor, at least 4 kN; N."""
         values = self._values
         pitch_radius = curve_of(values, theta_of(ratio)).primary_radius - values["belt.pitchOffset"]
         friction, wedge_angle = values["friction.pulley"], values["geometry.wedgeAngle"]
@@ -243,14 +250,16 @@ class Variator:
     ) -> xarray.Dataset:
         """Steady states over geometric ratios (1) and primary torques (N·m), with speed and force as in `steady`.
 
-        A data set with the dimensions `ratio` and `torque`, a variable an output (`thrustRatio`, `slip`, `efficiency`, …; its
-        attributes `units` and `long_name` say what it is), `clampingForce` in N, and `reason`: why there is no steady state,
-        empty where there is one. Values are NaN there. A point takes some hundredths of a second. Needs `pushbelt[maps]`.
+        A data set with the dimensions `ratio` and `torque`, a variable an output (`thrustRatio`, `slip`, `efficiency`, …;
+        its attributes `units` and `long_name` say what it is), `clampingForce` in N, and `reason`: why there is no steady
+        state, empty where there is one. Values are NaN there. Needs `pushbelt[maps]`.
         """
         try:
             import xarray
         except ModuleNotFoundError as error:
-            raise ModuleNotFoundError("thrust_map needs xarray: pip install 'pushbelt[maps]'", name=error.name) from error
+            raise ModuleNotFoundError(
+                "thrust_map needs xarray: pip install 'pushbelt[maps]'", name=error.name
+            ) from error
 
         ratios, torques = np.array(list(ratios), dtype=float), np.array(list(torques), dtype=float)
         names = [*calls.output_names(self.variables.values()), "clampingForce"]

@@ -60,7 +60,9 @@ def test_the_wheel_holds_fmu_data_types_and_licences(wheel: Path, fmu: Path) -> 
         assert licences == {"LICENSE-MIT", "LICENSE-APACHE", "LICENSE-third-party.txt"}
         third_party = next(name for name in names if name.endswith("LICENSE-third-party.txt"))
         assert "\nfaer " in archive.read(third_party).decode()
-    code = {path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*") if "__pycache__" not in path.parts}
+    code = {
+        path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*") if "__pycache__" not in path.parts
+    }
     files = {name for name in code if (PACKAGE.parent / name).is_file()}
     assert files <= names, sorted(files - names)
     assert "pushbelt/py.typed" in names and not [name for name in names if "__pycache__" in name]
@@ -101,7 +103,9 @@ def declared() -> dict[str, set[str]]:
 
 
 def test_what_is_declared_is_tested(declared: dict[str, set[str]]) -> None:
-    locked = {re.split("[=;]", line)[0].strip() for line in LOCK.read_text(encoding="utf-8").splitlines() if line[0] != "#"}
+    locked = {
+        re.split("[=;]", line)[0].strip() for line in LOCK.read_text(encoding="utf-8").splitlines() if line[0] != "#"
+    }
     assert declared["all"] == set().union(*declared.values())
     assert declared["all"] <= locked
 

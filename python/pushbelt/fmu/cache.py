@@ -27,7 +27,8 @@ def clear() -> None:
 def unpacked(fmu: Path) -> Archive:
     """An FMU unpacked into the cache, unless it is there already. It stays there: don't remove the archive.
 
-    Raises OSError if the FMU can't be read or the cache can't be written, ValueError if it is no FMU or none for this machine.
+    Raises OSError if the FMU can't be read or the cache can't be written, ValueError if it is no FMU or none for this
+    machine.
     """
     place = folder() / hashlib.sha256(fmu.read_bytes()).hexdigest()[:16]
     if not place.is_dir():
@@ -35,7 +36,9 @@ def unpacked(fmu: Path) -> Archive:
     archive = Archive(place, fmpy.read_model_description(str(place)))
     binaries = sorted(path.name for path in (place / "binaries").glob("*"))
     if fmpy.platform not in binaries:
-        raise ValueError(f"{fmu} has no binary for {fmpy.platform}, as this machine needs, but for {', '.join(binaries)}")
+        raise ValueError(
+            f"{fmu} has no binary for {fmpy.platform}, as this machine needs, but for {', '.join(binaries)}"
+        )
     return archive
 
 

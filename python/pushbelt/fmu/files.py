@@ -16,13 +16,17 @@ NAME = "PushbeltVariator.fmu"
 
 
 def default_fmu() -> Path:
-    """The FMU that the environment variable `PUSHBELT_FMU` names, or the one in the wheel, or what the build leaves in `target`.
+    """The FMU that the environment variable `PUSHBELT_FMU` names, or the one in the wheel, or that in `target`.
 
     Raises FileNotFoundError where it is missing.
     """
     named = os.environ.get("PUSHBELT_FMU")
     path = Path(named) if named else DATA / NAME if DATA.is_dir() else TREE / "target" / NAME
     if not path.is_file():
-        why = "the environment variable PUSHBELT_FMU names it" if named else "in the source tree `cargo fmu build` makes it"
+        why = (
+            "the environment variable PUSHBELT_FMU names it"
+            if named
+            else "in the source tree `cargo fmu build` makes it"
+        )
         raise FileNotFoundError(f"there is no FMU at {path}; {why}")
     return path

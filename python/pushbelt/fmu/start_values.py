@@ -1,4 +1,4 @@
-"""Values that a user gives to variables of the FMU: checked against the variable table, and written into a copy of the FMU."""
+"""Values that a user gives to variables of the FMU: checked against its table, and written into a copy of it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class StartValueError(ValueError):
 def checked(
     variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE
 ) -> dict[str, float]:
-    """The values with the types of their variables. Text is read as a number, a truth value or the name of an enumeration's item.
+    """The values with the types of their variables. Text is a number, a truth value or the name of an enumeration's item.
 
     Raises StartValueError for a name that the FMU does not have, a wrong type, or a number out of range.
     """
@@ -95,7 +95,7 @@ def _item(variable: Any, value: Any) -> int:
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
-    """Writes a copy of an FMU whose model description has other start values, checked before. The copy is there whole or not at all."""
+    """Writes a copy of an FMU with other start values, checked before, in its model description: whole or not at all."""
     draft = copy.with_name(f"{copy.name}.part")
     try:
         with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:

@@ -102,8 +102,8 @@ class Variator:
         self._freed = False
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._record)
-        # fmpy hands the messages of all instances to the logger that was registered last: none may ever be freed, and the
-        # environment tells whose message it is.
+        # fmpy hands the messages of all instances to the logger that was registered last: none may ever be freed, and
+        # the environment tells whose message it is.
         self._callbacks.componentEnvironment = id(self.log)
         self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
