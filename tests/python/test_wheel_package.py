@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CHEAP
+from conftest import CHEAP, ROOT
 from fmpy.validation import validate_fmu
 
 import pushbelt
@@ -206,6 +206,14 @@ def test_the_map_holds_the_steady_states(belt: variator.Variator) -> None:
     assert all("no steady state" in text for text in found["reason"].sel(torque=900.0).values)
     assert (found["reason"].sel(torque=60.0) == "").all()
     assert found["primary.speed"].attrs == {"units": "rad/s", "long_name": "Speed of the primary pulley"}
+
+
+def test_the_program_of_the_page_prints_what_stands_there(fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    page = (ROOT / "docs" / "wheel.md").read_text(encoding="utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    exec(compile(program, "wheel.md", "exec"), {})  # noqa: S102
+    assert capsys.readouterr().out == re.search(r"It prints:\n\n```\n(.*?)```", page, re.DOTALL)[1]
 
 
 # Files

@@ -41,14 +41,21 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     lay_out(workspace, &fmu, &tree)?;
     let packed = tree.join("dist");
     let mut pip = environment.command();
-    pip.args(["-m", "pip", "--disable-pip-version-check", "wheel", "--quiet", "--no-deps"])
-        // The environment has the build backend already, of the version in the lock file.
-        .arg("--no-build-isolation")
-        .arg("--wheel-dir")
-        .arg(&packed)
-        .arg(&tree)
-        .env("SOURCE_DATE_EPOCH", DATE)
-        .env_remove("PYTHONPATH");
+    pip.args([
+        "-m",
+        "pip",
+        "--disable-pip-version-check",
+        "wheel",
+        "--quiet",
+        "--no-deps",
+    ])
+    // The environment has the build backend already, of the version in the lock file.
+    .arg("--no-build-isolation")
+    .arg("--wheel-dir")
+    .arg(&packed)
+    .arg(&tree)
+    .env("SOURCE_DATE_EPOCH", DATE)
+    .env_remove("PYTHONPATH");
     cargo::run(&mut pip)?;
 
     let output = arguments
@@ -94,6 +101,11 @@ fn only_file(folder: &Path) -> anyhow::Result<PathBuf> {
     for entry in fs::read_dir(folder).with_context(|| format!("can't read {}", folder.display()))? {
         found.push(entry?.path());
     }
-    ensure!(found.len() == 1, "{} holds {} files instead of one", folder.display(), found.len());
+    ensure!(
+        found.len() == 1,
+        "{} holds {} files instead of one",
+        folder.display(),
+        found.len()
+    );
     found.pop().context("there is one")
 }
