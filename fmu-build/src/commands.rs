@@ -18,6 +18,7 @@ pub mod paper;
 pub mod sweep;
 pub mod test;
 pub mod validate;
+pub mod wheel;
 
 /// Builds the FMU, installs the Python packages, and returns the command that starts a Python program with the FMU. Its
 /// results go to a folder of this name below the target directory.

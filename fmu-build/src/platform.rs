@@ -32,15 +32,19 @@ impl Platform {
     /// # Errors
     /// FMI 2.0 names no folder for it.
     pub fn host() -> anyhow::Result<Self> {
-        Self::of(std::env::consts::OS, usize::BITS)
+        Self::of(std::env::consts::OS, std::env::consts::ARCH)
     }
 
-    fn of(system: &str, bits: u32) -> anyhow::Result<Self> {
-        match (system, bits) {
-            ("linux", 64) => Ok(Self::LINUX64),
-            ("macos", 64) => Ok(Self::DARWIN64),
-            ("windows", 64) => Ok(Self::WIN64),
-            _ => bail!("FMI 2.0 has no folder for {bits}-bit binaries of {system}"),
+    fn of(system: &str, processor: &str) -> anyhow::Result<Self> {
+        match (system, processor) {
+            ("linux", "x86_64") => Ok(Self::LINUX64),
+            // Importers on Apple's own processors look in the same folder.
+            ("macos", "x86_64" | "aarch64") => Ok(Self::DARWIN64),
+            ("windows", "x86_64") => Ok(Self::WIN64),
+            _ => bail!(
+                "FMI 2.0 has no folder for binaries of {system} on {processor}; `cargo fmu build --portable` builds for linux64 \
+                 and win64, which are x86-64"
+            ),
         }
     }
 
@@ -56,10 +60,22 @@ mod tests {
 
     #[test]
     fn folders_are_those_of_the_standard() {
-        let linux = Platform::of("linux", 64).unwrap();
+        let linux = Platform::of("linux", "x86_64").unwrap();
         assert_eq!(linux.binary("Model"), "binaries/linux64/Model.so");
-        assert_eq!(Platform::of("macos", 64).unwrap().folder, "darwin64");
-        assert_eq!(Platform::of("windows", 64).unwrap().extension, "dll");
-        assert!(Platform::of("freebsd", 64).is_err());
+        assert_eq!(Platform::of("macos", "aarch64").unwrap().folder, "darwin64");
+        assert_eq!(Platform::of("windows", "x86_64").unwrap().extension, "dll");
+    }
+
+    #[test]
+    fn other_processors_are_refused_by_name() {
+        for (system, processor) in [
+            ("linux", "aarch64"),
+            ("linux", "x86"),
+            ("windows", "aarch64"),
+            ("freebsd", "x86_64"),
+        ] {
+            let refused = Platform::of(system, processor).unwrap_err().to_string();
+            assert!(refused.contains(&format!("{system} on {processor}")), "{refused}");
+        }
     }
 }

@@ -31,6 +31,12 @@ pub const BUILDING: Packages = Packages {
     folder: "venv-portable",
 };
 
+/// Needed to pack the Python package.
+pub const PACKING: Packages = Packages {
+    lock: "python/wheel-requirements.txt",
+    folder: "venv-wheel",
+};
+
 /// A copy of the lock file in the environment names what is installed there. It is written last: an interrupted
 /// installation has none.
 const STAMP: &str = "installed-requirements.txt";

@@ -86,6 +86,24 @@ impl Workspace {
     }
 }
 
+/// Copies a folder with all that is in it, but for what Python has compiled there.
+///
+/// # Errors
+/// A file can't be read or written.
+pub fn copy_tree(from: &Path, to: &Path) -> anyhow::Result<()> {
+    fs::create_dir_all(to).with_context(|| format!("can't make {}", to.display()))?;
+    for entry in fs::read_dir(from).with_context(|| format!("can't read {}", from.display()))? {
+        let entry = entry?;
+        let target = to.join(entry.file_name());
+        if !entry.file_type()?.is_dir() {
+            fs::copy(entry.path(), &target).with_context(|| format!("can't write {}", target.display()))?;
+        } else if entry.file_name() != "__pycache__" {
+            copy_tree(&entry.path(), &target)?;
+        }
+    }
+    Ok(())
+}
+
 fn metadata_command() -> MetadataCommand {
     let mut command = MetadataCommand::new();
     command.manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));

@@ -1,11 +1,51 @@
 """Python around the pushbelt FMU.
 
+- `Variator`: a variator over time and its steady states, for programs and notebooks; `cli`: the command `pushbelt`.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
 - `page`, `style`, `belt_picture`, `checks`, `progress`, `side_by_side`: what the reports share.
 - `theory`: what theories say, independent of the FMU.
-- `calibrate`, `demo`, `drive`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them imports another.
+- `calibrate`, `demo`, `drive`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them
+  imports another.
 """
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 from ._version import __version__
 
-__all__ = ["__version__"]
+if TYPE_CHECKING:
+    from .fmu.data import parameter_set
+    from .fmu.files import default_fmu
+    from .fmu.start_values import StartValueError
+    from .fmu.unit import UnitError
+    from .variator import SteadyStateError, Variator, VariatorWarning
+
+__all__ = [
+    "StartValueError",
+    "SteadyStateError",
+    "UnitError",
+    "Variator",
+    "VariatorWarning",
+    "__version__",
+    "default_fmu",
+    "parameter_set",
+]
+
+_MODULES = {
+    "StartValueError": "fmu.start_values",
+    "SteadyStateError": "variator",
+    "UnitError": "fmu.unit",
+    "Variator": "variator",
+    "VariatorWarning": "variator",
+    "default_fmu": "fmu.files",
+    "parameter_set": "fmu.data",
+}
+"""Loaded when they are asked for: processes of the programs import this package, but need not wait for all of it."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_MODULES[name]}", __name__), name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import math
 import os
 import shutil
@@ -24,7 +25,7 @@ from pushbelt.drive.control import (
     SafetyFactor,
     SlipControl,
 )
-from pushbelt.drive.cycle import PARTS, Cycle, nedc, wltc_class_3b
+from pushbelt.drive.cycle import PARTS, Cycle, CycleMissingError, nedc, wltc_class_3b
 from pushbelt.drive.driver import Driver
 from pushbelt.drive.hydraulics import PressureCircuit
 from pushbelt.drive.piecewise import clip, interpolate, interval
@@ -88,10 +89,21 @@ def test_cycle_is_wltc_class_3b() -> None:
 
 
 def test_cycle_is_nedc() -> None:
+    """The break points give the table of the package `wltp`, which begins with the end of the first second."""
     cycle = nedc()
     assert cycle.distance == pytest.approx(4052.0 + 6955.0, rel=1e-3)  # UN Regulation No. 83
     assert 3.6 * cycle.speed.max() == pytest.approx(120.0)
-    assert cycle.duration == 1179.0
+    assert cycle.duration == 1180.0
+    table = np.array(importlib.import_module("wltp.cycles.nedc").cycle_data()["cycle"])
+    found = [3.6 * cycle.at(1.0 + second) for second in range(len(table))]
+    assert found == pytest.approx(table, abs=1e-3)
+
+
+def test_without_its_table_the_wltc_says_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "wltp.cycles", None)
+    with pytest.raises(CycleMissingError, match=r"pip install --no-deps wltp==.*--cycle nedc"):
+        wltc_class_3b()
+    assert nedc().duration == 1180.0
 
 
 def test_section_starts_at_zero_and_at_standstill() -> None:

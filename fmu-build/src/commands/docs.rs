@@ -10,7 +10,7 @@ use crate::commands::describe;
 use crate::links::Site;
 use crate::mdbook::MdBook;
 use crate::progress;
-use crate::workspace::Workspace;
+use crate::workspace::{self, Workspace};
 
 /// Writes `target/book/`.
 ///
@@ -32,7 +32,7 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     progress::headline("Documenting the Rust API");
     cargo::run(cargo::command(workspace).args(["doc", "--workspace", "--no-deps", "--locked"]))?;
     let api = book.join("api");
-    copy(&workspace.target().join("doc"), &api)?;
+    workspace::copy_tree(&workspace.target().join("doc"), &api)?;
 
     progress::headline("Checking the links");
     let mut problems = Site::new(&book).check_all(&api)?;
@@ -60,18 +60,4 @@ fn pages(root: &Path) -> anyhow::Result<Vec<PathBuf>> {
     }
     pages.sort();
     Ok(pages)
-}
-
-fn copy(from: &Path, to: &Path) -> anyhow::Result<()> {
-    fs::create_dir_all(to).with_context(|| format!("can't make {}", to.display()))?;
-    for entry in fs::read_dir(from).with_context(|| format!("can't read {}", from.display()))? {
-        let entry = entry?;
-        let target = to.join(entry.file_name());
-        if entry.file_type()?.is_dir() {
-            copy(&entry.path(), &target)?;
-        } else {
-            fs::copy(entry.path(), &target).with_context(|| format!("can't write {}", target.display()))?;
-        }
-    }
-    Ok(())
 }

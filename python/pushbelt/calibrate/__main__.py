@@ -25,6 +25,7 @@ from typing import Any
 import fmpy
 
 from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.start_values import StartValueError, checked
 from pushbelt.fmu.unit import UnitError
 from pushbelt.progress import progress_bar
 
@@ -109,7 +110,7 @@ def main(arguments: list[str] | None = None) -> int:
         if options.table is None:
             raise TableError("name a table; --template FILE writes one to start from")
         return _run(options)
-    except (TableError, ParameterError, FitError, UnitError, OSError, json.JSONDecodeError) as error:
+    except (TableError, ParameterError, StartValueError, FitError, UnitError, OSError, json.JSONDecodeError) as error:
         print(f"The calibration failed: {error}", file=sys.stderr)
         return 1
 
@@ -117,10 +118,7 @@ def main(arguments: list[str] | None = None) -> int:
 def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
     """Parameters of the FMU that all points share, before anything is fitted."""
     values = {**parameter_set(options.variator), **(COARSE if options.short else {}), **dict(options.set)}
-    unknown = [name for name in values if name not in variables or variables[name].causality != "parameter"]
-    if unknown:
-        raise ParameterError(f"the FMU has no parameter {', '.join(unknown)}")
-    return {name: value if variables[name].type == "Real" else int(value) for name, value in values.items()}
+    return checked(variables, values, {"parameter"})
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -14,6 +14,7 @@ from pushbelt.fmu.unit import UnitError
 from . import report, runs, simulate
 
 FULL = {"wltc": runs.FULL, "nedc": runs.FULL_NEDC}
+SHORT = {"wltc": runs.SHORT, "nedc": runs.SHORT_NEDC}
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -22,7 +23,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the results")
     parser.add_argument("--short", action="store_true", help="30 s of the cycle, 10 s of close-up")
-    parser.add_argument("--cycle", choices=list(FULL), default="wltc", help="which cycle, unless short")
+    parser.add_argument("--cycle", choices=list(FULL), default="wltc", help="which cycle")
     parser.add_argument("--until", type=float, metavar="SECONDS", help="only the first seconds of the cycle")
     parser.add_argument(
         "--ring",
@@ -33,7 +34,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--variator", default=simulate.VARIATOR, help="parameter set, or its file, ….json")
     options = parser.parse_args(arguments)
     plan = dataclasses.replace(
-        runs.SHORT if options.short else FULL[options.cycle], ring=options.ring, variator=options.variator
+        (SHORT if options.short else FULL)[options.cycle], ring=options.ring, variator=options.variator
     )
     if options.until is not None:
         plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))

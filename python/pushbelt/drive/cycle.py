@@ -1,8 +1,8 @@
-"""The speed to follow: WLTC class 3b (UN Global Technical Regulation No. 15) or NEDC, read from the package `wltp`."""
+"""The speed to follow: WLTC class 3b (UN Global Technical Regulation No. 15), read from the package `wltp`, or NEDC."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -59,24 +59,46 @@ class Cycle:
         return Cycle(time - start, np.interp(time, self.time, self.speed), self.start + start)
 
 
-def wltc_class_3b() -> Cycle:
-    """The whole cycle, 1800 s in steps of 1 s."""
-    # Only the table is loaded: the rest of the package needs pandas.
-    from wltp.cycles import class3
+class CycleMissingError(ValueError):
+    """The speed trace of a cycle is not installed."""
 
-    return _by_seconds(class3.class_data_b()["cycle"])
+
+def wltc_class_3b() -> Cycle:
+    """The whole cycle, 1800 s in steps of 1 s.
+
+    Raises CycleMissingError where its table is not installed.
+    """
+    # Only the table is loaded. The package asks for a `jsonschema` that is too old for others, hence --no-deps.
+    try:
+        from wltp.cycles import class3
+    except ModuleNotFoundError as error:
+        raise CycleMissingError(
+            "the speed trace of the WLTC is in the package wltp (EUPL): pip install --no-deps wltp==0.1.2a0. "
+            "The NEDC needs no package: --cycle nedc"
+        ) from error
+
+    speed = np.array(class3.class_data_b()["cycle"], dtype=float) / 3.6
+    return Cycle(np.arange(len(speed), dtype=float), speed)
+
+
+URBAN = (
+    (0, 0), (11, 0), (15, 15), (23, 15), (25, 10), (28, 0), (49, 0), (54, 15), (56, 15), (61, 32), (85, 32), (93, 10),
+    (96, 0), (117, 0), (122, 15), (124, 15), (133, 35), (135, 35), (143, 50), (155, 50), (163, 35), (176, 35), (178, 32),
+    (185, 10), (188, 0), (195, 0),
+)  # fmt: skip
+"""Elementary urban cycle of UN Regulation No. 83, Annex 4: where the slope of the speed changes, s and km/h."""
+EXTRA_URBAN = (
+    (0, 0), (20, 0), (25, 15), (27, 15), (36, 35), (38, 35), (46, 50), (48, 50), (61, 70), (111, 70), (119, 50), (188, 50),
+    (201, 70), (251, 70), (286, 100), (316, 100), (336, 120), (346, 120), (362, 80), (370, 50), (380, 0), (400, 0),
+)  # fmt: skip
+"""Extra-urban cycle of the same regulation."""
 
 
 def nedc() -> Cycle:
-    """The New European Driving Cycle, 1180 s in steps of 1 s."""
-    from wltp.cycles import nedc as table
-
-    return _by_seconds(table.cycle_data()["cycle"])
-
-
-def _by_seconds(kilometres_per_hour: Sequence[float]) -> Cycle:
-    speed = np.array(kilometres_per_hour, dtype=float) / 3.6
-    return Cycle(np.arange(len(speed), dtype=float), speed)
+    """The New European Driving Cycle, 1180 s: four urban cycles and the extra-urban one."""
+    places = {float(start + time): kmh for start in (0, 195, 390, 585) for time, kmh in URBAN}
+    places |= {float(780 + time): kmh for time, kmh in EXTRA_URBAN}
+    return Cycle(np.array(list(places)), np.array(list(places.values()), dtype=float) / 3.6)
 
 
 CYCLES: Mapping[str, tuple[str, Callable[[], Cycle]]] = {

@@ -64,8 +64,9 @@ class Plan:
 
 FULL = Plan((0.0, 1800.0), (1478.0, 1598.0), snapshots=(20.0, 560.0, 1530.0, 1780.0))
 """The whole cycle; the first 120 s of its last part as close-up, with the launch and the largest torques."""
-FULL_NEDC = Plan((0.0, 1179.0), (780.0, 900.0), snapshots=(60.0, 850.0, 1110.0), trace="nedc")
+FULL_NEDC = Plan((0.0, 1180.0), (780.0, 900.0), snapshots=(60.0, 850.0, 1110.0), trace="nedc")
 SHORT = Plan((10.0, 40.0), (10.0, 20.0), snapshots=(18.0, 38.0))
+SHORT_NEDC = Plan((10.0, 40.0), (10.0, 20.0), snapshots=(18.0, 38.0), trace="nedc")
 
 
 @dataclass(frozen=True)

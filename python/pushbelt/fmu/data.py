@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from .files import RESOURCES
 from .geometry import Array, TwoPulleyCurve, theta_of
 from .results import BeltState, LoadCase
-
-RESOURCES = Path(__file__).parents[3] / "resources"
 
 
 def parameter_set(name: str) -> dict[str, float]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import fmpy
 import numpy as np
@@ -91,6 +91,9 @@ class State(NamedTuple):
 class Variator:
     """One instance of the FMU. A context manager: the instance is freed at its end."""
 
+    _logs: ClassVar[dict[int, list[Message]]] = {}
+    """Logs of the instances that are there, by what their messages carry along."""
+
     def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
         description = archive.description
         self.variables = {variable.name: variable for variable in description.modelVariables}
@@ -99,7 +102,10 @@ class Variator:
         self._freed = False
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._record)
-        # fmpy hands every message to the logger that was registered last: none may ever be freed.
+        # fmpy hands the messages of all instances to the logger that was registered last: none may ever be freed, and
+        # the environment tells whose message it is.
+        self._callbacks.componentEnvironment = id(self.log)
+        self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
         logging.addLoggerProxy(ctypes.byref(self._callbacks))
         self._slave = fmi2.FMU2Slave(
@@ -125,6 +131,7 @@ class Variator:
         """Frees the instance; it can't be used any more."""
         self._slave.freeInstance()
         self._freed = True
+        self._logs.pop(id(self.log), None)
 
     # Initialisation and steps
 
@@ -275,8 +282,10 @@ class Variator:
             errors = [message.text for message in self.log[before:] if message.status > fmi2.fmi2Warning]
             raise UnitError("; ".join(errors) or str(error)) from error
 
-    def _record(self, _environment: Any, _instance: Any, status: int, category: bytes, message: bytes) -> None:
-        self.log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
+    def _record(self, environment: int, _instance: Any, status: int, category: bytes, message: bytes) -> None:
+        log = self._logs.get(environment)
+        if log is not None:
+            log.append(Message(status, category.decode(), message.decode("utf-8", errors="replace")))
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:

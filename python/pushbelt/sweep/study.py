@@ -16,6 +16,7 @@ import fmpy
 
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import RingModel
+from pushbelt.fmu.start_values import checked
 
 from . import point as law
 from .point import Point, start_values
@@ -107,16 +108,10 @@ class Study:
     grid: Grid = DEFAULT
 
     def __post_init__(self) -> None:
-        for name, value in self.parameters.items():
-            variable = self.variables.get(name)
-            if variable is None or variable.causality != "parameter":
-                raise ValueError(f"the FMU has no parameter {name}")
-            if not math.isfinite(value) or (variable.type != "Real" and value != int(value)):
-                raise ValueError(f"{name} = {value} is no value of the type {variable.type}")
+        parameters = checked(self.variables, self.parameters, {"parameter"})
         if taken := self.parameters.keys() & start_values(self.parameters, self.grid.points()[0]).keys():
             raise ValueError(f"the points of a study set these themselves: {', '.join(sorted(taken))}")
-        typed = {n: v if self.variables[n].type == "Real" else int(v) for n, v in self.parameters.items()}
-        object.__setattr__(self, "parameters", typed)
+        object.__setattr__(self, "parameters", parameters)
 
     @cached_property
     def archive(self) -> bytes:

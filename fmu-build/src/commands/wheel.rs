@@ -1,0 +1,111 @@
+//! `cargo fmu wheel`: the Python package with the FMU inside, for people without Rust.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, ensure};
+use clap::Args;
+
+use crate::commands::build;
+use crate::python::{Environment, PACKING};
+use crate::workspace::{MODEL_IDENTIFIER, Workspace, copy_tree};
+use crate::{cargo, licenses, progress};
+
+/// 1 January 1980, the first day that an archive can tell: the bytes of a wheel don't depend on when it was built.
+const DATE: &str = "315532800";
+
+/// What goes into the wheel, and where it goes.
+#[derive(Args)]
+pub struct Arguments {
+    /// Pack this FMU instead of building the portable one (seconds); it has the binaries that it has
+    #[arg(long, value_name = "FILE.fmu")]
+    fmu: Option<PathBuf>,
+    /// Folder that the wheel is written to [default: target/wheels]
+    #[arg(long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// Builds the wheel and prints where it is.
+///
+/// # Errors
+/// The FMU doesn't build, or the package can't be packed.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    let fmu = match &arguments.fmu {
+        Some(fmu) => fmu.clone(),
+        None => build::run(workspace, &build::Arguments { portable: true })?,
+    };
+    let environment = Environment::prepare(workspace, &PACKING)?;
+    let _alone = workspace.lock("wheel")?;
+    progress::headline("Packing the Python package");
+    let tree = workspace.target().join("wheel");
+    lay_out(workspace, &fmu, &tree)?;
+    let packed = tree.join("dist");
+    let mut pip = environment.command();
+    pip.args([
+        "-m",
+        "pip",
+        "--disable-pip-version-check",
+        "wheel",
+        "--quiet",
+        "--no-deps",
+    ])
+    // The environment has the build backend already, of the version in the lock file.
+    .arg("--no-build-isolation")
+    .arg("--wheel-dir")
+    .arg(&packed)
+    .arg(&tree)
+    .env("SOURCE_DATE_EPOCH", DATE)
+    .env_remove("PYTHONPATH");
+    cargo::run(&mut pip)?;
+
+    let output = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| workspace.target().join("wheels"));
+    fs::create_dir_all(&output).with_context(|| format!("can't make {}", output.display()))?;
+    let wheel = only_file(&packed)?;
+    let path = output.join(wheel.file_name().context("a wheel has a name")?);
+    fs::copy(&wheel, &path).with_context(|| format!("can't write {}", path.display()))?;
+    let size = fs::metadata(&path)?.len().div_ceil(1024);
+    println!("{} ({size} kB)", path.display());
+    Ok(())
+}
+
+/// Lays out what the build backend packs: the package with FMU and published data inside, and the licences beside it.
+fn lay_out(workspace: &Workspace, fmu: &Path, tree: &Path) -> anyhow::Result<()> {
+    if tree.exists() {
+        fs::remove_dir_all(tree).with_context(|| format!("can't remove {}", tree.display()))?;
+    }
+    let (python, root) = (workspace.root().join("python"), workspace.root());
+    let data = tree.join("pushbelt").join("data");
+    copy_tree(&python.join("pushbelt"), &tree.join("pushbelt"))?;
+    copy_tree(&root.join("resources"), &data.join("resources"))?;
+    let copy = |from: &Path, to: &Path| {
+        fs::copy(from, to)
+            .map(drop)
+            .with_context(|| format!("can't copy {} to {}", from.display(), to.display()))
+    };
+    copy(fmu, &data.join(format!("{MODEL_IDENTIFIER}.fmu")))?;
+    copy(&python.join("pyproject.toml"), &tree.join("pyproject.toml"))?;
+    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        copy(&root.join(license), &tree.join(license))?;
+    }
+    let third_party = licenses::third_party(&workspace.packages()?)?;
+    let path = tree.join("LICENSE-third-party.txt");
+    fs::write(&path, third_party).with_context(|| format!("can't write {}", path.display()))
+}
+
+/// The one file of a folder.
+fn only_file(folder: &Path) -> anyhow::Result<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("can't read {}", folder.display()))? {
+        found.push(entry?.path());
+    }
+    ensure!(
+        found.len() == 1,
+        "{} holds {} files instead of one",
+        folder.display(),
+        found.len()
+    );
+    found.pop().context("there is one")
+}

@@ -1,0 +1,136 @@
+"""The command `pushbelt`: the programs with the FMU of the package, FMUs with a user's start values, and the cache."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ._version import __version__
+
+PROGRAMS = {
+    "demo": ("load cases, a published steady state and a manoeuvre of 10 s, and a report", "reports"),
+    "drive": ("a car on the WLTC or the NEDC, and a report", "reports"),
+    "sweep": ("maps of steady states over ratio, torque, friction and speed, and a report", "sweep"),
+    "validate": ("the FMU beside theory and measurements, and a report", "reports"),
+    "calibrate": ("parameters from a table of measured points, and a report", "reports"),
+}
+"""What each does, and the extra that has the packages it needs."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line, without the options of the programs."""
+    found = argparse.ArgumentParser(
+        prog="pushbelt",
+        description="A pushbelt CVT variator as an FMU. `pushbelt COMMAND --help` lists the options of a command.",
+        epilog="Programs run the FMU of this package unless --fmu names another, and write to pushbelt-COMMAND unless "
+        "--output names another folder.",
+    )
+    found.add_argument("--version", action="version", version=f"pushbelt {__version__}")
+    commands = found.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, (text, _) in PROGRAMS.items():
+        commands.add_parser(name, help=text, add_help=False)
+    text = "write the FMU to a file, with start values of your own"
+    fmu = commands.add_parser("fmu", help=text, description=f"{text.capitalize()} in its model description.")
+    fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="the file that is written")
+    fmu.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="start value of a parameter or an input, in SI units; enumerations by name; may be given again",
+    )
+    fmu.add_argument(
+        "--variator", metavar="NAME", help="parameter set that goes before, bench168 or belt155, or its file, ….json"
+    )
+    fmu.add_argument("--fmu", type=Path, help="the FMU that is copied, instead of that of the package")
+    text = "show where unpacked FMUs are kept, and how much it is"
+    cache = commands.add_parser("cache", help=text, description=f"{text.capitalize()}.")
+    cache.add_argument("--clear", action="store_true", help="remove them")
+    return found
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs a command and returns its exit code."""
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    if arguments and arguments[0] in PROGRAMS:
+        return run_program(arguments[0], arguments[1:])
+    options = parser().parse_args(arguments)
+    try:
+        return {"fmu": write_fmu, "cache": show_cache}[options.command](options)
+    except (OSError, ValueError) as error:
+        print(f"pushbelt {options.command}: {error}", file=sys.stderr)
+        return 1
+
+
+def run_program(name: str, arguments: list[str]) -> int:
+    """Runs a program with the FMU of the package and a folder of its own, unless the arguments name others."""
+    from .fmu.files import default_fmu
+
+    extra = PROGRAMS[name][1]
+    try:
+        if not any(word == "--fmu" or word.startswith("--fmu=") for word in arguments):
+            arguments = ["--fmu", str(default_fmu()), *arguments]
+        program = importlib.import_module(f"{__package__}.{name}.__main__")
+        return program.main(["--output", f"pushbelt-{name}", *arguments])
+    except FileNotFoundError as error:
+        print(f"pushbelt {name}: {error}", file=sys.stderr)
+    except ModuleNotFoundError as error:
+        print(f"pushbelt {name} needs the package {error.name}: pip install 'pushbelt[{extra}]'", file=sys.stderr)
+    return 1
+
+
+def write_fmu(options: argparse.Namespace) -> int:
+    """`pushbelt fmu`: checks the values against the variable table and on the FMU itself, and writes the copy."""
+    import fmpy
+
+    from .fmu import cache, start_values
+    from .fmu.data import parameter_set
+    from .fmu.files import default_fmu
+    from .fmu.unit import UnitError, Variator
+
+    if options.copy.suffix != ".fmu":
+        raise ValueError(f"{options.copy} does not end in .fmu: importers would not take it")
+    fmu = options.fmu or default_fmu()
+    variables = {variable.name: variable for variable in fmpy.read_model_description(str(fmu)).modelVariables}
+    given = parameter_set(options.variator) if options.variator else {}
+    for text in options.set:
+        name, separator, value = text.partition("=")
+        if not separator:
+            raise ValueError(f"--set {text} is not of the form NAME=VALUE")
+        given[name.strip()] = value.strip()
+    values = start_values.checked(variables, given)
+    try:
+        with Variator(cache.unpacked(fmu), values) as unit:
+            unit.initialise()
+            remarks = unit.warnings
+    except UnitError as error:
+        raise ValueError(f"the FMU refuses these values: {error}") from error
+    start_values.write_copy(fmu, options.copy, values)
+    for remark in remarks:
+        print(f"  the FMU warns: {remark}", file=sys.stderr)
+    if values:
+        # The library has its own defaults and reads no file: it is the importer that passes these on.
+        print("  they hold in importers that set the start values of the model description", file=sys.stderr)
+    print(f"{options.copy.resolve()} ({len(values)} start values)")
+    return 0
+
+
+def show_cache(options: argparse.Namespace) -> int:
+    """`pushbelt cache`."""
+    from .fmu import cache
+
+    folder = cache.folder()
+    size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else 0
+    if options.clear:
+        cache.clear()
+        print(f"{folder} is removed ({size / 1e6:.1f} MB)")
+    else:
+        print(f"{folder} ({size / 1e6:.1f} MB)")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,117 @@
+"""Values that a user gives to variables of the FMU: checked against its table, and written into a copy of it."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import zipfile
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+DESCRIPTION = "modelDescription.xml"
+SETTABLE = ("parameter", "input")
+"""Causalities of variables that have a start value to set."""
+
+
+class StartValueError(ValueError):
+    """A value that the FMU can't take; the text names the variable and says why."""
+
+
+def checked(
+    variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE
+) -> dict[str, float]:
+    """The values with the types of their variables. Text is a number, a truth value or the name of an enumeration's item.
+
+    Raises StartValueError for a name that the FMU does not have, a wrong type, or a number out of range.
+    """
+    return {name: _value(_variable(variables, name, causalities), value) for name, value in values.items()}
+
+
+def _variable(variables: Mapping[str, Any], name: str, causalities: Collection[str]) -> Any:
+    variable = variables.get(name)
+    if variable is not None and variable.causality in causalities:
+        return variable
+    wanted = f"the FMU has no {' or '.join(causalities)} {name}"
+    if variable is not None:
+        raise StartValueError(f"{wanted}: that is of the kind {variable.causality}")
+    settable = [other.name for other in variables.values() if other.causality in causalities]
+    near = difflib.get_close_matches(name, settable, n=3)
+    raise StartValueError(f"{wanted}; near it are {', '.join(near)}" if near else wanted)
+
+
+def _value(variable: Any, value: Any) -> float:
+    readers = {"Real": _real, "Integer": _integer, "Boolean": _truth, "Enumeration": _item}
+    if variable.type not in readers:
+        raise StartValueError(f"{variable.name} is of the type {variable.type}: it can't be set")
+    found = readers[variable.type](variable, value)
+    low = -math.inf if variable.min is None else float(variable.min)
+    high = math.inf if variable.max is None else float(variable.max)
+    if found < low or found > high:
+        unit = f" {variable.unit}" if variable.unit not in (None, "1") else ""
+        raise StartValueError(f"{variable.name} = {found:g}{unit} is out of its range, {low:g} to {high:g}{unit}")
+    return found
+
+
+def _real(variable: Any, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise StartValueError(f"{variable.name} = {value!r} is no number") from None
+    if not math.isfinite(number):
+        raise StartValueError(f"{variable.name} = {value!r} is not finite")
+    return number
+
+
+def _integer(variable: Any, value: Any) -> int:
+    number = _real(variable, value)
+    if number != int(number):
+        raise StartValueError(f"{variable.name} = {value!r} is no whole number")
+    return int(number)
+
+
+def _truth(variable: Any, value: Any) -> bool:
+    words = {"true": True, "1": True, "1.0": True, "false": False, "0": False, "0.0": False}
+    truth = words.get(str(value).strip().lower())
+    if truth is None:
+        raise StartValueError(f"{variable.name} = {value!r} is neither true nor false")
+    return truth
+
+
+def _item(variable: Any, value: Any) -> int:
+    items = {item.name: int(item.value) for item in variable.declaredType.items}
+    if value in items:
+        return items[value]
+    known = ", ".join(f"{name} ({number})" for name, number in items.items())
+    try:
+        number = _integer(variable, value)
+    except StartValueError:
+        number = None
+    if number not in items.values():
+        raise StartValueError(f"{variable.name} = {value!r} is none of {known}")
+    return number
+
+
+def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
+    """Writes a copy of an FMU with other start values, checked before, in its model description: whole or not at all."""
+    draft = copy.with_name(f"{copy.name}.part")
+    try:
+        with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:
+            for entry in source.infolist():
+                content = source.read(entry)
+                target.writestr(entry, _described(content, values) if entry.filename == DESCRIPTION else content)
+        draft.replace(copy)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _described(xml: bytes, values: Mapping[str, float]) -> bytes:
+    """A model description with other start values."""
+    root = etree.fromstring(xml)
+    variables = {variable.get("name"): variable for variable in root.iter("ScalarVariable")}
+    for name, value in values.items():
+        (kind,) = (child for child in variables[name] if child.tag != "Annotations")
+        kind.set("start", str(value).lower() if isinstance(value, bool) else repr(value))
+    return etree.tostring(root, xml_declaration=True, encoding="UTF-8")

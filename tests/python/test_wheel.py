@@ -1,0 +1,222 @@
+"""The wheel: what is in it, and that an environment without Rust runs it and is clean again after it."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+PACKAGE = ROOT / "python" / "pushbelt"
+LOCK = ROOT / "python" / "requirements.txt"
+EXTRA_OF = {
+    "calibrate": "reports",
+    "demo": "reports",
+    "drive": "reports",
+    "paper": "reports",
+    "sweep": "sweep",
+    "validate": "reports",
+}
+BY_HAND = {"wltp", "pythonfmu", "ecospy", "libcosimpy", "tbb"}
+"""What docs/wheel.md has a line for: the WLTC's table, and the co-simulation of the source tree."""
+
+
+@pytest.fixture(scope="module")
+def wheel(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel with the FMU under test: the portable one takes minutes to build."""
+    cargo = os.environ.get("CARGO") or shutil.which("cargo")
+    if cargo is None:
+        pytest.skip("cargo is not on the path: the wheel can't be built")
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [cargo, "fmu", "wheel", "--fmu", fmu, "--output", folder]
+    # What `cargo fmu test` sets for itself would let the tool look for its workspace elsewhere.
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("CARGO_PKG")}
+    subprocess.run(command, cwd=ROOT, env=clean, check=True, capture_output=True)
+    (path,) = folder.glob("*.whl")
+    return path
+
+
+def test_the_wheel_holds_fmu_data_types_and_licences(wheel: Path, fmu: Path) -> None:
+    version = re.search('"(.*)"', (PACKAGE / "_version.py").read_text(encoding="utf-8").split("=")[1])[1]
+    assert wheel.name == f"pushbelt-{version}-py3-none-any.whl"
+    with zipfile.ZipFile(wheel) as archive:
+        names = set(archive.namelist())
+        assert archive.read("pushbelt/data/PushbeltVariator.fmu") == fmu.read_bytes()
+        metadata = archive.read(f"pushbelt-{version}.dist-info/METADATA").decode()
+        assert "License-Expression: MIT OR Apache-2.0" in metadata
+        resources = {path.relative_to(ROOT).as_posix() for path in (ROOT / "resources").rglob("*") if path.is_file()}
+        assert {f"pushbelt/data/{name}" for name in resources} <= names
+        for path in resources:
+            assert archive.read(f"pushbelt/data/{path}") == (ROOT / path).read_bytes()
+        licences = {Path(name).name for name in names if "/licenses/" in name}
+        assert licences == {"LICENSE-MIT", "LICENSE-APACHE", "LICENSE-third-party.txt"}
+        third_party = next(name for name in names if name.endswith("LICENSE-third-party.txt"))
+        assert "\nfaer " in archive.read(third_party).decode()
+    code = {
+        path.relative_to(PACKAGE.parent).as_posix() for path in PACKAGE.rglob("*") if "__pycache__" not in path.parts
+    }
+    files = {name for name in code if (PACKAGE.parent / name).is_file()}
+    assert files <= names, sorted(files - names)
+    assert "pushbelt/py.typed" in names and not [name for name in names if "__pycache__" in name]
+
+
+# Dependencies
+
+
+def imported(paths: Iterable[Path]) -> set[str]:
+    """Packages that modules import, but for those of Python and of this project."""
+    found = set()
+    for path in paths:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+                found.add(node.module.partition(".")[0])
+    return found - set(sys.stdlib_module_names) - {"pushbelt"}
+
+
+@pytest.fixture(scope="module")
+def declared() -> dict[str, set[str]]:
+    """What the package asks for, by extra, and without one as `base`. Extras of extras are resolved."""
+    tomllib = pytest.importorskip("tomllib", reason="Python 3.10 has no tomllib")
+    project = tomllib.loads((ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lists = {"base": project["dependencies"], **project["optional-dependencies"]}
+
+    def resolved(name: str) -> set[str]:
+        found = set()
+        for text in lists[name]:
+            if own := re.fullmatch(r"pushbelt\[(.*)\]", text):
+                found |= set().union(*(resolved(extra.strip()) for extra in own[1].split(",")))
+            else:
+                found.add(re.match(r"[\w.-]+", text)[0])
+        return found
+
+    return {name: resolved(name) | resolved("base") for name in lists}
+
+
+def test_what_is_declared_is_tested(declared: dict[str, set[str]]) -> None:
+    locked = {
+        re.split("[=;]", line)[0].strip() for line in LOCK.read_text(encoding="utf-8").splitlines() if line[0] != "#"
+    }
+    assert declared["all"] == set().union(*declared.values())
+    assert declared["all"] <= locked
+
+
+def test_stepping_loads_nothing_heavy(declared: dict[str, set[str]]) -> None:
+    code = """
+import sys, pushbelt
+with pushbelt.Variator({"ring.model": "ALE0"}) as variator:
+    variator.step(1e-3)
+print(*sorted({name.partition(".")[0] for name in sys.modules}))
+"""
+    done = subprocess.run([sys.executable, "-c", code], env=with_source(), capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    heavy = declared["all"] - declared["base"]
+    assert {"matplotlib", "distributed", "scipy", "xarray"} <= heavy
+    # fmpy loads jinja2.
+    assert loaded & heavy <= {"jinja2"}
+    assert {"fmpy", "numpy", "platformdirs"} <= loaded
+
+
+def with_source() -> dict[str, str]:
+    """The environment, with the package of the source tree."""
+    return {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+
+
+@pytest.mark.parametrize("program", EXTRA_OF)
+def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str, set[str]]) -> None:
+    shared = [path for path in PACKAGE.glob("*.py") if path.name not in ("variator.py", "cli.py")]
+    needed = imported([*shared, *(PACKAGE / "fmu").rglob("*.py"), *(PACKAGE / program).rglob("*.py")])
+    assert needed - declared[EXTRA_OF[program]] - BY_HAND == set()
+
+
+# In an environment without Rust
+
+
+@pytest.fixture(scope="module")
+def place(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with an environment that has the wheel and what it asks for, of the tested versions, and a home of its own."""
+    folder = tmp_path_factory.mktemp("installed")
+    subprocess.run([sys.executable, "-m", "venv", folder / "venv"], check=True)
+    pip(folder, "install", str(wheel))
+    return folder
+
+
+def tool(folder: Path, name: str) -> Path:
+    """A program of the environment."""
+    return folder / "venv" / ("Scripts" if os.name == "nt" else "bin") / name
+
+
+def pip(folder: Path, *arguments: str) -> None:
+    """Runs pip there, with the versions of the lock file."""
+    versions = ["--constraint", str(LOCK)] if arguments[0] == "install" else []
+    command = [tool(folder, "python"), "-m", "pip", "--quiet", "--disable-pip-version-check", *arguments, *versions]
+    clean = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PUSHBELT_FMU")}
+    subprocess.run(command, env=clean, check=True, capture_output=True, text=True)
+
+
+def run(folder: Path, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Runs a program of the environment with an empty search path and a home of its own."""
+    home = folder / "home"
+    home.mkdir(exist_ok=True)
+    keep = {name: os.environ[name] for name in ("SYSTEMROOT", "TEMP") if name in os.environ}
+    clean = {**keep, "PATH": "", "HOME": str(home), "LOCALAPPDATA": str(home)}
+    return subprocess.run([tool(folder, name), *arguments], cwd=folder, env=clean, capture_output=True, text=True)
+
+
+def test_a_plain_installation_steps_the_variator(place: Path) -> None:
+    code = """
+import pathlib, pushbelt
+with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
+    for step in range(20):
+        state = variator.step(1e-3, {"primary.clampingForce": 9e3})
+print(pathlib.Path(pushbelt.__file__).parts[-2], variator.outputs["ratio.geometric"][0], state["ratio.geometric"])
+"""
+    done = run(place, "python", "-c", code)
+    assert done.returncode == 0, done.stderr
+    folder, first, last = done.stdout.split()
+    assert folder == "pushbelt"
+    assert float(first) == pytest.approx(1.5, abs=1e-6)
+    assert float(last) > float(first)
+
+
+def test_it_writes_an_fmu_with_start_values(place: Path) -> None:
+    done = run(place, "pushbelt", "fmu", "own.fmu", "--variator", "belt155", "--set", "ring.model=ALE0")
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(place / "own.fmu") as archive:
+        text = archive.read("modelDescription.xml").decode()
+    assert re.search(r'name="geometry.centerDistance".*?<Real[^>]*start="0.155"', text, re.DOTALL)
+
+
+def test_what_is_missing_is_named_and_then_the_demo_runs(place: Path, wheel: Path) -> None:
+    done = run(place, "pushbelt", "demo", "--short")
+    assert done.returncode == 1
+    assert re.fullmatch(r"pushbelt demo needs the package \w+: pip install 'pushbelt\[reports\]'\n", done.stderr)
+    pip(place, "install", f"{wheel}[reports]")
+    done = run(place, "pushbelt", "demo", "--short")
+    assert done.returncode == 0, done.stderr
+    assert (place / "pushbelt-demo" / "report.html").is_file()
+    done = run(place, "pushbelt", "drive", "--short")
+    assert done.returncode == 1
+    assert "pip install --no-deps wltp" in done.stderr and "--cycle nedc" in done.stderr
+
+
+def test_nothing_is_left_after_its_removal(place: Path) -> None:
+    def left(folder: Path) -> list[Path]:
+        return [path for path in folder.rglob("*pushbelt*") if "pushbelt-demo" not in path.parts]
+
+    run(place, "pushbelt", "fmu", "own.fmu")
+    assert left(place / "home") and left(place / "venv")
+    done = run(place, "pushbelt", "cache", "--clear")
+    assert done.returncode == 0 and "is removed" in done.stdout
+    assert not left(place / "home")
+    pip(place, "uninstall", "--yes", "pushbelt")
+    assert not left(place / "venv")

@@ -1,0 +1,74 @@
+"""The examples around `pushbelt.Variator`: the notebook, and the car."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import nbformat
+import numpy as np
+import pytest
+from conftest import ROOT
+from nbclient import NotebookClient
+
+
+def test_the_notebook_runs_from_start_to_end(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "python"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    book = nbformat.read(ROOT / "examples" / "notebook.ipynb", as_version=4)
+    assert not any(cell.get("outputs") for cell in book.cells), "it is kept without outputs"
+    NotebookClient(book, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    outputs = [output for cell in book.cells if cell.cell_type == "code" for output in cell.outputs]
+    said = "".join(output.text for output in outputs if output.output_type == "stream" and output.name == "stdout")
+    before, after = said.split("\nratio ")[1].splitlines()[0].split(" -> ")
+    assert float(before) == pytest.approx(1.5, abs=1e-3)
+    assert float(after) < 1.2
+    assert 1.0 < float(said.split("45 N·m: ")[1]) < 1.4
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
+    assert not [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"]
+
+
+@pytest.fixture(scope="module")
+def car() -> ModuleType:
+    """The example, as a module."""
+    specification = importlib.util.spec_from_file_location("car", ROOT / "examples" / "drivetrain" / "car.py")
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def outside(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to run an example in, with the FMU under test and a cache of its own."""
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_car_launches_shifts_and_stops(car: ModuleType, outside: Path) -> None:
+    run = car.main()
+    time, torque, ratio = run["time"], run["primary.torque"], run["ratio.geometric"]
+    speed = 3.6 * car.LEVER * run["secondary.speed"]
+    assert speed[0] == 0.0 and 45.0 < speed.max() < 60.0
+    assert np.abs(speed[time > 21.5]).max() < 0.01
+    # Driving, overrun after the tip-out, driving again after the tip-in, overrun while braking.
+    at = lambda moment: float(np.interp(moment, time, torque))  # noqa: E731
+    assert [np.sign(at(moment)) for moment in (5.0, 10.5, 13.5, 17.0)] == [1.0, -1.0, 1.0, -1.0]
+    assert ratio[time < 4.0] == pytest.approx(2.2, rel=0.03)
+    assert ratio.min() < 0.55 and ratio[-1] > 2.1
+    # The clutch does not chatter and the belt does not slip through.
+    assert np.abs(np.diff(torque)).max() < 10.0
+    assert not run["macroSlip"].any()
+    assert (outside / "car.png").stat().st_size > 10_000
+
+
+def test_a_clutch_with_too_steep_a_law_chatters(car: ModuleType, outside: Path) -> None:
+    """What the rule for inertias outside guards against; until the clutch locks both are calm."""
+    run = car.main(naive=True, end=3.0)
+    changes = np.abs(np.diff(run["primary.torque"]))
+    assert changes[run["time"][1:] < 2.0].max() < 10.0
+    assert changes.max() > 200.0

@@ -1,0 +1,344 @@
+"""`pushbelt.Variator` and the command `pushbelt`, in the source tree."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import CHEAP, ROOT
+from fmpy.validation import validate_fmu
+
+import pushbelt
+from pushbelt import cli, variator
+from pushbelt.fmu import cache, data, files, unit
+from pushbelt.fmu.enumerations import RingModel
+from pushbelt.fmu.start_values import StartValueError, checked
+
+COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A cache of these tests alone."""
+    place = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cache, "folder", lambda: place / "pushbelt")
+        yield place / "pushbelt"
+
+
+@pytest.fixture
+def belt(fmu: Path) -> Iterator[variator.Variator]:
+    """A variator on a coarse mesh."""
+    with variator.Variator("bench168", COARSE, fmu=fmu) as opened:
+        yield opened
+
+
+# Start values
+
+
+@pytest.fixture(scope="module")
+def variables(description: Any) -> dict[str, Any]:
+    return {variable.name: variable for variable in description.modelVariables}
+
+
+def test_text_and_numbers_get_the_type_of_their_variable(variables: dict[str, Any]) -> None:
+    given = {
+        "belt.play": "2e-4",
+        "mesh.strand": "12",
+        "initial.steady": "False",
+        "ring.model": "ANCF",
+        "primary.drive": 2.0,
+    }
+    found = checked(variables, given)
+    assert found == {"belt.play": 2e-4, "mesh.strand": 12, "initial.steady": False, "ring.model": 4, "primary.drive": 2}
+    assert [type(value) for value in found.values()] == [float, int, bool, int, int]
+    assert checked(variables, {"ring.model": RingModel.ALE}) == {"ring.model": 2}
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "why"),
+    [
+        (
+            "geometry.centreDistance",
+            0.1,
+            "no parameter or input geometry.centreDistance; near it are geometry.centerDistance",
+        ),
+        ("thrustRatio", 1.0, "no parameter or input thrustRatio: that is of the kind output"),
+        ("belt.play", "wide", "belt.play = 'wide' is no number"),
+        ("belt.play", None, "belt.play = None is no number"),
+        ("belt.play", math.inf, "belt.play = inf is not finite"),
+        ("belt.play", -1e-3, "belt.play = -0.001 m is out of its range, 0 to"),
+        ("mesh.strand", 4.5, "mesh.strand = 4.5 is no whole number"),
+        ("mesh.strand", 10**6, "mesh.strand = 1e.06 is out of its range, 1 to 200"),
+        ("initial.steady", "perhaps", "initial.steady = 'perhaps' is neither true nor false"),
+        ("ring.model", "ALE2", r"ring.model = 'ALE2' is none of ALE0 \(1\), ALE \(2\)"),
+        ("ring.model", 7, "ring.model = 7 is none of"),
+    ],
+)
+def test_a_wrong_value_is_named_with_the_reason(variables: dict[str, Any], name: str, value: Any, why: str) -> None:
+    with pytest.raises(StartValueError, match=why):
+        checked(variables, {name: value})
+
+
+# Over time
+
+
+def test_a_run_is_that_of_the_fmu_call_by_call(belt: variator.Variator, archive: unit.Archive) -> None:
+    values = {**data.parameter_set("bench168"), **COARSE, "ring.model": RingModel.ALE0}
+    with unit.Variator(archive, values) as other:
+        other.initialise()
+        for k in range(20):
+            inputs = {"primary.torque": 50.0 + k, "primary.clampingForce": 12e3}
+            other.set(inputs)
+            other.step_to((k + 1) * 1e-3)
+            state = belt.step(1e-3, inputs)
+        expected = other.outputs()
+    assert belt.time == pytest.approx(0.02)
+    assert {name: state[name] for name in expected} == expected
+    assert belt["thrustRatio"] == expected["thrustRatio"]
+    assert belt["ring.model"] == 1 and belt["secondary.clampingForce"] == 10e3
+
+
+def test_outputs_are_arrays_over_all_steps(belt: variator.Variator) -> None:
+    assert len(belt.outputs) == 0
+    belt.start()
+    for _ in range(5):
+        belt.step(2e-3, {"primary.torque": 55.0})
+    run = belt.outputs
+    assert run["time"] == pytest.approx(2e-3 * np.arange(6))
+    assert run["primary.torque"].tolist() == [50.0] + 5 * [55.0]
+    assert np.ptp(run["primary.speed"]) > 0.0
+    assert {"thrustRatio", "loss.total", "macroSlip"} <= set(run.dtype.names)
+    belt.close()
+    assert len(belt.outputs) == 6
+    with pytest.raises(pushbelt.UnitError, match="closed"):
+        belt.step(1e-3)
+
+
+def test_the_profile_is_that_of_the_moment(belt: variator.Variator) -> None:
+    profile = belt.profile()
+    assert profile.push_force.shape == (72,)
+    assert profile.push_force.max() <= belt["pushForce.max"] * (1.0 + 1e-12)
+
+
+def test_wrong_steps_are_refused_and_change_nothing(belt: variator.Variator) -> None:
+    belt.step(1e-3)
+    for duration in (0.0, -1e-3, math.nan):
+        with pytest.raises(ValueError, match="above 0 s"):
+            belt.step(duration)
+    with pytest.raises(StartValueError, match="out of its range"):
+        belt.step(1e-3, {"primary.clampingForce": -1.0})
+    with pytest.raises(StartValueError, match="before the start only"):
+        belt.step(1e-3, {"belt.play": 1e-4})
+    with pytest.raises(KeyError, match="no variable slips"):
+        belt["slips"]
+    belt.step(1e-3, {"friction.pulley": 0.08})
+    assert len(belt.outputs) == 3 and belt["friction.pulley"] == 0.08
+
+
+def test_a_start_that_was_not_asked_for_is_warned_of(fmu: Path) -> None:
+    over = {**COARSE, "primary.torque": 400.0, "secondary.torque": -400.0}
+    with (
+        variator.Variator("bench168", over, fmu=fmu) as belt,
+        pytest.warns(variator.VariatorWarning, match="beyond the capacity"),
+    ):
+        belt.start()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with variator.Variator("bench168", COARSE, fmu=fmu) as belt:
+            belt.start()
+
+
+def test_two_variators_have_a_log_each(archive: unit.Archive) -> None:
+    with unit.Variator(archive, CHEAP) as one, unit.Variator(archive, CHEAP, "other") as other:
+        one.set({"friction.pulley": 0.5})
+        with pytest.raises(pushbelt.UnitError, match="friction.pulley = 0.5"):
+            one.initialise()
+        assert one.log and not other.log
+
+
+# Steady states
+
+
+def test_a_steady_state_is_at_the_point_and_leaves_the_run(belt: variator.Variator) -> None:
+    belt.step(1e-3)
+    before = belt.outputs
+    state = belt.steady(1.5, 40.0, speed=150.0)
+    assert state["ratio.geometric"] == pytest.approx(1.5, rel=1e-6)
+    assert state["primary.externalTorque"] == pytest.approx(40.0, rel=1e-6)
+    assert state["primary.speed"] == pytest.approx(150.0, rel=0.02)
+    # The belt's axial force is the clamping force as well as the solution is found.
+    assert state["secondary.axialForce"] == pytest.approx(belt.least_force(1.5, 40.0), rel=1e-4)
+    assert -60.0 < state.load_torque < -50.0
+    assert np.array_equal(belt.outputs, before)
+
+
+def test_a_point_that_the_belt_does_not_carry_is_refused(belt: variator.Variator) -> None:
+    capacity = belt.torque_capacity(1.0, 10e3)
+    belt.steady(1.0, 0.8 * capacity, force=10e3)
+    with pytest.raises(variator.SteadyStateError, match="at ratio 1, "):
+        belt.steady(1.0, 1.3 * capacity, force=10e3)
+    with pytest.raises(variator.SteadyStateError, match="initial.ratio = 30 is out of range"):
+        belt.steady(30.0, 10.0)
+    assert belt.steady(1.0, 0.0, force=10e3)["thrustRatio"] > 0.0
+
+
+def test_least_force_and_capacity_agree(belt: variator.Variator) -> None:
+    assert belt.torque_capacity(0.7, belt.least_force(0.7, 90.0, safety=1.0)) == pytest.approx(90.0)
+    assert belt.least_force(0.7, 0.0) == variator.LEAST_FORCE
+
+
+def test_the_map_holds_the_steady_states(belt: variator.Variator) -> None:
+    found = belt.thrust_map([0.6, 1.0], [-20.0, 60.0, 900.0], force=9e3)
+    assert found.sizes == {"ratio": 2, "torque": 3}
+    state = belt.steady(0.6, 60.0, force=9e3)
+    point = found.sel(ratio=0.6, torque=60.0)
+    assert float(point["thrustRatio"]) == pytest.approx(state["thrustRatio"])
+    assert float(point["efficiency"]) == pytest.approx(state["efficiency"])
+    assert np.isnan(found["thrustRatio"].sel(torque=900.0)).all()
+    assert all("no steady state" in text for text in found["reason"].sel(torque=900.0).values)
+    assert (found["reason"].sel(torque=60.0) == "").all()
+    assert found["primary.speed"].attrs == {"units": "rad/s", "long_name": "Speed of the primary pulley"}
+
+
+def test_the_program_of_the_page_prints_what_stands_there(fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    page = (ROOT / "docs" / "wheel.md").read_text(encoding="utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    exec(compile(program, "wheel.md", "exec"), {})  # noqa: S102
+    assert capsys.readouterr().out == re.search(r"It prints:\n\n```\n(.*?)```", page, re.DOTALL)[1]
+
+
+# Files
+
+
+def test_parameters_come_from_a_file_too(tmp_path: Path, fmu: Path) -> None:
+    path = tmp_path / "own.json"
+    path.write_text((files.RESOURCES / "parameters" / "belt155.json").read_text(encoding="utf-8"), encoding="utf-8")
+    with variator.Variator(path, fmu=fmu) as belt:
+        assert belt["geometry.centerDistance"] == 0.155
+    with pytest.raises(FileNotFoundError):
+        variator.Variator(tmp_path / "other.json", fmu=fmu)
+
+
+def test_what_is_no_fmu_is_refused(tmp_path: Path, own_cache: Path) -> None:
+    for name, content in (("text.fmu", b"text"), ("empty.fmu", b"")):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(ValueError, match=f"{name} is no FMU"):
+            variator.Variator({}, fmu=tmp_path / name)
+    with zipfile.ZipFile(tmp_path / "zip.fmu", "w") as archive:
+        archive.writestr("readme.txt", "no model description")
+    with pytest.raises(ValueError, match="zip.fmu is no FMU"):
+        variator.Variator({}, fmu=tmp_path / "zip.fmu")
+    with pytest.raises(FileNotFoundError):
+        variator.Variator({}, fmu=tmp_path / "none.fmu")
+    assert not list(own_cache.glob("unpacking-*"))
+
+
+def test_an_fmu_for_other_machines_is_refused(tmp_path: Path, fmu: Path) -> None:
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(tmp_path / "other.fmu", "w") as target:
+        for entry in source.infolist():
+            if not entry.filename.startswith("binaries/"):
+                target.writestr(entry, source.read(entry))
+        target.writestr("binaries/win32/PushbeltVariator.dll", b"")
+    with pytest.raises(ValueError, match="no binary for .*, as this machine needs, but for win32"):
+        variator.Variator({}, fmu=tmp_path / "other.fmu")
+
+
+def test_the_fmu_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, fmu: Path) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    assert pushbelt.default_fmu() == fmu
+    monkeypatch.setenv("PUSHBELT_FMU", str(tmp_path / "none.fmu"))
+    with pytest.raises(FileNotFoundError, match="PUSHBELT_FMU names it"):
+        pushbelt.default_fmu()
+    monkeypatch.delenv("PUSHBELT_FMU")
+    monkeypatch.setattr(files, "TREE", tmp_path)
+    with pytest.raises(FileNotFoundError, match="cargo fmu build"):
+        pushbelt.default_fmu()
+
+
+# The command
+
+
+def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    copy = tmp_path / "own.fmu"
+    words = [
+        "--variator",
+        "belt155",
+        "--set",
+        "ring.model=ALE0",
+        "--set",
+        "initial.ratio=1.6",
+        "--set",
+        "initial.steady=false",
+    ]
+    assert cli.main(["fmu", str(copy), "--fmu", str(fmu), *words]) == 0
+    assert f"{copy.resolve()} (" in capsys.readouterr().out
+    assert not validate_fmu(str(copy))
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(copy) as target:
+        assert source.namelist() == target.namelist()
+        other = [name for name in source.namelist() if source.read(name) != target.read(name)]
+    assert other == ["modelDescription.xml"]
+    with variator.Variator({}, fmu=copy) as belt:
+        assert belt["geometry.centerDistance"] == 0.155
+        assert (belt["ring.model"], belt["initial.steady"]) == (1, False)
+        assert belt.start()["ratio.geometric"] == pytest.approx(1.6, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["own.fmu", "--set", "belt.colour=1"], "no parameter or input belt.colour"),
+        (["own.fmu", "--set", "belt.play"], "--set belt.play is not of the form NAME=VALUE"),
+        (["own.fmu", "--set", "belt.play=-1"], "out of its range"),
+        (["own.fmu", "--set", "friction.pulley=0.5"], "the FMU refuses these values: .*jam"),
+        (["own.zip"], "does not end in .fmu"),
+        (["own.fmu", "--variator", "none"], "none.json"),
+        (["none/own.fmu"], "none/own.fmu"),
+    ],
+)
+def test_what_the_fmu_does_not_take_is_not_written(
+    words: list[str],
+    why: str,
+    fmu: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["fmu", *words, "--fmu", str(fmu)]) == 1
+    said = capsys.readouterr()
+    assert not said.out
+    assert said.err.startswith("pushbelt fmu: ") and said.err.count("\n") == 1
+    assert re.search(why, said.err)
+    assert not list(tmp_path.iterdir())
+
+
+def test_programs_get_the_fmu_and_a_folder_unless_they_are_named(monkeypatch: pytest.MonkeyPatch, fmu: Path) -> None:
+    seen = []
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    monkeypatch.setattr("pushbelt.demo.__main__.main", lambda words: seen.append(words) or 0)
+    assert cli.main(["demo", "--short"]) == 0
+    assert cli.main(["demo", "--fmu", "own.fmu", "--output", "there"]) == 0
+    assert seen[0] == ["--output", "pushbelt-demo", "--fmu", str(fmu), "--short"]
+    assert seen[1] == ["--output", "pushbelt-demo", "--fmu", "own.fmu", "--output", "there"]
+
+
+def test_the_cache_is_shown_and_cleared(
+    belt: variator.Variator, own_cache: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    belt.start()
+    belt.close()
+    assert cli.main(["cache"]) == 0
+    assert capsys.readouterr().out.startswith(str(own_cache))
+    assert own_cache.is_dir()
+    assert cli.main(["cache", "--clear"]) == 0
+    assert not own_cache.exists()
+    assert cli.main(["cache", "--clear"]) == 0
