@@ -13,7 +13,11 @@ from matplotlib.figure import Figure
 
 INK, MUTED, GRID = "#1d2733", "#6b7785", "#e3e7ec"
 
-BLUE, ORANGE, GREEN, RED, VIOLET = "#1f6fb2", "#d9772b", "#2f8f6b", "#c4423f", "#7a5aa6"
+BLUE, ORANGE, GREEN, RED, VIOLET = "#1874dc", "#be840b", "#05a75d", "#8e0c1a", "#830196"
+"""Any two of these, of `INK` and of `MUTED` differ for the colour-blind too: a test computes how they see them."""
+
+COLOUR_SCALE = ("#dbe5ee", "#8fbfe0", "#2f7fc1", "#5b2d91", "#2b0a3d")
+"""From little to much: ever darker, so that it holds in grey too."""
 
 STYLE = {
     "font.family": "DejaVu Sans",
