@@ -1,7 +1,7 @@
 """Python around the pushbelt FMU.
 
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
-- `page`, `style`, `belt_picture`, `checks`, `progress`, `side_by_side`: what the reports share.
+- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: what the reports share.
 - `theory`: what theories say, independent of the FMU.
 - `calibrate`, `demo`, `drive`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them imports another.
 """

@@ -20,6 +20,8 @@ ELEMENTS_TOGETHER = 3
 """Elements of the belt that one drawn element stands for."""
 TURNS_A_SECOND = 0.35
 """How fast the faster pulley turns in the picture while it plays."""
+LONGEST = 60.0
+"""A run plays no longer than this, s."""
 STEADY_TIME = 20.0
 """Time that the slider of a steady state spans, s of the picture."""
 STEPS = 1000
@@ -134,12 +136,13 @@ def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group:
     wide = max(float(np.percentile(shown.gap, 99.0)), 1e-9)
     gap_scale = max(step for step in ROUND if step <= max(0.75 * thickness / wide, 1.0))
     rates = np.abs(np.diff(shown.angles, axis=0)) / np.diff(shown.time)[:, None]
-    slow = max(float(np.percentile(rates, 95.0)) / (2.0 * np.pi * TURNS_A_SECOND), 1.0)
+    pace = max(1.0, float(np.ptp(shown.time)) / LONGEST)
+    slow = max(float(np.percentile(rates, 95.0)) * pace / (2.0 * np.pi * TURNS_A_SECOND), 1.0)
     slow = float(f"{slow:.1g}")
     reach = float(shown.radii.max() + magnification * np.percentile(np.abs(shown.offset), 99.9))
     most = max(float(np.percentile(shown.push, 99.8)), 1.0)
     data = {
-        "group": group, "steady": bool(still), "pace": 1.0, "slow": slow,
+        "group": group, "steady": bool(still), "pace": pace, "slow": slow,
         "distance": 1e3 * distance, "length": 1e3 * length, "pitchOffset": 1e3 * pitch, "reach": 1e3 * reach + 4.0,
         "count": round(length / (ELEMENTS_TOGETHER * thickness)), "magnification": magnification,
         "gapScale": gap_scale / thickness, "most": most,
@@ -149,7 +152,7 @@ def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group:
     }  # fmt: skip
     begin = shown.time[0] if start is None else start
     value = round(STEPS * float((begin - shown.time[0]) / (shown.time[-1] - shown.time[0])))
-    turning = f"turning slowed {slow:g} times" if slow > 1.0 else "turning in real time"
+    playing = f" Plays {pace:.0f} times as fast as it was." if pace > 1.5 else ""
     bar = f"linear-gradient(90deg, {', '.join(COLOUR_SCALE)})"
     return Markup(
         f'<div class="belt" role="group" aria-label="{escape(label)}"><svg role="img" aria-label="{escape(label)}"></svg>'
@@ -157,8 +160,8 @@ def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group:
         f'<input type="range" min="0" max="{STEPS}" value="{value}" aria-label="{"Turning" if still else "Time"}">'
         "<output></output></div>"
         f'<div class="scale">0<i style="background: {bar}"></i>{most:.0f} N push force</div>'
-        f'<p class="source">Distance from the reference curve magnified {magnification:.0f} times, gaps between elements {gap_scale} times,'
-        f" {turning}. A drawn element stands for {ELEMENTS_TOGETHER}.</p>"
+        f'<p class="source">Distance from the reference curve magnified {magnification:.0f} times, gaps between elements {gap_scale} times.'
+        f" A turn in the picture stands for {slow:.0f}, a drawn element for {ELEMENTS_TOGETHER}.{playing}</p>"
         f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'
     )
 
