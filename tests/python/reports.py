@@ -60,8 +60,10 @@ def _is_drawn(page: browser.Page) -> None:
 
 
 def _fits(page: browser.Page, width: int) -> None:
-    """The page itself does not scroll sideways: what is wide does so by itself."""
+    """The page itself does not scroll sideways: what is wide does so by itself. No card is smaller than what it holds."""
     assert page.run("document.documentElement.scrollWidth") <= width
+    tight = "one.scrollHeight > one.clientHeight + 1 || one.scrollWidth > one.clientWidth + 1"
+    assert page.run(f"[...document.querySelectorAll('.statements li, .facts div')].filter((one) => {tight}).length") == 0
 
 
 def _sliders_move(page: browser.Page) -> None:
