@@ -397,11 +397,12 @@ def _shapes(panel: Panel) -> list[dict[str, Any]]:
 
 
 def _annotations(panel: Panel) -> list[dict[str, Any]]:
+    narrow = 0.03 * (panel.x_range[1] - panel.x_range[0]) if panel.x_range else 0.0
     above = {"xref": "x", "yref": "paper", "y": 1, "yanchor": "bottom", "showarrow": False, "yshift": 1}
     texts = [
         above | {"x": 0.5 * float(s.start + s.end), "text": s.label, "font": {"size": 11, "color": MUTED}}
         for s in panel.shades
-        if s.label
+        if s.label and s.end - s.start > narrow
     ]
     texts += [
         above | {"x": float(m.x), "text": m.label, "font": {"size": 10, "color": "#ffffff"}, "bgcolor": INK, "borderpad": 2}
