@@ -254,8 +254,9 @@ def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
     common = {"name": one.name, "opacity": one.opacity, "hoverinfo": "none"}
     if one.kind == "band":
         upper = np.asarray(one.upper, dtype=float)
-        edge = {"type": "scatter", "mode": "lines", "x": encoded(x), "line": {"width": 0.6, "color": one.colour}}
-        filled = {"y": encoded(upper), "fill": "tonexty", "fillcolor": one.colour}
+        red, green, blue = (int(one.colour[k : k + 2], 16) for k in (1, 3, 5))
+        edge = {"type": "scatter", "mode": "lines", "x": encoded(x), "opacity": 1.0, "line": {"width": 0.0}}
+        filled = {"y": encoded(upper), "fill": "tonexty", "fillcolor": f"rgba({red},{green},{blue},{one.opacity})"}
         return [common | edge | {"y": encoded(y)}, common | edge | filled]
     if one.kind in ("bars", "rows"):
         return [common | _bars(one, x, y)]
