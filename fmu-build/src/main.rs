@@ -60,6 +60,8 @@ enum Command {
     Calibrate(commands::calibrate::Arguments),
     /// Put the FMU beside theory and measurements and write target/validate/report.html (3 minutes)
     Validate(commands::validate::Arguments),
+    /// Lay two runs over each other and write target/compare/report.html (seconds)
+    Compare(commands::compare::Arguments),
     /// Measure the speed of the model (1 minute)
     Bench(commands::bench::Arguments),
     /// Write the linear model A, B, C, D about a steady working point as JSON (seconds)
@@ -92,6 +94,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Sweep(arguments) => commands::sweep::run(&workspace, arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&workspace, arguments),
         Command::Validate(arguments) => commands::validate::run(&workspace, arguments),
+        Command::Compare(arguments) => commands::compare::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),
