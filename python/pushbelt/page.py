@@ -1,4 +1,4 @@
-"""What all reports share: numbers as in print, pictures inside the page, templates, tables as CSV."""
+"""What all reports share: numbers as in print, templates, the library of the figures inside the page, tables as CSV."""
 
 from __future__ import annotations
 
@@ -27,11 +27,6 @@ def number(value: float, digits: int = 0) -> str:
 def percent(value: float, digits: int = 1) -> str:
     """A share as per cent, without the sign."""
     return number(100.0 * value, digits)
-
-
-def image(svg: str) -> str:
-    """An SVG as a data address, so that the ids of several can't clash in one page."""
-    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
 
 
 def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:

@@ -1,15 +1,6 @@
-"""Colours and style of all figures, and a figure as SVG."""
+"""Colours of all figures, and the style of those that are pictures."""
 
 from __future__ import annotations
-
-import io
-
-import matplotlib
-
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt
-from matplotlib.figure import Figure
 
 INK, MUTED, GRID = "#1d2733", "#6b7785", "#e3e7ec"
 
@@ -42,15 +33,5 @@ STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "lines.linewidth": 1.4,
-    "path.simplify_threshold": 0.2,
-    "svg.hashsalt": "pushbelt",
 }
-
-
-def svg(figure: Figure) -> str:
-    """The figure as SVG, without its XML declaration; the figure is closed."""
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    plt.close(figure)
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
+"""Of matplotlib."""
