@@ -29,8 +29,7 @@ def percent(value: float, digits: int = 1) -> str:
     return number(100.0 * value, digits)
 
 
-def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:
-    """Writes a page from a template, named by its path inside this package."""
+def _environment(**filters: Any) -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader(__package__, "."),
         autoescape=True,
@@ -39,12 +38,22 @@ def write_html(template: str, context: Mapping[str, Any], path: Path, **filters:
         lstrip_blocks=True,
     )
     environment.filters.update(number=number, percent=percent, **filters)
+    return environment
+
+
+def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:
+    """Writes a page from a template, named by its path inside this package."""
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
-    text = environment.get_template(template).render(context, machine=machine)
-    if 'class="chart"' in text or 'class="belt"' in text:
-        scripts = environment.get_template("scripts.html.j2").render(plotly=packed_plotly(), notices=plotly_notices())
-        text = text.replace("</main>", scripts + "</main>")
-    path.write_text(text, encoding="utf-8")
+    text = _environment(**filters).get_template(template).render(context, machine=machine)
+    path.write_text(with_scripts(text), encoding="utf-8")
+
+
+def with_scripts(text: str) -> str:
+    """A page with what its figures need at the end, once; one without figures as it is."""
+    if 'class="chart"' not in text and 'class="belt"' not in text:
+        return text
+    scripts = _environment().get_template("scripts.html.j2").render(plotly=packed_plotly(), notices=plotly_notices())
+    return text.replace("</main>", scripts + "</main>")
 
 
 @functools.cache
