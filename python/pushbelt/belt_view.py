@@ -125,7 +125,9 @@ def magnification_for(offset: Array, least_radius: float) -> float:
     return float(max(step for step in ROUND if step <= max(0.3 * least_radius / largest, 1.0)))
 
 
-def belt_view(shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None) -> Markup:
+def belt_view(
+    shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None
+) -> Markup:
     """The animation as a piece of a page; with `group` it shares the cursor of charts over time."""
     distance, length, pitch = (
         parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset")

@@ -283,7 +283,13 @@ def _hover(one: Series) -> dict[str, Any]:
 
 def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
     lying = one.kind == "rows"
-    trace: dict[str, Any] = {"type": "bar", "x": encoded(x), "y": encoded(y), "marker": {"color": one.colour}, "textposition": "none"}
+    trace: dict[str, Any] = {
+        "type": "bar",
+        "x": encoded(x),
+        "y": encoded(y),
+        "marker": {"color": one.colour},
+        "textposition": "none",
+    }
     if one.bar_width is not None:
         trace["width"] = one.bar_width
     if lying:
@@ -311,7 +317,12 @@ def _field(panel: Panel, one: Field) -> dict[str, Any]:
     }  # fmt: skip
     if one.levels is not None:
         start, end, size = one.levels
-        trace |= {"autocontour": False, "contours": {"start": start, "end": end, "size": size}, "zmin": start, "zmax": end}
+        trace |= {
+            "autocontour": False,
+            "contours": {"start": start, "end": end, "size": size},
+            "zmin": start,
+            "zmax": end,
+        }
     if one.lines_only:
         trace["contours"] = trace.get("contours", {}) | {"coloring": "none", "showlabels": True}
         trace["contours"]["labelfont"] = {"size": 10, "color": MUTED}
@@ -356,7 +367,10 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
         "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
         "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
         "margin": {"l": 40, "r": 10, "t": 8, "b": 30},
-        "font": {"family": "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif", "color": INK},
+        "font": {
+            "family": "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif",
+            "color": INK,
+        },
         "showlegend": False,
         "separators": ".\N{NARROW NO-BREAK SPACE}",
         "hovermode": "x" if linked else "closest",
@@ -406,7 +420,8 @@ def _annotations(panel: Panel) -> list[dict[str, Any]]:
         if s.label and s.end - s.start > narrow
     ]
     texts += [
-        above | {"x": float(m.x), "text": m.label, "font": {"size": 10, "color": "#ffffff"}, "bgcolor": INK, "borderpad": 2}
+        above
+        | {"x": float(m.x), "text": m.label, "font": {"size": 10, "color": "#ffffff"}, "bgcolor": INK, "borderpad": 2}
         for m in panel.marks
         if m.label
     ]

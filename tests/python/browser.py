@@ -105,8 +105,19 @@ class Page:
 def page(program: str) -> Iterator[Page]:
     """A page of a browser that ends with the block."""
     with tempfile.TemporaryDirectory(prefix="pushbelt-browser-", ignore_cleanup_errors=True) as profile:
-        options = ["--headless=new", "--remote-debugging-port=0", f"--user-data-dir={profile}", "--disable-gpu", "--no-first-run"]
-        options += ["--disable-dev-shm-usage", "--disable-background-networking", "--disable-component-update", "about:blank"]
+        options = [
+            "--headless=new",
+            "--remote-debugging-port=0",
+            f"--user-data-dir={profile}",
+            "--disable-gpu",
+            "--no-first-run",
+        ]
+        options += [
+            "--disable-dev-shm-usage",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "about:blank",
+        ]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
             options.insert(0, "--no-sandbox")  # Chromium refuses to run as root otherwise.
         process = subprocess.Popen([program, *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -123,7 +134,9 @@ def _address(file: Path, process: subprocess.Popen[bytes]) -> str:
         if process.poll() is not None or time.monotonic() > end:
             raise RuntimeError(f"the browser did not start (status {process.poll()})")
         time.sleep(0.05)
-    connection = websocket.create_connection(f"ws://127.0.0.1:{lines[0]}{lines[1]}", timeout=PATIENCE, suppress_origin=True)
+    connection = websocket.create_connection(
+        f"ws://127.0.0.1:{lines[0]}{lines[1]}", timeout=PATIENCE, suppress_origin=True
+    )
     connection.send(json.dumps({"id": 1, "method": "Target.getTargets"}))
     targets = json.loads(connection.recv())["result"]["targetInfos"]
     connection.close()

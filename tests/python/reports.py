@@ -29,7 +29,10 @@ def figures(text: str) -> int:
 
 
 def look_at(report: Path) -> None:
-    """Opens the report in a browser at both widths, moves what moves, and looks for what is missing."""
+    """Opens the report in a browser at both widths, moves what moves, and looks for what is missing.
+
+    A test's last call: it skips the rest of the test where there is no browser, and fails there in CI.
+    """
     program = browser.find()
     if program is None:
         if os.environ.get("CI"):
@@ -55,7 +58,9 @@ def _is_drawn(page: browser.Page) -> None:
     )
     assert missing == []
     images = page.run("[...document.images].filter((one) => one.naturalWidth === 0).length")
-    empty = page.run("[...document.querySelectorAll('.belt svg')].filter((one) => !one.querySelector('.element[d]')).length")
+    empty = page.run(
+        "[...document.querySelectorAll('.belt svg')].filter((one) => !one.querySelector('.element[d]')).length"
+    )
     assert (images, empty) == (0, 0)
 
 
@@ -63,7 +68,9 @@ def _fits(page: browser.Page, width: int) -> None:
     """The page itself does not scroll sideways: what is wide does so by itself. No card is smaller than what it holds."""
     assert page.run("document.documentElement.scrollWidth") <= width
     tight = "one.scrollHeight > one.clientHeight + 1 || one.scrollWidth > one.clientWidth + 1"
-    assert page.run(f"[...document.querySelectorAll('.statements li, .facts div')].filter((one) => {tight}).length") == 0
+    assert (
+        page.run(f"[...document.querySelectorAll('.statements li, .facts div')].filter((one) => {tight}).length") == 0
+    )
 
 
 def _sliders_move(page: browser.Page) -> None:

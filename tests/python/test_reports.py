@@ -19,7 +19,9 @@ from pushbelt.fmu import data
 from pushbelt.fmu.results import BeltState, Profile
 
 PROGRAM = browser.find()
-needs_browser = pytest.mark.skipif(PROGRAM is None and not os.environ.get("CI"), reason="no Chromium on the search path")
+needs_browser = pytest.mark.skipif(
+    PROGRAM is None and not os.environ.get("CI"), reason="no Chromium on the search path"
+)
 
 
 def belt() -> str:
@@ -28,7 +30,9 @@ def belt() -> str:
     position = curve.length * np.arange(72) / 72
     none = np.zeros(72)
     outputs = {"reference.theta": 0.2}
-    outputs |= {f"{pulley}.radius": curve.radius(pulley) - BENCH["belt.pitchOffset"] for pulley in ("primary", "secondary")}
+    outputs |= {
+        f"{pulley}.radius": curve.radius(pulley) - BENCH["belt.pitchOffset"] for pulley in ("primary", "secondary")
+    }
     push = 500.0 * (1.0 + np.sin(2.0 * np.pi * position / curve.length))
     profiles = [Profile(position, np.roll(push, k), none, none, none, none) for k in (0, 36)]
     states = {float(k): BeltState(outputs, profile) for k, profile in enumerate(profiles)}
@@ -41,7 +45,12 @@ def written(folder: Path) -> Path:
     time = np.linspace(0.0, 1.0, 101)
     panels = [
         Panel("First", [Series("a", time, time), Series("b", time, 2.0 * time)], "time (s)", x_range=(0.0, 1.0)),
-        Panel("Second", [Series("c", time, 10.0 ** (3.0 * time)), Series("d", time, -time)], scale="symlog", x_range=(0.0, 1.0)),
+        Panel(
+            "Second",
+            [Series("c", time, 10.0 ** (3.0 * time)), Series("d", time, -time)],
+            scale="symlog",
+            x_range=(0.0, 1.0),
+        ),
     ]
     chart = charts.html(Chart(panels, "Two panels", linked=True, group="one"))
     style = (ROOT / "python" / "pushbelt" / "style.css").read_text(encoding="utf-8")
@@ -77,16 +86,24 @@ def test_pointer_moves_one_cursor_through_panels_and_belt(tmp_path: Path) -> Non
         for kind in ("mousePressed", "mouseReleased"):
             opened.call("Input.dispatchMouseEvent", type=kind, x=x + 0.5 * width, y=y, button="left", clickCount=1)
         # What a drag selects is zoomed into, in both panels; a double click shows all again.
-        opened.call("Input.dispatchMouseEvent", type="mousePressed", x=x + 0.25 * width, y=y, button="left", clickCount=1)
+        opened.call(
+            "Input.dispatchMouseEvent", type="mousePressed", x=x + 0.25 * width, y=y, button="left", clickCount=1
+        )
         for share in (0.4, 0.75):
-            opened.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + share * width, y=y, button="left", buttons=1)
-        opened.call("Input.dispatchMouseEvent", type="mouseReleased", x=x + 0.75 * width, y=y, button="left", clickCount=1)
+            opened.call(
+                "Input.dispatchMouseEvent", type="mouseMoved", x=x + share * width, y=y, button="left", buttons=1
+            )
+        opened.call(
+            "Input.dispatchMouseEvent", type="mouseReleased", x=x + 0.75 * width, y=y, button="left", clickCount=1
+        )
         ranges = "[...document.querySelectorAll('.plot')].map((plot) => plot._fullLayout.xaxis.range)"
         opened.wait(f"{ranges}.every(([low, high]) => Math.abs(low - 0.25) < 0.02 && Math.abs(high - 0.75) < 0.02)")
         opened.run("new Promise((done) => setTimeout(done, 500))")
         for count in (1, 2):
             for kind in ("mousePressed", "mouseReleased"):
-                opened.call("Input.dispatchMouseEvent", type=kind, x=x + 0.5 * width, y=y, button="left", clickCount=count)
+                opened.call(
+                    "Input.dispatchMouseEvent", type=kind, x=x + 0.5 * width, y=y, button="left", clickCount=count
+                )
         opened.wait(f"{ranges}.every(([low, high]) => low === 0 && high === 1)")
         assert opened.complaints == []
 
@@ -110,10 +127,14 @@ def test_a_belt_plays_and_stops(tmp_path: Path) -> None:
 BREAKAGE: dict[str, Callable[[str], str]] = {
     "an error": lambda text: text.replace("</main>", "<script>nothing.here();</script></main>"),
     "a figure without data": lambda text: text.replace('"bdata":"', '"bdata":"!', 1),
-    "something from elsewhere": lambda text: text.replace("</main>", "<script>fetch('http://127.0.0.1:9/x')</script></main>"),
+    "something from elsewhere": lambda text: text.replace(
+        "</main>", "<script>fetch('http://127.0.0.1:9/x')</script></main>"
+    ),
     "something wide": lambda text: text.replace("<main>", '<main><div style="width: 500px">wide</div>'),
     "a belt that stands": lambda text: text.replace('addEventListener("input"', 'addEventListener("other"'),
-    "a legend that does nothing": lambda text: text.replace('button.addEventListener("click"', 'button.addEventListener("other"'),
+    "a legend that does nothing": lambda text: text.replace(
+        'button.addEventListener("click"', 'button.addEventListener("other"'
+    ),
 }
 
 
@@ -137,7 +158,10 @@ def test_a_sound_page_passes(tmp_path: Path) -> None:
     reports.look_at(report)
 
 
-@pytest.mark.parametrize("address", ['<img src="https://example.org/a.png">', "<style>@import 'x.css'</style>", '<link href="//example.org">'])
+@pytest.mark.parametrize(
+    "address",
+    ['<img src="https://example.org/a.png">', "<style>@import 'x.css'</style>", '<link href="//example.org">'],
+)
 def test_what_is_loaded_from_elsewhere_is_seen(address: str, tmp_path: Path) -> None:
     report = written(tmp_path)
     report.write_text(report.read_text(encoding="utf-8").replace("<main>", f"<main>{address}"), encoding="utf-8")

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt.page import write_table
 from pushbelt.page import write_html as write_page
+from pushbelt.page import write_table
 
 from . import figures, fit, model, worker
 from .fit import Estimate

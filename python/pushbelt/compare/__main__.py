@@ -21,7 +21,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("b", type=Path, metavar="B", help="what it is compared with")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and differences.csv")
     parser.add_argument("--fmu", type=Path, help="the FMU, for the units of its variables")
-    parser.add_argument("--variables", type=lambda text: tuple(text.split(",")), default=(), help="draw these, in this order")
+    parser.add_argument(
+        "--variables", type=lambda text: tuple(text.split(",")), default=(), help="draw these, in this order"
+    )
     options = parser.parse_args(arguments)
     try:
         pairs = runs.pairs(options.a, options.b)

@@ -148,7 +148,11 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
         (
             "Losses (kW), linear to 1 kW, logarithmic beyond",
             [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES],
-            {"scale": "symlog", "linear_to": 1.0, "y_ticks": ((0, "0"), (0.5, "0.5"), (1, "1"), (10, "10"), (100, "100"))},
+            {
+                "scale": "symlog",
+                "linear_to": 1.0,
+                "y_ticks": ((0, "0"), (0.5, "0.5"), (1, "1"), (10, "10"), (100, "100")),
+            },
         ),
         (
             "Energy: supplied less lost less stored (J)",

@@ -32,7 +32,11 @@ def drive(run: Run, group: str = "") -> Chart:
         return Series(name, run.time, values, colour, width=width)
 
     panels: list[tuple[str, list[Series], dict[str, object]]] = [
-        ("Speed (km/h)", [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)], {}),
+        (
+            "Speed (km/h)",
+            [line("cycle", 3.6 * run["speed.target"], ORANGE, 1.8), line("car", 3.6 * run["speed.car"], BLUE)],
+            {},
+        ),
         (
             "Ratio r_S/r_P",
             [line("target", run["ratio.target"], ORANGE, 1.8), line("ratio.geometric", run["ratio.geometric"], BLUE)],
@@ -42,7 +46,10 @@ def drive(run: Run, group: str = "") -> Chart:
             "Speeds (rpm)",
             [
                 line(name, run[column] * 30.0 / np.pi, colour)
-                for name, column, colour in (("engine", "engine.speed", ORANGE), ("primary pulley", "primary.speed", BLUE))
+                for name, column, colour in (
+                    ("engine", "engine.speed", ORANGE),
+                    ("primary pulley", "primary.speed", BLUE),
+                )
             ],
             {},
         ),
@@ -121,7 +128,10 @@ def energy_shares(fixed: Run, slip: Run) -> Chart:
         [
             Panel(
                 "Energy (kJ)",
-                [Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows") for part, colour in parts],
+                [
+                    Series(part, [1e-3 * e[part] for e in energies], (0.0, 1.0), colour, "rows")
+                    for part, colour in parts
+                ],
                 y_ticks=tuple((float(k), run.setup.name) for k, run in enumerate(runs)),
                 stacked=True,
                 height=170,

@@ -114,7 +114,9 @@ def deformable_ring(rings: Rings) -> tuple[Chart, Chart]:
         ),
     ]
     return (
-        Chart(outlines, "Outlines of the deformable ring for all models", columns=4, common_legend=True, least_width=230),
+        Chart(
+            outlines, "Outlines of the deformable ring for all models", columns=4, common_legend=True, least_width=230
+        ),
         Chart(over_time, "Θ, ovality and energies of the deformable ring over time", columns=3, linked=True),
     )
 
@@ -174,7 +176,9 @@ def _bars(results: PaperResults, models: Sequence[str], value: Callable[[CaseRun
         runs = [results.run(case, model) for case in results.cases]
         values, slipped = [value(run) for run in runs], [run.slipped for run in runs]
         labels = [run.case.name + (", slips" if run.slipped else "") for run in runs]
-        series.append(Series(label(model), places, values, COLOURS.get(model, MUTED), "bars", hatched=slipped, labels=labels))
+        series.append(
+            Series(label(model), places, values, COLOURS.get(model, MUTED), "bars", hatched=slipped, labels=labels)
+        )
     return series
 
 
@@ -183,7 +187,12 @@ def thrust_and_efficiency(results: PaperResults) -> Chart:
     lowest = 100.0 * min(run.window.efficiency for run in results.runs)
     panels = (
         ("8a  Thrust ratio", MODELS, lambda run: run.window.thrust_ratio, None),
-        ("8b  Efficiency (%)", MODELS, lambda run: 100.0 * run.window.efficiency, (float(np.floor(lowest - 1.0)), 100.0)),
+        (
+            "8b  Efficiency (%)",
+            MODELS,
+            lambda run: 100.0 * run.window.efficiency,
+            (float(np.floor(lowest - 1.0)), 100.0),
+        ),
         (
             f"Thrust ratio, difference to {REFERENCE} (%)",
             OTHERS,
@@ -255,11 +264,19 @@ def computing_times(results: PaperResults) -> Chart:
     for model in MODELS:
         ratios = np.array([results.time_ratio(case, model) for case in results.cases])
         base = np.array([results.run(case, REFERENCE).times.median for case in results.cases])
-        ends = [np.array([f(results.run(case, model).times.stepping) for case in results.cases]) / base for f in (min, max)]
+        ends = [
+            np.array([f(results.run(case, model).times.stepping) for case in results.cases]) / base for f in (min, max)
+        ]
         errors = (np.abs(ends[0] - ratios), np.abs(ends[1] - ratios))
         labels = [case.name for case in results.cases]
-        series.append(Series(label(model), places, ratios, COLOURS.get(model, MUTED), "bars", errors=errors, labels=labels))
-    levels = [Level(0.8, "paper: ALE", BLUE), Level(0.5, "paper: ANCF, ALE0", VIOLET), Level(0.1, "goal for ALE", GREEN)]
+        series.append(
+            Series(label(model), places, ratios, COLOURS.get(model, MUTED), "bars", errors=errors, labels=labels)
+        )
+    levels = [
+        Level(0.8, "paper: ALE", BLUE),
+        Level(0.5, "paper: ANCF, ALE0", VIOLET),
+        Level(0.1, "goal for ALE", GREEN),
+    ]
     title = f"9  Computing time relative to {REFERENCE}"
     return Chart(
         [Panel(title, series, x_ticks=_cases(results), scale="log", levels=levels, height=330)],

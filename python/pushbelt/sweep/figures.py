@@ -37,7 +37,9 @@ def _maps(results: Results, quantity: Quantity, force: int) -> Chart:
         for m, friction in enumerate(grid.friction)
         for n, speed in enumerate(grid.speed)
     ]
-    return Chart(panels, f"Maps of {quantity.name}", columns=min(len(panels), ACROSS), common_legend=True, least_width=240)
+    return Chart(
+        panels, f"Maps of {quantity.name}", columns=min(len(panels), ACROSS), common_legend=True, least_width=240
+    )
 
 
 def _map(grid: Grid, quantity: Quantity, title: str, values: Array, slipping: np.ndarray, levels: Array) -> Panel:
