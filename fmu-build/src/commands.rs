@@ -9,6 +9,7 @@ use crate::workspace::Workspace;
 pub mod bench;
 pub mod build;
 pub mod calibrate;
+pub mod compare;
 pub mod demo;
 pub mod describe;
 pub mod docs;

@@ -62,6 +62,8 @@ enum Command {
     Validate(commands::validate::Arguments),
     /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU inside (5 minutes)
     Wheel(commands::wheel::Arguments),
+    /// Lay two runs over each other and write target/compare/report.html (seconds)
+    Compare(commands::compare::Arguments),
     /// Measure the speed of the model (1 minute)
     Bench(commands::bench::Arguments),
     /// Write the linear model A, B, C, D about a steady working point as JSON (seconds)
@@ -95,6 +97,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Calibrate(arguments) => commands::calibrate::run(&workspace, arguments),
         Command::Validate(arguments) => commands::validate::run(&workspace, arguments),
         Command::Wheel(arguments) => commands::wheel::run(&workspace, arguments),
+        Command::Compare(arguments) => commands::compare::run(&workspace, arguments),
         Command::Bench(arguments) => commands::bench::run(&workspace, arguments),
         Command::Linearize(arguments) => commands::linearize::run(&workspace, arguments),
         Command::Describe => commands::describe::run(&workspace),

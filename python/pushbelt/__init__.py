@@ -2,9 +2,9 @@
 
 - `Variator`: a variator over time and its steady states, for programs and notebooks; `cli`: the command `pushbelt`.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
-- `page`, `style`, `belt_picture`, `checks`, `progress`, `side_by_side`: what the reports share.
+- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: what the reports share.
 - `theory`: what theories say, independent of the FMU.
-- `calibrate`, `demo`, `drive`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them
+- `calibrate`, `compare`, `demo`, `drive`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them
   imports another.
 """
 

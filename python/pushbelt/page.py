@@ -1,11 +1,14 @@
-"""What all reports share: numbers as in print, pictures inside the page, templates, tables as CSV."""
+"""What all reports share: numbers as in print, templates, the library of the figures inside the page, tables as CSV."""
 
 from __future__ import annotations
 
 import base64
 import csv
+import functools
+import gzip
 import platform
 from collections.abc import Iterable, Mapping
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -26,13 +29,7 @@ def percent(value: float, digits: int = 1) -> str:
     return number(100.0 * value, digits)
 
 
-def image(svg: str) -> str:
-    """An SVG as a data address, so that the ids of several can't clash in one page."""
-    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
-
-
-def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:
-    """Writes a page from a template, named by its path inside this package."""
+def _environment(**filters: Any) -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader(__package__, "."),
         autoescape=True,
@@ -41,8 +38,40 @@ def write_html(template: str, context: Mapping[str, Any], path: Path, **filters:
         lstrip_blocks=True,
     )
     environment.filters.update(number=number, percent=percent, **filters)
+    return environment
+
+
+def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:
+    """Writes a page from a template, named by its path inside this package."""
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
-    path.write_text(environment.get_template(template).render(context, machine=machine), encoding="utf-8")
+    text = _environment(**filters).get_template(template).render(context, machine=machine)
+    path.write_text(with_scripts(text), encoding="utf-8")
+
+
+def with_scripts(text: str) -> str:
+    """A page with what its figures need at the end, once; one without figures as it is."""
+    if 'class="chart"' not in text and 'class="belt"' not in text:
+        return text
+    scripts = _environment().get_template("scripts.html.j2").render(plotly=packed_plotly(), notices=plotly_notices())
+    return text.replace("</main>", scripts + "</main>")
+
+
+@functools.cache
+def _plotly() -> str:
+    return resources.files("plotly").joinpath("package_data", "plotly.min.js").read_text(encoding="utf-8")
+
+
+@functools.cache
+def packed_plotly() -> str:
+    """The figures' library as it stands in a page: compressed to a third, and free of addresses that a search would find."""
+    return base64.b64encode(gzip.compress(_plotly().encode(), mtime=0)).decode()
+
+
+def plotly_notices() -> str:
+    """What the library says of itself and of the parts inside it."""
+    script = _plotly()
+    parts = script[script.rindex("/*! Bundled license information:") :]
+    return script[: script.index("*/")].strip("/* \n") + "\n\n" + parts[3 : parts.index("\n*/")]
 
 
 def write_table(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int = 9) -> None:

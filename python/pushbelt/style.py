@@ -1,19 +1,14 @@
-"""Colours and style of all figures, and a figure as SVG."""
+"""Colours of all figures, and the style of those that are pictures."""
 
 from __future__ import annotations
 
-import io
-
-import matplotlib
-
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt
-from matplotlib.figure import Figure
-
 INK, MUTED, GRID = "#1d2733", "#6b7785", "#e3e7ec"
 
-BLUE, ORANGE, GREEN, RED, VIOLET = "#1f6fb2", "#d9772b", "#2f8f6b", "#c4423f", "#7a5aa6"
+BLUE, ORANGE, GREEN, RED, VIOLET = "#1874dc", "#be840b", "#05a75d", "#8e0c1a", "#830196"
+"""Any two of these, of `INK` and of `MUTED` differ for the colour-blind too: a test computes how they see them."""
+
+COLOUR_SCALE = ("#dbe5ee", "#8fbfe0", "#2f7fc1", "#5b2d91", "#2b0a3d")
+"""From little to much: ever darker, so that it holds in grey too."""
 
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -38,15 +33,5 @@ STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 8.5,
     "lines.linewidth": 1.4,
-    "path.simplify_threshold": 0.2,
-    "svg.hashsalt": "pushbelt",
 }
-
-
-def svg(figure: Figure) -> str:
-    """The figure as SVG, without its XML declaration; the figure is closed."""
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    plt.close(figure)
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
+"""Of matplotlib."""

@@ -13,6 +13,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+import reports
 from lxml import etree
 
 from pushbelt.drive.thrust_map import ThrustMap
@@ -197,4 +198,7 @@ class TestCoupling:
     def test_report_shows_it(self, coupling: study.Coupling, master: str, tmp_path: Path) -> None:
         assert f"{master} against the loop, order" in report.text(coupling)
         report.write_html(coupling, tmp_path / "coupling.html")
-        assert f"{master} against the loop" in (tmp_path / "coupling.html").read_text(encoding="utf-8")
+        page = reports.stands_alone(tmp_path / "coupling.html")
+        assert f"{master} against the loop" in page
+        assert reports.figures(page) == 2 * len(study.SIGNALS) + 2
+        reports.look_at(tmp_path / "coupling.html")

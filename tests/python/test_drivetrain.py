@@ -14,6 +14,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import reports
 
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.car import Powertrain, demo_car
@@ -644,15 +645,17 @@ def test_short_program_writes_report_and_results(fmu: Path, table: ThrustMap, dr
     """4 s of the cycle; `table` is in the folder already, so that it isn't solved for again."""
     arguments = ["--fmu", str(fmu), "--output", str(drive_folder), "--short", "--until", "4"]
     assert __main__.main(arguments) == 0
-    page = (drive_folder / "report.html").read_text(encoding="utf-8")
-    assert 'src="http' not in page and 'href="http' not in page
+    page = reports.stands_alone(drive_folder / "report.html")
     for section in ("strategies", "friction", "drive", "map", "belt", "closeup", "sources"):
         assert f'<h2 id="{section}">' in page
     assert "A car on 10 to 14 s of WLTC class 3b" in page
-    assert page.count("data:image/svg+xml;base64,") == 6
+    # Strategies, energy, low friction; drive, map, close-up; and the belt.
+    assert reports.figures(page) == 2 + 1 + 3 + 6 + 2 + 6
+    assert page.count('<div class="belt"') == 1
     ends = {"fixed-safety-factor": 14.0, "slip-control": 14.0, "close-up": 20.0}
     ends |= {"low-friction-safety": 20.0, "low-friction-slip": 20.0}
     for name, end in ends.items():
         rows = np.genfromtxt(drive_folder / f"{name}.csv", delimiter=",", names=True)
         assert rows["time"] == pytest.approx(np.arange(10.0, end - 0.05, 0.1))
         assert all(np.isfinite(rows[column]).all() for column in rows.dtype.names)
+    reports.look_at(drive_folder / "report.html")

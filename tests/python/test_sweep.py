@@ -20,6 +20,7 @@ import dask
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+import reports
 from distributed import Client
 
 from pushbelt.fmu.unit import Archive, UnitError, Variator
@@ -445,10 +446,13 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
     found = pq.read_table(tmp_path / "results.parquet")
     assert found.drop_columns("time").equals(table(study, solved).drop_columns("time"))
-    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    report = reports.stands_alone(tmp_path / "report.html")
+    # A map for each friction of three quantities, and three cuts.
+    assert reports.figures(report) == 2 * 3 + 3
     assert "beyond the capacity of the clamping forces" in report
     assert "18 of 24" in report
     assert {path.name for path in (tmp_path / "maps").iterdir()} == {"thrust-ratio.png", "efficiency.png", "slip.png"}
+    reports.look_at(tmp_path / "report.html")
 
 
 def test_a_point_that_kills_its_worker_is_told_from_its_neighbours() -> None:

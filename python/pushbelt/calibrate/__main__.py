@@ -122,7 +122,6 @@ def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> d
 
 
 def _run(options: argparse.Namespace) -> int:
-    # Processes import this module, but need not wait for matplotlib.
     from . import report
 
     points = table.read(options.table)

@@ -2,65 +2,60 @@
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib.figure import Figure
+from collections.abc import Callable
 
-from pushbelt.style import BLUE, MUTED, ORANGE, STYLE
+import numpy as np
+
+from pushbelt.charts import Chart, Panel, Series
+from pushbelt.style import BLUE, MUTED, ORANGE
 
 from .results import Results, Row
 
-ACROSS = (
+ACROSS: tuple[tuple[str, Callable[[Row], float]], ...] = (
     ("torque, N·m", lambda row: row.point.torque),
     ("ratio", lambda row: row.point.ratio or row.point.speed_ratio),
 )
 """What residuals are drawn over."""
+NAMES = {"before": "start values", "after": "fitted"}
+LOOKS = {
+    "before": {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8},
+    "after": {"colour": BLUE, "size": 7},
+}
+SURE = 2.0
+"""Standard deviations that are shaded."""
 
 
-def residuals(results: Results, quantity: str) -> Figure:
+def residuals(results: Results, quantity: str) -> Chart:
     """Model over measurement, and residuals in standard deviations over torque and ratio, before and after."""
     rows = results.of(quantity)
-    with plt.rc_context(STYLE):
-        figure, axes = plt.subplots(1, 3, figsize=(11.2, 2.9), layout="constrained")
-        _compared(axes[0], rows, quantity)
-        for axis, (label, across) in zip(axes[1:], ACROSS, strict=True):
-            _over(axis, rows, label, across)
-        axes[1].set_title("Residual, standard deviations")
-        axes[1].legend(loc="best")
-    return figure
+    panels = [_compared(rows, quantity), *(_over(rows, label, across) for label, across in ACROSS)]
+    return Chart(panels, f"Residuals of {quantity}", columns=3, common_legend=True)
 
 
-def _compared(axis, rows: list[Row], quantity: str) -> None:
-    measured = np.array([row.measured.value for row in rows])
-    for side, colour, size in (("before", MUTED, 9), ("after", BLUE, 16)):
-        found = np.array([np.nan if getattr(row, side) is None else getattr(row, side) for row in rows])
-        axis.scatter(measured, found, s=size, color=colour, alpha=0.8, linewidths=0)
-    ends = [measured.min(), measured.max()]
-    axis.plot(ends, ends, color=ORANGE, linewidth=1.0, zorder=0)
-    axis.set_title(f"{quantity}: model over measurement")
-    axis.set_xlabel("measured")
-    axis.set_ylabel("model")
+def _points(side: str, rows: list[Row], x: list[float], y: list[float | None]) -> Series:
+    values = [np.nan if value is None else value for value in y]
+    labels = [f"{row.point.name or 'line ' + str(row.point.line)}" for row in rows]
+    return Series(NAMES[side], x, values, kind="points", labels=labels, **LOOKS[side])  # type: ignore[arg-type]
 
 
-def _over(axis, rows: list[Row], label: str, across) -> None:
-    places = np.array([across(row) for row in rows])
-    after = np.array([row.relative for row in rows], dtype=float)
-    before = np.array([np.nan if row.relative_before is None else row.relative_before for row in rows])
-    axis.axhspan(-2.0, 2.0, color=BLUE, alpha=0.08, linewidth=0)
-    axis.scatter(places, before, s=9, color=MUTED, alpha=0.7, linewidths=0, label="start values")
-    axis.scatter(places, after, s=16, color=BLUE, linewidths=0, label="fitted")
+def _compared(rows: list[Row], quantity: str) -> Panel:
+    measured = [row.measured.value for row in rows]
+    ends = [min(measured), max(measured)]
+    series = [_points(side, rows, measured, [getattr(row, side) for row in rows]) for side in NAMES]
+    series.append(Series("model as measured", ends, ends, ORANGE, width=1.0))
+    return Panel(f"{quantity}: model over measurement", series, "measured", "model", height=270)
+
+
+def _over(rows: list[Row], label: str, across: Callable[[Row], float]) -> Panel:
+    places = [across(row) for row in rows]
+    values = {"before": [row.relative_before for row in rows], "after": [row.relative for row in rows]}
     # The start may be far off: what is left after the fit decides the scale.
-    reach = 1.3 * max(3.0, float(np.abs(after).max()))
-    axis.set_ylim(-reach, reach)
-    axis.set_xlabel(label)
-    beyond = int(np.sum(np.abs(before) > reach))
-    if beyond:
-        axis.text(
-            0.99,
-            0.02,
-            f"{beyond} of the start values beyond",
-            transform=axis.transAxes,
-            ha="right",
-            color=MUTED,
-            fontsize=7.5,
-        )
+    reach = 1.3 * max(3.0, max(abs(value) for value in values["after"]))
+    beyond = sum(value is not None and abs(value) > reach for value in values["before"])
+    margin = 0.04 * (max(places) - min(places)) + 1e-3
+    span = (min(places) - margin, max(places) + margin)
+    sure = Series(f"within {SURE:g}", span, (-SURE, -SURE), BLUE, "band", upper=(SURE, SURE), opacity=0.1)
+    series = [sure, *(_points(side, rows, places, values[side]) for side in NAMES)]
+    note = f"{beyond} of the start values lie beyond." if beyond else ""
+    title = "Residual, standard deviations"
+    return Panel(title, series, label, x_range=span, y_range=(-reach, reach), height=270, note=note)

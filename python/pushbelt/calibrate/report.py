@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from pushbelt.page import image, write_table
 from pushbelt.page import write_html as write_page
-from pushbelt.style import svg
+from pushbelt.page import write_table
 
 from . import figures, fit, model, worker
 from .fit import Estimate
@@ -131,7 +130,7 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
         "after": float(np.sqrt(np.mean(after**2))),
         "bias": float(after.mean()),
         "relative": float(np.sqrt(np.mean([row.relative**2 for row in rows]))),
-        "picture": image(svg(figures.residuals(results, quantity))),
+        "picture": figures.residuals(results, quantity),
     }
 
 

@@ -1,21 +1,21 @@
-"""Figures of the report, each as a string of SVG."""
+"""Figures of the report."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 
+from pushbelt.belt_view import Motion, integrated, motion
+from pushbelt.charts import Chart, Mark, Panel, Series, Shade
 from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 from pushbelt.fmu.intervals import intervals
-from pushbelt.fmu.results import LoadCaseResult, Profile, Trace
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, STYLE, VIOLET, svg
+from pushbelt.fmu.results import BeltState, LoadCaseResult, Profile, Trace
+from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
 from .checks import energy_bound
 from .events import Event
-from .results import MeasuredPoint
+from .results import ManoeuvreResult, MeasuredPoint
 
 RATIO_COLOURS = {"underdrive": BLUE, "medium": GREEN, "overdrive": ORANGE}
 
@@ -31,37 +31,45 @@ LOSSES = (
 STANDSTILL = 1.0
 """Below this secondary speed quotients of speeds are left out, rad/s."""
 
+TIME = "time (s)"
+GROUP = "manoeuvre"
+"""Charts and belt that share a cursor."""
 
-def load_case_bars(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoint]) -> str:
+
+def load_cases(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoint]) -> Chart:
     """Thrust ratio, efficiency with the measured transmission beside it, and shares of the loss."""
-    names = ["underdrive", "medium", "overdrive"]
     torques = sorted({result.case.torque for result in results})
-    with plt.rc_context(STYLE):
-        figure, (thrust, efficiency, losses) = plt.subplots(1, 3, figsize=(11.2, 3.1), layout="constrained")
-        for name in names:
-            line = sorted((r for r in results if r.case.ratio_name == name), key=lambda r: r.case.torque)
-            colour = RATIO_COLOURS[name]
-            ratios = [r.steady["thrustRatio"] for r in line]
-            thrust.plot(torques, ratios, "o-", color=colour)
-            thrust.annotate(
-                name, (torques[-1], ratios[-1]), (-2, 6), textcoords="offset points", ha="right", color=colour
-            )
-            efficiency.plot(torques, [100 * r.steady["efficiency"] for r in line], "o-", color=colour)
-            for point in (point for point in measured if nearest_case(point, results) == name):
-                place = [point.measured.torque] * 2
-                values = [100 * point.efficiency, 100 * point.measured.efficiency]
-                efficiency.plot(place, values, ":", color=colour, linewidth=0.9)
-                efficiency.plot(place[0], values[0], "o", color=colour, fillstyle="none")
-                efficiency.plot(place[0], values[1], "x", color=colour)
-        thrust.set(title="Thrust ratio", xlabel="primary torque (N·m)")
-        thrust.margins(y=0.16)
-        efficiency.set(title="Efficiency of the shafts (%)", xlabel="primary torque (N·m)")
-        efficiency.plot([], [], "o-", color=MUTED, label="load cases")
-        efficiency.plot([], [], "o", color=MUTED, fillstyle="none", label="at the measured points")
-        efficiency.plot([], [], "x", color=MUTED, label="measured transmission")
-        efficiency.legend(loc="lower right")
-        _loss_shares(losses, results, names, torques)
-    return svg(figure)
+    thrust, efficiency = [], []
+    for name, colour in RATIO_COLOURS.items():
+        line = sorted((r for r in results if r.case.ratio_name == name), key=lambda r: r.case.torque)
+        marked = {"colour": colour, "marker": "circle"}
+        thrust.append(Series(name, torques, [r.steady["thrustRatio"] for r in line], **marked))
+        efficiency.append(Series(name, torques, [100 * r.steady["efficiency"] for r in line], **marked))
+    x_label = "primary torque (N·m)"
+    return Chart(
+        [
+            Panel("Thrust ratio", thrust, x_label),
+            Panel("Efficiency of the shafts (%)", efficiency + _measured(measured, results), x_label),
+            _loss_shares(results, torques),
+        ],
+        "Thrust ratio, efficiency and losses of the load cases",
+        columns=3,
+    )
+
+
+def _measured(measured: Sequence[MeasuredPoint], results: Sequence[LoadCaseResult]) -> list[Series]:
+    """The measured transmission, and the FMU at its points."""
+    series = []
+    for name, colour in RATIO_COLOURS.items():
+        points = [point for point in measured if nearest_case(point, results) == name]
+        torques = [point.measured.torque for point in points]
+        labels = [f"ratio {point.measured.ratio:g}, {point.measured.torque:g} N·m" for point in points]
+        for who, marker, values in (
+            ("at the measured points", "circle-open", [100 * point.efficiency for point in points]),
+            ("measured transmission", "x-thin-open", [100 * point.measured.efficiency for point in points]),
+        ):
+            series.append(Series(who, torques, values, colour, "points", marker=marker, size=8, labels=labels))
+    return series
 
 
 def nearest_case(point: MeasuredPoint, results: Sequence[LoadCaseResult]) -> str:
@@ -73,168 +81,162 @@ def nearest_case(point: MeasuredPoint, results: Sequence[LoadCaseResult]) -> str
     return min(results, key=distance).case.ratio_name
 
 
-def _loss_shares(axes: Axes, results: Sequence[LoadCaseResult], names: Sequence[str], torques: Sequence[float]) -> None:
-    by_case = {(r.case.ratio_name, r.case.torque): r.steady for r in results}
-    places, labels = [], []
-    for group, name in enumerate(names):
-        for k, torque in enumerate(torques):
-            place, bottom = group * (len(torques) + 0.8) + k, 0.0
-            for part, _, colour in LOSSES:
-                height = by_case[name, torque][part]
-                axes.bar(place, height, 0.82, bottom=bottom, color=colour)
-                bottom += height
-            places.append(place)
-            labels.append(f"{torque:g}")
-        axes.annotate(
-            name,
-            (group * (len(torques) + 0.8) + (len(torques) - 1) / 2, 0),
-            (0, -24),
-            textcoords="offset points",
-            ha="center",
-            va="top",
-            color=RATIO_COLOURS[name],
-            fontsize=8.5,
-        )
-    axes.set_xticks(places, labels)
-    axes.grid(axis="x", visible=False)
-    axes.set_title("Losses (W) by ratio and torque (N·m)")
-    axes.set_xlabel(" ", labelpad=12)
-    for _, label, colour in LOSSES:
-        axes.bar(0, 0, color=colour, label=label)
-    axes.set_ylim(top=1.35 * axes.get_ylim()[1])
-    axes.legend(loc="upper center", ncols=3, columnspacing=1.0, handlelength=1.2)
+def _loss_shares(results: Sequence[LoadCaseResult], torques: Sequence[float]) -> Panel:
+    ordered = sorted(results, key=lambda r: (list(RATIO_COLOURS).index(r.case.ratio_name), r.case.torque))
+    places = np.array([k + 0.8 * (k // len(torques)) for k in range(len(ordered))])
+    names = [f"{r.case.ratio_name}, {r.case.torque:g} N·m" for r in ordered]
+    ticks = tuple((float(place), f"{r.case.torque:g}") for place, r in zip(places, ordered, strict=True))
+    groups = [places[k * len(torques) : (k + 1) * len(torques)] for k in range(len(RATIO_COLOURS))]
+    return Panel(
+        "Losses (W) by ratio and torque (N·m)",
+        [
+            Series(label, places, [r.steady[part] for r in ordered], colour, "bars", labels=names, bar_width=0.82)
+            for part, label, colour in LOSSES
+        ],
+        x_ticks=ticks,
+        stacked=True,
+        shades=[
+            Shade(group[0] - 0.5, group[-1] + 0.5, "#ffffff", name, 0.0)
+            for group, name in zip(groups, RATIO_COLOURS, strict=True)
+        ],
+    )
 
 
-def manoeuvre(trace: Trace, events: Sequence[Event]) -> str:
+def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
     """The whole manoeuvre over time."""
-    panels = (_torques, _forces, _speeds, _ratio, _slip, _losses, _energy)
-    with plt.rc_context(STYLE):
-        figure, rows = plt.subplots(len(panels), 1, figsize=(11.2, 13.4), sharex=True, layout="constrained")
-        for panel, axes in zip(panels, rows, strict=True):
-            panel(axes, trace)
-        _mark(rows, trace, events)
-        for panel, axes in zip(panels, rows, strict=True):
-            if panel is not _slip:
-                axes.legend(loc="upper left", ncols=4)
-                low, high = axes.get_ylim()
-                axes.set_ylim(low, 4.0 * high if panel is _losses else high + 0.18 * (high - low))
-        rows[-1].set_xlabel("time (s)")
-        rows[-1].set_xlim(trace.time[0], trace.time[-1])
-    return svg(figure)
+    moving = np.abs(trace["secondary.speed"]) > STANDSTILL
 
+    def line(name: str, values: Array, colour: str, dash: str = "") -> Series:
+        return Series(name, trace.time, values, colour, dash=dash)
 
-DASHED = {"linewidth": 0.9, "linestyle": "--"}
-
-
-def _torques(axes: Axes, trace: Trace) -> None:
-    axes.plot(trace.time, trace["primary.externalTorque"], color=MUTED, label="P, external", **DASHED)
-    axes.plot(trace.time, -trace["primary.shaftTorque"], color=BLUE, label="P, carried by the belt")
-    axes.plot(trace.time, trace["secondary.shaftTorque"], color=ORANGE, label="S, of the belt")
-    axes.set_title("Torques (N·m)")
-
-
-def _forces(axes: Axes, trace: Trace) -> None:
-    for pulley, colour in (("primary", BLUE), ("secondary", ORANGE)):
-        label = pulley[0].upper()
-        axes.plot(trace.time, 1e-3 * trace[f"{pulley}.axialForce"], color=colour, label=f"{label}, of the belt")
-        clamping = 1e-3 * trace[f"{pulley}.clampingForce"]
-        axes.plot(trace.time, clamping, color=colour, alpha=0.7, label=f"{label}, clamping", **DASHED)
-    axes.set_title("Axial forces (kN)")
-
-
-def _speeds(axes: Axes, trace: Trace) -> None:
-    axes.plot(trace.time, trace["primary.speed"], color=BLUE, label="P")
-    axes.plot(trace.time, trace["secondary.speed"], color=ORANGE, label="S")
-    axes.set_title("Speeds (rad/s)")
-
-
-def _moving(trace: Trace) -> Array:
-    return np.abs(trace["secondary.speed"]) > STANDSTILL
-
-
-def _ratio(axes: Axes, trace: Trace) -> None:
-    axes.plot(trace.time, trace["ratio.geometric"], color=GREEN, label="geometric, $r_S/r_P$")
-    of_speeds = np.where(_moving(trace), trace["ratio.speed"], np.nan)
-    axes.plot(trace.time, of_speeds, color=MUTED, label=r"of speeds, $\omega_P/\omega_S$", **DASHED)
-    axes.set_ylim(0.0, 1.25 * trace["ratio.geometric"].max())
-    axes.set_title("Ratio")
-
-
-def _slip(axes: Axes, trace: Trace) -> None:
-    moving = _moving(trace)
-    axes.plot(trace.time, np.where(moving, 100 * trace["slip"], np.nan), color=RED)
-    axes.set_yscale("symlog", linthresh=3, linscale=1.5)
-    axes.set_yticks([-100, -10, -3, 0, 1, 2, 3, 10, 100], ["−100", "−10", "−3", "0", "1", "2", "3", "10", "100"])
-    shown = 100 * trace["slip"][moving]
-    axes.set_ylim(min(-1.0, 1.3 * shown.min(initial=0.0)), max(5.0, 1.5 * shown.max(initial=0.0)))
-    axes.set_title("Slip (%), linear to 3 %, logarithmic beyond")
-
-
-def _losses(axes: Axes, trace: Trace) -> None:
-    for part, label, colour in LOSSES:
-        axes.plot(trace.time, 1e-3 * trace[part], color=colour, label=label)
-    axes.set_yscale("symlog", linthresh=1, linscale=1.5)
-    axes.set_ylim(bottom=min(0.0, 1e-3 * min(trace[part].min() for part, *_ in LOSSES)))
-    axes.set_yticks([0, 0.5, 1, 10, 100], ["0", "0.5", "1", "10", "100"])
-    axes.set_title("Losses (kW), linear to 1 kW, logarithmic beyond")
-
-
-def _energy(axes: Axes, trace: Trace) -> None:
+    of_speeds = np.where(moving, trace["ratio.speed"], np.nan)
+    slip = np.where(moving, 100 * trace["slip"], np.nan)
     bound = energy_bound(trace)
-    axes.plot(trace.time, trace["energy.residual"], color=VIOLET, label="residual")
-    for sign, label in ((1, "bound"), (-1, None)):
-        axes.plot(trace.time, sign * bound, color=MUTED, label=label, **DASHED)
-    axes.set_title("Energy: supplied less lost less stored (J)")
+    panels = [
+        (
+            "Torques (N·m)",
+            [
+                line("P, external", trace["primary.externalTorque"], MUTED, "dash"),
+                line("P, carried by the belt", -trace["primary.shaftTorque"], BLUE),
+                line("S, of the belt", trace["secondary.shaftTorque"], ORANGE),
+            ],
+            {},
+        ),
+        (
+            "Axial forces (kN)",
+            [
+                line(f"{pulley[0].upper()}, {what}", 1e-3 * trace[f"{pulley}.{name}"], colour, dash)
+                for pulley, colour in (("primary", BLUE), ("secondary", ORANGE))
+                for what, name, dash in (("of the belt", "axialForce", ""), ("clamping", "clampingForce", "dash"))
+            ],
+            {},
+        ),
+        (
+            "Speeds (rad/s)",
+            [line("P", trace["primary.speed"], BLUE), line("S", trace["secondary.speed"], ORANGE)],
+            {},
+        ),
+        (
+            "Ratio",
+            [
+                line("geometric, r_S/r_P", trace["ratio.geometric"], GREEN),
+                line("of speeds, ω_P/ω_S", of_speeds, MUTED, "dash"),
+            ],
+            {"y_range": (0.0, 1.25 * float(trace["ratio.geometric"].max()))},
+        ),
+        ("Slip (%), linear to 3 %, logarithmic beyond", [line("slip", slip, RED)], _slip_axis(slip[moving])),
+        (
+            "Losses (kW), linear to 1 kW, logarithmic beyond",
+            [line(name, 1e-3 * trace[part], colour) for part, name, colour in LOSSES],
+            {
+                "scale": "symlog",
+                "linear_to": 1.0,
+                "y_ticks": ((0, "0"), (0.5, "0.5"), (1, "1"), (10, "10"), (100, "100")),
+            },
+        ),
+        (
+            "Energy: supplied less lost less stored (J)",
+            [
+                line("residual", trace["energy.residual"], VIOLET),
+                line("bound", bound, MUTED, "dash"),
+                line("−bound", -bound, MUTED, "dash"),
+            ],
+            {},
+        ),
+    ]
+    shades = _macro_slip(trace.time, trace["macroSlip"])
+    marks = [
+        Mark(event.start, str(number))
+        for number, event in enumerate((event for event in events if event.occurred), start=1)
+    ]
+    span = float(trace.time[0]), float(trace.time[-1])
+    last = len(panels) - 1
+    return Chart(
+        [
+            Panel(
+                title, series, TIME if k == last else "", x_range=span, shades=shades,
+                marks=marks if k == 0 else [Mark(mark.x) for mark in marks], height=190, **axis,
+            )
+            for k, (title, series, axis) in enumerate(panels)
+        ],
+        "Torques, axial forces, speeds, ratio, slip, losses and energy residual over time",
+        linked=True,
+        group=GROUP,
+    )  # fmt: skip
 
 
-def overload(trace: Trace, start: float, end: float) -> str:
+def _slip_axis(shown: Array) -> dict[str, object]:
+    span = min(-1.0, 1.3 * float(shown.min(initial=0.0))), max(5.0, 1.5 * float(shown.max(initial=0.0)))
+    ticks = (-100, -10, -3, 0, 1, 2, 3, 10, 100)
+    texts = tuple((float(tick), str(tick).replace("-", "\N{MINUS SIGN}")) for tick in ticks)
+    return {"scale": "symlog", "linear_to": 3.0, "y_range": span, "y_ticks": texts}
+
+
+def _macro_slip(time: Array, flag: Array) -> list[Shade]:
+    return [Shade(start, max(end, start + 0.01), RED) for start, end in intervals(time, flag, gap=0.02)]
+
+
+def overload(trace: Trace, start: float, end: float) -> Chart:
     """Torques, speeds and loss between two times, for a closer look at macro-slip."""
     inside = (trace.time >= start) & (trace.time <= end)
     time = trace.time[inside]
-    with plt.rc_context(STYLE):
-        figure, (torque, speed, loss) = plt.subplots(1, 3, figsize=(11.2, 2.9), layout="constrained")
-        external, carried = trace["primary.externalTorque"][inside], -trace["primary.shaftTorque"][inside]
-        torque.plot(time, external, color=MUTED, linewidth=0.9, linestyle="--", label="external")
-        torque.plot(time, carried, color=BLUE, label="carried by the belt")
-        torque.set_title("Torque on P (N·m)")
-        speed.plot(time, trace["primary.speed"][inside], color=BLUE, label="P")
-        speed.plot(time, trace["secondary.speed"][inside], color=ORANGE, label="S")
-        speed.set_title("Speeds (rad/s)")
-        loss.plot(time, 1e-3 * trace["loss.total"][inside], color=RED)
-        loss.set_title("Losses (kW)")
-        for axes in (torque, speed, loss):
-            for first, last in intervals(time, trace["macroSlip"][inside], gap=0.02):
-                axes.axvspan(first, last, color=RED, alpha=0.12, linewidth=0)
-            axes.set_xlim(time[0], time[-1])
-            axes.set_xlabel("time (s)")
-        for axes in (torque, speed):
-            axes.legend(loc="upper right")
-    return svg(figure)
+
+    def line(name: str, values: Array, colour: str, dash: str = "") -> Series:
+        return Series(name, time, values[inside], colour, dash=dash)
+
+    torques = [
+        line("external", trace["primary.externalTorque"], MUTED, "dash"),
+        line("carried by the belt", -trace["primary.shaftTorque"], BLUE),
+    ]
+    speeds = [line("P", trace["primary.speed"], BLUE), line("S", trace["secondary.speed"], ORANGE)]
+    losses = [line("all", 1e-3 * trace["loss.total"], RED)]
+    shades, span = _macro_slip(time, trace["macroSlip"][inside]), (float(time[0]), float(time[-1]))
+    return Chart(
+        [
+            Panel(title, series, TIME, shades=shades, x_range=span)
+            for title, series in (("Torque on P (N·m)", torques), ("Speeds (rad/s)", speeds), ("Losses (kW)", losses))
+        ],
+        "Torque, speeds and losses during macro-slip",
+        columns=3,
+        linked=True,
+    )
 
 
-def _mark(rows: Sequence[Axes], trace: Trace, events: Sequence[Event]) -> None:
-    """Shades macro-slip and marks the starts of the events on all axes."""
-    for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02):
-        for axes in rows:
-            axes.axvspan(start, max(end, start + 0.01), color=RED, alpha=0.12, linewidth=0)
-    rows[0].set_title(rows[0].get_title(loc="left"), pad=20)
-    for number, event in enumerate((event for event in events if event.occurred), start=1):
-        for axes in rows:
-            axes.axvline(event.start, color=INK, alpha=0.25, linewidth=0.8)
-        rows[0].annotate(
-            str(number),
-            (event.start, 1.0),
-            xycoords=("data", "axes fraction"),
-            xytext=(0, 8),
-            textcoords="offset points",
-            ha="center",
-            fontsize=8,
-            color="white",
-            bbox={"boxstyle": "circle,pad=0.25", "color": INK},
-        )
+def belt_over_time(run: ManoeuvreResult, parameters: dict[str, float]) -> Motion:
+    """The belt during the manoeuvre."""
+    trace = run.trace
+    moments = np.array(sorted(run.snapshots))
+    names = ("reference.theta", "primary.radius", "secondary.radius")
+    at = {name: np.interp(moments, trace.time, trace[name]) for name in names}
+    states = {
+        float(moment): BeltState({name: float(at[name][k]) for name in names}, run.snapshots[moment])
+        for k, moment in enumerate(moments)
+    }
+    speeds = ("primary.speed", "secondary.speed", "belt.speed")
+    return motion(states, parameters, [integrated(trace.time, trace[name], moments) for name in speeds])
 
 
-def fields(profile: Profile, curve: TwoPulleyCurve) -> str:
+def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
     """Fields along the belt, arcs shaded."""
     order = np.append(np.arange(len(profile.position)), 0)
     xi = 1e3 * np.append(profile.position, curve.length)
@@ -245,34 +247,30 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> str:
         ("Radial deviation (mm)", 1e3 * profile.radial_deviation, VIOLET),
         ("Sliding speed of the flanks (mm/s)", 1e3 * profile.sliding_speed, RED),
     )
-    with plt.rc_context(STYLE):
-        figure, panels = plt.subplots(len(rows), 1, figsize=(11.2, 8.6), sharex=True, layout="constrained")
-        for axes, (title, values, colour) in zip(panels, rows, strict=True):
-            _shade_arcs(axes, curve)
-            axes.plot(xi, values[order], color=colour, marker=".", markersize=3.5)
-            axes.set_title(title)
-            if values.min() >= 0.0 and title.startswith(("Push", "Normal")):
-                axes.set_ylim(bottom=0.0)
-        panels[-1].set(xlabel="place ξ along the belt (mm)", xlim=(0.0, 1e3 * curve.length))
-        borders = 1e3 * np.array(curve.borders)
-        labels = ("S arc", "upper strand", "P arc", "lower (push) strand", "S arc")
-        for start, end, label in zip(borders[:-1], borders[1:], labels, strict=True):
-            panels[0].annotate(
-                label,
-                (0.5 * (start + end), 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(0, 3),
-                textcoords="offset points",
-                ha="center",
-                va="bottom",
-                color=MUTED,
-                fontsize=8.5,
+    arcs, named = shaded_arcs(curve), shaded_arcs(curve, named=True)
+    return Chart(
+        [
+            Panel(
+                title,
+                [Series(title.split(" (")[0], xi, values[order], colour, marker="circle", size=4)],
+                "place ξ along the belt (mm)" if k == len(rows) - 1 else "",
+                shades=arcs if k else named,
+                x_range=(0.0, 1e3 * curve.length),
+                height=170,
             )
-        panels[0].set_title("Push force (N)", pad=16)
-    return svg(figure)
+            for k, (title, values, colour) in enumerate(rows)
+        ],
+        "Push force, ring tension, normal force, radial deviation and sliding speed along the belt",
+        linked=True,
+    )
 
 
-def _shade_arcs(axes: Axes, curve: TwoPulleyCurve) -> None:
-    start, s_end, p_start, p_end, s_start, end = 1e3 * np.array(curve.borders)
-    for left, right, colour in ((start, s_end, ORANGE), (p_start, p_end, BLUE), (s_start, end, ORANGE)):
-        axes.axvspan(left, right, color=colour, alpha=0.08, linewidth=0)
+def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:
+    """Segments of the belt, the arcs in the colour of their pulley."""
+    borders = 1e3 * np.array(curve.borders)
+    labels = ("S arc", "upper strand", "P arc", "push strand", "S arc")
+    colours = (ORANGE, INK, BLUE, INK, ORANGE)
+    return [
+        Shade(start, end, colour, label if named else "", 0.0 if colour == INK else 0.08)
+        for start, end, label, colour in zip(borders[:-1], borders[1:], labels, colours, strict=True)
+    ]

@@ -23,8 +23,8 @@ START_VALUES: Mapping[str, float] = {
 }
 """The vehicle as an inertia on the secondary shaft; standstill in underdrive."""
 
-SNAPSHOTS = (1.5, 8.4, 8.6)
-"""Times at which the fields along the belt are recorded, s."""
+SNAPSHOT_STEP = 0.025
+"""Time between records of the fields along the belt, s."""
 
 
 def run(
@@ -47,15 +47,15 @@ def run(
         rows = np.empty((steps + 1, len(outputs.names)))
         flags = np.empty(steps + 1)
         snapshots: dict[float, Profile] = {}
-        recorded = {round(moment / STEP): moment for moment in SNAPSHOTS}
+        every = round(SNAPSHOT_STEP / STEP)
         for step in range(steps + 1):
             if step > 0:
                 unit.step_to(step * STEP)
                 progress(STEP)
             rows[step] = unit.get_reals(outputs)
             flags[step] = unit.get("macroSlip")
-            if step in recorded:
-                snapshots[recorded[step]] = unit.profile()
+            if step % every == 0:
+                snapshots[round(step * STEP, 3)] = unit.profile()
             unit.set(inputs.at(step * STEP))
         warnings = tuple(unit.warnings)
     columns = {name: rows[:, k] for k, name in enumerate(outputs.names)}

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from pushbelt import page
-from pushbelt.belt_picture import belt_picture
+from pushbelt.belt_view import belt_view, steady
 from pushbelt.fmu.data import curve_at, curve_of, load_case_speed
 from pushbelt.fmu.results import LoadCaseResult
-from pushbelt.page import image, number, percent
+from pushbelt.page import number, percent
 
 from . import checks, events, figures
 from .manoeuvre import START_VALUES
@@ -23,6 +23,8 @@ from .spiral import TOLERANCE, TURN_TOLERANCE, spiral_rows
 
 CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
+SHOWN_TIME = 4.0
+"""Time of the manoeuvre at which its belt is shown first, s."""
 
 
 @dataclass(frozen=True)
@@ -92,10 +94,21 @@ def _context(results: DemoResults) -> dict[str, Any]:
     overload = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
     pictures = {
-        "cases": figures.load_case_bars(results.cases, results.measured),
+        "cases": figures.load_cases(results.cases, results.measured),
         "manoeuvre": figures.manoeuvre(trace, found),
+        "moving_belt": belt_view(
+            figures.belt_over_time(results.manoeuvre, results.parameters),
+            results.parameters,
+            "The belt on its pulleys during the manoeuvre, coloured by push force",
+            group=figures.GROUP,
+            start=min(SHOWN_TIME, float(trace.time[-1])),
+        ),
         "fields": figures.fields(chosen.steady.profile, curve),
-        "belt": belt_picture(chosen.steady, curve, results.parameters["belt.pitchOffset"]),
+        "belt": belt_view(
+            steady(chosen.steady, results.parameters),
+            results.parameters,
+            "The belt on its pulleys, coloured by push force",
+        ),
     }
     if slipping is not None:
         pictures["overload"] = figures.overload(trace, slipping.start - 0.1, slipping.end + 0.2)
@@ -127,7 +140,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "turn_tolerance": TURN_TOLERANCE,
         "parameters": results.parameters,
         "variator": results.variator,
-        "pictures": {name: image(svg) for name, svg in pictures.items()},
+        "pictures": pictures,
     }
 
 

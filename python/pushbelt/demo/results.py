@@ -67,7 +67,7 @@ class ManoeuvreResult:
     step: float
     """Communication step, s."""
     snapshots: Mapping[float, Profile]
-    """Fields along the belt at some times."""
+    """Fields along the belt, by time, s."""
     messages: tuple[str, ...] = ()
     """Warnings of the FMU."""
 

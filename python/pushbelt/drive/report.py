@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from pushbelt import page
-from pushbelt.belt_picture import belt_picture
-from pushbelt.fmu.data import curve_at, parameter_set
-from pushbelt.page import image
+from pushbelt.belt_view import belt_view
+from pushbelt.fmu.data import parameter_set
 
 from . import figures
 from .car import demo_car
@@ -64,11 +63,13 @@ def context(results: Results) -> dict[str, Any]:
     """What the template shows."""
     parameters = parameter_set(results.plan.variator)
     fixed, slip = results.fixed, results.slip
-    pitch = parameters["belt.pitchOffset"]
-    belts = [
-        (moment, state, image(belt_picture(state, curve_at(parameters, state), pitch)))
-        for moment, state in sorted(slip.snapshots.items())
-    ]
+    belt = belt_view(
+        figures.belt_over_time(slip, parameters),
+        parameters,
+        "The belt on its pulleys during the drive, coloured by push force",
+        group=figures.GROUP,
+        start=0.5 * (results.plan.cycle[0] + results.plan.cycle[1]),
+    )
     return {
         "version": results.version,
         "plan": results.plan,
@@ -91,13 +92,13 @@ def context(results: Results) -> dict[str, Any]:
         "shift_gains": [results.thrust_map.shift_gain(ratio, 0.3) for ratio in (0.5, 1.0, 2.0)],
         "step": STEP,
         "low_friction": LOW_FRICTION,
-        "belts": belts,
         "pictures": {
-            "drive": image(figures.drive(slip)),
-            "close_up": image(figures.drive(results.close_up)),
-            "savings": image(figures.savings(fixed, slip)),
-            "energy": image(figures.energy_shares(fixed, slip)),
-            "low_friction": image(figures.low_friction(results.fixed_low_friction, results.slip_low_friction)),
-            "map": image(figures.operating_points(results.thrust_map, slip)),
+            "belt": belt,
+            "drive": figures.drive(slip, figures.GROUP),
+            "close_up": figures.drive(results.close_up),
+            "savings": figures.savings(fixed, slip),
+            "energy": figures.energy_shares(fixed, slip),
+            "low_friction": figures.low_friction(results.fixed_low_friction, results.slip_low_friction),
+            "map": figures.operating_points(results.thrust_map, slip),
         },
     }

@@ -18,6 +18,15 @@ from .thrust_map import ThrustMap
 LOW_FRICTION = 0.7
 """Friction in the runs with low friction, as a share of what the controllers believe."""
 
+FRAMES = 600
+"""Moments of a drive at most at which the belt is recorded."""
+
+
+def moments(start: float, stop: float) -> tuple[float, ...]:
+    """Evenly spaced communication points of a drive."""
+    steps = round((stop - start) / simulate.STEP)
+    return tuple(start + k * simulate.STEP for k in range(0, steps, -(-steps // FRAMES)))
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -31,8 +40,6 @@ class Plan:
     """Ring model of the first."""
     low_friction: tuple[float, float] = (10.0, 20.0)
     """Section that both strategies drive with less friction than they believe in, s."""
-    snapshots: tuple[float, ...] = ()
-    """Moments of the belt pictures, s."""
     trace: str = "wltc"
     """The cycle, a name in `CYCLES`."""
     variator: str = simulate.VARIATOR
@@ -49,10 +56,9 @@ class Plan:
         start, stop = self.cycle
         cycle = whole.section(start, stop)
         slippery = whole.section(*self.low_friction)
-        moments = tuple(moment for moment in self.snapshots if start < moment < stop)
         setups = (
             Setup("fixed safety factor", "safety", cycle, self.ring, "coarse"),
-            Setup("slip control", "slip", cycle, self.ring, "coarse", moments),
+            Setup("slip control", "slip", cycle, self.ring, "coarse", moments(start, stop)),
             Setup("close-up", "slip", whole.section(*self.close_up), "ALE", "default"),
             *(
                 Setup(f"low friction, {strategy}", strategy, slippery, friction=LOW_FRICTION)
@@ -62,11 +68,11 @@ class Plan:
         return tuple(replace(setup, variator=self.variator) for setup in setups)
 
 
-FULL = Plan((0.0, 1800.0), (1478.0, 1598.0), snapshots=(20.0, 560.0, 1530.0, 1780.0))
+FULL = Plan((0.0, 1800.0), (1478.0, 1598.0))
 """The whole cycle; the first 120 s of its last part as close-up, with the launch and the largest torques."""
-FULL_NEDC = Plan((0.0, 1180.0), (780.0, 900.0), snapshots=(60.0, 850.0, 1110.0), trace="nedc")
-SHORT = Plan((10.0, 40.0), (10.0, 20.0), snapshots=(18.0, 38.0))
-SHORT_NEDC = Plan((10.0, 40.0), (10.0, 20.0), snapshots=(18.0, 38.0), trace="nedc")
+FULL_NEDC = Plan((0.0, 1180.0), (780.0, 900.0), trace="nedc")
+SHORT = Plan((10.0, 40.0), (10.0, 20.0))
+SHORT_NEDC = Plan((10.0, 40.0), (10.0, 20.0), trace="nedc")
 
 
 @dataclass(frozen=True)

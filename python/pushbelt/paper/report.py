@@ -140,9 +140,11 @@ def context(results: PaperResults) -> dict[str, Any]:
     run_of = chosen_runs(results)
     judged = [check for check in results.rings.checks if check.passed is not None]
     rings = results.rings
+    outlines, over_time = figures.deformable_ring(rings)
     pictures = {
         "figure6": figures.reference_oscillation(rings),
-        "figure7": figures.deformable_ring(rings),
+        "figure7": outlines,
+        "figure7_over_time": over_time,
         "meshes": figures.mesh_energy(rings),
         "convergence": figures.convergence(rings),
         "levels": figures.thrust_and_efficiency(results),
@@ -169,7 +171,7 @@ def context(results: PaperResults) -> dict[str, Any]:
         "mesh_names": [name for name in cases.MESHES if name != "fine"],
         "residuals": {name: float(np.abs(shift.residual).max()) for name, shift in results.shifts.items()},
         "label": figures.label,
-        "pictures": {name: page.image(svg) for name, svg in pictures.items()},
+        "pictures": pictures,
     }
 
 

@@ -1,9 +1,13 @@
-"""Pictures of the results: maps over ratio and torque utilisation, and cuts through them."""
+"""The results over the grid, and maps of them as pictures."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+
+import matplotlib
+
+matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -74,7 +78,7 @@ def maps(results: Results, quantity: Quantity, force: int) -> Figure:
     if len(down) > len(across):
         values, slipping = np.swapaxes(values, 0, 1), np.swapaxes(slipping, 0, 1)
         down, across = across, down
-    levels = _levels(quantity, values)
+    levels = levels_of(quantity, values)
     colours = plt.get_cmap("viridis")
     rows, columns = len(down), len(across)
     with plt.rc_context(STYLE):
@@ -102,7 +106,8 @@ def maps(results: Results, quantity: Quantity, force: int) -> Figure:
     return figure
 
 
-def _levels(quantity: Quantity, values: Array) -> Array:
+def levels_of(quantity: Quantity, values: Array) -> Array:
+    """Borders of the colours that the values need."""
     found = values[np.isfinite(values)]
     if found.size == 0:
         return np.array([0.0, 1.0])
@@ -143,33 +148,6 @@ def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: 
     for axis, limits in ((ratio, axes.set_xlim), (utilisation, axes.set_ylim)):
         if len(axis) > 1:
             limits(axis[0], axis[-1])
-
-
-def cuts(results: Results, force: int, friction: int, speed: int) -> Figure:
-    """The quantities over the utilisation, a line a ratio."""
-    grid = results.grid
-    colours = plt.get_cmap("plasma")(np.linspace(0.0, 0.88, len(grid.ratio)))
-    with plt.rc_context(STYLE):
-        figure, panels = plt.subplots(1, len(QUANTITIES), figsize=(11.2, 3.6), layout="constrained")
-        for axes, quantity in zip(panels, QUANTITIES, strict=True):
-            values = quantity.scale * results[quantity.column][force, friction, speed]
-            for ratio, colour, line in zip(grid.ratio, colours, values, strict=True):
-                axes.plot(grid.utilisation, line, ".-", color=colour, linewidth=1.1, markersize=4, label=f"{ratio:.3g}")
-            # A belt that slips through would leave no room for the others.
-            carried = values[results["macroSlip"][force, friction, speed] == 0.0]
-            if carried.size:
-                margin = 0.08 * np.ptp(carried) + 0.01
-                axes.set_ylim(carried.min() - margin, carried.max() + margin)
-            name = f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name
-            axes.set(title=name[0].upper() + name[1:], xlabel="torque utilisation")
-        figure.legend(
-            *panels[0].get_legend_handles_labels(),
-            title="ratio",
-            loc="outside right center",
-            labelcolor=INK,
-            title_fontproperties={"size": 8.5},
-        )
-    return figure
 
 
 def sheets(results: Results) -> dict[str, Figure]:

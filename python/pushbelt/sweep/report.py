@@ -11,10 +11,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pyarrow as pa
 
-from pushbelt.page import image, write_html
-from pushbelt.style import svg
+from pushbelt.page import write_html
 
-from . import checks, maps
+from . import checks, figures, maps
 from .maps import Results
 from .store import METADATA, schema
 from .study import AXES, Study
@@ -41,17 +40,15 @@ def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
     pictures.mkdir(parents=True, exist_ok=True)
     for old in pictures.glob("*.png"):
         old.unlink()
-    sheets = maps.sheets(results)
-    for name, figure in sheets.items():
+    for name, figure in maps.sheets(results).items():
         figure.savefig(pictures / f"{name}.png", dpi=PICTURE_DPI)
-        figure.set_layout_engine("none")  # It is laid out now; a second time would take as long.
+        plt.close(figure)
     path = folder / "report.html"
-    write_html("sweep/sweep.html.j2", _context(study, results, sheets, effort), path)
-    plt.close("all")
+    write_html("sweep/sweep.html.j2", _context(study, results, effort), path)
     return path
 
 
-def _context(study: Study, results: Results, sheets: dict[str, Any], effort: Effort) -> dict[str, Any]:
+def _context(study: Study, results: Results, effort: Effort) -> dict[str, Any]:
     grid, table = study.grid, results.table
     nearest = {
         "friction": int(np.argmin(np.abs(np.array(grid.friction) - 0.09))),
@@ -76,12 +73,12 @@ def _context(study: Study, results: Results, sheets: dict[str, Any], effort: Eff
         "checks": checks.evaluate(results) if results.steady.any() else [],
         "spots": checks.spots(results) if results.steady.any() else [],
         "cut": {
-            "picture": image(svg(maps.cuts(results, **nearest))),
+            "picture": figures.cuts(results, **nearest),
             "friction": grid.friction[nearest["friction"]],
             "rpm": maps.in_rpm(grid.speed[nearest["speed"]]),
             "force": grid.force[nearest["force"]],
         },
-        "maps": {name: image(svg(figure)) for name, figure in sheets.items()},
+        "maps": figures.maps(results),
         "columns": [
             (field.name, {key.decode(): text.decode() for key, text in field.metadata.items()})
             for field in schema(study)

@@ -30,7 +30,6 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--short", action="store_true", help="few points of each section")
     parser.add_argument("--section", action="append", choices=SECTIONS, help="only this section; may be given again")
     options = parser.parse_args(arguments)
-    # Workers import this module, but need not wait for matplotlib.
     from . import report
     from .outcome import Verdict
 

@@ -1,54 +1,65 @@
-"""Pictures of the report, drawn from plain data."""
+"""Figures of the report, from plain data."""
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
-from matplotlib.axes import Axes
+from pushbelt.charts import Chart, Mark, Series
+from pushbelt.charts import Panel as ChartPanel
+from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
-from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, STYLE, VIOLET, svg
-
-from .outcome import Panel, Picture
+from .outcome import Curve, Panel, Picture
 
 COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
-WIDTH = 11.2
-"""Of a picture, inches."""
 MOST_IN_A_ROW = 3
 REACH = 50.0
 """Farthest change that a panel of named rows shows, per cent."""
+MARKERS = {"o": "circle", ".": "circle", "x": "x-thin-open", "_": "line-ew-open"}
+SIZES = {"o": 6.0, ".": 7.0, "x": 7.0, "_": 14.0}
+DASHES = {"--": "dash", ":": "dot", "-": ""}
 
 
-def draw(picture: Picture) -> str:
-    """A picture as SVG."""
-    named = next((panel.names for panel in picture.panels if panel.names), ())
-    across = len(picture.panels) if named else min(len(picture.panels), MOST_IN_A_ROW)
-    down = -(-len(picture.panels) // across)
-    height = 0.8 + 0.17 * len(named) if named else 3.4 * down
-    with plt.rc_context(STYLE):
-        figure, all_axes = plt.subplots(
-            down, across, figsize=(WIDTH, height), layout="constrained", squeeze=False, sharey=bool(named)
-        )
-        for axes, panel in zip(all_axes.flat, picture.panels, strict=False):
-            _panel(axes, panel)
-        for axes in all_axes.flat[len(picture.panels) :]:
-            axes.set_visible(False)
-    return svg(figure)
+def draw(picture: Picture) -> Chart:
+    """A picture as a chart."""
+    named = any(panel.names for panel in picture.panels)
+    names = [{curve.label for curve in panel.curves} for panel in picture.panels]
+    return Chart(
+        [_panel(panel) for panel in picture.panels],
+        picture.caption,
+        columns=2 if named else min(len(picture.panels), MOST_IN_A_ROW),
+        common_legend=len(names) > 1 and all(found == names[0] for found in names),
+        least_width=330 if named else 260,
+    )
 
 
-def _panel(axes: Axes, panel: Panel) -> None:
-    for curve in panel.curves:
-        size = {"o": 3.5, ".": 5.0, "x": 4.0, "_": 9.0}.get(curve.style.strip("-:"), 3.5)
-        colour = COLOURS[curve.colour % len(COLOURS)]
-        axes.plot(curve.x, curve.y, curve.style, color=colour, markersize=size, label=curve.label or None)
-    axes.set(title=panel.title, xlabel=panel.x_label)
-    if panel.log_y:
-        axes.set_yscale("log")
+def _panel(panel: Panel) -> ChartPanel:
+    reach = None
     if panel.names:
-        axes.set_yticks([-k for k in range(len(panel.names))], panel.names)
-        axes.axvline(0.0, color=MUTED, linewidth=0.8)
         farthest = max((abs(x) for curve in panel.curves for x in curve.x if x == x), default=1.0)
         reach = min(REACH, 1.1 * farthest)
-        axes.set_xlim(-reach, reach)
-    if panel.places:
-        axes.set_xticks(range(len(panel.places)), panel.places, rotation=35, ha="right", fontsize=7.5)
-    if any(curve.label for curve in panel.curves):
-        axes.legend(fontsize=7.5)
+    return ChartPanel(
+        panel.title,
+        [_series(curve, panel) for curve in panel.curves],
+        panel.x_label,
+        scale="log" if panel.log_y else "linear",
+        x_ticks=tuple((float(k), name) for k, name in enumerate(panel.places)),
+        y_ticks=tuple((-float(k), name) for k, name in enumerate(panel.names)),
+        x_range=None if reach is None else (-reach, reach),
+        y_range=(0.5 - len(panel.names), 0.5) if panel.names else None,
+        marks=[Mark(0.0)] if panel.names else [],
+        height=70 + 16 * len(panel.names) if panel.names else 300,
+    )
+
+
+def _series(curve: Curve, panel: Panel) -> Series:
+    dash, mark = ("--" if "--" in curve.style else curve.style.strip("ox._")), curve.style.strip("-:")
+    labels = panel.names or [panel.places[int(x)] for x in curve.x] if panel.names or panel.places else None
+    return Series(
+        curve.label,
+        curve.x,
+        curve.y,
+        COLOURS[curve.colour % len(COLOURS)],
+        "line" if dash else "points",
+        dash=DASHES.get(dash, ""),
+        marker=MARKERS.get(mark, ""),
+        size=SIZES.get(mark, 6.0),
+        labels=labels,
+    )

@@ -180,11 +180,12 @@ class Curve:
 
     x: tuple[float, ...]
     y: tuple[float, ...]
-    label: str = ""
+    label: str
+    """Curves with one label are switched together."""
     colour: int = 0
     """Which of the colours; curves that belong together share one."""
     style: str = "-"
-    """Of matplotlib: `-`, `--`, `o` and so on."""
+    """`-`, `--` or `:` for a line, `o`, `.`, `x` or `_` for points, `o-` for both."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from collections import Counter
 from pathlib import Path
 
 from pushbelt import page
-from pushbelt.page import image
 
 from . import figures
 from .outcome import Check, Section, Table, Verdict
@@ -27,7 +26,7 @@ def write(results: Results, folder: Path) -> Path:
         "results": results,
         "verdicts": counts(results),
         "sources": {s.key: list(dict.fromkeys(check.source for check in s.checks)) for s in results.sections},
-        "pictures": {s.key: [(image(figures.draw(p)), p.caption) for p in s.pictures] for s in results.sections},
+        "pictures": {s.key: [(figures.draw(p), p.caption) for p in s.pictures] for s in results.sections},
     }
     page.write_html("validate/validate.html.j2", context, path)
     return path

@@ -5,12 +5,11 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 from pushbelt import page
-from pushbelt.page import image
-from pushbelt.style import BLUE, GREEN, ORANGE, STYLE, VIOLET, svg
+from pushbelt.charts import Chart, Panel, Series
+from pushbelt.style import BLUE, GREEN, INK, ORANGE, VIOLET
 
 from . import package
 from .study import PACKAGE, SIGNALS, Coupling, orders
@@ -44,46 +43,51 @@ def write_html(result: Coupling, path: Path) -> None:
         "wires": package.WIRES,
         "signals": SIGNALS,
         "orders": orders,
-        "pictures": {"traces": image(_traces(result)), "errors": image(_errors(result))},
+        "pictures": {"traces": _traces(result), "errors": _errors(result)},
     }
     page.write_html("drive/cosim/coupling.html.j2", context, path)
 
 
-def _traces(result: Coupling) -> str:
+def _traces(result: Coupling) -> Chart:
     """The signals by a master and by the loop at the largest step, and what lies between them."""
     step, master = result.plan.steps[0], next(iter(result.masters))
     coupled, loop = result.masters[master][step], result.loop[step]
     time = result.plan.section[0] + step * np.arange(1, len(loop) + 1)
-    with plt.rc_context(STYLE):
-        figure, rows = plt.subplots(2, len(SIGNALS), figsize=(11.2, 4.6), sharex=True, layout="constrained")
-        for k, name in enumerate(SIGNALS):
-            above, below = rows[:, k]
-            above.plot(time, loop[:, k], color=ORANGE, label="loop")
-            above.plot(time, coupled[:, k], color=BLUE, linewidth=0.9, label=master)
-            above.set_title(name)
-            below.plot(time, coupled[:, k] - loop[:, k], color=BLUE, linewidth=0.9)
-            below.set(title="difference", xlabel="time (s)")
-        rows[0, 0].legend(loc="best")
-    return svg(figure)
+    above = [
+        Panel(
+            name,
+            [
+                Series("loop", time, loop[:, k], ORANGE, dash="dash"),
+                Series(master, time, coupled[:, k], BLUE, width=1.0),
+            ],
+        )
+        for k, name in enumerate(SIGNALS)
+    ]
+    below = [
+        Panel(f"{name}, difference", [Series("difference", time, coupled[:, k] - loop[:, k], BLUE)], "time (s)")
+        for k, name in enumerate(SIGNALS)
+    ]
+    label = "Signals of master and loop, and their difference"
+    return Chart([*above, *below], label, columns=len(SIGNALS), linked=True, least_width=230)
 
 
-def _errors(result: Coupling) -> str:
+def _errors(result: Coupling) -> Chart:
     """Differences over the communication step, with a line of slope 1."""
     steps = 1e3 * np.array(result.plan.steps)
-    with plt.rc_context(STYLE):
-        figure, panels = plt.subplots(1, 2, figsize=(11.2, 3.4), sharey=True, layout="constrained")
-        for master, marker in zip(result.masters, "ox", strict=False):
-            found = ((steps[:-1], result.refinement(master)), (steps, result.against_loop(master)))
-            for axes, (where, errors) in zip(panels, found, strict=True):
-                for k, name in enumerate(SIGNALS):
-                    label = f"{name}, {master}"
-                    axes.loglog(where, errors[:, k], marker=marker, color=COLOURS[k], markersize=4, label=label)
-        for axes in panels:
-            axes.loglog(steps, 1e-3 * steps, color="black", linewidth=0.8, linestyle=":", label="order 1")
-            axes.set_xticks(steps, [f"{step:g}" for step in steps])
-            axes.minorticks_off()
-            axes.set_xlabel("communication step (ms)")
-        panels[0].set_title("Master, against half its step")
-        panels[1].set_title("Master against the loop, same step")
-        panels[1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return svg(figure)
+    found = (
+        ("Master, against half its step", steps[:-1], result.refinement),
+        ("Master against the loop, same step", steps, result.against_loop),
+    )
+    panels = []
+    for title, where, errors_of in found:
+        series = [Series("order 1", steps, 1e-3 * steps, INK, dash="dot", width=1.0)]
+        for master, marker in zip(result.masters, ("circle", "x-thin-open"), strict=False):
+            errors = errors_of(master)
+            series += [
+                Series(f"{name}, {master}", where, errors[:, k], COLOURS[k], marker=marker)
+                for k, name in enumerate(SIGNALS)
+            ]
+        ticks = tuple((float(step), f"{step:g}") for step in steps)
+        x_label = "communication step (ms)"
+        panels.append(Panel(title, series, x_label, scale="log", x_scale="log", x_ticks=ticks, height=300))
+    return Chart(panels, "Differences over the communication step", columns=2, common_legend=True)

@@ -355,7 +355,7 @@ def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, 
 
 
 def _picture(beside: Sequence[Beside]) -> Picture:
-    """Per cent over torque, a panel a ratio; the first one names the points."""
+    """Per cent over torque, a panel a ratio."""
     panels: list[Panel] = []
     for ratio in dict.fromkeys(b.measured.ratio for b in beside):
         group = sorted((b for b in beside if b.measured.ratio == ratio), key=lambda b: b.measured.torque)
@@ -364,7 +364,7 @@ def _picture(beside: Sequence[Beside]) -> Picture:
         for k, (safety, style) in enumerate(zip(SAFETIES, (".", "x"), strict=True)):
             series.append((f"FMU, safety {safety:g}", 0, style, [b.efficiencies[k] for b in group]))
         curves = tuple(
-            Curve(torques, tuple(100.0 * value for value in values), "" if panels else name, colour, style)
+            Curve(torques, tuple(100.0 * value for value in values), name, colour, style)
             for name, colour, style, values in series
         )
         panels.append(Panel(f"Ratio {ratio:g}: efficiency (%)", "primary torque (N·m)", curves))

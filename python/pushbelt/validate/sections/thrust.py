@@ -91,10 +91,8 @@ def _picture(found: dict[Key, dict[Key, float]]) -> Picture:
             points = [
                 (t, values[force, rpm]) for (i, t), values in found.items() if i == ratio and (force, rpm) in values
             ]
-            label = f"ratio {ratio:g}" if (force, rpm) == (FORCES[0], SPEEDS[0]) else ""
-            curves.append(
-                Curve(*map(tuple, zip(*points, strict=True)), label, colour, "-" if rpm == SPEEDS[0] else "--")
-            )  # type: ignore[arg-type]
+            places, values = map(tuple, zip(*points, strict=True))
+            curves.append(Curve(places, values, f"ratio {ratio:g}", colour, "-" if rpm == SPEEDS[0] else "--"))
     return Picture(
         (Panel("Thrust ratio F_P/F_S", "torque over that of full slip of the secondary force", tuple(curves)),),
         "Four lines a ratio: 10 and 20 kN, 1000 rpm (solid) and 3000 rpm (dashed).",

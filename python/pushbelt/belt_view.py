@@ -1,0 +1,174 @@
+"""The belt on its pulleys as the reader moves a time slider: push force in colour, gaps and spiral running magnified."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup, escape
+
+from .charts import encoded
+from .fmu.data import curve_of
+from .fmu.geometry import Array, TwoPulleyCurve
+from .fmu.results import BeltState
+from .style import COLOUR_SCALE
+
+ELEMENTS_TOGETHER = 3
+"""Elements of the belt that one drawn element stands for."""
+TURNS_A_SECOND = 0.35
+"""How fast the faster pulley turns in the picture while it plays."""
+LONGEST = 60.0
+"""A run plays no longer than this, s."""
+STEADY_TIME = 20.0
+"""Time that the slider of a steady state spans, s of the picture."""
+STEPS = 1000
+"""Of the slider."""
+ROUND = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+"""Magnifications to choose from."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What is shown over time. A row a moment; along the belt the places of the profile."""
+
+    time: Array
+    push: Array
+    """Push force, N."""
+    offset: Array
+    """Distance of the ring from its reference curve, outward positive, m."""
+    gap: Array
+    """Gap between neighbouring elements, m."""
+    radii: Array
+    """Of the reference curve on S and P, m."""
+    angles: Array
+    """By which S and P have turned, rad."""
+    way: Array
+    """By which the belt has moved, m."""
+
+
+def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:
+    """Distance of the belt from its reference curve at the points of the profile, outward positive, m.
+
+    On an arc the profile counts from the arc's mean radius, which is not quite that of the reference curve.
+    """
+    offset = state.profile.radial_deviation
+    for pulley in ("primary", "secondary"):
+        on_arc = np.abs(curve.from_middle(pulley, state.profile.position)) < 0.5 * curve.arc_length(pulley)
+        mean = state[f"{pulley}.radius"] + pitch_offset - curve.radius(pulley)
+        offset = offset + np.where(on_arc, mean, 0.0)
+    return offset
+
+
+GAP_PARAMETERS = {
+    "belt.pushStiffness": 1e7,
+    "belt.roughness": 1e-7,
+    "belt.elementThickness": 1.5e-3,
+    "belt.filmForce": 10.0,
+    "belt.filmThickness": 6e-6,
+}
+"""What the gap follows from, with the FMU's defaults: parameter sets name only what differs."""
+
+
+def gaps(push_force: Array, parameters: Mapping[str, float]) -> Array:
+    """Gap between neighbouring elements that goes with a push force, m: the static law of the stack, inverted.
+
+    Q = k δ ln(1 + exp(ε/δ)) + q/ln 2 · ln(1 + exp(ε/δ_f)), δ and δ_f the roughness and the film over the thickness of an element.
+    """
+    values = {name: parameters.get(name, default) for name, default in GAP_PARAMETERS.items()}
+    stiffness, roughness, thickness, film_force, film = values.values()
+    widest = 12.0 * max(film, roughness)
+    gap = np.linspace(0.0, widest, 2001)
+    rough = stiffness * roughness / thickness * np.log1p(np.exp(-gap / roughness))
+    force = rough + film_force / np.log(2.0) * np.log1p(np.exp(-gap / film))
+    return np.interp(push_force, force[::-1], gap[::-1])
+
+
+def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], turned: Sequence[Array]) -> Motion:
+    """Moments of a run; `turned` has the angles of P and S and the way of the belt at each."""
+    rows = [(time, states[time]) for time in sorted(states)]
+    pitch = parameters["belt.pitchOffset"]
+    curves = [curve_of(parameters, state["reference.theta"]) for _, state in rows]
+    push = np.array([state.profile.push_force for _, state in rows])
+    primary, secondary, way = turned
+    return Motion(
+        time=np.array([time for time, _ in rows]),
+        push=push,
+        offset=np.array([belt_offset(s, curve, pitch) for (_, s), curve in zip(rows, curves, strict=True)]),
+        gap=gaps(push, parameters),
+        radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
+        angles=np.stack([secondary, primary], axis=1),
+        way=np.asarray(way),
+    )
+
+
+def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
+    """A steady state, which only turns."""
+    names = ("primary.speed", "secondary.speed", "belt.speed")
+    ends = np.array([0.0, STEADY_TIME])
+    return motion({0.0: state, STEADY_TIME: state}, parameters, [state[name] * ends for name in names])
+
+
+def integrated(time: Array, values: Array, moments: Array) -> Array:
+    """The integral of a column from the first time on, at some moments: how far a speed has led."""
+    sums = np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time)))
+    return np.interp(moments, time, sums)
+
+
+def magnification_for(offset: Array, least_radius: float) -> float:
+    """A round magnification that shows the largest offset at about a third of the smaller radius."""
+    largest = float(np.abs(offset).max())
+    if largest == 0.0:
+        return 1.0
+    return float(max(step for step in ROUND if step <= max(0.3 * least_radius / largest, 1.0)))
+
+
+def belt_view(
+    shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None
+) -> Markup:
+    """The animation as a piece of a page; with `group` it shares the cursor of charts over time."""
+    distance, length, pitch = (
+        parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset")
+    )
+    thickness = parameters.get("belt.elementThickness", GAP_PARAMETERS["belt.elementThickness"])
+    still = len(shown.time) == 2 and np.array_equal(shown.push[0], shown.push[1])
+    magnification = magnification_for(np.percentile(np.abs(shown.offset), 99.0, axis=1), float(shown.radii.min()))
+    wide = max(float(np.percentile(shown.gap, 99.0)), 1e-9)
+    gap_scale = max(step for step in ROUND if step <= max(0.75 * thickness / wide, 1.0))
+    rates = np.abs(np.diff(shown.angles, axis=0)) / np.diff(shown.time)[:, None]
+    pace = max(1.0, float(np.ptp(shown.time)) / LONGEST)
+    slow = max(float(np.percentile(rates, 95.0)) * pace / (2.0 * np.pi * TURNS_A_SECOND), 1.0)
+    slow = float(f"{slow:.1g}")
+    reach = float(shown.radii.max() + magnification * np.percentile(np.abs(shown.offset), 99.9))
+    most = max(float(np.percentile(shown.push, 99.8)), 1.0)
+    data = {
+        "group": group, "steady": bool(still), "pace": pace, "slow": slow,
+        "distance": 1e3 * distance, "length": 1e3 * length, "pitchOffset": 1e3 * pitch, "reach": 1e3 * reach + 4.0,
+        "count": round(length / (ELEMENTS_TOGETHER * thickness)), "magnification": magnification,
+        "gapScale": gap_scale / thickness, "most": most,
+        "colours": [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in COLOUR_SCALE],
+        "time": encoded(shown.time), "radii": encoded(1e3 * shown.radii.ravel()), "angles": encoded(shown.angles.ravel()),
+        "way": encoded(1e3 * shown.way), "push": _whole(shown.push), "offset": _whole(1e3 * shown.offset), "gap": _whole(shown.gap),
+    }  # fmt: skip
+    begin = shown.time[0] if start is None else start
+    value = round(STEPS * float((begin - shown.time[0]) / (shown.time[-1] - shown.time[0])))
+    playing = f" Plays {pace:.0f} times as fast as it was." if pace > 1.5 else ""
+    bar = f"linear-gradient(90deg, {', '.join(COLOUR_SCALE)})"
+    return Markup(
+        f'<div class="belt" role="group" aria-label="{escape(label)}"><svg role="img" aria-label="{escape(label)}"></svg>'
+        '<div class="controls"><button type="button">Play</button>'
+        f'<input type="range" min="0" max="{STEPS}" value="{value}" aria-label="{"Turning" if still else "Time"}">'
+        "<output></output></div>"
+        f'<div class="scale">0<i style="background: {bar}"></i>{most:.0f} N push force</div>'
+        f'<p class="source">Distance from the reference curve magnified {magnification:.0f} times, gaps between elements {gap_scale} times.'
+        f" A turn in the picture stands for {slow:.0f}, a drawn element for {ELEMENTS_TOGETHER}.{playing}</p>"
+        f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'
+    )
+
+
+def _whole(values: Array) -> dict[str, object]:
+    """Values to 1/32767 of the largest, two bytes each."""
+    unit = max(float(np.abs(values).max()), 1e-12) / 32767.0
+    return {"unit": unit, "data": base64.b64encode(np.round(values / unit).astype("<i2").tobytes()).decode()}

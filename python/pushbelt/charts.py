@@ -1,0 +1,434 @@
+"""Figures that answer: lines, points, bars and maps with hover, zoom and a legend that switches them.
+
+Plain data in, a piece of HTML out. A `Chart` is a group of panels that the page lays out beside each other as there is room. `plotly.js`
+draws each; `charts.js.j2` adds the legend, the cursor and the keys. Panels of a linked chart share cursor and zoom along x.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup, escape
+from numpy.typing import ArrayLike
+
+from .fmu.geometry import Array
+from .style import COLOUR_SCALE, GRID, INK, MUTED
+
+BUCKETS = 900
+"""A long line keeps the first, least, greatest and last value in each of so many parts of its length."""
+SYMLOG_SHARE = 1.5
+"""Height of the linear part of an axis that is logarithmic beyond, in decades."""
+DASHES = {"": "solid", "solid": "solid", "dash": "dash", "dot": "dot"}
+
+Tick = tuple[float, str]
+
+
+@dataclass(frozen=True)
+class Series:
+    """Something of a panel with a name in its legend."""
+
+    name: str
+    x: ArrayLike
+    y: ArrayLike
+    colour: str = INK
+    kind: str = "line"
+    """`line`, `points`, `bars`, `rows` (bars that lie) or `band` (between `y` and `upper`)."""
+    dash: str = ""
+    marker: str = ""
+    """Of plotly: `circle`, `circle-open`, `x-thin-open` and so on; for a line none."""
+    size: float = 6.0
+    width: float = 1.5
+    opacity: float = 1.0
+    upper: ArrayLike | None = None
+    errors: tuple[ArrayLike, ArrayLike] | None = None
+    """Of bars: lengths below and above."""
+    hatched: Sequence[bool] | None = None
+    """Of bars: which are hatched."""
+    labels: Sequence[str] | None = None
+    """What hover says of each point, before the values."""
+    bar_width: float | None = None
+
+
+@dataclass(frozen=True)
+class Field:
+    """Values over a grid, as filled contours or as lines with their levels written on them."""
+
+    name: str
+    x: ArrayLike
+    y: ArrayLike
+    values: ArrayLike
+    """Of shape (len(y), len(x)); NaN leaves a hole."""
+    levels: tuple[float, float, float] | None = None
+    """First, last and distance of the contours."""
+    ticks: tuple[Tick, ...] = ()
+    """Of the colour bar."""
+    shown: ArrayLike | None = None
+    """What hover says in place of the values, where these are places on a scale."""
+    lines_only: bool = False
+    bar: bool = True
+
+
+@dataclass(frozen=True)
+class Shade:
+    """A stretch along x."""
+
+    start: float
+    end: float
+    colour: str
+    label: str = ""
+    opacity: float = 0.12
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A line at one x."""
+
+    x: float
+    label: str = ""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A line at one y."""
+
+    y: float
+    label: str = ""
+    colour: str = MUTED
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes."""
+
+    title: str
+    series: Sequence[Series]
+    x_label: str = ""
+    y_label: str = ""
+    fields: Sequence[Field] = ()
+    scale: str = "linear"
+    """Of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`."""
+    x_scale: str = "linear"
+    linear_to: float = 1.0
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+    x_ticks: tuple[Tick, ...] = ()
+    y_ticks: tuple[Tick, ...] = ()
+    shades: Sequence[Shade] = ()
+    marks: Sequence[Mark] = ()
+    levels: Sequence[Level] = ()
+    equal: bool = False
+    """One unit is as long in y as in x."""
+    stacked: bool = False
+    height: int = 230
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A group of panels."""
+
+    panels: Sequence[Panel]
+    label: str
+    """What it shows, for those who cannot see it."""
+    columns: int = 1
+    """How many lie side by side where there is room."""
+    linked: bool = False
+    """Whether they share cursor and zoom along x."""
+    group: str = ""
+    """Charts and belts with the same name share the cursor too."""
+    common_legend: bool = False
+    """One legend for all panels."""
+    least_width: int = 260
+    """Below this width of a panel, px, fewer lie side by side."""
+
+    def __html__(self) -> str:
+        return str(html(self))
+
+
+def html(chart: Chart) -> Markup:
+    """The chart as a piece of a page."""
+    specification = {
+        "linked": chart.linked,
+        "group": chart.group,
+        "commonLegend": chart.common_legend,
+        "panels": [panel_data(panel, chart.linked) for panel in chart.panels],
+    }
+    panels = "".join(
+        f'<div class="panel"><h4>{escape(panel.title)}</h4><div class="keys"></div>'
+        f'<div class="plot" style="height: {panel.height}px" tabindex="0" role="group"'
+        f' aria-label="{escape(panel.title or chart.label)}"></div>'
+        f'<p class="source">{escape(panel.note)}</p></div>'
+        for panel in chart.panels
+    )
+    text = json.dumps(specification, allow_nan=False, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/")
+    return Markup(
+        f'<div class="chart" role="group" aria-label="{escape(chart.label)}">'
+        '<div class="tools"><span class="keys common"></span><output class="cursor"></output>'
+        '<button type="button" data-do="in" title="Zoom in (+)">+</button>'
+        '<button type="button" data-do="out" title="Zoom out (−)">−</button>'
+        '<button type="button" data-do="all" title="Show all (0)">all</button></div>'
+        f'<div class="panels" style="--columns: {chart.columns}; --least: {chart.least_width}px">{panels}</div>'
+        f'<script type="application/json">{text}</script></div>'
+    )
+
+
+def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:
+    """What plotly draws of a panel, and what the page's script needs beside it."""
+    traces = [_field(panel, one) for one in panel.fields]
+    for one in panel.series:
+        traces += _traces(panel, one, linked)
+    data: dict[str, Any] = {"data": traces, "layout": _layout(panel, linked)}
+    if panel.scale == "symlog":
+        data["symlog"] = {"linearTo": panel.linear_to, "share": SYMLOG_SHARE}
+    return data
+
+
+# Numbers
+
+
+def encoded(values: ArrayLike) -> Any:
+    """Numbers as plotly reads them: short ones as a list, long ones as the bytes of 32-bit floats."""
+    array = np.asarray(values, dtype=float)
+    if array.ndim == 1 and array.size <= 12 and np.isfinite(array).all():
+        return [float(f"{value:.7g}") for value in array]
+    data = {"dtype": "f4", "bdata": base64.b64encode(array.astype("<f4").tobytes()).decode()}
+    if array.ndim > 1:
+        data["shape"] = ", ".join(str(length) for length in array.shape)
+    return data
+
+
+def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
+    """The first, least, greatest and last value of each part of a long line: it loses no peak and no jump."""
+    if len(x) <= 4 * buckets:
+        return x, y
+    edges = np.linspace(0, len(x), buckets + 1).astype(int)
+    keep = {0, len(x) - 1}
+    for start, end in zip(edges[:-1], edges[1:], strict=True):
+        part = y[start:end]
+        if np.isnan(part).all():
+            keep |= {start}
+            continue
+        keep |= {start, end - 1, start + int(np.nanargmin(part)), start + int(np.nanargmax(part))}
+        keep |= {start + int(k) for k in np.flatnonzero(np.diff(np.isnan(part)))}
+    order = np.array(sorted(keep))
+    # A point that lies on the line between its neighbours, as a reader sees it, says nothing.
+    finite = y[np.isfinite(y)]
+    eye = 2e-4 * float(np.ptp(finite)) if finite.size else 0.0
+    return _without_straight(x[order], y[order], eye)
+
+
+def _without_straight(x: Array, y: Array, eye: float) -> tuple[Array, Array]:
+    """Leaves out every other point that its neighbours give to within `eye`, again and again."""
+    while len(x) > 4:
+        middle = np.arange(1, len(x) - 1, 2)
+        share = (x[middle] - x[middle - 1]) / (x[middle + 1] - x[middle - 1])
+        off = np.abs(y[middle] - y[middle - 1] - share * (y[middle + 1] - y[middle - 1]))
+        straight = middle[off < eye]
+        if len(straight) < 0.02 * len(x):
+            return x, y
+        keep = np.ones(len(x), dtype=bool)
+        keep[straight] = False
+        x, y = x[keep], y[keep]
+    return x, y
+
+
+def symlog(values: ArrayLike, linear_to: float) -> Array:
+    """Places on an axis that is linear up to `linear_to` and logarithmic beyond."""
+    y = np.asarray(values, dtype=float)
+    size = np.maximum(np.abs(y), linear_to)
+    return np.where(
+        np.abs(y) <= linear_to, SYMLOG_SHARE * y / linear_to, np.sign(y) * (SYMLOG_SHARE + np.log10(size / linear_to))
+    )
+
+
+# Traces
+
+
+def _traces(panel: Panel, one: Series, linked: bool) -> list[dict[str, Any]]:
+    x, y = np.asarray(one.x, dtype=float), np.asarray(one.y, dtype=float)
+    common = {"name": one.name, "opacity": one.opacity, "hoverinfo": "none"}
+    if one.kind == "band":
+        upper = np.asarray(one.upper, dtype=float)
+        red, green, blue = (int(one.colour[k : k + 2], 16) for k in (1, 3, 5))
+        edge = {"type": "scatter", "mode": "lines", "x": encoded(x), "opacity": 1.0, "line": {"width": 0.0}}
+        filled = {"y": encoded(upper), "fill": "tonexty", "fillcolor": f"rgba({red},{green},{blue},{one.opacity})"}
+        return [common | edge | {"y": encoded(y)}, common | edge | filled]
+    if one.kind in ("bars", "rows"):
+        return [common | _bars(one, x, y)]
+    if panel.scale == "symlog":
+        y = symlog(y, panel.linear_to)
+    if one.kind == "line" and not one.marker:
+        x, y = thinned(x, y)
+    mode = {"line": "lines", "points": "markers"}[one.kind] + ("+markers" if one.kind == "line" and one.marker else "")
+    trace = common | {"type": "scatter", "mode": mode, "x": encoded(x), "y": encoded(y)}
+    if one.kind == "line":
+        trace["line"] = {"color": one.colour, "width": one.width, "dash": DASHES[one.dash]}
+    if one.marker or one.kind == "points":
+        trace["marker"] = {"color": one.colour, "size": one.size, "symbol": one.marker or "circle"}
+        trace["marker"]["line"] = {"width": 1.3 if "open" in one.marker else 0.0, "color": one.colour}
+    return [trace if linked else trace | _hover(one)]
+
+
+def _hover(one: Series) -> dict[str, Any]:
+    said = {"hoverinfo": "all", "hovertemplate": "%{x:.4~g}: <b>%{y:.4~g}</b><extra>" + escape(one.name) + "</extra>"}
+    if one.labels is not None:
+        said |= {"text": list(one.labels), "hovertemplate": said["hovertemplate"].replace("%{x:.4~g}", "%{text}")}
+    return said
+
+
+def _bars(one: Series, x: Array, y: Array) -> dict[str, Any]:
+    lying = one.kind == "rows"
+    trace: dict[str, Any] = {
+        "type": "bar",
+        "x": encoded(x),
+        "y": encoded(y),
+        "marker": {"color": one.colour},
+        "textposition": "none",
+    }
+    if one.bar_width is not None:
+        trace["width"] = one.bar_width
+    if lying:
+        trace["orientation"] = "h"
+    if one.hatched is not None and any(one.hatched):
+        trace["marker"]["pattern"] = {"shape": ["/" if hatched else "" for hatched in one.hatched], "size": 6}
+    if one.errors is not None:
+        below, above = one.errors
+        trace["error_y"] = {"type": "data", "symmetric": False, "array": encoded(above), "arrayminus": encoded(below)}
+        trace["error_y"] |= {"color": INK, "thickness": 1.1, "width": 2}
+    trace |= _hover(one)
+    if lying:
+        trace["hovertemplate"] = "<b>%{x:.4~g}</b><extra>" + escape(one.name) + "</extra>"
+    return trace
+
+
+def _field(panel: Panel, one: Field) -> dict[str, Any]:
+    values = np.asarray(one.values, dtype=float)
+    shown = values if one.shown is None else np.asarray(one.shown, dtype=float)
+    trace: dict[str, Any] = {
+        "type": "contour", "name": one.name, "x": encoded(one.x), "y": encoded(one.y), "z": encoded(values),
+        "customdata": encoded(shown), "connectgaps": False, "showscale": one.bar and not one.lines_only,
+        "hovertemplate": "%{x:.3~g}, %{y:.3~g}: <b>%{customdata:.4~g}</b><extra>" + escape(one.name) + "</extra>",
+        "line": {"width": 0.5, "color": "rgba(255,255,255,0.6)"},
+    }  # fmt: skip
+    if one.levels is not None:
+        start, end, size = one.levels
+        trace |= {
+            "autocontour": False,
+            "contours": {"start": start, "end": end, "size": size},
+            "zmin": start,
+            "zmax": end,
+        }
+    if one.lines_only:
+        trace["contours"] = trace.get("contours", {}) | {"coloring": "none", "showlabels": True}
+        trace["contours"]["labelfont"] = {"size": 10, "color": MUTED}
+        trace["line"] = {"width": 1.0, "color": MUTED}
+    else:
+        trace["colorscale"] = [[k / (len(COLOUR_SCALE) - 1), colour] for k, colour in enumerate(COLOUR_SCALE)]
+        trace["colorbar"] = {"thickness": 10, "outlinewidth": 0, "len": 1.0, "tickfont": {"size": 10}}
+        if one.ticks:
+            places, texts = zip(*one.ticks, strict=True)
+            trace["colorbar"] |= {"tickvals": list(places), "ticktext": list(texts)}
+    return trace
+
+
+# Axes
+
+
+def _axis(label: str, ticks: Sequence[Tick], span: tuple[float, float] | None, scale: str) -> dict[str, Any]:
+    axis: dict[str, Any] = {
+        "title": {"text": label, "standoff": 6, "font": {"size": 12, "color": INK}}, "gridcolor": GRID, "zeroline": False,
+        "linecolor": MUTED, "tickcolor": MUTED, "tickfont": {"size": 11, "color": INK}, "showline": True, "ticks": "outside",
+        "ticklen": 3, "automargin": True, "separatethousands": True,
+    }  # fmt: skip
+    if scale == "log":
+        axis |= {"type": "log", "dtick": 1} if not ticks else {"type": "log"}
+        if span is None or span[1] / span[0] < 30.0:
+            axis.pop("dtick", None)
+        axis |= {"exponentformat": "power"}
+    if span is not None:
+        axis |= {"range": [float(v) for v in (np.log10(span) if scale == "log" else span)], "autorange": False}
+    if ticks:
+        places, texts = zip(*ticks, strict=True)
+        axis |= {"tickmode": "array", "tickvals": [float(p) for p in places], "ticktext": list(texts)}
+    return axis
+
+
+def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
+    y_ticks, y_range = panel.y_ticks, panel.y_range
+    if panel.scale == "symlog":
+        y_ticks = tuple((float(symlog(place, panel.linear_to)), text) for place, text in y_ticks)
+        y_range = None if y_range is None else tuple(float(v) for v in symlog(y_range, panel.linear_to))
+    layout: dict[str, Any] = {
+        "xaxis": _axis(panel.x_label, panel.x_ticks, panel.x_range, panel.x_scale),
+        "yaxis": _axis(panel.y_label, y_ticks, y_range, panel.scale),
+        "margin": {"l": 40, "r": 10, "t": 8, "b": 30},
+        "font": {
+            "family": "system-ui, -apple-system, Segoe UI, Roboto, Helvetica Neue, DejaVu Sans, sans-serif",
+            "color": INK,
+        },
+        "showlegend": False,
+        "separators": ".\N{NARROW NO-BREAK SPACE}",
+        "hovermode": "x" if linked else "closest",
+        "hoverdistance": -1 if linked else 24,
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)",
+        "barmode": "relative" if panel.stacked else "group",
+        "bargap": 0.16,
+        "shapes": _shapes(panel),
+        "annotations": _annotations(panel),
+    }
+    if linked:
+        layout["margin"]["l"], layout["yaxis"]["automargin"] = 52, False  # All panels begin at the same place.
+    if any(mark.label for mark in panel.marks) or any(shade.label for shade in panel.shades):
+        layout["margin"]["t"] = 24
+    if panel.equal:
+        layout["yaxis"] |= {"scaleanchor": "x", "scaleratio": 1}
+        layout["xaxis"]["showgrid"] = layout["yaxis"]["showgrid"] = False
+    return layout
+
+
+def _shapes(panel: Panel) -> list[dict[str, Any]]:
+    shades = [
+        {"type": "rect", "xref": "x", "yref": "paper", "x0": float(s.start), "x1": float(s.end), "y0": 0, "y1": 1,
+         "fillcolor": s.colour, "opacity": s.opacity, "line": {"width": 0}, "layer": "below"}
+        for s in panel.shades
+    ]  # fmt: skip
+    marks = [
+        {"type": "line", "xref": "x", "yref": "paper", "x0": float(m.x), "x1": float(m.x), "y0": 0, "y1": 1,
+         "line": {"color": INK, "width": 0.8}, "opacity": 0.35}
+        for m in panel.marks
+    ]  # fmt: skip
+    levels = [
+        {"type": "line", "xref": "paper", "yref": "y", "x0": 0, "x1": 1, "y0": float(v.y), "y1": float(v.y),
+         "line": {"color": v.colour, "width": 1, "dash": "dash"}}
+        for v in panel.levels
+    ]  # fmt: skip
+    return shades + marks + levels
+
+
+def _annotations(panel: Panel) -> list[dict[str, Any]]:
+    narrow = 0.03 * (panel.x_range[1] - panel.x_range[0]) if panel.x_range else 0.0
+    above = {"xref": "x", "yref": "paper", "y": 1, "yanchor": "bottom", "showarrow": False, "yshift": 1}
+    texts = [
+        above | {"x": 0.5 * float(s.start + s.end), "text": s.label, "font": {"size": 11, "color": MUTED}}
+        for s in panel.shades
+        if s.label and s.end - s.start > narrow
+    ]
+    texts += [
+        above
+        | {"x": float(m.x), "text": m.label, "font": {"size": 10, "color": "#ffffff"}, "bgcolor": INK, "borderpad": 2}
+        for m in panel.marks
+        if m.label
+    ]
+    texts += [
+        {"xref": "paper", "x": 1, "xanchor": "right", "yref": "y", "y": float(np.log10(v.y) if panel.scale == "log" else v.y),
+         "yanchor": "bottom", "showarrow": False, "text": v.label, "font": {"size": 11, "color": v.colour}}
+        for v in panel.levels
+        if v.label
+    ]  # fmt: skip
+    return texts

@@ -1,0 +1,131 @@
+"""Result files, which of them belong together, and how far two runs are apart."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from pushbelt.fmu.geometry import Array
+from pushbelt.fmu.results import Trace
+
+TIME = "time"
+SAME = 1e-9
+"""Runs that are no further apart than this share of the range are the same: files have nine digits."""
+
+
+class CompareError(Exception):
+    """The runs can't be compared."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far two runs are apart in one column."""
+
+    name: str
+    span: float
+    """Largest less least value of both runs."""
+    root_mean_square: float
+    largest: float
+    when: float
+    """Time of the largest, s."""
+
+    @property
+    def share(self) -> float:
+        """The largest over the range."""
+        return self.largest / self.span if self.span > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two runs."""
+
+    name: str
+    paths: tuple[Path, Path]
+    runs: tuple[Trace, Trace]
+
+    @cached_property
+    def names(self) -> list[str]:
+        """Columns that both have."""
+        return [name for name in self.runs[0].columns if name in self.runs[1].columns]
+
+    @cached_property
+    def differences(self) -> list[Difference]:
+        """Of all columns of both, the largest share of its range first; A's times as far as B reaches."""
+        a, b = self.runs
+        time = a.time[(a.time >= b.time[0]) & (a.time <= b.time[-1])]
+        if not len(time):
+            raise CompareError(f"{self.paths[0]} and {self.paths[1]} have no time in common")
+        found = [_difference(name, time, a, b) for name in self.names]
+        return sorted(found, key=lambda difference: -difference.share)
+
+    @property
+    def differing(self) -> list[Difference]:
+        """Columns in which they are apart."""
+        return [difference for difference in self.differences if difference.share > SAME]
+
+
+def _difference(name: str, time: Array, a: Trace, b: Trace) -> Difference:
+    values = [np.interp(time, run.time, run[name]) for run in (a, b)]
+    apart = np.abs(values[1] - values[0])
+    known = np.isfinite(apart)
+    if not known.any():
+        return Difference(name, 0.0, 0.0, 0.0, float(time[0]))
+    apart, both = np.where(known, apart, 0.0), np.concatenate([value[known] for value in values])
+    largest = int(np.argmax(apart))
+    mean_square = float(np.sqrt(np.mean(apart[known] ** 2)))
+    return Difference(name, float(np.ptp(both)), mean_square, float(apart[largest]), float(time[largest]))
+
+
+def pairs(a: Path, b: Path) -> list[Pair]:
+    """Runs that belong together: two files, or files of one name in two folders."""
+    files = [_files(path) for path in (a, b)]
+    if a.is_file() and b.is_file():
+        both = {f"{a.stem} and {b.stem}" if a.stem != b.stem else a.stem: (a, b)}
+    elif a.is_dir() and b.is_dir():
+        both = {name: (path, files[1][name]) for name, path in files[0].items() if name in files[1]}
+    else:
+        raise CompareError(f"{a} and {b} are a file and a folder: give two of a kind")
+    if not both:
+        names = [", ".join(sorted(found)) or "none" for found in files]
+        raise CompareError(f"no run has the same name in both folders: {a} has {names[0]}, {b} has {names[1]}")
+    return [Pair(name, paths, (read(paths[0]), read(paths[1]))) for name, paths in both.items()]
+
+
+def _files(path: Path) -> Mapping[str, Path]:
+    """Result files of a folder, or the file itself, by name."""
+    if path.is_dir():
+        return {file.stem: file for file in sorted(path.glob("*.csv")) if _header(file)[:1] == [TIME]}
+    if not path.is_file():
+        raise CompareError(f"there is no {path}")
+    return {path.stem: path}
+
+
+def _header(path: Path) -> list[str]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return next(csv.reader(file), [])
+
+
+def read(path: Path) -> Trace:
+    """A result file. Columns of anything but numbers are left out."""
+    header = _header(path)
+    if TIME not in header:
+        raise CompareError(f"{path} has no column `{TIME}`: it holds no run")
+    lines = path.read_text(encoding="utf-8").splitlines()[1:]
+    if not lines:
+        raise CompareError(f"{path} has no rows below its header")
+    try:
+        rows = np.genfromtxt(lines, delimiter=",", ndmin=2)
+    except ValueError as error:
+        raise CompareError(f"{path} is no table of numbers: {str(error).splitlines()[0]}") from error
+    if rows.shape[1] != len(header):
+        raise CompareError(f"{path} has {rows.shape[1]} columns below {len(header)} names")
+    columns = {name: rows[:, k] for k, name in enumerate(header) if np.isfinite(rows[:, k]).any()}
+    time = columns.pop(TIME, None)
+    if time is None or not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():
+        raise CompareError(f"the times of {path} don't rise from row to row")
+    return Trace(time, columns)

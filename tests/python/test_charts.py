@@ -1,0 +1,153 @@
+"""The figures of the reports: what is sent to the page, and the belt's animation."""
+
+from __future__ import annotations
+
+import base64
+import itertools
+import json
+import re
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+from pushbelt import belt_view, charts, style
+from pushbelt.charts import Chart, Field, Level, Mark, Panel, Series, Shade
+from pushbelt.fmu import data
+from pushbelt.fmu.geometry import Array, theta_of
+from pushbelt.fmu.results import BeltState, Profile
+
+BENCH = data.parameter_set("bench168")
+
+# How they see colours who lack one kind of cone, in linear RGB (Machado, Oliveira, Fernandes 2009, severity 1).
+SIGHT = {
+    "all cones": np.eye(3),
+    "no M cones": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "no L cones": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "no S cones": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+
+
+def linear(colour: str) -> Array:
+    share = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+    return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+
+
+def lab(rgb: Array) -> Array:
+    x, y, z = np.cbrt(XYZ @ np.clip(rgb, 0.0, 1.0) / np.array([0.9505, 1.0, 1.089]))
+    return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
+
+
+@pytest.mark.parametrize("sight", SIGHT)
+def test_colours_differ_for_the_colour_blind(sight: str) -> None:
+    names = ("BLUE", "ORANGE", "GREEN", "RED", "VIOLET", "INK", "MUTED")
+    seen = {name: lab(np.array(SIGHT[sight]) @ linear(getattr(style, name))) for name in names}
+    least = min((float(np.linalg.norm(seen[a] - seen[b])), a, b) for a, b in itertools.combinations(names, 2))
+    assert least[0] > 20.0, least
+    scale = [lab(np.array(SIGHT[sight]) @ linear(colour))[0] for colour in style.COLOUR_SCALE]
+    assert (np.diff(scale) < -10.0).all()
+
+
+def decoded(values: object) -> Array:
+    if isinstance(values, list):
+        return np.array(values, dtype=float)
+    array = np.frombuffer(base64.b64decode(values["bdata"]), dtype="<f4").astype(float)
+    return array.reshape([int(n) for n in values["shape"].split(",")]) if "shape" in values else array
+
+
+EVERYTHING = Panel(
+    "All kinds",
+    [
+        Series("line", [0.0, 1.0, 2.0], [1.0, 5.0, np.nan], dash="dash"),
+        Series("points", [0.0, 1.0], [1.0, 2.0], kind="points", marker="x-thin-open", labels=["a", "b"]),
+        Series("bars", [0.0, 1.0], [1.0, 2.0], kind="bars", hatched=[True, False], errors=([0.1, 0.1], [0.2, 0.2])),
+        Series("rows", [1.0, 2.0], [0.0, 1.0], kind="rows"),
+        Series("band", [0.0, 1.0], [1.0, 2.0], kind="band", upper=[2.0, 3.0]),
+    ],
+    "x",
+    "y",
+    fields=[
+        Field("map", [0.0, 1.0], [0.0, 1.0], [[1.0, 2.0], [3.0, np.nan]], levels=(1.0, 3.0, 0.5), ticks=((1.0, "1"),)),
+        Field("lines", [0.0, 1.0], [0.0, 1.0], [[1.0, 2.0], [3.0, 4.0]], lines_only=True),
+    ],
+    x_range=(0.0, 2.0),
+    x_ticks=((0.0, "zero"),),
+    shades=[Shade(0.0, 1.0, style.RED, "shade")],
+    marks=[Mark(0.5, "1")],
+    levels=[Level(2.0, "level")],
+    equal=True,
+)
+
+
+@pytest.mark.parametrize("linked", [False, True])
+@pytest.mark.parametrize("scale", ["linear", "log", "symlog"])
+def test_plotly_knows_every_setting(scale: str, linked: bool) -> None:
+    """Its Python part refuses what its schema does not have; the browser would pass over it in silence."""
+    panel = Panel(**{**EVERYTHING.__dict__, "scale": scale, "x_range": None})
+    figure = charts.panel_data(panel, linked)
+    assert len(go.Figure(data=figure["data"], layout=figure["layout"]).data) == 8
+
+
+def test_a_chart_says_what_it_shows_and_holds_no_markup_of_its_data() -> None:
+    text = str(charts.html(Chart([Panel("a < b", [Series("</script>", [0, 1], [2, 3])])], 'with "quotes"')))
+    assert 'aria-label="with &#34;quotes&#34;"' in text
+    assert "a &lt; b" in text
+    content = re.search(r'<script type="application/json">(.*?)</script>', text, re.DOTALL).group(1)
+    trace = json.loads(content)["panels"][0]["data"][0]
+    assert trace["name"] == "</script>"
+    assert decoded(trace["y"]).tolist() == [2.0, 3.0]
+
+
+def test_a_thinned_line_keeps_what_a_reader_sees() -> None:
+    time = np.linspace(0.0, 10.0, 10001)
+    values = np.sin(time)
+    values[4321] = 7.0
+    values[6000:6100] = np.nan
+    x, y = charts.thinned(time, values)
+    assert len(x) < 2500
+    assert {x[0], x[-1]} == {0.0, 10.0}
+    assert np.nanmax(y) == 7.0
+    assert np.isnan(y[(x > 6.0005) & (x < 6.099)]).all()
+    known = np.isfinite(values) & (np.abs(time - time[4321]) > 0.02) & (np.abs(time - 6.05) > 0.07)
+    solid = np.isfinite(y)
+    assert np.interp(time[known], x[solid], y[solid]) == pytest.approx(values[known], abs=3e-3)
+
+
+def test_short_lines_are_sent_whole() -> None:
+    x, y = np.arange(100.0), np.random.default_rng(1).normal(size=100)
+    sent = charts.panel_data(Panel("", [Series("one", x, y)]))["data"][0]
+    assert decoded(sent["x"]).tolist() == x.tolist()
+    assert decoded(sent["y"]) == pytest.approx(y, rel=1e-6)
+
+
+def test_logarithmic_axes_go_through_zero() -> None:
+    places = charts.symlog([-30.0, -3.0, 0.0, 1.5, 3.0, 300.0], 3.0)
+    share = charts.SYMLOG_SHARE
+    assert places == pytest.approx([-share - 1.0, -share, 0.0, 0.5 * share, share, share + 2.0])
+
+
+def test_gaps_are_those_of_the_stack() -> None:
+    """A few newtons of oil across micrometres; none where the elements press; more force, less gap."""
+    force = np.array([0.5, 2.0, 5.0, 10.0, 100.0, 2000.0])
+    gap = belt_view.gaps(force, BENCH)
+    assert (np.diff(gap[:4]) < 0.0).all()
+    # Far from the roughness the film alone bears: q/ln 2 · ln(1 + exp(−g/h)).
+    film = 10.0 / np.log(2.0) * np.log1p(np.exp(-gap[:3] / 6e-6))
+    assert film == pytest.approx(force[:3], rel=1e-2)
+    assert gap[-1] == 0.0
+
+
+def test_offset_leads_from_the_reference_curve_to_the_belt() -> None:
+    curve = data.curve_of(BENCH, theta_of(2.0))
+    position = curve.length * np.arange(72) / 72
+    none, outward = np.zeros(72), np.full(72, 1e-4)
+    pitch = BENCH["belt.pitchOffset"]
+    outputs = {f"{p}.radius": curve.radius(p) - pitch + 2e-4 for p in ("primary", "secondary")}
+    offset = belt_view.belt_offset(BeltState(outputs, Profile(position, none, none, none, outward, none)), curve, pitch)
+    assert set(np.round(offset, 9)) == {1e-4, 3e-4}
+
+
+def test_speeds_add_up_to_ways() -> None:
+    time = np.linspace(0.0, 2.0, 2001)
+    assert belt_view.integrated(time, 3.0 * time, np.array([0.0, 1.0, 2.0])) == pytest.approx([0.0, 1.5, 6.0])

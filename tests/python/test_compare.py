@@ -1,0 +1,87 @@
+"""Two runs over each other: which files belong together, how far they are apart, and the report."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import reports
+
+from pushbelt.compare import __main__, runs
+from pushbelt.page import write_table
+
+
+def write(path: Path, step: float = 0.01, shift: float = 0.0, end: float = 1.0) -> Path:
+    """A run of a sine that is shifted, a constant, and a column that is equal in all."""
+    time = np.arange(0.0, end + 0.5 * step, step)
+    table = np.column_stack([time, np.sin(6.0 * time) + shift * (time > 0.5), np.full_like(time, 2.0), time])
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_table(path, ["time", "slip", "primary.torque", "secondary.speed"], table.tolist())
+    return path
+
+
+def test_a_difference_has_its_size_and_its_time(tmp_path: Path) -> None:
+    (pair,) = runs.pairs(write(tmp_path / "a.csv"), write(tmp_path / "b.csv", shift=0.25))
+    (slip,) = pair.differing
+    assert (slip.name, pair.name) == ("slip", "a and b")
+    assert slip.largest == pytest.approx(0.25)
+    assert slip.when == pytest.approx(0.51, abs=0.011)
+    assert slip.root_mean_square == pytest.approx(0.25 * np.sqrt(50 / 101))
+    assert [d.name for d in pair.differences if d.share == 0.0] == ["primary.torque", "secondary.speed"]
+
+
+def test_runs_of_other_steps_and_ends_are_compared_where_both_are(tmp_path: Path) -> None:
+    (pair,) = runs.pairs(write(tmp_path / "a.csv", step=0.001), write(tmp_path / "b.csv", end=0.8))
+    difference = next(d for d in pair.differences if d.name == "slip")
+    # A chord of 10 ms below the sine: ω² h²/8.
+    assert difference.largest == pytest.approx(36.0 * 0.01**2 / 8.0, rel=0.05)
+    assert difference.when < 0.8
+
+
+def test_folders_are_paired_by_the_names_of_their_runs(tmp_path: Path) -> None:
+    for folder, shift in (("one", 0.0), ("two", 0.1)):
+        write(tmp_path / folder / "slip-control.csv", shift=shift)
+        (tmp_path / folder / "cases.csv").write_text("case,slip\nfirst,1\n", encoding="utf-8")
+    write(tmp_path / "two" / "close-up.csv")
+    assert [pair.name for pair in runs.pairs(tmp_path / "one", tmp_path / "two")] == ["slip-control"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("case,slip\nfirst,1\n", "no column `time`"),
+        ("time,slip\n", "no rows"),
+        ("time,slip\n0,1\n0,2\n", "don't rise"),
+        ("time,slip\n0,1\n1,2,3\n", "no table of numbers"),
+    ],
+)
+def test_what_is_no_run_is_said(tmp_path: Path, text: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    bad = tmp_path / "bad.csv"
+    bad.write_text(text, encoding="utf-8")
+    good = write(tmp_path / "good.csv")
+    assert __main__.main([str(good), str(bad), "--output", str(tmp_path / "out")]) == 1
+    assert message in capsys.readouterr().err
+
+
+def test_what_is_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    good = write(tmp_path / "run" / "good.csv")
+    for other in (tmp_path / "none.csv", good.parent):
+        assert __main__.main([str(good), str(other), "--output", str(tmp_path / "out")]) == 1
+    assert __main__.main([str(good), str(good), "--output", str(tmp_path / "out"), "--variables", "sloop"]) == 1
+    said = capsys.readouterr().err
+    assert "there is no" in said and "two of a kind" in said and "sloop" in said
+
+
+def test_the_report_shows_both_runs(fmu: Path, tmp_path: Path) -> None:
+    a, b = write(tmp_path / "a.csv"), write(tmp_path / "b.csv", shift=0.25)
+    assert __main__.main([str(a), str(b), "--output", str(tmp_path / "out"), "--fmu", str(fmu)]) == 0
+    text = reports.stands_alone(tmp_path / "out" / "report.html")
+    assert reports.figures(text) == 3
+    assert "primary.torque (N.m)" in text
+    with (tmp_path / "out" / "differences.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["column"] for row in rows] == ["slip", "primary.torque", "secondary.speed"]
+    assert float(rows[0]["largest"]) == pytest.approx(0.25)
+    reports.look_at(tmp_path / "out" / "report.html")

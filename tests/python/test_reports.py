@@ -1,0 +1,169 @@
+"""A page of all that a report can hold: it works under the pointer too, and the look at reports finds what is broken."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import browser
+import numpy as np
+import pytest
+import reports
+from conftest import ROOT
+from test_charts import BENCH
+
+from pushbelt import belt_view, charts, page
+from pushbelt.charts import Chart, Panel, Series
+from pushbelt.fmu import data
+from pushbelt.fmu.results import BeltState, Profile
+
+PROGRAM = browser.find()
+needs_browser = pytest.mark.skipif(
+    PROGRAM is None and not os.environ.get("CI"), reason="no Chromium on the search path"
+)
+
+
+def belt() -> str:
+    """Two moments in which the push force wanders round the belt."""
+    curve = data.curve_of(BENCH, 0.2)
+    position = curve.length * np.arange(72) / 72
+    none = np.zeros(72)
+    outputs = {"reference.theta": 0.2}
+    outputs |= {
+        f"{pulley}.radius": curve.radius(pulley) - BENCH["belt.pitchOffset"] for pulley in ("primary", "secondary")
+    }
+    push = 500.0 * (1.0 + np.sin(2.0 * np.pi * position / curve.length))
+    profiles = [Profile(position, np.roll(push, k), none, none, none, none) for k in (0, 36)]
+    states = {float(k): BeltState(outputs, profile) for k, profile in enumerate(profiles)}
+    turned = [np.array([0.0, 100.0]), np.array([0.0, 80.0]), np.array([0.0, 5.0])]
+    return belt_view.belt_view(belt_view.motion(states, BENCH, turned), BENCH, "A belt", group="one")
+
+
+def written(folder: Path) -> Path:
+    """A page with two linked panels and the belt."""
+    time = np.linspace(0.0, 1.0, 101)
+    panels = [
+        Panel("First", [Series("a", time, time), Series("b", time, 2.0 * time)], "time (s)", x_range=(0.0, 1.0)),
+        Panel(
+            "Second",
+            [Series("c", time, 10.0 ** (3.0 * time)), Series("d", time, -time)],
+            scale="symlog",
+            x_range=(0.0, 1.0),
+        ),
+    ]
+    chart = charts.html(Chart(panels, "Two panels", linked=True, group="one"))
+    style = (ROOT / "python" / "pushbelt" / "style.css").read_text(encoding="utf-8")
+    head = f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><style>{style}</style></head>'
+    path = folder / "report.html"
+    path.write_text(page.with_scripts(f"{head}<body><main>{belt()}{chart}</main></body></html>"), encoding="utf-8")
+    return path
+
+
+@needs_browser
+def test_pointer_moves_one_cursor_through_panels_and_belt(tmp_path: Path) -> None:
+    assert PROGRAM is not None, "no Chromium on the search path: install the package chromium"
+    with browser.page(PROGRAM) as opened:
+        opened.open(written(tmp_path), 1280)
+        opened.run("document.querySelector('.plot').scrollIntoView({ block: 'center' })")
+        x, y, width = opened.run(
+            "(({ left, top, height, width }) => [left, top + height / 2, width])"
+            "(document.querySelector('.plot .nsewdrag').getBoundingClientRect())"
+        )
+
+        def move(share: float) -> None:
+            opened.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + share * width, y=y)
+
+        move(0.2)
+        move(0.5)
+        values = "[...document.querySelectorAll('.keys button output')].map((one) => Number(one.textContent.replace('\u2212', '-').replaceAll('\u202f', '')))"
+        opened.wait(f"Math.abs({values}[0] - 0.5) < 0.02")
+        a, b, c, d = opened.run(values)
+        assert (b, d) == pytest.approx((2.0 * a, -a), abs=2e-3)
+        assert c == pytest.approx(10.0 ** (3.0 * a), rel=0.02)
+        assert opened.run("[...document.querySelectorAll('.cursor-line')].every((line) => !line.hidden)")
+        assert opened.run("document.querySelector('.belt input').value") == str(round(1000 * a))
+        for kind in ("mousePressed", "mouseReleased"):
+            opened.call("Input.dispatchMouseEvent", type=kind, x=x + 0.5 * width, y=y, button="left", clickCount=1)
+        # What a drag selects is zoomed into, in both panels; a double click shows all again.
+        opened.call(
+            "Input.dispatchMouseEvent", type="mousePressed", x=x + 0.25 * width, y=y, button="left", clickCount=1
+        )
+        for share in (0.4, 0.75):
+            opened.call(
+                "Input.dispatchMouseEvent", type="mouseMoved", x=x + share * width, y=y, button="left", buttons=1
+            )
+        opened.call(
+            "Input.dispatchMouseEvent", type="mouseReleased", x=x + 0.75 * width, y=y, button="left", clickCount=1
+        )
+        ranges = "[...document.querySelectorAll('.plot')].map((plot) => plot._fullLayout.xaxis.range)"
+        opened.wait(f"{ranges}.every(([low, high]) => Math.abs(low - 0.25) < 0.02 && Math.abs(high - 0.75) < 0.02)")
+        opened.run("new Promise((done) => setTimeout(done, 500))")
+        for count in (1, 2):
+            for kind in ("mousePressed", "mouseReleased"):
+                opened.call(
+                    "Input.dispatchMouseEvent", type=kind, x=x + 0.5 * width, y=y, button="left", clickCount=count
+                )
+        opened.wait(f"{ranges}.every(([low, high]) => low === 0 && high === 1)")
+        assert opened.complaints == []
+
+
+@needs_browser
+def test_a_belt_plays_and_stops(tmp_path: Path) -> None:
+    assert PROGRAM is not None, "no Chromium on the search path: install the package chromium"
+    with browser.page(PROGRAM) as opened:
+        opened.open(written(tmp_path), 400)
+        first = "document.querySelector('.belt .element').getAttribute('d')"
+        before = opened.run(first)
+        opened.run("document.querySelector('.belt button').focus()")
+        opened.key("Enter")
+        opened.wait(f"{first} !== {before!r} && Number(document.querySelector('.belt input').value) > 20")
+        opened.key("Enter")
+        still = opened.run(first)
+        opened.run("new Promise((done) => setTimeout(done, 100))")
+        assert opened.run(first) == still
+
+
+BREAKAGE: dict[str, Callable[[str], str]] = {
+    "an error": lambda text: text.replace("</main>", "<script>nothing.here();</script></main>"),
+    "a figure without data": lambda text: text.replace('"bdata":"', '"bdata":"!', 1),
+    "something from elsewhere": lambda text: text.replace(
+        "</main>", "<script>fetch('http://127.0.0.1:9/x')</script></main>"
+    ),
+    "something wide": lambda text: text.replace("<main>", '<main><div style="width: 500px">wide</div>'),
+    "a belt that stands": lambda text: text.replace('addEventListener("input"', 'addEventListener("other"'),
+    "a legend that does nothing": lambda text: text.replace(
+        'button.addEventListener("click"', 'button.addEventListener("other"'
+    ),
+}
+
+
+@needs_browser
+@pytest.mark.parametrize("what", BREAKAGE)
+def test_the_look_at_a_report_finds(what: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    report = written(tmp_path)
+    text = report.read_text(encoding="utf-8")
+    broken = BREAKAGE[what](text)
+    assert broken != text
+    report.write_text(broken, encoding="utf-8")
+    monkeypatch.setattr(browser, "PATIENCE", 3.0)
+    with pytest.raises((AssertionError, TimeoutError, RuntimeError)):
+        reports.look_at(report)
+
+
+@needs_browser
+def test_a_sound_page_passes(tmp_path: Path) -> None:
+    report = written(tmp_path)
+    reports.stands_alone(report)
+    reports.look_at(report)
+
+
+@pytest.mark.parametrize(
+    "address",
+    ['<img src="https://example.org/a.png">', "<style>@import 'x.css'</style>", '<link href="//example.org">'],
+)
+def test_what_is_loaded_from_elsewhere_is_seen(address: str, tmp_path: Path) -> None:
+    report = written(tmp_path)
+    report.write_text(report.read_text(encoding="utf-8").replace("<main>", f"<main>{address}"), encoding="utf-8")
+    with pytest.raises(AssertionError):
+        reports.stands_alone(report)
