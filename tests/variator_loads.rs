@@ -113,29 +113,28 @@ fn copies_and_stored_states_continue_alike_while_inputs_change() {
     }
 }
 
-/// What a step took stands in the outputs.
+/// What a run took stands in the outputs.
 #[test]
-fn outputs_count_the_work_of_a_step() {
+fn outputs_count_the_work_since_the_start() {
     let start = inputs((50.0, 13e3), (-49.0, 10e3));
     let mut variator = Variator::new(coarse(RingModel::Ale0)).expect("valid parameters");
     variator.initialise(0.0, &start).expect("a start");
     assert_eq!(variator.outputs().work.steps, 0);
-    let (mut steps, mut residuals, mut jacobians) = (0, 0, 0);
     let before = variator.counts();
     for k in 1..=20 {
         let torque = if k > 10 { 80.0 } else { 50.0 };
         let given = inputs((torque, 13e3), (-49.0, 10e3));
         variator.advance(1e-3 * f64::from(k), &given).expect("a step");
-        let work = variator.outputs().work;
-        assert!(work.steps >= 1 && work.residuals >= 2);
-        steps += work.steps;
-        residuals += work.residuals;
-        jacobians += work.jacobians;
+        assert!(variator.outputs().work.steps >= k);
     }
+    let work = variator.outputs().work;
     let after = variator.counts();
     let taken =
         |of: fn(&pushbelt::solver::newton::Counts) -> u64| i32::try_from(of(&after) - of(&before)).expect("few");
-    assert_eq!(steps, taken(|counts| counts.steps + counts.rejected + counts.failed));
-    assert_eq!(residuals, taken(|counts| counts.residuals));
-    assert_eq!(jacobians, taken(|counts| counts.factorizations));
+    assert_eq!(
+        work.steps,
+        taken(|counts| counts.steps + counts.rejected + counts.failed)
+    );
+    assert_eq!(work.residuals, taken(|counts| counts.residuals));
+    assert_eq!(work.jacobians, taken(|counts| counts.factorizations));
 }

@@ -12,6 +12,7 @@ pub mod run;
 pub mod shared_library;
 pub mod shift;
 pub mod steady;
+pub mod tracking;
 pub mod variators;
 
 pub use noise::noise;

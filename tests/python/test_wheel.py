@@ -19,6 +19,7 @@ PACKAGE = ROOT / "python" / "pushbelt"
 LOCK = ROOT / "python" / "requirements.txt"
 EXTRA_OF = {
     "calibrate": "reports",
+    "compare": "reports",
     "demo": "reports",
     "drive": "reports",
     "paper": "reports",

@@ -1,0 +1,216 @@
+//! Real time: the same work in each tick whatever happens, near the accurate run, without an allocation, stored and restored.
+
+use pushbelt::solver::bounded::RESIDUALS;
+use pushbelt::tape::Tape;
+use pushbelt::variator::run::Variator;
+use pushbelt::variator::settings::{Mode, Parameters, RingModel};
+use pushbelt_lab::checks::assert_close;
+use pushbelt_lab::loads::{Driven, LOADS, Load};
+use pushbelt_lab::tracking::{Trace, trace};
+use pushbelt_lab::variators::{MODELS, coarse, inputs, one_cell, variator};
+
+fn in_real_time(mut parameters: Parameters) -> Parameters {
+    parameters.solver.mode = Mode::RealTime;
+    parameters
+}
+
+/// Every load at every ratio: one Jacobian and as many residuals in each millisecond, no step fails, all stays finite, and energy
+/// is accounted for.
+fn work_of(model: RingModel, seconds: f64) {
+    for load in LOADS {
+        for &ratio in load.ratios() {
+            let parameters = in_real_time(one_cell(model));
+            let mut before = (0, 0, 0);
+            let found = trace(load, &parameters, ratio, seconds, |driven| {
+                let work = driven.variator.outputs().work;
+                let ticks = (load.step() / 1e-3).round() as i32;
+                let taken = (
+                    work.steps - before.0,
+                    work.jacobians - before.1,
+                    work.residuals - before.2,
+                );
+                assert_eq!(
+                    taken,
+                    (ticks, ticks, ticks * RESIDUALS as i32),
+                    "{load:?} at ratio {ratio}"
+                );
+                before = (work.steps, work.jacobians, work.residuals);
+            });
+            println!(
+                "{model:?} {load:?} {ratio}: defect {:.1e}, unaccounted {:.4}",
+                found.defect, found.unaccounted
+            );
+            assert!(
+                found.rows.iter().flatten().all(|x| x.is_finite()),
+                "{load:?} at ratio {ratio}"
+            );
+            assert!(
+                found.unaccounted.abs() < UNACCOUNTED,
+                "{load:?} at ratio {ratio}: {}",
+                found.unaccounted
+            );
+        }
+    }
+}
+
+/// Share of the energy that passes.
+const UNACCOUNTED: f64 = 0.04;
+
+#[test]
+fn work_of_ale_is_the_same_in_every_tick() {
+    work_of(RingModel::Ale, 0.3);
+}
+
+#[test]
+fn work_of_ale0_is_the_same_in_every_tick() {
+    work_of(RingModel::Ale0, 0.3);
+}
+
+fn beside_accurate(load: Load, model: RingModel, seconds: f64) -> (Trace, Trace) {
+    let exact = trace(load, &one_cell(model), 1.0, seconds, |_| ());
+    let found = trace(load, &in_real_time(one_cell(model)), 1.0, seconds, |_| ());
+    println!(
+        "{model:?} {load:?}: off by {:?} of {:?}",
+        found.off(&exact),
+        exact.ranges()
+    );
+    (found, exact)
+}
+
+/// A slam into macro-slip and back: seen within 5 ms, speeds and slip within 2 % of their ranges.
+#[test]
+fn a_slam_is_followed() {
+    for model in MODELS {
+        let (found, exact) = beside_accurate(Load::Slam, model, 0.4);
+        let (off, ranges) = (found.off(&exact), exact.ranges());
+        for k in [0, 1, 3] {
+            assert!(off[k] < 0.02 * ranges[k], "{model:?} {k}: {} of {}", off[k], ranges[k]);
+        }
+        let first = |trace: &Trace| trace.first_slip().expect("it slips") as f64;
+        assert_close(first(&found), first(&exact), 5.0, "first step of macro-slip");
+        let last = |trace: &Trace| trace.slipping.iter().rposition(|&slips| slips).expect("it slips") as f64;
+        assert_close(last(&found), last(&exact), 10.0, "last step of macro-slip");
+    }
+}
+
+/// Under smooth loads, ripple and noise: in units that a controller sees. The thrust ratio and the slip differ by the rounded laws.
+#[test]
+fn smooth_and_rippling_loads_are_followed() {
+    for model in MODELS {
+        for load in [Load::Smooth, Load::Firing, Load::Ripple, Load::Noise] {
+            let (found, exact) = beside_accurate(load, model, 0.3);
+            let [primary, secondary, ratio, slip, thrust] = found.off(&exact);
+            assert!(
+                primary < 0.5 && secondary < 0.2,
+                "{model:?} {load:?}: {primary}, {secondary} rad/s"
+            );
+            assert!(ratio < 2e-3 && slip < 1e-3, "{model:?} {load:?}: {ratio}, {slip}");
+            assert!(thrust < 0.02, "{model:?} {load:?}: {thrust}");
+        }
+    }
+}
+
+/// A standstill, a launch and a stop; clamping forces that come when the belt is slack already.
+#[test]
+fn starts_without_load_stay_calm() {
+    for model in MODELS {
+        let mut parameters = in_real_time(coarse(model));
+        parameters.initial.primary_speed = 0.0;
+        let mut variator = Variator::new(parameters).expect("valid parameters");
+        variator
+            .initialise(0.0, &inputs((0.0, 13e3), (0.0, 10e3)))
+            .expect("a start");
+        assert!(variator.outputs().secondary.axial_force > 9e3, "clamped before the run");
+        for k in 1..=300 {
+            let torque = if k < 200 { 40.0 } else { 0.0 };
+            let given = inputs((torque, 13e3), (-0.5 * torque, 10e3));
+            variator.advance(1e-3 * f64::from(k), &given).expect("a step");
+            let outputs = variator.outputs();
+            assert!(
+                outputs.primary.speed.is_finite() && outputs.primary.speed < 400.0,
+                "{model:?} {k}"
+            );
+        }
+        assert!(variator.outputs().primary.speed > 20.0, "{model:?}: it has been driven");
+    }
+}
+
+/// Communication steps that are no whole milliseconds take whole ticks; so do inputs that ramp over part of one.
+#[test]
+fn ticks_are_never_longer_than_a_millisecond() {
+    let mut variator = Variator::new(in_real_time(coarse(RingModel::Ale0))).expect("valid parameters");
+    let given = inputs((50.0, 13e3), (-49.0, 10e3));
+    variator.initialise(0.0, &given).expect("a start");
+    let mut time = 0.0;
+    for (step, ticks) in [(0.4e-3, 1), (1e-3, 1), (1.0000001e-3, 2), (2.5e-3, 3), (10e-3, 10)] {
+        let before = variator.outputs().work.steps;
+        time += step;
+        variator
+            .advance(time, &inputs((60.0, 13e3), (-49.0, 10e3)))
+            .expect("a step");
+        assert_eq!(variator.outputs().work.steps - before, ticks, "{step} s");
+        assert_close(
+            variator.outputs().primary.external_torque,
+            60.0,
+            1e-9,
+            "torque at the end",
+        );
+    }
+}
+
+#[test]
+fn copies_and_stored_states_continue_alike() {
+    for model in MODELS {
+        let parameters = in_real_time(coarse(model));
+        let mut driven = Driven::new(Load::Slam, parameters, 1.0);
+        let mut given = Vec::new();
+        for _ in 0..40 {
+            given.push((driven.inputs(), driven.until()));
+            let (inputs, until) = given[given.len() - 1];
+            driven.variator.advance(until, &inputs).expect("a step");
+        }
+        let mut tape = Tape::writer();
+        driven.variator.pass(&mut tape);
+        let mut restored = Variator::new(driven.variator.parameters().clone()).expect("valid parameters");
+        restored.pass(&mut Tape::reader(&tape.into_bytes()));
+        let mut copy = driven.variator.clone();
+        for _ in 0..20 {
+            let inputs = driven.inputs();
+            for run in [&mut driven.variator, &mut copy, &mut restored] {
+                run.advance(run.time() + 1e-3, &inputs).expect("a step");
+            }
+            assert_eq!(driven.variator.state(), copy.state());
+            assert_eq!(driven.variator.state(), restored.state());
+            assert_eq!(driven.variator.outputs(), restored.outputs());
+        }
+    }
+}
+
+#[test]
+fn a_tick_allocates_nothing() {
+    for model in MODELS {
+        let mut driven = Driven::new(Load::Slam, in_real_time(variator(model)), 1.0);
+        let mut step = || {
+            let inputs = driven.inputs();
+            driven.variator.advance(driven.until(), &inputs).expect("a step");
+        };
+        step();
+        let count = allocation_counter::measure(|| (0..1).for_each(|_| step())).count_total;
+        assert_eq!(count, 0, "{model:?}");
+    }
+}
+
+#[test]
+fn accurate_steps_say_what_they_left() {
+    let found = trace(Load::Firing, &coarse(RingModel::Ale0), 1.0, 0.05, |_| ());
+    assert!(found.defect > 0.0 && found.defect < 1.0, "{}", found.defect);
+}
+
+#[test]
+fn a_ring_that_travels_is_refused() {
+    let error = Variator::new(in_real_time(variator(RingModel::Rcm))).expect_err("refused");
+    assert!(
+        error.to_string().starts_with("solver.mode = 2 is out of range"),
+        "{error}"
+    );
+}
