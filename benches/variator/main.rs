@@ -9,6 +9,7 @@
 //! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
 //! - `--loads` adds loads that jump, ripple or are noisy, 20 s each or as long as `--seconds` says (an hour, or minutes),
+//! - `--real-time` adds these loads in real time, beside accurate runs with a tolerance of 1e-6,
 //! - `--rings` adds the ring models beside each other (a minute),
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
 
@@ -17,6 +18,7 @@ mod errors;
 mod loads;
 mod picture;
 mod proposals;
+mod real_time;
 mod rings;
 
 use std::hint::black_box;
@@ -69,6 +71,9 @@ struct Options {
     /// Loads that jump, ripple or are noisy
     #[arg(long)]
     loads: bool,
+    /// These loads in real time, beside accurate runs
+    #[arg(long)]
+    real_time: bool,
     /// How long each of these loads is run, s
     #[arg(long, default_value_t = 20.0)]
     seconds: f64,
@@ -116,6 +121,9 @@ fn main() {
     }
     if options.loads {
         loads::measure(&mut table, options.seconds);
+    }
+    if options.real_time {
+        real_time::measure(&mut table, options.seconds);
     }
     if options.rings {
         rings::measure(&mut table);

@@ -10,7 +10,8 @@
 //!   of Deuflhard, Newton Methods for Nonlinear Problems (2011), section 3.3. After a whole step Broyden's update goes on.
 //! - The tick ends at the last point that was accepted. What the next correction would change is its defect.
 //!
-//! What a tick leaves unsolved acts in the next one as a force out of balance. The order is one: with ticks of 1 ms a swing of
+//! What a tick leaves unsolved acts in the next one as a force out of balance. A tick that ends very far from its solution is not
+//! taken: the state stays, and the next one tries again. The order is one: with ticks of 1 ms a swing of
 //! 70 Hz lags by 0.2 rad.
 
 use super::arrow::{Arrow, ArrowLu};
@@ -31,6 +32,9 @@ const DAMPED: f64 = 0.5;
 /// Damping from which on a step may also grow the correction, and by how much: a saddle is left.
 const LEAST: f64 = 0.03;
 const GROWTH: f64 = 2.0;
+/// Defect from which on a tick is not taken: the state stays as it was, and the next tick tries again under its own loads. What
+/// is so far from its solution would only run away.
+const HOLDING: f64 = 1.0e5;
 /// Defect that stands for an evaluation that was no number.
 const WORST: f64 = 1.0e9;
 
@@ -142,6 +146,10 @@ impl Bounded {
         }
         state.y.copy_from_slice(&self.accepted);
         self.complete(system, state, length);
+        if norm > HOLDING {
+            state.copy_from(&self.start);
+            state.y_dot.fill(0.0);
+        }
         self.defect = self.defect.max(norm.min(WORST));
     }
 

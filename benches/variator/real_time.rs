@@ -1,0 +1,74 @@
+//! Real time beside the accurate runs: processor time of every step, and how far outputs are off.
+
+use cpu_time::ThreadTime;
+use pushbelt::variator::settings::{Mode, Parameters, RingModel};
+use pushbelt_lab::loads::{LOADS, Load};
+use pushbelt_lab::tracking::{TRACKED, trace};
+use pushbelt_lab::variators::{one_cell, variator};
+use serde_json::json;
+
+use crate::{Table, quantiles};
+
+/// Tolerance of the runs that are compared with.
+const EXACT: f64 = 1e-6;
+
+/// Rows of the table: each load at each ratio for `seconds`, with each ring.
+pub fn measure(table: &mut Table, seconds: f64) {
+    for load in LOADS {
+        for &ratio in load.ratios() {
+            for (name, parameters) in [
+                ("ALE", variator(RingModel::Ale)),
+                ("ALE, one cell", one_cell(RingModel::Ale)),
+                ("ALE0", variator(RingModel::Ale0)),
+            ] {
+                row(table, (load, ratio), (name, parameters), seconds);
+            }
+        }
+    }
+}
+
+fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, mut parameters): (&str, Parameters), seconds: f64) {
+    let mut exact = parameters.clone();
+    exact.solver.tolerance = EXACT;
+    let exact = trace(load, &exact, ratio, seconds, |_| ());
+    parameters.solver.mode = Mode::RealTime;
+    let mut times = Vec::new();
+    let mut clock = ThreadTime::now();
+    let found = trace(load, &parameters, ratio, seconds, |driven| {
+        driven.variator.outputs();
+        times.push(clock.elapsed().as_secs_f64() * 1e-3 / load.step());
+        clock = ThreadTime::now();
+    });
+    let slowest = quantiles(&times, [0.5, 0.99, 1.0]);
+    let (off, ranges) = (found.off(&exact), exact.ranges());
+    let errors: Vec<String> = TRACKED
+        .iter()
+        .zip(off.iter().zip(ranges))
+        .map(|((name, _), (off, range))| format!("{name} {off:.2e} of {range:.2e}"))
+        .collect();
+    let first =
+        |trace: &pushbelt_lab::tracking::Trace| trace.first_slip().map(|step| 1e3 * load.step() * (step + 1) as f64);
+    table.row(
+        &format!("{} {load:?}, ratio {ratio}, {ring}, real time", load.letter()),
+        format!(
+            "{} ms a tick; {}; macro-slip from {:?} ms, {:?} ms; {:.2} % of the energy unaccounted; defect {:.1e}",
+            slowest.map(|time| format!("{:.2}", 1e3 * time)).join(", "),
+            errors.join(", "),
+            first(&found),
+            first(&exact),
+            100.0 * found.unaccounted,
+            found.defect
+        ),
+        json!({
+            "load": load.letter().to_string(),
+            "ratio": ratio,
+            "ring": ring,
+            "seconds_a_tick": slowest,
+            "off": off,
+            "ranges": ranges,
+            "first_macro_slip_ms": [first(&found), first(&exact)],
+            "unaccounted": found.unaccounted,
+            "defect": found.defect,
+        }),
+    );
+}
