@@ -1,9 +1,7 @@
-//! Where the belt's play goes at a fifth of capacity near ratio 1: with a hard first touch from one strand to the
-//! other. Prints slip and work over half a second as it is, with a harder first touch, and with that on several meshes,
-//! without play, without ring friction; draws the gaps along the belt over time (`target/play.svg`). Then the same where
-//! an engine that coasts drags in overdrive, as it is and with what calms the belt there. Beside each: the mode of the steady
-//! state that grows fastest. Then counts the working points
-//! at which slip swings:
+//! Where the belt's play goes, with oil between the elements and without it: at a fifth of capacity near ratio 1, and where an
+//! engine that coasts drags in overdrive. Prints slip and work over half a second of each, also on other meshes, without play,
+//! without ring friction; beside each the mode of the steady state that grows fastest. Draws the gaps along the belt over
+//! time (`target/play.svg`). Then counts the working points at which slip swings:
 //!
 //! `cargo run --release --example play`
 
@@ -50,46 +48,79 @@ const WATCHED: f64 = 0.5;
 
 type Change = (&'static str, fn(&mut Parameters));
 
-const CHANGES: [Change; 7] = [
+const CHANGES: [Change; 9] = [
     ("as it is", |_| ()),
-    ("film force 1 N", loosen),
-    ("1 N, one cell an element", |p| {
+    ("film force 1 N", |p| p.belt.film_force = 1.0),
+    ("film damping 0", undamp),
+    ("both", loosen),
+    ("both, one cell an element", |p| {
         loosen(p);
         p.mesh.cells_per_element = 1;
     }),
-    ("1 N, twice the elements", |p| {
+    ("both, twice the elements", |p| {
         loosen(p);
         p.mesh = p.mesh.refined(2);
     }),
-    ("1 N, a tenth of the tolerance", |p| {
+    ("both, a tenth of the tolerance", |p| {
         loosen(p);
         p.solver.tolerance *= 0.1;
     }),
-    ("1 N, no play", |p| {
+    ("both, no play", |p| {
         loosen(p);
         p.belt.play = 0.0;
     }),
-    ("1 N, no ring friction", |p| {
+    ("both, no ring friction", |p| {
         loosen(p);
         p.friction.ring = 0.0;
     }),
 ];
-/// The one whose gaps are drawn.
-const DRAWN: usize = 1;
 
-const CALMED: [Change; 9] = [
+const CALMED: [Change; 11] = [
     ("as it is", |_| ()),
-    ("`primary.inertia` 0.05", |p| p.primary.inertia = 0.05),
-    ("`primary.inertia` 0.1", |p| p.primary.inertia = 0.1),
-    ("`belt.filmForce` 50", |p| p.belt.film_force = 50.0),
-    ("`belt.play` 1e-4", |p| p.belt.play = 1e-4),
-    ("no ring friction", |p| p.friction.ring = 0.0),
-    ("elements of a fifth of the mass", |p| p.belt.mass_per_length *= 0.2),
-    ("a stack five times as stiff", |p| p.belt.push_stiffness *= 5.0),
-    ("twice the elements", |p| p.mesh = p.mesh.refined(2)),
+    ("film damping 1 N·s", |p| p.belt.film_damping = 1.0),
+    ("film damping 0", undamp),
+    ("0, `primary.inertia` 0.05", |p| {
+        undamp(p);
+        p.primary.inertia = 0.05;
+    }),
+    ("0, `primary.inertia` 0.1", |p| {
+        undamp(p);
+        p.primary.inertia = 0.1;
+    }),
+    ("0, `belt.filmForce` 50", |p| {
+        undamp(p);
+        p.belt.film_force = 50.0;
+    }),
+    ("0, `belt.play` 1e-4", |p| {
+        undamp(p);
+        p.belt.play = 1e-4;
+    }),
+    ("0, no ring friction", |p| {
+        undamp(p);
+        p.friction.ring = 0.0;
+    }),
+    ("0, elements of a fifth of the mass", |p| {
+        undamp(p);
+        p.belt.mass_per_length *= 0.2;
+    }),
+    ("0, a stack five times as stiff", |p| {
+        undamp(p);
+        p.belt.push_stiffness *= 5.0;
+    }),
+    ("0, twice the elements", |p| {
+        undamp(p);
+        p.mesh = p.mesh.refined(2);
+    }),
 ];
+/// The one whose gaps are drawn.
+const DRAWN: usize = 2;
+
+fn undamp(parameters: &mut Parameters) {
+    parameters.belt.film_damping = 0.0;
+}
 
 fn loosen(parameters: &mut Parameters) {
+    undamp(parameters);
     parameters.belt.film_force = 1.0;
 }
 
@@ -111,19 +142,19 @@ const LOOK: u32 = 2;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("{HEADER}");
-    for (k, (name, change)) in CHANGES.iter().enumerate() {
-        let gaps = run(&LITTLE_LOAD, name, *change)?;
+    for (name, change) in CHANGES {
+        run(&LITTLE_LOAD, name, change)?;
+    }
+    println!("\n{HEADER}");
+    for (k, (name, change)) in CALMED.iter().enumerate() {
+        let gaps = run(&COASTING, name, *change)?;
         if k == DRAWN {
             draw(&gaps)?;
         }
     }
-    println!("\ndrawn in target/play.svg\n\n{HEADER}");
-    for (name, change) in CALMED {
-        run(&COASTING, name, change)?;
-    }
-    println!();
+    println!("\ndrawn in target/play.svg\n");
     survey("as it is", |_| ())?;
-    survey("film force 1 N", loosen)?;
+    survey("film damping 0", undamp)?;
     Ok(())
 }
 
