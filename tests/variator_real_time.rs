@@ -44,8 +44,9 @@ fn work_of(model: RingModel, seconds: f64) {
                 found.rows.iter().flatten().all(|x| x.is_finite()),
                 "{load:?} at ratio {ratio}"
             );
+            let allowed = if load == Load::Launch { IN_A_LAUNCH } else { UNACCOUNTED };
             assert!(
-                found.unaccounted.abs() < UNACCOUNTED,
+                found.unaccounted.abs() < allowed,
                 "{load:?} at ratio {ratio}: {}",
                 found.unaccounted
             );
@@ -53,8 +54,9 @@ fn work_of(model: RingModel, seconds: f64) {
     }
 }
 
-/// Share of the energy that passes.
-const UNACCOUNTED: f64 = 0.07;
+/// Shares of the energy that passes; in the first moments of a launch next to none does.
+const UNACCOUNTED: f64 = 0.06;
+const IN_A_LAUNCH: f64 = 0.1;
 
 #[test]
 fn work_of_ale_is_the_same_in_every_tick() {

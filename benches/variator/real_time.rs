@@ -33,11 +33,12 @@ fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, mut parameters): (&
     let exact = trace(load, &exact, ratio, seconds, |_| ());
     parameters.solver.mode = Mode::RealTime;
     let mut times = Vec::new();
-    let mut clock = ThreadTime::now();
+    let mut clock = None;
     let found = trace(load, &parameters, ratio, seconds, |driven| {
         driven.variator.outputs();
-        times.push(clock.elapsed().as_secs_f64() * 1e-3 / load.step());
-        clock = ThreadTime::now();
+        // From the first step on: before it is the start.
+        let from: Option<ThreadTime> = clock.replace(ThreadTime::now());
+        times.extend(from.map(|from| from.elapsed().as_secs_f64() * 1e-3 / load.step()));
     });
     let slowest = quantiles(&times, [0.5, 0.99, 1.0]);
     let (off, ranges) = (found.off(&exact), exact.ranges());

@@ -1,5 +1,7 @@
 //! A run of a variator: build from parameters, initialise, advance, read.
 
+use std::time::Instant;
+
 use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::bounded::{Bounded, TICK};
@@ -8,6 +10,7 @@ use crate::solver::sdirk::{Sdirk, Stalled};
 use crate::tape::Tape;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
 use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
+use crate::variator::run::pace::Pace;
 use crate::variator::run::soft_start::SoftStart;
 #[cfg(doc)]
 use crate::variator::settings::parameters::Solver;
@@ -103,6 +106,7 @@ pub struct Variator {
     pub(super) work: Work,
     /// Inputs in force, the time at which they were given, and how they change from then on.
     pub(super) held: Held,
+    pace: Pace,
     observer: Observer,
     readings: Box<Readings>,
     pub(super) stale: bool,
@@ -168,6 +172,7 @@ impl Variator {
             external_torque: PerPulley::default(),
             work: Work::default(),
             held: Held::constant(0.0, &Inputs::default()),
+            pace: Pace::default(),
             observer: Observer::default(),
             readings: Box::default(),
             stale: true,
@@ -254,7 +259,11 @@ impl Variator {
         let defect = if self.ticks.is_some() {
             self.tick_along(&course, to)
         } else {
+            let clock = Instant::now();
             let outcome = self.integrate_along(&course, to);
+            if let Some(late) = self.pace.count(inputs, to - from, clock.elapsed()) {
+                self.log(true, late);
+            }
             outcome.map_err(|stalled| StepError::Stalled {
                 from,
                 reached: stalled.time,
