@@ -4,8 +4,11 @@ use pushbelt::variator::settings::{Outputs, Parameters};
 
 use crate::loads::{Driven, Load};
 
+/// An output with its name.
+pub type Tracked = (&'static str, fn(&Outputs) -> f64);
+
 /// Outputs that are compared, by name: speeds, ratio, slip, thrust ratio.
-pub const TRACKED: [(&str, fn(&Outputs) -> f64); 5] = [
+pub const TRACKED: [Tracked; 5] = [
     ("primary speed", |o| o.primary.speed),
     ("secondary speed", |o| o.secondary.speed),
     ("ratio", |o| o.ratio_geometric),
