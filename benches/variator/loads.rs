@@ -12,8 +12,8 @@ use crate::{Table, numbers, quantiles, text};
 const LONG: f64 = 1e-3;
 
 /// Rows of the table: each load at each ratio for `seconds`, with each ring, jumping and over the default ramp.
-pub fn measure(table: &mut Table, seconds: f64) {
-    for load in LOADS {
+pub fn measure(table: &mut Table, letters: &str, seconds: f64) {
+    for load in LOADS.into_iter().filter(|load| letters.contains(load.letter())) {
         for &ratio in load.ratios() {
             for (name, parameters) in rings() {
                 for ramp in [0.0, parameters.solver.input_ramp] {

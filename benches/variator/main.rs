@@ -9,6 +9,7 @@
 //! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
 //! - `--loads` adds loads that jump, ripple or are noisy, 20 s each or as long as `--seconds` says (an hour, or minutes),
+//! - `--only fg` runs the loads of these letters alone,
 //! - `--real-time` adds these loads in real time, beside accurate runs with a tolerance of 1e-6,
 //! - `--rings` adds the ring models beside each other (a minute),
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
@@ -71,6 +72,9 @@ struct Options {
     /// Loads that jump, ripple or are noisy
     #[arg(long)]
     loads: bool,
+    /// Letters of the loads that are run
+    #[arg(long, default_value = "abcdefghij")]
+    only: String,
     /// These loads in real time, beside accurate runs
     #[arg(long)]
     real_time: bool,
@@ -120,10 +124,10 @@ fn main() {
         cycle::rides(&mut table);
     }
     if options.loads {
-        loads::measure(&mut table, options.seconds);
+        loads::measure(&mut table, &options.only, options.seconds);
     }
     if options.real_time {
-        real_time::measure(&mut table, options.seconds);
+        real_time::measure(&mut table, &options.only, options.seconds);
     }
     if options.rings {
         rings::measure(&mut table);

@@ -13,8 +13,8 @@ use crate::{Table, quantiles};
 const EXACT: f64 = 1e-6;
 
 /// Rows of the table: each load at each ratio for `seconds`, with each ring.
-pub fn measure(table: &mut Table, seconds: f64) {
-    for load in LOADS {
+pub fn measure(table: &mut Table, letters: &str, seconds: f64) {
+    for load in LOADS.into_iter().filter(|load| letters.contains(load.letter())) {
         for &ratio in load.ratios() {
             for (name, parameters) in [
                 ("ALE", variator(RingModel::Ale)),

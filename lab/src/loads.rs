@@ -139,8 +139,12 @@ impl Driven {
         let torque = load.mean_torque();
         let start = inputs((torque, 1.3 * clamping), (-torque * ratio, clamping));
         variator.initialise(0.0, &start).expect("a start");
-        let balanced = variator.outputs().primary.axial_force;
-        let primary = if balanced > 0.0 { balanced } else { 1.3 * clamping };
+        // At a standstill the belt is not loaded yet, and its axial force is that of the first touch.
+        let primary = if load.start_speed() > 0.0 {
+            variator.outputs().primary.axial_force
+        } else {
+            1.3 * clamping
+        };
         Self {
             variator,
             load,

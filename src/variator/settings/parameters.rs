@@ -232,7 +232,7 @@ impl Parameters {
     }
 
     /// What settles the stack of elements, N·s: zero but in real time, where a change of density that lasts for a tick takes
-    /// [`SETTLING`] of the force that the stack in contact would have.
+    /// a fifth of the force that the stack in contact would have.
     #[must_use]
     pub fn settling(&self) -> f64 {
         match self.solver.mode {
