@@ -1,6 +1,7 @@
 //! The solver on problems of its own: neither a belt nor anything else of this crate is in them.
 
 mod arrow;
+mod bounded;
 mod continuation;
 mod integrator;
 mod newton;

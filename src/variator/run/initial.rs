@@ -89,6 +89,8 @@ impl Variator {
         self.soft_start = SoftStart::NONE;
         self.soften();
         self.system.forget_derivatives();
+        // Its last stages are not those of the run.
+        self.integrator = integrator(&self.system);
     }
 
     /// Moves an initial ratio beyond an end stop to the stop.
