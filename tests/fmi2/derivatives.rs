@@ -111,10 +111,13 @@ fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
     }
     importer.start();
     assert_eq!(importer.step(0.0, 0.03), Ok);
+    // The defect is that of a step, no function of time.
     let names: Vec<String> = VariatorUnit::table()
         .variables()
         .iter()
-        .filter(|v| v.causality == Causality::Output && matches!(v.kind, Kind::Real { .. }))
+        .filter(|v| {
+            v.causality == Causality::Output && matches!(v.kind, Kind::Real { .. }) && v.name != "solver.defect"
+        })
         .map(|v| v.name.clone())
         .collect();
     // Inputs that move, too: the reaction of a shaft that follows a set point depends on them.
