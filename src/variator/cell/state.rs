@@ -130,7 +130,12 @@ impl<T: Real> CellState<T> {
             station.ring.strain_gradient = strain_gradient;
         }
         let density = motion.amount * inverse_pitch_length;
-        let widening = place.length.d * theta_dot / length;
+        // Without another division: of a cell it is that of its element.
+        let lengthened: T = place
+            .stations
+            .iter()
+            .fold(T::zero(), |sum, s| sum + place.length.d * s.weight);
+        let widening = lengthened * theta_dot * inverse_length;
         Self {
             pitch_length,
             inverse_pitch_length,

@@ -2,8 +2,8 @@
 
 mod course;
 mod initial;
-pub(crate) mod pace;
-mod soft_start;
+mod pace;
+pub(crate) mod soft_start;
 pub(crate) mod variator;
 
 pub use variator::{InitialisationError, Message, Moment, StepError, Variator};
