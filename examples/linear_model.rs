@@ -3,8 +3,8 @@
 
 use std::process::ExitCode;
 
-use pushbelt::fmi2::Unit as _;
-use pushbelt::fmi2::table::{Access, Causality, Kind, Variable};
+use pushbelt::fmi::Unit as _;
+use pushbelt::fmi::table::{Access, Causality, Kind, Variable};
 use pushbelt::unit::{Settings, VariatorUnit};
 use pushbelt::variator::linear::linearise;
 use pushbelt::variator::settings::{Outputs, Readings};

@@ -14,7 +14,7 @@
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |
 //! | [`tape`] | values to bytes and back, for stored states |
 //! | [`mod@unit`] | the variator as an FMU: its variable table and the exported C functions |
-//! | [`fmi2`] | FMI 2.0 state machine and C functions for any model; independent of the physics |
+//! | [`fmi`] | FMI state machine and C functions for any model; independent of the physics |
 //!
 //! ```
 //! use pushbelt::variator::{Variator, settings::{Inputs, Parameters}};
@@ -40,7 +40,7 @@ compile_error!(
 #[doc(hidden)]
 pub mod chain;
 pub mod contact;
-pub mod fmi2;
+pub mod fmi;
 pub mod pulley;
 pub mod reference_curve;
 pub mod ring;

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use pushbelt::fmi2::Unit;
-use pushbelt::fmi2::table::{Access, Causality, Kind};
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::table::{Access, Causality, Kind};
 use pushbelt::unit::{Settings, VariatorUnit, model_description};
 use pushbelt::variator::settings::range_of;
 

@@ -3,12 +3,12 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use pushbelt::fmi2::log::{Category, Sink, Status};
-use pushbelt::fmi2::slave::StatusKind;
-use pushbelt::fmi2::state::State;
-use pushbelt::fmi2::table::{Access, Causality, Kind, Range, Table, UnitDefinition, Variable};
-use pushbelt::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
-use pushbelt::fmi2::{Slave, guid, model_description};
+use pushbelt::fmi::log::{Category, Sink, Status};
+use pushbelt::fmi::slave::StatusKind;
+use pushbelt::fmi::state::State;
+use pushbelt::fmi::table::{Access, Causality, Kind, Range, Table, UnitDefinition, Variable};
+use pushbelt::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use pushbelt::fmi::{Slave, guid, model_description};
 use pushbelt::tape::Tape;
 
 /// A tank that fills at a rate: level' = gain·inflow.

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use std::ptr::null;
 
 use libloading::Library as Loaded;
-use pushbelt::fmi2::Unit;
-use pushbelt::fmi2::c_abi::{CallbackFunctions, Component, FmuState};
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::fmi2::{CallbackFunctions, Component, FmuState};
 use pushbelt::unit::VariatorUnit;
 
 pub const OK: c_int = 0;
@@ -111,7 +111,7 @@ impl Library {
 impl Functions {
     /// An instance without a logger.
     pub fn instantiate(&self) -> Component {
-        let guid = CString::new(pushbelt::fmi2::guid::<VariatorUnit>()).expect("no zero inside");
+        let guid = CString::new(pushbelt::fmi::guid::<VariatorUnit>()).expect("no zero inside");
         // SAFETY: valid strings, and null where it is allowed.
         let c = unsafe { (self.fmi2Instantiate)(c"variator".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0) };
         assert!(!c.is_null());

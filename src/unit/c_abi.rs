@@ -1,3 +1,3 @@
 //! The C functions that the shared library exports, for the variator.
 
-crate::fmi2::export!(super::variator_unit::VariatorUnit);
+crate::fmi::export!(super::variator_unit::VariatorUnit);

@@ -16,7 +16,7 @@
 
 use super::settings::Settings;
 use super::types::{AXIAL, DRIVE, ENUMERATIONS, MODE, RING_MODEL, START_STATE, UNITS};
-use crate::fmi2::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
+use crate::fmi::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
 use crate::variator::settings::{Axial, Drive, Mode, PROFILE_POINTS, Readings, RingModel, range_of};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};

@@ -1,6 +1,6 @@
 //! Units and enumerations of the interface.
 
-use crate::fmi2::table::{Enumeration, Item, UnitDefinition};
+use crate::fmi::table::{Enumeration, Item, UnitDefinition};
 use crate::variator::settings::{Axial, Drive, Mode, RingModel, StartState};
 
 const fn unit(name: &'static str, exponents: &'static [(&'static str, i32)]) -> UnitDefinition {

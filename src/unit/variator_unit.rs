@@ -2,8 +2,8 @@
 
 use super::settings::Settings;
 use super::table;
-use crate::fmi2::Table;
-use crate::fmi2::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::fmi::Table;
+use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
 use crate::variator::run::{StepError, Variator};
 use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
@@ -17,7 +17,7 @@ pub struct VariatorUnit {
 /// The content of `modelDescription.xml`.
 #[must_use]
 pub fn model_description() -> String {
-    crate::fmi2::model_description::<VariatorUnit>()
+    crate::fmi::model_description::<VariatorUnit>()
 }
 
 impl VariatorUnit {

@@ -3,9 +3,9 @@
 use std::ffi::c_int;
 use std::ptr::{null, null_mut};
 
-use pushbelt::fmi2::Unit;
-use pushbelt::fmi2::log::Status::{Error, Ok};
-use pushbelt::fmi2::table::{Causality, Kind};
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::log::Status::{Error, Ok};
+use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
 use pushbelt::unit::c_abi::*;
 

@@ -3,10 +3,10 @@
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
-use pushbelt::fmi2::Unit;
-use pushbelt::fmi2::c_abi::*;
-use pushbelt::fmi2::log::Status::{self, Ok};
-use pushbelt::fmi2::table::{Causality, Kind};
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::fmi2::*;
+use pushbelt::fmi::log::Status::{self, Ok};
+use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
 use pushbelt::unit::c_abi::*;
 
@@ -37,7 +37,7 @@ unsafe extern "C" fn hear(
 }
 
 pub fn guid() -> CString {
-    CString::new(pushbelt::fmi2::guid::<VariatorUnit>()).expect("no zero inside")
+    CString::new(pushbelt::fmi::guid::<VariatorUnit>()).expect("no zero inside")
 }
 
 /// An instance with all that an importer keeps for it.

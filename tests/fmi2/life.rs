@@ -3,8 +3,8 @@
 use std::ffi::{CStr, c_char, c_int};
 use std::ptr::{null, null_mut};
 
-use pushbelt::fmi2::c_abi::*;
-use pushbelt::fmi2::log::Status::{self, Error, Ok};
+use pushbelt::fmi::fmi2::*;
+use pushbelt::fmi::log::Status::{self, Error, Ok};
 use pushbelt::unit::c_abi::*;
 use pushbelt::unit::model_description;
 use pushbelt::variator::run::Variator;

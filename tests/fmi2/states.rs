@@ -2,7 +2,7 @@
 
 use std::ptr::{null, null_mut};
 
-use pushbelt::fmi2::log::Status::{self, Error, Ok};
+use pushbelt::fmi::log::Status::{self, Error, Ok};
 use pushbelt::unit::c_abi::*;
 
 use crate::importer::*;

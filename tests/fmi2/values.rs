@@ -1,6 +1,6 @@
 //! Settings, bad values and the messages about them.
 
-use pushbelt::fmi2::log::Status::{Error, Ok};
+use pushbelt::fmi::log::Status::{Error, Ok};
 use pushbelt::unit::c_abi::*;
 
 use crate::importer::*;

@@ -15,8 +15,8 @@ use std::process::{Command, ExitCode, Stdio};
 use libtest_mimic::{Arguments, Failed, Trial};
 use proptest::collection::vec;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use pushbelt::fmi2::Unit;
-use pushbelt::fmi2::table::{Causality, Kind};
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
 use pushbelt_lab::shared_library::{Library, count};
 

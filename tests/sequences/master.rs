@@ -3,7 +3,7 @@
 use std::ffi::{c_char, c_int};
 use std::ptr::null_mut;
 
-use pushbelt::fmi2::c_abi::{Component, FmuState};
+use pushbelt::fmi::fmi2::{Component, FmuState};
 use pushbelt_lab::shared_library::{DISCARD, ERROR, Functions, OK, reference};
 
 use crate::calls::{Call, Flaw, INPUTS, INTEGERS, PARAMETERS, TUNABLE, UNKNOWN};

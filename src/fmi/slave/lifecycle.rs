@@ -2,10 +2,10 @@
 
 use super::instance::Slave;
 use super::outcome::refused;
-use crate::fmi2::log::{Category, Status};
-use crate::fmi2::snapshot::Snapshot;
-use crate::fmi2::state::{Call, State};
-use crate::fmi2::unit::{Experiment, Unit};
+use crate::fmi::log::{Category, Status};
+use crate::fmi::snapshot::Snapshot;
+use crate::fmi::state::{Call, State};
+use crate::fmi::unit::{Experiment, Unit};
 
 impl<U: Unit> Slave<U> {
     /// `fmi2SetDebugLogging`: with no category all of them.

@@ -5,12 +5,12 @@ use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::outcome::{Outcome, Trouble, refused};
-use crate::fmi2::description::guid;
-use crate::fmi2::log::{Category, Log, Sink, Status};
-use crate::fmi2::snapshot::Snapshot;
-use crate::fmi2::state::{Call, State};
-use crate::fmi2::table::Table;
-use crate::fmi2::unit::{Remark, Unit};
+use crate::fmi::description::guid;
+use crate::fmi::log::{Category, Log, Sink, Status};
+use crate::fmi::snapshot::Snapshot;
+use crate::fmi::state::{Call, State};
+use crate::fmi::table::Table;
+use crate::fmi::unit::{Remark, Unit};
 
 /// An instance of a unit.
 pub struct Slave<U: Unit> {

@@ -6,9 +6,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use libc::{c_char, size_t};
 
 use super::types::Component;
-use crate::fmi2::log::Status;
-use crate::fmi2::slave::Slave;
-use crate::fmi2::unit::Unit;
+use crate::fmi::log::Status;
+use crate::fmi::slave::Slave;
+use crate::fmi::unit::Unit;
 
 /// Runs `body` and answers a panic with `instead`.
 pub(super) fn contain<T>(instead: T, body: impl FnOnce() -> T) -> T {

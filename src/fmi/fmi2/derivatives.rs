@@ -4,8 +4,8 @@ use libc::{c_int, c_uint, size_t};
 
 use super::boundary::{NULL_ARRAY, array, array_mut, with};
 use super::types::Component;
-use crate::fmi2::log::Status;
-use crate::fmi2::unit::Unit;
+use crate::fmi::log::Status;
+use crate::fmi::unit::Unit;
 
 /// `fmi2GetDirectionalDerivative`: not offered.
 ///

@@ -2,11 +2,11 @@
 
 use super::instance::Slave;
 use super::outcome::{Outcome, Trouble, refused};
-use crate::fmi2::log::Status;
-use crate::fmi2::snapshot::Snapshot;
-use crate::fmi2::state::{Call, State};
-use crate::fmi2::table::{Access, Causality, Inadmissible, Kind, Table, Variable};
-use crate::fmi2::unit::Unit;
+use crate::fmi::log::Status;
+use crate::fmi::snapshot::Snapshot;
+use crate::fmi::state::{Call, State};
+use crate::fmi::table::{Access, Causality, Inadmissible, Kind, Table, Variable};
+use crate::fmi::unit::Unit;
 
 /// Finds where a variable of one type lives.
 type AccessOf<U, T> = fn(

@@ -2,9 +2,9 @@
 
 use super::instance::Slave;
 use super::outcome::{Outcome, Trouble, refused};
-use crate::fmi2::log::Status;
-use crate::fmi2::state::{Call, State};
-use crate::fmi2::unit::{StepFailure, Unit};
+use crate::fmi::log::Status;
+use crate::fmi::state::{Call, State};
+use crate::fmi::unit::{StepFailure, Unit};
 
 /// What can be asked after a step (`fmi2StatusKind`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,9 +6,9 @@ use libc::{c_char, size_t};
 
 use super::boundary::{NULL_ARRAY, NULL_RESULT, array, array_mut, with};
 use super::types::{Component, FmuState};
-use crate::fmi2::log::Status;
-use crate::fmi2::snapshot::Snapshot;
-use crate::fmi2::unit::Unit;
+use crate::fmi::log::Status;
+use crate::fmi::snapshot::Snapshot;
+use crate::fmi::unit::Unit;
 
 /// `fmi2GetFMUstate`: stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
 ///

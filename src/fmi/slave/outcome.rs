@@ -1,6 +1,6 @@
 //! The ways in which a call can end.
 
-use crate::fmi2::table::Inadmissible;
+use crate::fmi::table::Inadmissible;
 
 /// Why a call was not done.
 #[derive(Debug)]

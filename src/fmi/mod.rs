@@ -17,16 +17,16 @@
 //! | `description` | the XML, and the GUID made from it |
 //! | `resources` | the resource location, a URI |
 //! | `processor` | whether the processor has what the binary is compiled for |
-//! | [`c_abi`] | the C functions for any unit, the only place with `unsafe`; `export!` names them for one unit |
+//! | [`fmi2`] | the C functions for any unit, the only place with `unsafe`; `export!` names them for one unit |
 //!
 //! There are no globals and no threads; every instance owns all it uses.
 
 #[forbid(unsafe_code)]
 mod bytes;
-#[allow(unsafe_code)]
-pub mod c_abi;
 #[forbid(unsafe_code)]
 mod description;
+#[allow(unsafe_code)]
+pub mod fmi2;
 #[forbid(unsafe_code)]
 mod hash;
 #[forbid(unsafe_code)]
@@ -46,8 +46,8 @@ pub mod table;
 #[forbid(unsafe_code)]
 pub mod unit;
 
-pub(crate) use c_abi::exports::export;
 pub use description::{guid, model_description};
+pub(crate) use fmi2::exports::export;
 pub use slave::Slave;
 pub use snapshot::Snapshot;
 pub use table::Table;

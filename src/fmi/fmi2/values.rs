@@ -4,9 +4,9 @@ use libc::{c_char, c_int, c_uint, size_t};
 
 use super::boundary::{NULL_ARRAY, array, array_mut, with};
 use super::types::Component;
-use crate::fmi2::log::Status;
-use crate::fmi2::state::Call;
-use crate::fmi2::unit::Unit;
+use crate::fmi::log::Status;
+use crate::fmi::state::Call;
+use crate::fmi::unit::Unit;
 
 /// `fmi2GetReal`: reads reals.
 ///

@@ -1,15 +1,15 @@
 //! The names under which a shared library exports the functions for one unit.
 
-/// Exports the 34 C functions of FMI 2.0 for co-simulation, for the given [`Unit`](crate::fmi2::Unit).
+/// Exports the 34 C functions of FMI 2.0 for co-simulation, for the given [`Unit`](crate::fmi::Unit).
 ///
 /// To be called once in a library, in a module of its own that allows `unsafe` code and the standard's names.
 macro_rules! export {
     ($unit:ty) => {
         use libc::{c_char, c_int, c_uint, size_t};
 
-        use $crate::fmi2::c_abi::exports::forward;
-        use $crate::fmi2::c_abi::{CallbackFunctions, Component, FmuState};
-        use $crate::fmi2::log::Status;
+        use $crate::fmi::fmi2::exports::forward;
+        use $crate::fmi::fmi2::{CallbackFunctions, Component, FmuState};
+        use $crate::fmi::log::Status;
 
         /// Sizes of the types of the interface.
         #[unsafe(no_mangle)]
@@ -108,11 +108,11 @@ macro_rules! forward {
         /// The standard's function of this name.
         ///
         /// # Safety
-        /// The caller grants what [`c_abi`](crate::fmi2::c_abi) lists.
+        /// The caller grants what [`c_abi`](crate::fmi::fmi2) lists.
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
             // SAFETY: the caller grants what the function that is called asks for.
-            unsafe { $crate::fmi2::c_abi::$file::$body::<$unit>($($argument),*) }
+            unsafe { $crate::fmi::fmi2::$file::$body::<$unit>($($argument),*) }
         }
     )*};
 }

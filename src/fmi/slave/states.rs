@@ -2,10 +2,10 @@
 
 use super::instance::Slave;
 use super::outcome::Trouble;
-use crate::fmi2::log::Status;
-use crate::fmi2::snapshot::Snapshot;
-use crate::fmi2::state::Call;
-use crate::fmi2::unit::Unit;
+use crate::fmi::log::Status;
+use crate::fmi::snapshot::Snapshot;
+use crate::fmi::state::Call;
+use crate::fmi::unit::Unit;
 
 impl<U: Unit> Slave<U> {
     /// `fmi2GetFMUstate`: the state, or `None` with the status if the call failed.

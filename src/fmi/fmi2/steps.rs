@@ -4,9 +4,9 @@ use libc::{c_char, c_int};
 
 use super::boundary::{NULL_RESULT, with};
 use super::types::Component;
-use crate::fmi2::log::Status;
-use crate::fmi2::slave::{Slave, StatusKind};
-use crate::fmi2::unit::Unit;
+use crate::fmi::log::Status;
+use crate::fmi::slave::{Slave, StatusKind};
+use crate::fmi::unit::Unit;
 
 /// `fmi2DoStep`: advances by one communication step. Whether the master will come back before this point does not matter here:
 /// states are stored on request only.

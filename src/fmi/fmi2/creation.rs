@@ -7,11 +7,11 @@ use libc::{c_char, c_int, c_void};
 
 use super::boundary::{contain, text};
 use super::types::{CallbackFunctions, Component, Logger};
-use crate::fmi2::description;
-use crate::fmi2::log::{Category, Sink, Status};
-use crate::fmi2::slave::Slave;
-use crate::fmi2::unit::Unit;
-use crate::fmi2::{processor, resources};
+use crate::fmi::description;
+use crate::fmi::log::{Category, Sink, Status};
+use crate::fmi::slave::Slave;
+use crate::fmi::unit::Unit;
+use crate::fmi::{processor, resources};
 
 /// The importer's logger, with the arguments that every message has in common.
 struct Importer {

@@ -4,9 +4,9 @@ use libc::{c_char, c_int, size_t};
 
 use super::boundary::{NULL_ARRAY, array, text, with};
 use super::types::Component;
-use crate::fmi2::log::Status;
-use crate::fmi2::slave::Slave;
-use crate::fmi2::unit::{Experiment, Unit};
+use crate::fmi::log::Status;
+use crate::fmi::slave::Slave;
+use crate::fmi::unit::{Experiment, Unit};
 
 /// `fmi2SetDebugLogging`: chooses what is logged.
 ///

@@ -3,11 +3,11 @@
 use super::instance::Slave;
 use super::outcome::{Outcome, refused};
 use super::values::{find, real_access};
-use crate::fmi2::log::Status;
-use crate::fmi2::snapshot::zero_rates;
-use crate::fmi2::state::Call;
-use crate::fmi2::table::{Access, Causality, Inadmissible};
-use crate::fmi2::unit::Unit;
+use crate::fmi::log::Status;
+use crate::fmi::snapshot::zero_rates;
+use crate::fmi::state::Call;
+use crate::fmi::table::{Access, Causality, Inadmissible};
+use crate::fmi::unit::Unit;
 
 impl<U: Unit> Slave<U> {
     /// `fmi2SetRealInputDerivatives`: the inputs change in proportion to time during the next step, and are held again
