@@ -180,6 +180,10 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
         );
         if options.errors {
             errors::of_manoeuvre(table, model, trace);
+            let mut parameters = variator(model);
+            parameters.friction.fall = 0.0;
+            let (time, counts) = manoeuvre(parameters, trace, |advance| advance());
+            manoeuvre_row(table, &format!("{model:?}, friction.fall = 0"), trace, time, &counts);
         }
         each
     });
