@@ -69,6 +69,8 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::R
     let description = Description::parse(std::str::from_utf8(&xml)?)?;
     archive.add("modelDescription.xml", xml)?;
     archive.add("documentation/index.html", documentation(&description))?;
+    let header = read(&workspace.root().join("resources/pushbelt.h"))?;
+    archive.add("documentation/pushbelt.h", header)?;
 
     let parameters = workspace.root().join("resources").join("parameters");
     for (name, content) in files(&parameters, "json")? {

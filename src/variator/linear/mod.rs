@@ -15,6 +15,6 @@ mod modes;
 mod working_point;
 
 pub use loads::Load;
-pub use model::{LinearModel, linearise};
+pub use model::{LinearModel, linearise, linearise_at};
 pub use modes::modes;
 pub use working_point::LinearError;
