@@ -22,9 +22,13 @@ pub struct Snapshot<U: Unit> {
 
 impl<U: Unit> Snapshot<U> {
     pub(super) fn new() -> Self {
+        Self::starting_from(U::Settings::default())
+    }
+
+    pub(super) fn starting_from(settings: U::Settings) -> Self {
         Self {
             state: State::Instantiated,
-            settings: U::Settings::default(),
+            settings,
             rates: None,
             experiment: Experiment::default(),
             point: 0.0,

@@ -41,9 +41,10 @@ def test_everything_has_its_place(names: list[str]) -> None:
         "modelDescription.xml",
         "model.png",
         "documentation/index.html",
-        "licenses/LICENSE-MIT.txt",
-        "licenses/LICENSE-APACHE.txt",
-        "licenses/third-party.txt",
+        "documentation/licenses/license.txt",
+        "documentation/licenses/LICENSE-MIT.txt",
+        "documentation/licenses/LICENSE-APACHE.txt",
+        "documentation/licenses/third-party.txt",
         "resources/bench168.json",
         "resources/belt155.json",
     ):
