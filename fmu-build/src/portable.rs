@@ -52,11 +52,14 @@ pub fn build(workspace: &Workspace) -> anyhow::Result<Vec<(Platform, PathBuf)>> 
             continue;
         }
         progress::headline(&format!("Compiling the FMU's binary for {folder}"));
-        let mut command = cargo::command(workspace);
+        // A library for C alone, optimised as a whole: what nothing calls is left out, of Rust's standard library too. So the Windows
+        // library doesn't import `bcryptprimitives.dll`, which older compatibility layers lack.
+        let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
         command
-            .arg("zigbuild")
-            .args(["--target", target.zig])
+            .arg("rustc")
+            .args(["--target", target.zig, "--crate-type", "cdylib"])
             .env("PATH", tools.path()?)
+            .env("CARGO_PROFILE_RELEASE_LTO", "fat")
             .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
         let library = cargo::build_library_with(&mut command)?;
         check(&library)?;
