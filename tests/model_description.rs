@@ -211,6 +211,47 @@ fn units_and_types_in_use_are_declared() {
     }
 }
 
+/// Importers scale by the nominal value: without one it is 1, which for a slip of 0.003 is far off.
+#[test]
+fn every_real_output_has_a_typical_size_within_its_range() {
+    let table = VariatorUnit::table();
+    for variable in table.variables().iter().filter(|variable| !variable.causality.is_setting()) {
+        if let Kind::Real { range, .. } = &variable.kind {
+            let nominal = range.nominal.unwrap_or_else(|| panic!("{} has none", variable.name));
+            assert!(nominal > 0.0, "{}", variable.name);
+            assert!(range.max.is_none_or(|max| nominal <= max), "{}", variable.name);
+        }
+    }
+}
+
+/// Forces in kN, lengths in mm and shares in per cent are what users look at.
+#[test]
+fn display_units_are_those_of_the_workshop() {
+    let table = VariatorUnit::table();
+    for (name, unit, shown) in [
+        ("primary.clampingForce", "kN", 13.0),
+        ("geometry.centerDistance", "mm", 168.0),
+        ("friction.fall", "%", 10.0),
+        ("primary.speedSetpoint", "rpm", 2000.0),
+    ] {
+        let variable = table.by_name(name).expect("listed");
+        let Kind::Real {
+            unit: base,
+            display_unit,
+            access: Access::Setting { get, .. },
+            ..
+        } = &variable.kind
+        else {
+            panic!("{name} is a real setting");
+        };
+        assert_eq!(*display_unit, Some(unit), "{name}");
+        let declared = table.units.iter().find(|declared| declared.name == *base).expect("declared");
+        let (_, factor) = declared.display.iter().find(|(name, _)| *name == unit).expect("declared");
+        let value = factor * get(&Settings::default());
+        assert!((value - shown).abs() < 1e-5 * shown, "{name}: {value} {unit}");
+    }
+}
+
 /// The outputs' structure: every output is listed, and none depends directly on an input.
 #[test]
 fn model_structure_lists_every_output_without_dependencies() {

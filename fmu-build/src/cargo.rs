@@ -1,5 +1,6 @@
 //! Running cargo.
 
+use std::ffi::OsStr;
 use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -15,7 +16,12 @@ pub const DESCRIPTION_EXAMPLE: &str = "model_description";
 /// A cargo command at the top level of the workspace, with the cargo that started this tool.
 pub fn command(workspace: &Workspace) -> Command {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(cargo);
+    command_of(workspace, cargo)
+}
+
+/// The same for a program that takes cargo's place.
+pub fn command_of(workspace: &Workspace, program: impl AsRef<OsStr>) -> Command {
+    let mut command = Command::new(program);
     command.current_dir(workspace.root());
     // `cargo run` sets these for the tool itself; build scripts of others would see them and compile anew.
     for (name, _) in std::env::vars_os() {

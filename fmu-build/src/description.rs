@@ -31,6 +31,17 @@ pub struct Description {
     pub variables: Vec<Variable>,
 }
 
+/// The same text with the attribute `generationDateAndTime`, which has no part in the GUID.
+///
+/// # Errors
+/// The text is not XML, or its root has no GUID.
+pub fn with_date(xml: &str, date: &str) -> anyhow::Result<String> {
+    let document = Document::parse(xml).context("the model description is not XML")?;
+    let guid = document.root_element().attribute_node("guid");
+    let (before, after) = xml.split_at(guid.context("the model description has no GUID")?.range().start);
+    Ok(format!("{before}generationDateAndTime=\"{date}\" {after}"))
+}
+
 /// Groups of variables in the order in which a user meets them.
 const GROUPS: [(&str, &str); 4] = [
     ("input", "Inputs"),
@@ -217,6 +228,17 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_date_is_an_attribute_of_the_root() {
+        let xml = r#"<?xml version="1.0"?><a name="b" guid="{c}"><d guid="e"/></a>"#;
+        let dated = with_date(xml, "2026-01-02T03:04:05Z").unwrap();
+        let document = Document::parse(&dated).unwrap();
+        let root = document.root_element();
+        assert_eq!(root.attribute("generationDateAndTime"), Some("2026-01-02T03:04:05Z"));
+        assert_eq!(root.attribute("guid"), Some("{c}"));
+        assert!(with_date("<a/>", "").is_err());
+    }
 
     const XML: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription description="A model" version="1.2.3">

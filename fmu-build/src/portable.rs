@@ -12,7 +12,7 @@ use anyhow::{Context, ensure};
 use crate::platform::Platform;
 use crate::python::{BUILDING, Environment};
 use crate::workspace::Workspace;
-use crate::{binary, cargo, progress};
+use crate::{binary, cargo, exports, progress};
 
 /// Oldest glibc that the Linux binary loads with.
 pub const GLIBC: (u32, u32) = (2, 17);
@@ -52,12 +52,15 @@ pub fn build(workspace: &Workspace) -> anyhow::Result<Vec<(Platform, PathBuf)>> 
             continue;
         }
         progress::headline(&format!("Compiling the FMU's binary for {folder}"));
-        let mut command = cargo::command(workspace);
+        // A library for C alone, optimised as a whole: what nothing calls is left out, of Rust's standard library too. So the Windows
+        // library doesn't import `bcryptprimitives.dll`, which older compatibility layers lack.
+        let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
         command
-            .arg("zigbuild")
-            .args(["--target", target.zig])
+            .arg("rustc")
+            .args(["--target", target.zig, "--crate-type", "cdylib"])
             .env("PATH", tools.path()?)
-            .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace));
+            .env("CARGO_PROFILE_RELEASE_LTO", "fat")
+            .env("CARGO_ENCODED_RUSTFLAGS", flags(workspace, target)?);
         let library = cargo::build_library_with(&mut command)?;
         check(&library)?;
         binaries.push((target.platform, library));
@@ -91,7 +94,7 @@ fn ensure_installed(triple: &str) -> anyhow::Result<()> {
 
 /// Compiler flags: those of the environment instead of the workspace's own (which ask for AVX2), and the paths of this
 /// machine taken out of messages. So the bytes don't depend on where the sources lie.
-fn flags(workspace: &Workspace) -> OsString {
+fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
     let given = std::env::var("RUSTFLAGS").unwrap_or_default();
     let mut flags: Vec<String> = given.split_whitespace().map(str::to_owned).collect();
     let cargo_home = std::env::var_os("CARGO_HOME")
@@ -101,7 +104,11 @@ fn flags(workspace: &Workspace) -> OsString {
         flags.push(format!("--remap-path-prefix={}=cargo", home.display()));
     }
     flags.push(format!("--remap-path-prefix={}=pushbelt", workspace.root().display()));
-    flags.join("\x1f").into()
+    if target.platform == Platform::WIN64 {
+        // `cargo-zigbuild` drops the list of exports that the compiler makes for the linker, and then everything is exported.
+        flags.push(format!("-Clink-arg={}", exports::definition(workspace)?.display()));
+    }
+    Ok(flags.join("\x1f").into())
 }
 
 fn check(library: &Path) -> anyhow::Result<()> {

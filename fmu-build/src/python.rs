@@ -86,6 +86,12 @@ impl Environment {
         std::env::join_paths(folders).context("the search path can't be extended")
     }
 
+    /// Path of a program of this environment.
+    pub fn program(&self, name: &str) -> PathBuf {
+        self.interpreter
+            .with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX))
+    }
+
     /// A Python command in this environment, at the top level of the workspace. It can import the packages below `python/`
     /// and finds the FMU by the variable `PUSHBELT_FMU`.
     pub fn command(&self) -> Command {

@@ -35,7 +35,7 @@ def parser() -> argparse.ArgumentParser:
     for name, (text, _) in PROGRAMS.items():
         commands.add_parser(name, help=text, add_help=False)
     text = "write the FMU to a file, with start values of your own"
-    fmu = commands.add_parser("fmu", help=text, description=f"{text.capitalize()} in its model description.")
+    fmu = commands.add_parser("fmu", help=text, description=f"{text.capitalize()}.")
     fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="the file that is written")
     fmu.add_argument(
         "--set",
@@ -86,8 +86,6 @@ def run_program(name: str, arguments: list[str]) -> int:
 
 def write_fmu(options: argparse.Namespace) -> int:
     """`pushbelt fmu`: checks the values against the variable table and on the FMU itself, and writes the copy."""
-    import fmpy
-
     from .fmu import cache, start_values
     from .fmu.data import parameter_set
     from .fmu.files import default_fmu
@@ -96,7 +94,8 @@ def write_fmu(options: argparse.Namespace) -> int:
     if options.copy.suffix != ".fmu":
         raise ValueError(f"{options.copy} does not end in .fmu: importers would not take it")
     fmu = options.fmu or default_fmu()
-    variables = {variable.name: variable for variable in fmpy.read_model_description(str(fmu)).modelVariables}
+    archive = cache.unpacked(fmu)
+    variables = {variable.name: variable for variable in archive.description.modelVariables}
     given = parameter_set(options.variator) if options.variator else {}
     for text in options.set:
         name, separator, value = text.partition("=")
@@ -105,7 +104,7 @@ def write_fmu(options: argparse.Namespace) -> int:
         given[name.strip()] = value.strip()
     values = start_values.checked(variables, given)
     try:
-        with Variator(cache.unpacked(fmu), values) as unit:
+        with Variator(archive, values) as unit:
             unit.initialise()
             remarks = unit.warnings
     except UnitError as error:
@@ -113,9 +112,6 @@ def write_fmu(options: argparse.Namespace) -> int:
     start_values.write_copy(fmu, options.copy, values)
     for remark in remarks:
         print(f"  the FMU warns: {remark}", file=sys.stderr)
-    if values:
-        # The library has its own defaults and reads no file: it is the importer that passes these on.
-        print("  they hold in importers that set the start values of the model description", file=sys.stderr)
     print(f"{options.copy.resolve()} ({len(values)} start values)")
     return 0
 

@@ -8,7 +8,7 @@ pub enum Status {
     Ok = 0,
     /// The call was done, but something looks wrong.
     Warning = 1,
-    /// The call could not be done; a smaller step may work.
+    /// A value was not taken, or a step was not completed; another value or a smaller step may work.
     Discard = 2,
     /// The call failed; the run can't go on without reset or a stored state.
     Error = 3,
@@ -25,7 +25,7 @@ pub enum Category {
     Error,
     /// What looks wrong but lets the run go on.
     Warning,
-    /// Why a step was discarded.
+    /// Why a value or a step was discarded.
     Discard,
     /// What the unit did.
     Events,
@@ -52,7 +52,7 @@ impl Category {
         match self {
             Self::Error => "Why a call failed (always logged)",
             Self::Warning => "What looks wrong but lets the run go on (logged without debug logging too)",
-            Self::Discard => "Why a step could not be completed (logged without debug logging too)",
+            Self::Discard => "Why a value was not taken or a step not completed (logged without debug logging too)",
             Self::Events => "What the unit did, e.g. how it found its initial state",
         }
     }

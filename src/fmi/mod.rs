@@ -16,6 +16,7 @@
 //! | [`log`] | messages to the importer |
 //! | `description` | the XML, and the GUID made from it |
 //! | `resources` | the resource location, a URI |
+//! | [`start_values`] | start values of a user's own, from a file in the resources |
 //! | `processor` | whether the processor has what the binary is compiled for |
 //! | [`fmi2`] | the C functions for any unit, the only place with `unsafe`; `export!` names them for one unit |
 //!
@@ -39,6 +40,8 @@ mod resources;
 pub mod slave;
 #[forbid(unsafe_code)]
 mod snapshot;
+#[forbid(unsafe_code)]
+pub mod start_values;
 #[forbid(unsafe_code)]
 pub mod state;
 #[forbid(unsafe_code)]

@@ -22,9 +22,13 @@ pub struct Snapshot<U: Unit> {
 
 impl<U: Unit> Snapshot<U> {
     pub(super) fn new() -> Self {
+        Self::starting_from(U::Settings::default())
+    }
+
+    pub(super) fn starting_from(settings: U::Settings) -> Self {
         Self {
             state: State::Instantiated,
-            settings: U::Settings::default(),
+            settings,
             rates: None,
             experiment: Experiment::default(),
             point: 0.0,
@@ -72,14 +76,18 @@ impl<U: Unit> Snapshot<U> {
         tape.real(start);
         tape.option(stop);
         tape.real(&mut self.point);
-        pass_settings(table, &mut self.settings, tape, |variable| {
-            variable.causality.is_setting()
-        });
+        pass_settings(
+            table,
+            &mut self.settings,
+            tape,
+            |variable| variable.causality.is_setting(),
+            |variable, value| variable.admit_real(value).is_ok(),
+        );
         let mut has_rates = self.rates.is_some();
         tape.flag(&mut has_rates);
         if has_rates {
             let rates = self.rates.get_or_insert_with(|| zero_rates(table));
-            pass_settings(table, rates, tape, is_real_input);
+            pass_settings(table, rates, tape, is_real_input, |_, value| value.is_finite());
         }
         let mut started = self.unit.is_some();
         tape.flag(&mut started);
@@ -114,12 +122,14 @@ pub(super) fn zero_rates<S: Default, R>(table: &Table<S, R>) -> S {
     rates
 }
 
-/// Writes the settings of some variables to a tape, or reads them from one.
+/// Writes the settings of some variables to a tape, or reads them from one: real numbers that are admissible, and others that
+/// could be set.
 fn pass_settings<S, R>(
     table: &Table<S, R>,
     settings: &mut S,
     tape: &mut Tape<'_>,
     which: impl Fn(&Variable<S, R>) -> bool,
+    admissible: impl Fn(&Variable<S, R>, f64) -> bool,
 ) {
     for variable in table.variables().iter().filter(|variable| which(variable)) {
         match &variable.kind {
@@ -129,6 +139,9 @@ fn pass_settings<S, R>(
             } => {
                 let mut value = get(settings);
                 tape.real(&mut value);
+                if !admissible(variable, value) {
+                    tape.reject();
+                }
                 set(settings, value);
             }
             Kind::Integer {

@@ -98,7 +98,7 @@ impl Rows {
         };
         let kind = Kind::Real {
             unit,
-            display_unit: display_unit(unit),
+            display_unit: display_unit(name, unit),
             range,
             access,
         };
@@ -116,7 +116,7 @@ impl Rows {
     ) {
         let kind = Kind::Real {
             unit,
-            display_unit: display_unit(unit),
+            display_unit: display_unit(name, unit),
             range,
             access,
         };
@@ -174,10 +174,16 @@ impl Rows {
     }
 }
 
-fn display_unit(unit: &str) -> Option<&'static str> {
+/// Shares of a whole, which are shown in per cent.
+const SHARES: [&str; 4] = ["slip", "efficiency", "efficiency.belt", "friction.fall"];
+
+fn display_unit(name: &str, unit: &str) -> Option<&'static str> {
     match unit {
         "rad" => Some("deg"),
         "rad/s" => Some("rpm"),
+        "m" => Some("mm"),
+        "N" => Some("kN"),
+        "1" if SHARES.contains(&name) => Some("%"),
         _ => None,
     }
 }
@@ -189,11 +195,11 @@ fn typical(nominal: f64) -> Range {
     }
 }
 
-fn between(min: f64, max: f64) -> Range {
+fn between(min: f64, max: f64, nominal: f64) -> Range {
     Range {
         min: Some(min),
         max: Some(max),
-        nominal: None,
+        nominal: Some(nominal),
     }
 }
 
@@ -280,15 +286,15 @@ pub(super) fn table() -> Table<Settings, Readings> {
 
 #[rustfmt::skip]
 fn outputs(t: &mut Rows) {
-    t.read("thrustRatio", 1, (Output, "1", between(-100.0, 100.0)), "Axial belt force on the primary sheave / on the secondary sheave; 0 where the latter is below 1 N", read!(thrust_ratio));
+    t.read("thrustRatio", 1, (Output, "1", between(-100.0, 100.0, 1.0)), "Axial belt force on the primary sheave / on the secondary sheave; 0 where the latter is below 1 N", read!(thrust_ratio));
     t.read("belt.speed", 2, (Output, "m/s", typical(10.0)), "Mean pitch-line speed of the elements", read!(belt_speed));
     t.read("ring.speed", 3, (Output, "m/s", typical(10.0)), "Drift rate of the ring", read!(ring_speed));
     t.read("ratio.speed", 4, (Output, "1", typical(1.0)), "Primary speed / secondary speed; 0 at standstill", read!(ratio_speed));
     t.read("ratio.geometric", 5, (Output, "1", typical(1.0)), "secondary.radius / primary.radius", read!(ratio_geometric));
-    t.read("reference.theta", 6, (Output, "1", between(-1.0, 1.0)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i) of its radii, positive in overdrive", read!(reference_theta));
-    t.read("slip", 7, (Output, "1", between(-2.0, 2.0)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 where the primary pulley hardly turns, even if the belt slips through (see macroSlip)", read!(slip));
+    t.read("reference.theta", 6, (Output, "1", between(-1.0, 1.0, 0.3)), "Ratio coordinate Theta of the reference curve: (1 - i)/(1 + i) of its radii, positive in overdrive", read!(reference_theta));
+    t.read("slip", 7, (Output, "1", between(-2.0, 2.0, 0.01)), "1 - (secondary speed / primary speed) * ratio.geometric; 0 where the primary pulley hardly turns, even if the belt slips through (see macroSlip)", read!(slip));
     t.read("efficiency", 8, (Output, "1", typical(1.0)), "Driven / driving shaft power, 0 to 1; 0 where no power flows. The drag of the shafts is in it. Means little while speeds change: the belt's kinetic energy is in it", read!(efficiency));
-    t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). The belt slips through below 1 where the primary pulley slips first: in underdrive from about 0.8 driving and 0.6 in overrun", read!(torque_utilisation));
+    t.read("torqueUtilisation", 9, (Output, "1", between(0.0, 10.0, 1.0)), "Belt torque on the primary pulley / (2 friction.pulley secondary.axialForce primary.radius / cos(geometry.wedgeAngle)). The belt slips through below 1 where the primary pulley slips first: in underdrive from about 0.8 driving and 0.6 in overrun", read!(torque_utilisation));
     t.add("macroSlip", 10, Output, "Whether all loaded elements of a pulley slide tangentially one way", Kind::Boolean { access: read!(macro_slip) });
     t.read("loss.total", 11, (Output, "W", typical(100.0)), "All losses", Access::Reading(|readings| readings.outputs.losses.total()));
     t.read("loss.sheaves", 12, (Output, "W", typical(100.0)), "Loss by friction between elements and sheaves", read!(losses.sheaves));

@@ -13,7 +13,11 @@ const fn unit(name: &'static str, exponents: &'static [(&'static str, i32)]) -> 
 
 /// Every unit that a variable uses.
 pub(super) const UNITS: &[UnitDefinition] = &[
-    unit("1", &[]),
+    UnitDefinition {
+        name: "1",
+        exponents: &[],
+        display: &[("%", 100.0)],
+    },
     UnitDefinition {
         name: "rad",
         exponents: &[("rad", 1)],
@@ -25,12 +29,20 @@ pub(super) const UNITS: &[UnitDefinition] = &[
         display: &[("rpm", 30.0 / std::f64::consts::PI)],
     },
     unit("s", &[("s", 1)]),
-    unit("m", &[("m", 1)]),
+    UnitDefinition {
+        name: "m",
+        exponents: &[("m", 1)],
+        display: &[("mm", 1000.0)],
+    },
     unit("m/s", &[("m", 1), ("s", -1)]),
     unit("kg", &[("kg", 1)]),
     unit("kg/m", &[("kg", 1), ("m", -1)]),
     unit("kg.m2", &[("kg", 1), ("m", 2)]),
-    unit("N", &[("kg", 1), ("m", 1), ("s", -2)]),
+    UnitDefinition {
+        name: "N",
+        exponents: &[("kg", 1), ("m", 1), ("s", -2)],
+        display: &[("kN", 1e-3)],
+    },
     unit("N/m", &[("kg", 1), ("s", -2)]),
     unit("N/m2", &[("kg", 1), ("m", -1), ("s", -2)]),
     unit("N.m", &[("kg", 1), ("m", 2), ("s", -2)]),

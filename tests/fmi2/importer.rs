@@ -48,6 +48,13 @@ pub struct Importer {
 
 impl Importer {
     pub fn new(name: &CStr) -> Self {
+        let importer = Self::with_resources(name, c"file:///tmp/a%20b/resources");
+        assert!(!importer.c.is_null(), "{:?}", importer.heard);
+        importer
+    }
+
+    /// An instance whose resources lie there; null if the unit refuses.
+    pub fn with_resources(name: &CStr, location: &CStr) -> Self {
         let heard = Box::new(Heard::default());
         // SAFETY: see `hear`.
         let logger = unsafe { std::mem::transmute::<*const (), Logger>(hear as *const ()) };
@@ -58,10 +65,8 @@ impl Importer {
             step_finished: None,
             component_environment: std::ptr::from_ref(&*heard).cast_mut().cast(),
         };
-        let location = c"file:///tmp/a%20b/resources";
         // SAFETY: all pointers are valid.
         let c = unsafe { fmi2Instantiate(name.as_ptr(), 1, guid().as_ptr(), location.as_ptr(), &functions, 0, 0) };
-        assert!(!c.is_null(), "{heard:?}");
         Self { c, heard }
     }
 

@@ -5,5 +5,6 @@
 mod derivatives;
 mod importer;
 mod life;
+mod start_values;
 mod states;
 mod values;

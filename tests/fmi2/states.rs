@@ -159,3 +159,92 @@ fn wrong_bytes_are_refused_and_harm_nothing() {
     }
     assert_eq!(importer.step(0.0, 0.001), Ok, "and harms nothing");
 }
+
+/// Writes the right checksum under what was changed on purpose: FNV-1a with 128 bits over words of eight bytes.
+fn reseal(bytes: &mut [u8]) {
+    let (body, checksum) = bytes.split_last_chunk_mut::<16>().expect("a checksum");
+    let mut hash = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d_u128;
+    let (words, rest) = body.as_chunks::<8>();
+    let mut last = [0; 8];
+    last[..rest.len()].copy_from_slice(rest);
+    for word in words.iter().chain([&last]) {
+        hash = (hash ^ u128::from(u64::from_le_bytes(*word))).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
+    }
+    *checksum = hash.to_le_bytes();
+}
+
+/// What a hand puts into a stored state.
+#[derive(Clone, Copy, Debug)]
+enum Harm {
+    Flip(u8),
+    /// Eight bytes: numbers that no run leaves, and counts beyond all memory.
+    Word(u64),
+}
+
+/// Bytes that were changed on purpose, with a right checksum, are refused or give a state that runs or fails like another: no panic, no
+/// memory without bound, no step without end.
+#[test]
+fn bytes_of_a_strangers_making_harm_nothing() {
+    use proptest::prelude::{Strategy, any, prop_oneof};
+    use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+    let bytes = {
+        let importer = Importer::running(c"writer");
+        assert_eq!(importer.step(0.0, 0.003), Ok);
+        serialized(&importer)
+    };
+    let mut resealed = bytes.clone();
+    reseal(&mut resealed);
+    assert_eq!(resealed, bytes, "this test knows the checksum");
+    let importer = Importer::running(c"stranger");
+    let harm = prop_oneof![
+        (0_u8..8).prop_map(Harm::Flip),
+        proptest::sample::select(vec![
+            f64::NAN.to_bits(),
+            f64::INFINITY.to_bits(),
+            f64::MAX.to_bits(),
+            (-1e300_f64).to_bits(),
+            u64::MAX,
+            1 << 40,
+        ])
+        .prop_map(Harm::Word),
+        any::<u64>().prop_map(Harm::Word),
+    ];
+    // The head and the settings are short beside the matrices: half of the places lie there.
+    let head = 52..2000.min(bytes.len() - 16);
+    let place = prop_oneof![head, 52..bytes.len() - 24];
+    let cases = u32::try_from(pushbelt_lab::shared_library::count("PUSHBELT_STRANGERS", 400)).expect("a count");
+    let mut runner = TestRunner::new_with_rng(
+        Config { cases, failure_persistence: None, ..Config::default() },
+        TestRng::deterministic_rng(RngAlgorithm::ChaCha),
+    );
+    let taken = std::cell::Cell::new(0);
+    let result = runner.run(&proptest::collection::vec((place, harm), 1..4), |harms| {
+        let mut bytes = bytes.clone();
+        for (at, harm) in harms {
+            match harm {
+                Harm::Flip(bit) => bytes[at] ^= 1 << bit,
+                Harm::Word(word) => bytes[at..at + 8].copy_from_slice(&word.to_le_bytes()),
+            }
+        }
+        reseal(&mut bytes);
+        let allocated = allocation_counter::measure(|| {
+            if continue_from(&importer, &bytes) == Ok {
+                taken.set(taken.get() + 1);
+                importer.step(0.003, 0.001);
+                importer.step(0.004, 0.001);
+            }
+        });
+        assert!(allocated.bytes_max < 256 << 20, "{} bytes at once", allocated.bytes_max);
+        let heard = importer.heard.0.borrow();
+        if let Some(panic) = heard.iter().find(|message| message.3.contains("internal error")) {
+            panic!("{}", panic.3);
+        }
+        Result::Ok(())
+    });
+    result.unwrap_or_else(|error| panic!("{error}"));
+    assert!((cases / 10..cases).contains(&taken.get()), "{} of {cases} were taken", taken.get());
+    // And the instance itself is whole.
+    assert_eq!(continue_from(&importer, &resealed), Ok);
+    assert_eq!(importer.step(0.003, 0.001), Ok);
+}

@@ -1,6 +1,6 @@
 //! Settings, bad values and the messages about them.
 
-use pushbelt::fmi::log::Status::{Error, Ok};
+use pushbelt::fmi::log::Status::{Discard, Error, Ok};
 use pushbelt::unit::c_abi::*;
 
 use crate::importer::*;
@@ -48,13 +48,9 @@ fn bad_values_are_named_when_they_are_set() {
         ),
     ] {
         let importer = Importer::running(c"bad");
-        assert_eq!(importer.set_real(name, value), Error);
+        assert_eq!(importer.set_real(name, value), Discard);
         assert!(importer.last().contains(words), "{}", importer.last());
-        // SAFETY: an instance.
-        assert_eq!(unsafe { fmi2Reset(importer.c) }, Ok);
-        importer.make_cheap();
-        importer.start();
-        assert_eq!(importer.step(0.0, 0.001), Ok);
+        assert_eq!(importer.step(0.0, 0.001), Ok, "the run goes on");
     }
     for (name, value, words) in [
         (
@@ -66,7 +62,7 @@ fn bad_values_are_named_when_they_are_set() {
         ("mesh.strand", 0, "mesh.strand = 0 is out of range: 1 to"),
     ] {
         let importer = Importer::new(c"bad");
-        assert_eq!(importer.set_integer(name, value), Error);
+        assert_eq!(importer.set_integer(name, value), Discard);
         assert!(importer.last().contains(words), "{}", importer.last());
     }
 }
@@ -129,7 +125,7 @@ fn instances_do_not_see_each_other() {
     assert_eq!(other.set_real("friction.pulley", 0.05), Ok);
     assert_eq!(other.step(0.0, 0.004), Ok);
     assert_eq!(one.run(), alone);
-    assert_eq!(other.set_real("primary.torque", f64::NAN), Error);
+    assert_eq!(other.set_real("primary.torque", f64::NAN), Discard);
     assert_eq!(one.step(0.01, 0.001), Ok);
     assert!(one.heard.0.borrow().iter().all(|message| message.0 == "one"));
 }

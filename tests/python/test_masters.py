@@ -7,10 +7,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import fmpy
 import masters
 import numpy as np
 import pytest
 
+from pushbelt import cli
 from pushbelt.demo import manoeuvre
 from pushbelt.fmu.data import manoeuvre_inputs
 
@@ -64,6 +66,38 @@ def test_other_masters_find_the_same(fmu: Path, expected, package: str, run: mas
     assert np.all(np.isfinite(found))
     error = np.max(np.abs(found - reference), axis=0) / np.ptp(reference, axis=0)
     assert np.all(error < 1e-9), dict(zip(OUTPUTS, error))
+
+
+OWN = {"ring.model": 1, "friction.pulley": 0.085, "initial.ratio": 1.4, "primary.clampingForce": 15e3}
+
+
+@pytest.fixture(scope="module")
+def own(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy with start values of a user's own."""
+    copy = tmp_path_factory.mktemp("own") / "own.fmu"
+    words = [word for name, value in OWN.items() for word in ("--set", f"{name}={value}")]
+    assert cli.main(["fmu", str(copy), "--fmu", str(fmu), *words]) == 0
+    return copy
+
+
+@pytest.mark.parametrize(("package", "run"), [pytest.param("fmpy", None, id="simulate_fmu"), *OTHERS])
+def test_start_values_of_a_copy_hold_in_masters_that_pass_none_on(
+    fmu: Path, own: Path, package: str, run: masters.Run | None
+) -> None:
+    """fmpy.simulate_fmu, libcosim and ecos leave the start values of the model description alone."""
+    if importlib.util.find_spec(package) is None:
+        pytest.skip(f"{package} has no wheel for this Python and machine")
+    expected = masters.with_fmpy(fmu, OWN, unwired, 20, OUTPUTS)
+    if run is None:
+        result = fmpy.simulate_fmu(
+            str(own), stop_time=0.02, step_size=masters.STEP, output_interval=masters.STEP, output=OUTPUTS
+        )
+        found = np.array([result[name] for name in OUTPUTS]).T
+    else:
+        found = run(own, {}, unwired, 20, OUTPUTS)
+    assert found[-1] == pytest.approx(expected[-1], rel=1e-9)
+    default = masters.with_fmpy(fmu, {}, unwired, 20, OUTPUTS)
+    assert abs(found[-1][5] - default[-1][5]) > 0.3, "the ratio is another"
 
 
 def test_the_checker_of_the_manipulation_toolbox_finds_nothing(fmu: Path) -> None:

@@ -283,13 +283,20 @@ def test_an_fmu_with_start_values_of_ones_own(fmu: Path, tmp_path: Path, capsys:
     assert f"{copy.resolve()} (" in capsys.readouterr().out
     assert not validate_fmu(str(copy))
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(copy) as target:
-        assert source.namelist() == target.namelist()
+        assert [*source.namelist(), "resources/start-values.txt"] == target.namelist()
         other = [name for name in source.namelist() if source.read(name) != target.read(name)]
+        assert "ring.model = 1\n" in target.read("resources/start-values.txt").decode()
     assert other == ["modelDescription.xml"]
     with variator.Variator({}, fmu=copy) as belt:
         assert belt["geometry.centerDistance"] == 0.155
         assert (belt["ring.model"], belt["initial.steady"]) == (1, False)
         assert belt.start()["ratio.geometric"] == pytest.approx(1.6, rel=1e-3)
+    again = tmp_path / "again.fmu"
+    assert cli.main(["fmu", str(again), "--fmu", str(copy), "--set", "initial.ratio=1.2"]) == 0
+    with zipfile.ZipFile(again) as target:
+        listed = target.read("resources/start-values.txt").decode()
+        assert target.namelist().count("resources/start-values.txt") == 1
+    assert "initial.ratio = 1.2\n" in listed and "initial.steady = false\n" in listed and "1.6" not in listed
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,8 @@ pub enum Expected {
     Done,
     /// An error that changes nothing.
     Refused,
+    /// A value that is not taken, and changes nothing.
+    Discarded,
     /// An error after which only reset and stored states go on.
     Failed,
 }

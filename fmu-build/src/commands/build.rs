@@ -8,13 +8,17 @@ use anyhow::Context;
 use clap::Args;
 
 use crate::archive::Archive;
-use crate::description::Description;
+use crate::description::{self, Description};
 use crate::platform::Platform;
 use crate::workspace::{MODEL_IDENTIFIER, Workspace};
-use crate::{binary, cargo, image, licenses, portable, progress};
+use crate::{binary, cargo, date, exports, image, licenses, portable, progress};
 
 /// The documentation in the FMU; `{{…}}` stand for values from the model description.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
+
+/// Where the standard (2.0.4, section 2.3) has the licences; `license.txt` is the entry.
+const LICENSES: &str = "documentation/licenses";
+const LICENSE: &str = include_str!("../../templates/license.txt");
 
 /// The machines to build for.
 #[derive(Args, Clone, Copy, Default)]
@@ -60,6 +64,7 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::R
     let mut archive = Archive::default();
     for (platform, library) in binaries {
         let mut bytes = read(library)?;
+        exports::check(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
         binary::clear_time_stamp(&mut bytes);
         archive.add(platform.binary(MODEL_IDENTIFIER), bytes)?;
     }
@@ -67,7 +72,11 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::R
 
     let xml = read(&workspace.model_description())?;
     let description = Description::parse(std::str::from_utf8(&xml)?)?;
-    archive.add("modelDescription.xml", xml)?;
+    let dated = match date::of_content(workspace)? {
+        Some(date) => description::with_date(std::str::from_utf8(&xml)?, &date)?.into_bytes(),
+        None => xml,
+    };
+    archive.add("modelDescription.xml", dated)?;
     archive.add("documentation/index.html", documentation(&description))?;
     let header = read(&workspace.root().join("resources/pushbelt.h"))?;
     archive.add("documentation/pushbelt.h", header)?;
@@ -79,10 +88,11 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::R
 
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
         let content = read(&workspace.root().join(license))?;
-        archive.add(format!("licenses/{license}.txt"), content)?;
+        archive.add(format!("{LICENSES}/{license}.txt"), content)?;
     }
+    archive.add(format!("{LICENSES}/license.txt"), LICENSE.as_bytes().to_vec())?;
     let third_party = licenses::third_party(&workspace.packages()?)?;
-    archive.add("licenses/third-party.txt", third_party.into_bytes())?;
+    archive.add(format!("{LICENSES}/third-party.txt"), third_party.into_bytes())?;
     Ok(archive)
 }
 

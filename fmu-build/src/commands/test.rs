@@ -8,7 +8,7 @@ use clap::Args;
 use crate::cargo;
 use crate::commands::build;
 use crate::progress;
-use crate::python::{Environment, RUNNING};
+use crate::python::{BUILDING, Environment, RUNNING};
 use crate::workspace::Workspace;
 
 /// Options of the tests.
@@ -20,6 +20,9 @@ pub struct Arguments {
     /// Run only the Python tests
     #[arg(long)]
     python: bool,
+    /// Build the portable FMU and run its win64 library in wine; builds exchange stored states (10 minutes)
+    #[arg(long, conflicts_with_all = ["rust", "python"])]
+    windows: bool,
     #[command(flatten)]
     build: build::Arguments,
     /// Passed on to `cargo test` (with --rust) or to pytest (with --python)
@@ -33,10 +36,13 @@ pub struct Arguments {
 /// The FMU doesn't build, or a test fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     ensure!(
-        arguments.passed_on.is_empty() || arguments.rust || arguments.python,
-        "`{}` needs --rust or --python beside it: cargo test or pytest gets it",
+        arguments.passed_on.is_empty() || arguments.rust || arguments.python || arguments.windows,
+        "`{}` needs --rust, --python or --windows beside it: cargo test or pytest gets it",
         arguments.passed_on.join(" ")
     );
+    if arguments.windows {
+        return windows_tests(workspace, &arguments.passed_on);
+    }
     // The FMU and the packages are ready by the time the Rust tests are through: these compile one crate after the
     // other for minutes.
     let environment = thread::scope(|scope| {
@@ -69,6 +75,23 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         cargo::run(&mut tests)?;
     }
     Ok(())
+}
+
+/// The win64 library in wine, beside those of Linux and of this machine.
+fn windows_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()> {
+    build::run(workspace, &build::Arguments { portable: true })?;
+    progress::headline("Compiling the library for this machine");
+    let library = cargo::build_library(workspace)?;
+    let tools = Environment::prepare(workspace, &BUILDING)?;
+    let environment = Environment::prepare(workspace, &RUNNING)?;
+    progress::headline("Windows tests");
+    let mut tests = environment.command();
+    // -rs prints why something is skipped.
+    tests.args(["-m", "pytest", "-p", "no:cacheprovider", "-rs", "tests/python/test_windows.py"]);
+    tests.env("PUSHBELT_ZIG", tools.program("python"));
+    tests.env("PUSHBELT_LIBRARY", library);
+    tests.args(passed_on);
+    cargo::run(&mut tests)
 }
 
 fn rust_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()> {

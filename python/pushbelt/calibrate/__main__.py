@@ -22,11 +22,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import fmpy
-
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.start_values import StartValueError, checked
 from pushbelt.fmu.unit import UnitError
+from pushbelt.fmu.untrusted import InputFileError, described
 from pushbelt.progress import progress_bar
 
 from . import model, parameters, table
@@ -110,7 +109,7 @@ def main(arguments: list[str] | None = None) -> int:
         if options.table is None:
             raise TableError("name a table; --template FILE writes one to start from")
         return _run(options)
-    except (TableError, ParameterError, StartValueError, FitError, UnitError, OSError, json.JSONDecodeError) as error:
+    except (TableError, ParameterError, StartValueError, FitError, UnitError, InputFileError, OSError, json.JSONDecodeError) as error:
         print(f"The calibration failed: {error}", file=sys.stderr)
         return 1
 
@@ -125,7 +124,7 @@ def _run(options: argparse.Namespace) -> int:
     from . import report
 
     points = table.read(options.table)
-    description = fmpy.read_model_description(str(options.fmu))
+    description = described(options.fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = start_values(options, variables)
     chosen = parameters.choose(options.fit, dict(options.bounds), variables, base)

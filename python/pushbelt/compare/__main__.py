@@ -9,7 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-import fmpy
+from pushbelt.fmu.untrusted import InputFileError, described
 
 from . import report, runs
 
@@ -33,7 +33,7 @@ def main(arguments: list[str] | None = None) -> int:
             raise runs.CompareError(f"no pair of runs has a column {', '.join(unknown)}")
         units = _units(options.fmu) if options.fmu else {}
         path = report.write(pairs, units, options.output, options.variables)
-    except (runs.CompareError, OSError) as error:
+    except (runs.CompareError, InputFileError, OSError) as error:
         print(f"The comparison failed: {error}", file=sys.stderr)
         return 1
     for pair in pairs:
@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _units(fmu: Path) -> dict[str, str]:
-    description = fmpy.read_model_description(str(fmu))
+    description = described(fmu)
     return {variable.name: variable.unit for variable in description.modelVariables if variable.unit not in (None, "1")}
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.unit import UnitError
+from pushbelt.fmu.untrusted import InputFileError
 
 from . import events, report, simulate
 
@@ -24,7 +25,7 @@ def main(arguments: list[str] | None = None) -> int:
     begin = time.perf_counter()
     try:
         results = simulate.run_all(options.fmu, simulate.SHORT if options.short else simulate.FULL, options.variator)
-    except (UnitError, NotFoundError) as error:
+    except (UnitError, NotFoundError, InputFileError, OSError) as error:
         print(f"The simulation failed: {error}", file=sys.stderr)
         return 1
     options.output.mkdir(parents=True, exist_ok=True)

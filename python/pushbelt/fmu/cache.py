@@ -10,6 +10,7 @@ from pathlib import Path
 import fmpy
 import platformdirs
 
+from . import untrusted
 from .unit import Archive
 
 
@@ -46,15 +47,12 @@ def _unpack(fmu: Path, place: Path) -> None:
     place.parent.mkdir(parents=True, exist_ok=True)
     draft = Path(tempfile.mkdtemp(dir=place.parent, prefix="unpacking-"))
     try:
-        fmpy.read_model_description(str(fmu))
-        fmpy.extract(str(fmu), str(draft))
+        untrusted.unpacked(fmu, draft)
         # Renamed when it is whole: another process never sees a part of it.
         draft.rename(place)
     except OSError:
         # Another process was first.
         if not place.is_dir():
             raise
-    except Exception as error:  # Of any kind: fmpy and zipfile have no common one.
-        raise ValueError(f"{fmu} is no FMU that can be read: {error}") from error
     finally:
         shutil.rmtree(draft, ignore_errors=True)

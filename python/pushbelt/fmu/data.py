@@ -15,16 +15,16 @@ import numpy as np
 from .files import RESOURCES
 from .geometry import Array, TwoPulleyCurve, theta_of
 from .results import BeltState, LoadCase
+from .untrusted import read_parameters
 
 
 def parameter_set(name: str) -> dict[str, float]:
     """Start values of the FMU for a published variator, `bench168` or `belt155`, or from a file of that form, `….json`.
 
-    Raises `ValueError` for one of an earlier version, whose numbers mean something else.
+    Raises `ValueError` for one of an earlier version, whose numbers mean something else, and for what is no parameter set.
     """
     path = Path(name) if name.endswith(".json") else RESOURCES / "parameters" / f"{name}.json"
-    document = json.loads(path.read_text(encoding="utf-8"))
-    values = {variable: entry["value"] for variable, entry in document["parameters"].items()}
+    values = read_parameters(path)
     _refuse_old(path, values)
     return values
 

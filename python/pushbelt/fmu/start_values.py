@@ -12,6 +12,8 @@ from typing import Any
 from lxml import etree
 
 DESCRIPTION = "modelDescription.xml"
+LIST = "resources/start-values.txt"
+"""What the library reads by itself: `name = value` a line."""
 SETTABLE = ("parameter", "input")
 """Causalities of variables that have a start value to set."""
 
@@ -95,16 +97,40 @@ def _item(variable: Any, value: Any) -> int:
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
-    """Writes a copy of an FMU with other start values, checked before, in its model description: whole or not at all."""
+    """Writes a copy of an FMU with other start values, checked before: whole or not at all.
+
+    They stand in its model description, for importers, and in a list that the library reads, for importers that don't pass
+    them on. What an earlier copy had stays unless it is given anew.
+    """
     draft = copy.with_name(f"{copy.name}.part")
     try:
         with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(draft, "w", zipfile.ZIP_DEFLATED) as target:
+            listed = _listed(source) | {name: _written(value) for name, value in values.items()}
             for entry in source.infolist():
-                content = source.read(entry)
-                target.writestr(entry, _described(content, values) if entry.filename == DESCRIPTION else content)
+                if entry.filename != LIST:
+                    content = source.read(entry)
+                    target.writestr(entry, _described(content, values) if entry.filename == DESCRIPTION else content)
+            if listed:
+                lines = ["# Start values of this copy, read by the library. Written by `pushbelt fmu`."]
+                lines += [f"{name} = {value}" for name, value in listed.items()]
+                target.writestr(LIST, "\n".join(lines) + "\n")
         draft.replace(copy)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def _listed(fmu: zipfile.ZipFile) -> dict[str, str]:
+    """The list of an earlier copy."""
+    if LIST not in fmu.namelist():
+        return {}
+    lines = (line.strip() for line in fmu.read(LIST).decode("utf-8").splitlines())
+    pairs = (line.partition("=") for line in lines if line and not line.startswith("#"))
+    return {name.strip(): value.strip() for name, _, value in pairs}
+
+
+def _written(value: float) -> str:
+    """A value as text that reads back as the same."""
+    return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 def _described(xml: bytes, values: Mapping[str, float]) -> bytes:
@@ -113,5 +139,5 @@ def _described(xml: bytes, values: Mapping[str, float]) -> bytes:
     variables = {variable.get("name"): variable for variable in root.iter("ScalarVariable")}
     for name, value in values.items():
         (kind,) = (child for child in variables[name] if child.tag != "Annotations")
-        kind.set("start", str(value).lower() if isinstance(value, bool) else repr(value))
+        kind.set("start", _written(value))
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8")

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-import fmpy
 import numpy as np
 from fmpy import fmi2, logging
 
 from .enumerations import StartState
 from .geometry import Array
 from .results import Profile
+from .untrusted import unpacked
 
 PROFILE_POINTS = 72
 PROFILE_FIELDS = {
@@ -52,8 +52,11 @@ class Archive:
 
     @classmethod
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
-        """Unpacks an FMU to a directory, or to a temporary one."""
-        return cls(Path(fmpy.extract(str(fmu), directory)), fmpy.read_model_description(str(fmu)))
+        """Unpacks an FMU to a directory, or to a temporary one.
+
+        Raises InputFileError if it is no FMU that can be used, OSError if it can't be read.
+        """
+        return cls(*unpacked(fmu, directory))
 
     def __enter__(self) -> Archive:
         return self

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pushbelt.fmu.load_cases import NotFoundError
 from pushbelt.fmu.unit import UnitError
+from pushbelt.fmu.untrusted import InputFileError
 
 from . import report, runs
 from .rings import RingsError
@@ -26,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     options.output.mkdir(parents=True, exist_ok=True)
     try:
         results = runs.run_all(options.fmu, options.rings, options.output, runs.SHORT if options.short else runs.FULL)
-    except (UnitError, NotFoundError, RingsError) as error:
+    except (UnitError, NotFoundError, RingsError, InputFileError) as error:
         print(f"The simulation failed: {error}", file=sys.stderr)
         return 1
     report.write_tables(results, options.output)

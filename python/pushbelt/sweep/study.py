@@ -12,11 +12,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import fmpy
-
 from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import checked
+from pushbelt.fmu.untrusted import described
 
 from . import point as law
 from .point import Point, start_values
@@ -121,7 +120,7 @@ class Study:
     @cached_property
     def description(self) -> Any:
         """The FMU's model description."""
-        return fmpy.read_model_description(str(self.fmu))
+        return described(self.fmu)
 
     @cached_property
     def variables(self) -> Mapping[str, Any]:

@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 from pushbelt.fmu.unit import UnitError
+from pushbelt.fmu.untrusted import InputFileError
 
 from .bench import Plan
 from .runs import SECTIONS, run_all
@@ -36,7 +37,7 @@ def main(arguments: list[str] | None = None) -> int:
     begin = time.perf_counter()
     try:
         results = run_all(options.fmu, Plan(options.short), tuple(options.section or SECTIONS))
-    except (UnitError, OSError) as error:
+    except (UnitError, InputFileError, OSError) as error:
         print(f"The validation failed: {error}", file=sys.stderr)
         return 1
     path = report.write(results, options.output)

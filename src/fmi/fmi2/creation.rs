@@ -11,7 +11,7 @@ use crate::fmi::description;
 use crate::fmi::log::{Category, Sink, Status};
 use crate::fmi::slave::Slave;
 use crate::fmi::unit::Unit;
-use crate::fmi::{processor, resources};
+use crate::fmi::{processor, resources, start_values};
 
 /// The importer's logger, with the arguments that every message has in common.
 struct Importer {
@@ -110,23 +110,33 @@ unsafe fn create<U: Unit>(
                 instance: CString::new(name.clone().unwrap_or_default()).unwrap_or_default(),
             })
         });
-        let objection = objection::<U>(name.as_deref(), fmu_type, guid.as_deref());
-        if let Some(objection) = objection {
+        let say = |status, category, text: &str| {
             if let Some(importer) = &importer {
-                let text = format!("fmi2Instantiate: {objection}");
-                importer.send(Status::Error, Category::Error, &text);
+                importer.send(status, category, &format!("fmi2Instantiate: {text}"));
             }
-            return ptr::null_mut();
+        };
+        let refuse = |why: &str| {
+            say(Status::Error, Category::Error, why);
+            ptr::null_mut()
+        };
+        if let Some(objection) = objection::<U>(name.as_deref(), fmu_type, guid.as_deref()) {
+            return refuse(&objection);
         }
-        // Nothing is read from the resources: a location that can't be used is worth a remark, not a refusal.
-        if let Some(Err(remark)) = location.as_deref().map(resources::path)
-            && let Some(importer) = &importer
-        {
-            let text = format!("fmi2Instantiate: {remark}");
-            importer.send(Status::Warning, Category::Warning, &text);
-        }
+        // An ordinary FMU needs nothing from its resources: a location that can't be used is worth a remark, not a refusal.
+        let folder = location.as_deref().map(resources::path).transpose();
+        let start = match folder {
+            Ok(folder) => folder.map_or(Ok(None), |folder| start_values::read(&folder, &U::table())),
+            Err(remark) => {
+                say(Status::Warning, Category::Warning, &remark);
+                Ok(None)
+            }
+        };
+        let start = match start {
+            Ok(start) => start.unwrap_or_default(),
+            Err(why) => return refuse(&why),
+        };
         let sink = importer.map(|importer| Box::new(importer) as Box<dyn Sink>);
-        Box::into_raw(Box::new(Slave::<U>::new(sink, logging_on != 0))).cast()
+        Box::into_raw(Box::new(Slave::<U>::new(sink, logging_on != 0).starting_from(start))).cast()
     })
 }
 

@@ -40,8 +40,9 @@ impl<U: Unit> Slave<U> {
             ));
         }
         if !value.is_finite() {
+            // The standard lets values be discarded, but not derivatives.
             let name = format!("the derivative of {name}");
-            return Err(Inadmissible::NotFinite { name, value }.into());
+            return refused(Inadmissible::NotFinite { name, value }.to_string());
         }
         Ok(())
     }

@@ -18,6 +18,8 @@ pub struct Slave<U: Unit> {
     pub(super) log: Log,
     /// Whether the importer asked for debug logging when it created the instance.
     pub(super) debug: bool,
+    /// What a new or reset instance starts from.
+    pub(super) start: U::Settings,
     /// Written once: it is a hash of the whole description.
     guid: OnceCell<String>,
     /// The whole dynamic state.
@@ -32,9 +34,18 @@ impl<U: Unit> Slave<U> {
             table: U::table(),
             log: Log::new(sink, debug),
             debug,
+            start: U::Settings::default(),
             guid: OnceCell::new(),
             now: Snapshot::new(),
         }
+    }
+
+    /// The same instance with other start values, which a reset brings back too. For an instance that is new.
+    #[must_use]
+    pub fn starting_from(mut self, start: U::Settings) -> Self {
+        self.start = start;
+        self.now = Snapshot::starting_from(self.start.clone());
+        self
     }
 
     /// The GUID of the unit.

@@ -84,7 +84,7 @@ impl<U: Unit> Slave<U> {
     pub fn reset(&mut self) -> Status {
         self.call("fmi2Reset", |slave| {
             slave.allow(Call::Always)?;
-            slave.now = Snapshot::new();
+            slave.now = Snapshot::starting_from(slave.start.clone());
             slave.log.choose(slave.debug, &[]);
             Ok(())
         })

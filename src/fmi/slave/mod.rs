@@ -1,9 +1,9 @@
 //! One instance, in the order of the standard's state machine.
 //!
 //! Every call ends in one of four ways. *Done*. *Refused* (wrong state, unknown value reference, nothing to offer):
-//! an error for the master, and nothing has changed. *Failed* (a value out of range, no initial state, a panic): an
-//! error, after which only [`Slave::reset`], a stored state or the end of the instance go on. *Discarded*: a step
-//! that was completed in part only.
+//! an error for the master, and nothing has changed. *Failed* (no initial state, a panic): an error, after which only
+//! [`Slave::reset`], a stored state or the end of the instance go on. *Discarded*: a value out of range, and nothing has
+//! changed, or a step that was completed in part only. The master decides whether to go on.
 //!
 //! | file | what it holds |
 //! |---|---|

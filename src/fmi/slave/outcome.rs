@@ -9,13 +9,13 @@ pub(super) enum Trouble {
     Refused(String),
     /// The instance needs a reset or a stored state.
     Failed(String),
-    /// A step was completed in part only.
+    /// A value was not taken, or a step was completed in part only. The master may go on.
     Discarded(String),
 }
 
 impl From<Inadmissible> for Trouble {
     fn from(reason: Inadmissible) -> Self {
-        Self::Failed(reason.to_string())
+        Self::Discarded(reason.to_string())
     }
 }
 

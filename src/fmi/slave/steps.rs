@@ -93,8 +93,7 @@ impl<U: Unit> Slave<U> {
                 (self.now.state, self.now.point) = (State::StepComplete, end);
                 Ok(())
             }
-            Err(StepFailure::Setting(text)) => Err(Trouble::Failed(text)),
-            Err(StepFailure::Discarded(text)) => {
+            Err(StepFailure::Setting(text) | StepFailure::Discarded(text)) => {
                 (self.now.state, self.now.point) = (State::StepFailed, reached);
                 Err(Trouble::Discarded(text))
             }

@@ -140,7 +140,7 @@ impl<U: Unit> Slave<U> {
             && let Err(text) = U::check(&self.now.settings)
         {
             self.now.settings = before;
-            return Err(Trouble::Failed(text));
+            return Err(Trouble::Discarded(text));
         }
         if !running {
             self.now.unit = None;

@@ -7,7 +7,7 @@
 
 use crate::chain::{closing_slopes, stack_contact_slopes};
 use crate::contact::{Friction, FrictionSlopes, friction_slopes, touch};
-use crate::scalar::Lanes;
+use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
 use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::cell::directions::{Directions, MOST};
@@ -234,21 +234,94 @@ impl Kept {
         most
     }
 
-    /// Writes to a tape, or reads from it, the unknowns at which the derivatives were evaluated, in so many `directions`. They
-    /// can be evaluated there again. Lanes beyond `used` repeat the last.
+    /// Writes to a tape, or reads from it, the unknowns at which the derivatives were evaluated, in so many `directions`: cell
+    /// by cell, for the first `used` lanes, so that another number of lanes reads them too. The derivatives can be evaluated
+    /// there again. Lanes beyond `used` repeat the last.
     pub(crate) fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
-        for slope in &mut self.slopes {
-            tape.real(slope);
-        }
+        let mut slopes = [self.slopes; LANES];
         let Unknowns { position, value, rate } = &mut self.unknowns;
+        for (lane, slopes) in slopes[..used].iter_mut().enumerate() {
+            for slope in slopes {
+                tape.real(slope);
+            }
+            for values in [&mut *position, &mut *value, &mut *rate] {
+                for value in &mut values[..directions] {
+                    let mut lanes = value.to_array();
+                    tape.real(&mut lanes[lane]);
+                    *value = Lanes::new(lanes);
+                }
+            }
+        }
         for values in [position, value, rate] {
             for value in &mut values[..directions] {
-                let mut lanes = value.to_array();
-                for lane in &mut lanes[..used] {
-                    tape.real(lane);
-                }
+                let lanes = value.to_array();
                 *value = Lanes::new(std::array::from_fn(|lane| lanes[lane.min(used - 1)]));
             }
         }
+        // Cells of one pack share the factors. Those of two packs of another build may not: then there are no derivatives.
+        let bits = |slopes: [f64; 2]| slopes.map(f64::to_bits);
+        if slopes[..used].iter().all(|of| bits(*of) == bits(slopes[0])) {
+            self.slopes = slopes[0];
+        } else {
+            self.forget();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What packs of `widths` cells write for three directions, with numbers that tell the cells apart.
+    fn written(widths: &[usize], slopes: impl Fn(usize) -> [f64; 2]) -> Vec<u8> {
+        let mut tape = Tape::writer();
+        let mut first = 0;
+        for &used in widths {
+            let mut kept = Kept::new(0);
+            kept.slopes = slopes(first);
+            for k in 0..3 {
+                let of = |part: u32| {
+                    let number = |lane: usize| f64::from(part) + k as f64 + 10.0 * (first + lane.min(used - 1)) as f64;
+                    Lanes::new(std::array::from_fn(number))
+                };
+                kept.unknowns.position[k] = of(1000);
+                kept.unknowns.value[k] = of(2000);
+                kept.unknowns.rate[k] = of(3000);
+            }
+            kept.pass(&mut tape, 3, used);
+            first += used;
+        }
+        tape.into_bytes()
+    }
+
+    fn read(bytes: &[u8], used: usize) -> Kept {
+        let mut tape = Tape::reader(bytes);
+        let mut kept = Kept::new(0);
+        kept.pass(&mut tape, 3, used);
+        tape.finish().expect("as many as were written");
+        kept
+    }
+
+    #[test]
+    fn packs_of_another_width_are_read() {
+        let wide = written(&[LANES], |_| [4.0, 0.25]);
+        let narrow = written(&vec![1; LANES], |_| [4.0, 0.25]);
+        assert_eq!(wide, narrow);
+        let kept = read(&narrow, LANES);
+        assert_eq!(kept.slopes, [4.0, 0.25]);
+        for lane in 0..LANES {
+            assert_eq!(kept.unknowns.value[2].to_array()[lane], 2002.0 + 10.0 * lane as f64);
+        }
+        let part = read(&written(&[1], |_| [4.0, 0.25]), 1);
+        assert_eq!(part.unknowns.rate[0].to_array(), [3000.0; LANES], "the last is repeated");
+    }
+
+    #[test]
+    fn packs_of_different_factors_keep_no_derivatives() {
+        let kept = read(&written(&vec![1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
+        assert!(kept.slopes[0].is_nan());
+        assert_eq!(kept.unknowns.position[0].to_array()[LANES - 1], 1000.0 + 10.0 * (LANES - 1) as f64);
+        let none = read(&written(&[LANES], |_| [f64::NAN; 2]), LANES);
+        assert!(none.slopes[0].is_nan());
     }
 }

@@ -3,7 +3,7 @@
 use crate::chain::Transport;
 use crate::pulley::PerPulley;
 use crate::reference_curve::COORDINATES;
-use crate::scalar::{LANES, Lanes};
+use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
@@ -191,11 +191,6 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     }
 
     fn pass_derivatives(&mut self, _belt: &Belt, tape: &mut Tape<'_>) {
-        let mut lanes = LANES as u64;
-        tape.counter(&mut lanes);
-        if lanes != LANES as u64 {
-            tape.reject();
-        }
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             kept.pass(tape, K::COUNT, pack.group.used);
         }

@@ -1,0 +1,112 @@
+//! The names that a library of the FMU exports: those of `exports.def` and no others.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::PathBuf;
+
+use anyhow::{Context, bail, ensure};
+use object::Object;
+use object::read::NameOrOrdinal;
+
+use crate::workspace::Workspace;
+
+/// The list, one name a line, in the form that linkers of Windows libraries read.
+const LIST: &str = include_str!("../exports.def");
+
+/// The names.
+fn names() -> BTreeSet<&'static str> {
+    let lines = LIST.lines().map(str::trim);
+    lines
+        .filter(|line| !line.is_empty() && !line.starts_with(';') && *line != "EXPORTS")
+        .collect()
+}
+
+/// Checks that a library exports the names of the list, all of them and no others.
+///
+/// # Errors
+/// It doesn't, or its table of exports can't be read.
+pub fn check(library: &[u8]) -> anyhow::Result<()> {
+    let file = object::File::parse(library).context("the library can't be read")?;
+    let mac = file.format() == object::BinaryFormat::MachO;
+    let exports: Vec<_> = file
+        .exports()
+        .and_then(|exports| exports.collect())
+        .context("the library's exports can't be read")?;
+    let mut found = BTreeSet::new();
+    for export in &exports {
+        let NameOrOrdinal::Name(name) = export.name() else {
+            bail!("something is exported without a name");
+        };
+        let name = std::str::from_utf8(name).context("an exported name is no text")?;
+        found.insert(if mac { name.strip_prefix('_').unwrap_or(name) } else { name });
+    }
+    compare(&names(), &found)
+}
+
+fn compare(listed: &BTreeSet<&str>, found: &BTreeSet<&str>) -> anyhow::Result<()> {
+    let only = |these: &BTreeSet<&str>, others: &BTreeSet<&str>| {
+        let names: Vec<_> = these.difference(others).copied().collect();
+        match names.len() {
+            0 => "none".to_owned(),
+            1..=10 => names.join(", "),
+            more => format!("{}, … ({more})", names[..3].join(", ")),
+        }
+    };
+    ensure!(
+        listed == found,
+        "the library exports other names than fmu-build/exports.def lists: not listed {}; not exported {}",
+        only(found, listed),
+        only(listed, found)
+    );
+    Ok(())
+}
+
+/// A file with the list for a linker. Another list is another file, so that cargo links anew.
+///
+/// # Errors
+/// The file can't be written.
+pub fn definition(workspace: &Workspace) -> anyhow::Result<PathBuf> {
+    let mut hash = DefaultHasher::new();
+    LIST.hash(&mut hash);
+    let path = workspace.target().join(format!("exports-{:016x}.def", hash.finish()));
+    fs::create_dir_all(workspace.target())
+        .and_then(|()| fs::write(&path, LIST))
+        .with_context(|| format!("can't write {}", path.display()))?;
+    Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_has_the_functions_of_the_standard() {
+        let names = names();
+        let of_fmi2 = names.iter().filter(|name| name.starts_with("fmi2"));
+        assert_eq!(of_fmi2.count(), 34);
+        assert!(names.contains("fmi2Instantiate") && names.contains("fmi2GetStringStatus"));
+        assert!(names.iter().all(|name| name.is_ascii() && !name.contains(' ')), "{names:?}");
+    }
+
+    #[test]
+    fn what_differs_is_named() {
+        let listed = BTreeSet::from(["fmi2DoStep", "fmi2Reset"]);
+        assert!(compare(&listed, &listed.clone()).is_ok());
+        let other = BTreeSet::from(["fmi2DoStep", "_ZN4core"]);
+        let said = compare(&listed, &other).unwrap_err().to_string();
+        assert!(said.contains("not listed _ZN4core; not exported fmi2Reset"), "{said}");
+        let many: Vec<String> = (0..4000).map(|k| format!("name{k}")).collect();
+        let said = compare(&listed, &many.iter().map(String::as_str).collect()).unwrap_err();
+        assert!(said.to_string().contains("… (4000)"), "{said}");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_program_is_no_library_of_the_fmu() {
+        let program = fs::read(std::env::current_exe().unwrap()).unwrap();
+        let said = check(&program).unwrap_err().to_string();
+        assert!(said.contains("not exported fmi2CancelStep"), "{said}");
+        assert!(check(b"MZ").is_err());
+    }
+}

@@ -1,0 +1,109 @@
+//! Start values that come with a copy of the FMU: `start-values.txt` in its resources.
+//!
+//! Importers need not pass on the start values of the model description, and many don't. So a copy with a user's own values
+//! holds them for the library too: one `name = value` a line; truth values are `true` and `false`, items of enumerations
+//! are numbers; `#` begins a comment. Without the file the defaults hold. A file that can't be used is an error: nobody
+//! wants the default variator unawares.
+
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+
+use super::table::{Access, Kind, Table};
+
+/// Name of the file in the resources.
+pub const FILE: &str = "start-values.txt";
+
+/// A larger file is no list of start values, bytes.
+const LARGEST: u64 = 1 << 20;
+
+/// The settings that an instance starts from: those of the file in this folder over the defaults; none if there is no file.
+///
+/// # Errors
+/// A sentence that names file, line, variable and value.
+pub fn read<S: Default, R>(resources: &Path, table: &Table<S, R>) -> Result<Option<S>, String> {
+    let path = resources.join(FILE);
+    let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
+    match text(&path).map_err(unusable)? {
+        None => Ok(None),
+        Some(text) => parse(&text, table).map(Some).map_err(unusable),
+    }
+}
+
+/// The content of the file, if there is one.
+fn text(path: &Path) -> Result<Option<String>, String> {
+    let data = match path.metadata() {
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(None),
+        found => found.map_err(|error| error.to_string())?,
+    };
+    if !data.is_file() {
+        return Err("this is no file".to_string());
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let read = file.take(LARGEST + 1).read_to_end(&mut bytes);
+    read.map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(format!("it has more than {LARGEST} bytes"));
+    }
+    String::from_utf8(bytes)
+        .map(Some)
+        .map_err(|_| "it is no text in UTF-8".to_string())
+}
+
+fn parse<S: Default, R>(text: &str, table: &Table<S, R>) -> Result<S, String> {
+    let mut settings = S::default();
+    let mut seen = Vec::new();
+    for (line, number) in text.lines().zip(1..) {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let name = take(line, table, &mut settings).map_err(|why| format!("line {number}: {why}"))?;
+        if seen.contains(&name) {
+            return Err(format!("line {number}: {name} is there twice"));
+        }
+        seen.push(name);
+    }
+    Ok(settings)
+}
+
+/// Sets what a line says; the name of its variable.
+fn take<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Result<&'a str, String> {
+    let (name, value) = line
+        .split_once('=')
+        .map(|(name, value)| (name.trim(), value.trim()))
+        .ok_or_else(|| format!("{line:?} is not of the form name = value"))?;
+    let variable = table
+        .by_name(name)
+        .ok_or_else(|| format!("there is no variable {name:?}"))?;
+    let no = |what: &str| format!("{name} = {value:?} is no {what}");
+    match &variable.kind {
+        Kind::Real {
+            access: Access::Setting { set, .. },
+            ..
+        } => {
+            let number = value.parse().map_err(|_| no("number"))?;
+            set(settings, variable.admit_real(number).map_err(|error| error.to_string())?);
+        }
+        Kind::Integer {
+            access: Access::Setting { set, .. },
+            ..
+        }
+        | Kind::Enumeration {
+            access: Access::Setting { set, .. },
+            ..
+        } => {
+            let number = value.parse().map_err(|_| no("whole number"))?;
+            set(
+                settings,
+                variable.admit_integer(number).map_err(|error| error.to_string())?,
+            );
+        }
+        Kind::Boolean {
+            access: Access::Setting { set, .. },
+        } => set(settings, value.parse().map_err(|_| no("truth value"))?),
+        _ => return Err(format!("{name} is calculated and can't be set")),
+    }
+    Ok(name)
+}

@@ -1,0 +1,106 @@
+//! Start values of a user's own, from a file in the resources.
+
+use std::ffi::CString;
+use std::fs;
+use std::path::PathBuf;
+
+use pushbelt::fmi::log::Status::Ok;
+use pushbelt::fmi::start_values::FILE;
+use pushbelt::unit::c_abi::*;
+
+use crate::importer::*;
+
+/// A folder of resources, removed at the end.
+struct Resources(PathBuf);
+
+impl Resources {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("pushbelt start {name} {}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        Self(folder)
+    }
+
+    /// An instance with these bytes as start values.
+    fn with(&self, content: &[u8]) -> Importer {
+        fs::write(self.0.join(FILE), content).expect("a file");
+        self.importer()
+    }
+
+    fn importer(&self) -> Importer {
+        let path = self.0.to_str().expect("text").replace('\\', "/").replace(' ', "%20");
+        let location = CString::new(format!("file:///{}", path.trim_start_matches('/'))).expect("no zero inside");
+        Importer::with_resources(c"own", &location)
+    }
+}
+
+impl Drop for Resources {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn values_of_the_file_hold_and_come_back_with_a_reset() {
+    let resources = Resources::new("good");
+    let text = "# a comment\r\nfriction.pulley = 0.085\n\n  mesh.strand=4\nmesh.primaryArc = 4\nmesh.secondaryArc = 4\n\
+                ring.model = 1\ninitial.steady = false\nprimary.clampingForce = 14e3\n";
+    let importer = resources.with(text.as_bytes());
+    assert!(!importer.c.is_null(), "{:?}", importer.heard);
+    // SAFETY: an instance.
+    unsafe {
+        assert_eq!(fmi2SetReal(importer.c, &reference("friction.pulley"), 1, &0.08), Ok);
+        assert_eq!(fmi2Reset(importer.c), Ok);
+    }
+    importer.start();
+    assert_eq!(importer.real("friction.pulley"), 0.085);
+    assert_eq!(importer.real("friction.ring"), 0.05, "the default");
+    assert_eq!(importer.real("primary.clampingForce"), 14_000.0);
+    assert_eq!((importer.integer("ring.model"), importer.boolean("initial.steady")), (1, 0));
+    let set = Importer::new(c"set");
+    set.make_cheap();
+    assert_eq!(set.set_real("friction.pulley", 0.085), Ok);
+    assert_eq!(set.set_real("primary.clampingForce", 14e3), Ok);
+    set.start();
+    assert_eq!(importer.run(), set.run(), "as if they had been set");
+}
+
+#[test]
+fn what_is_set_comes_before_the_file() {
+    let resources = Resources::new("set");
+    let importer = resources.with(b"friction.pulley = 0.085");
+    importer.make_cheap();
+    assert_eq!(importer.set_real("friction.pulley", 0.08), Ok);
+    importer.start();
+    assert_eq!(importer.real("friction.pulley"), 0.08);
+}
+
+#[test]
+fn a_file_that_can_not_be_used_is_named() {
+    let resources = Resources::new("bad");
+    let large = [b'#'; (1 << 20) + 1];
+    for (content, words) in [
+        (&b"friction.pulley 0.085"[..], "line 1: \"friction.pulley 0.085\" is not of the form name = value"),
+        (b"\nfriction.pully = 0.085", "line 2: there is no variable \"friction.pully\""),
+        (b"friction.pulley = high", "friction.pulley = \"high\" is no number"),
+        (b"friction.pulley = nan", "friction.pulley = NaN is not a finite number"),
+        (b"friction.pulley = 3", "friction.pulley = 3 is out of range: 0 to 1"),
+        (b"ring.model = ALE", "ring.model = \"ALE\" is no whole number"),
+        (b"ring.model = 7", "ring.model = 7 is out of range: 1 ALE0"),
+        (b"mesh.strand = 4.5", "mesh.strand = \"4.5\" is no whole number"),
+        (b"initial.steady = 0", "initial.steady = \"0\" is no truth value"),
+        (b"slip = 0.1", "slip is calculated"),
+        (b"friction.ring = 0.1\nfriction.ring = 0.1", "line 2: friction.ring is there twice"),
+        (b"\xff\xfe", "no text in UTF-8"),
+        (&large, "more than 1048576 bytes"),
+    ] {
+        let importer = resources.with(content);
+        assert!(importer.c.is_null(), "{words}");
+        let said = importer.last();
+        assert!(said.contains(FILE) && said.contains(words), "{said}");
+    }
+    fs::remove_file(resources.0.join(FILE)).expect("there");
+    assert!(!resources.importer().c.is_null(), "without the file the defaults hold");
+    fs::create_dir(resources.0.join(FILE)).expect("a folder");
+    let importer = resources.importer();
+    assert!(importer.c.is_null() && importer.last().contains("no file"), "{:?}", importer.heard);
+}

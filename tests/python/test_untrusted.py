@@ -1,0 +1,177 @@
+"""Files from strangers: one clear error each, and nothing is written outside the folder or left behind."""
+
+from __future__ import annotations
+
+import json
+import stat
+import struct
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from pushbelt import cli
+from pushbelt.demo import __main__ as demo_main
+from pushbelt.fmu import cache, untrusted
+from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.unit import Archive
+from pushbelt.fmu.untrusted import InputFileError
+
+
+@pytest.fixture(autouse=True)
+def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """A cache of this test's own."""
+    monkeypatch.setattr(cache, "folder", lambda: tmp_path / "cache")
+    return tmp_path / "cache"
+
+
+def with_entry(fmu: Path, to: Path, name: str, content: bytes = b"x", mode: int = 0) -> Path:
+    """The model description of the FMU, and one more file."""
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(to, "w", zipfile.ZIP_DEFLATED) as target:
+        target.writestr("modelDescription.xml", source.read("modelDescription.xml"))
+        entry = zipfile.ZipInfo("placeholder")
+        entry.filename, entry.compress_type = name, zipfile.ZIP_DEFLATED
+        entry.external_attr = mode << 16
+        target.writestr(entry, content)
+    return to
+
+
+@pytest.mark.parametrize(
+    ("name", "mode", "why"),
+    [
+        ("../outside.txt", 0, "leads out of the folder"),
+        ("resources/../../outside.txt", 0, "leads out of the folder"),
+        ("/outside.txt", 0, "leads out of the folder"),
+        ("resources//x", 0, "leads out of the folder"),
+        ("C:/outside.txt", 0, "a character that a path must not have"),
+        ("..\\outside.txt", 0, "a character that a path must not have"),
+        ("resources/link", stat.S_IFLNK | 0o777, "is a link"),
+        ("modelDescription.xml", 0, "is there twice"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_paths_that_lead_out_are_refused(
+    fmu: Path, tmp_path: Path, own_cache: Path, name: str, mode: int, why: str
+) -> None:
+    place = tmp_path / "in" / "here"
+    place.mkdir(parents=True)
+    path = with_entry(fmu, place / "bad.fmu", name, b"outside", mode)
+    for unpack in (lambda: Archive.unpack(path, place / "unpacked"), lambda: cache.unpacked(path)):
+        with pytest.raises(InputFileError, match=why) as refused:
+            unpack()
+        assert "bad.fmu is not unpacked" in str(refused.value)
+    assert not list(tmp_path.rglob("outside*"))
+    assert not (place / "unpacked").exists() and not list(own_cache.glob("*"))
+
+
+def test_an_archive_that_would_fill_the_disk_is_refused(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = with_entry(fmu, tmp_path / "bomb.fmu", "resources/zeros", bytes(50_000_000))
+    assert path.stat().st_size < 100_000
+    monkeypatch.setattr(untrusted, "LARGEST_FILE", 40_000_000)
+    with pytest.raises(InputFileError, match="bomb.fmu would unpack to .* MB: more than 40 MB"):
+        Archive.unpack(path)
+    monkeypatch.setattr(untrusted, "MOST_FILES", 1)
+    with pytest.raises(InputFileError, match="more than 1"):
+        Archive.unpack(path)
+
+
+def test_a_size_that_is_a_lie_is_found_out(fmu: Path, tmp_path: Path) -> None:
+    """The directory says that a file is small, and its content is not."""
+    path = with_entry(fmu, tmp_path / "lie.fmu", "resources/zeros", bytes(1_000_000))
+    data = bytearray(path.read_bytes())
+    at = data.rindex(b"resources/zeros") - 46
+    assert data[at : at + 4] == b"PK\1\2"
+    struct.pack_into("<I", data, at + 24, 10)
+    path.write_bytes(data)
+    with pytest.raises(InputFileError, match="lie.fmu is no FMU that can be used"):
+        Archive.unpack(path, tmp_path / "unpacked")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "why"),
+    [
+        (lambda data: b"", "no FMU"),
+        (lambda data: b"PK\3\4", "no FMU"),
+        (lambda data: data[: len(data) // 2], "no FMU"),
+        (lambda data: data[:-22] + bytes(22), "no FMU"),
+    ],
+)
+def test_what_is_cut_or_damaged_is_refused(
+    fmu: Path, tmp_path: Path, spoil: Callable[[bytes], bytes], why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.fmu"
+    path.write_bytes(spoil(fmu.read_bytes()))
+    with pytest.raises(InputFileError, match=why):
+        Archive.unpack(path)
+    assert cli.main(["fmu", str(tmp_path / "own.fmu"), "--fmu", str(path)]) == 1
+    assert capsys.readouterr().err.count("\n") == 1
+    assert demo_main.main(["--fmu", str(path), "--output", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "bad.fmu" in said, "one error, and no more"
+
+
+@pytest.mark.parametrize(
+    "xml",
+    [
+        b"no xml",
+        b"<fmiModelDescription/>",
+        b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><fmiModelDescription modelName="&b;"/>',
+        b'<!DOCTYPE a [<!ENTITY a0 "aaaaaaaaaa">'
+        + b"".join(b'<!ENTITY a%d "%s">' % (k, b"&a%d;" % (k - 1) * 10) for k in range(1, 10))
+        + b']><fmiModelDescription fmiVersion="2.0" modelName="&a9;"/>',
+    ],
+)
+def test_a_model_description_that_is_none_is_refused(tmp_path: Path, xml: bytes) -> None:
+    path = tmp_path / "xml.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", xml)
+    with pytest.raises(InputFileError, match="xml.fmu is no FMU that can be used") as refused:
+        Archive.unpack(path)
+    assert "root:" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "no JSON"),
+        ("[1, 2", "no JSON"),
+        ("[" * 100_000, "nested too deeply"),
+        ("\xff", "no JSON"),
+        ("[]", 'no object "parameters"'),
+        ("3", 'no object "parameters"'),
+        ('{"parameters": []}', 'no object "parameters"'),
+        ('{"parameters": {"belt.play": 2e-4}}', 'belt.play has no "value"'),
+        ('{"parameters": {"belt.play": {"value": null}}}', 'belt.play has no "value"'),
+        ('{"parameters": {"belt.play": {"value": [1]}}}', 'belt.play has no "value"'),
+        ('{"parameters": {"belt.play": {"value": NaN}}}', "NaN is no number"),
+    ],
+)
+def test_json_of_another_form_is_refused(
+    fmu: Path, tmp_path: Path, text: str, why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.json"
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(InputFileError, match=why) as refused:
+        parameter_set(str(path))
+    assert "bad.json" in str(refused.value)
+    assert demo_main.main(["--fmu", str(fmu), "--output", str(tmp_path / "out"), "--variator", str(path)]) == 1
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_values_of_a_wrong_type_are_named(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "types.json"
+    for value, why in [("high", "is no number"), (1e999, "Infinity is no number"), ("1e999", "is not finite")]:
+        path.write_text(json.dumps({"parameters": {"belt.play": {"value": value}}}))
+        assert cli.main(["fmu", str(tmp_path / "own.fmu"), "--fmu", str(fmu), "--variator", str(path)]) == 1
+        said = capsys.readouterr().err
+        assert why in said and said.count("\n") == 1, said
+    assert not (tmp_path / "own.fmu").exists()
+
+
+def test_a_gigabyte_of_json_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "large.json"
+    with path.open("wb") as file:
+        file.truncate(1 << 30)
+    with pytest.raises(InputFileError, match="large.json has 1074 MB: more than 50 MB are not read"):
+        parameter_set(str(path))

@@ -1,0 +1,136 @@
+"""The win64 library in wine: every call, and stored states from and to Linux, with AVX2 and without.
+
+`cargo fmu test --windows` runs it. The program that loads the libraries is `tests/windows/host.c`, compiled by zig for both systems.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import struct
+import subprocess
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+SOURCE = ROOT / "tests" / "windows" / "host.c"
+OF_WINDOWS = "binaries/win64/PushbeltVariator.dll"
+OF_LINUX = "binaries/linux64/PushbeltVariator.so"
+ASKED = "PUSHBELT_ZIG" in os.environ
+"""Whether `cargo fmu test --windows` runs this: it names a Python with the package ziglang, and the library of this machine."""
+
+Host = Callable[[Path, "Path | None", str], tuple[np.ndarray, Path]]
+"""Library, stored state to start from, name: readings at both stops, and the state stored at the first."""
+
+
+def wine() -> str | None:
+    """The program that runs Windows programs. Debian's package wine64 has it beside the search path."""
+    candidates = [shutil.which(name) for name in ("wine64", "wine", "wine64-stable")] + ["/usr/lib/wine/wine64"]
+    return next((path for path in candidates if path and Path(path).exists()), None)
+
+
+if not ASKED:
+    pytestmark = pytest.mark.skip(reason="the Windows library is tested by `cargo fmu test --windows`")
+elif wine() is None:
+    if os.environ.get("CI"):
+        pytest.fail("wine is missing: install it from the distribution (Debian: wine64)", pytrace=False)
+    pytestmark = pytest.mark.skip(reason="wine is missing: install it from the distribution (Debian: wine64)")
+
+
+@pytest.fixture(scope="module")
+def place(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The unpacked FMU, and the program for both systems."""
+    folder = tmp_path_factory.mktemp("windows")
+    with zipfile.ZipFile(fmu) as archive:
+        assert {OF_WINDOWS, OF_LINUX} <= set(archive.namelist()), "not the portable FMU"
+        archive.extractall(folder)
+    for target, program in [("x86_64-windows-gnu", "host.exe"), ("x86_64-linux-gnu.2.17", "host")]:
+        command = [os.environ["PUSHBELT_ZIG"], "-m", "ziglang", "cc", "-target", target, "-O2", "-Wall", "-Wextra"]
+        subprocess.run([*command, "-Werror", "-o", folder / program, SOURCE, *([] if "win" in target else ["-ldl"])], check=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def host(place: Path, description) -> Host:
+    """Runs the program on a library."""
+    real = [v for v in description.modelVariables if v.type == "Real" and v.causality in ("output", "local")]
+    references = place / "references.txt"
+    references.write_text("\n".join(str(variable.valueReference) for variable in real))
+    environment = {
+        **os.environ,
+        "WINEPREFIX": str(place / "wine"),
+        "WINEDEBUG": "-all",
+        # Neither .NET nor a browser is installed into the fresh folder.
+        "WINEDLLOVERRIDES": "mscoree=;mshtml=",
+    }
+
+    def run(library: Path, state: Path | None, name: str) -> tuple[np.ndarray, Path]:
+        stored, readings = place / f"{name}.state", place / f"{name}.txt"
+        windows = library.suffix == ".dll"
+        program = [wine(), place / "host.exe"] if windows else [place / "host"]
+        paths = [str(path) if path else "-" for path in (references, state, stored, readings)]
+        done = subprocess.run(
+            [*program, library, description.guid, *paths], env=environment, capture_output=True, text=True, timeout=600
+        )
+        assert done.returncode == 0, done.stderr
+        assert re.search(r"^\d+ calls right$", done.stdout, re.MULTILINE), done.stdout
+        words = readings.read_text().split()
+        values = [struct.unpack(">d", bytes.fromhex(word))[0] for word in words]
+        return np.array(values).reshape(2, len(real)), stored
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def libraries(place: Path) -> dict[str, Path]:
+    """The three builds of one version."""
+    return {
+        "windows": place / OF_WINDOWS,
+        "linux": place / OF_LINUX,
+        "this machine": Path(os.environ["PUSHBELT_LIBRARY"]),
+    }
+
+
+@pytest.fixture(scope="module")
+def first(host: Host, libraries: dict[str, Path]) -> dict[str, tuple[np.ndarray, Path]]:
+    """The run of each library, and its stored state."""
+    return {name: host(library, None, name) for name, library in libraries.items()}
+
+
+@pytest.fixture(scope="module")
+def sizes(description) -> np.ndarray:
+    """The typical size of each reading."""
+    real = [v for v in description.modelVariables if v.type == "Real" and v.causality in ("output", "local")]
+    return np.array([float(variable.nominal or 1.0) for variable in real])
+
+
+BUILDS = ("windows", "linux", "this machine")
+
+
+@pytest.mark.parametrize("name", BUILDS)
+def test_each_build_runs_alike(first, sizes: np.ndarray, name: str) -> None:
+    """Builds sum in another order, and each system has sines of its own."""
+    (found, _), (expected, _) = first[name], first["linux"]
+    assert np.max(np.abs(found - expected) / sizes) < TOLERANCE
+
+
+TOLERANCE = 1e-6
+"""Of the typical size of a reading: a hundred times below what the error control leaves."""
+
+
+@pytest.mark.parametrize("reader", BUILDS)
+@pytest.mark.parametrize("writer", BUILDS)
+def test_each_build_continues_from_the_states_of_the_others(
+    host: Host, libraries: dict[str, Path], first, sizes: np.ndarray, writer: str, reader: str
+) -> None:
+    expected, state = first[writer]
+    found, again = host(libraries[reader], state, f"{reader} after {writer}")
+    assert np.max(np.abs(found - expected) / sizes) < TOLERANCE
+    if reader == writer:
+        assert np.array_equal(found, expected), "in the same build bit for bit"
+        assert again.read_bytes() == state.read_bytes()
