@@ -5,5 +5,6 @@
 mod derivatives;
 mod importer;
 mod life;
+mod linear;
 mod states;
 mod values;
