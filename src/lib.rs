@@ -51,3 +51,8 @@ pub mod tape;
 pub mod tilt;
 pub mod unit;
 pub mod variator;
+
+/// The programs of the page for users of the library are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/rust-api.md")]
+struct LibraryPage;

@@ -96,9 +96,14 @@ impl<'a> Tape<'a> {
         }
     }
 
-    /// A counter.
+    /// A counter. One beyond 2⁵³, which no run reaches, is rejected: sums of counters don't overflow.
     pub fn counter(&mut self, value: &mut u64) {
-        *value = u64::from_le_bytes(self.word(value.to_le_bytes()));
+        let found = u64::from_le_bytes(self.word(value.to_le_bytes()));
+        if found <= 1 << 53 {
+            *value = found;
+        } else {
+            self.reject();
+        }
     }
 
     /// An integer.
@@ -203,6 +208,18 @@ mod tests {
         assert_eq!(read(&bytes(), &mut found), Ok(()));
         assert_eq!(found, thing());
         assert!(found.numbers[0].is_sign_negative());
+    }
+
+    #[test]
+    fn a_counter_that_no_run_reaches_is_rejected() {
+        for (count, expected) in [(1 << 53, Ok(())), ((1 << 53) + 1, Err(Mismatch)), (u64::MAX, Err(Mismatch))] {
+            let bytes = count.to_le_bytes();
+            let mut tape = Tape::reader(&bytes);
+            let mut found = 7;
+            tape.counter(&mut found);
+            assert_eq!(found, if expected.is_ok() { count } else { 7 });
+            assert_eq!(tape.finish(), expected);
+        }
     }
 
     #[test]

@@ -74,6 +74,10 @@ pub trait Real:
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 
+    /// Angle of the point (`x`, `self`) against the first axis, −π to π. At the origin it has no derivatives.
+    #[must_use]
+    fn atan2(self, x: Self) -> Self;
+
     /// Natural logarithm.
     #[must_use]
     fn ln(self) -> Self;
@@ -129,6 +133,11 @@ impl Real for f64 {
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         self.sin_cos()
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        self.atan2(x)
     }
 
     #[inline(always)]
@@ -193,6 +202,10 @@ macro_rules! real_by_num_dual {
 
             fn sin_cos(self) -> (Self, Self) {
                 DualNum::sin_cos(&self)
+            }
+
+            fn atan2(self, x: Self) -> Self {
+                DualNum::atan2(&self, x)
             }
 
             fn ln(self) -> Self {

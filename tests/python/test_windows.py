@@ -42,6 +42,12 @@ elif wine() is None:
     pytestmark = pytest.mark.skip(reason="wine is missing: install it from the distribution (Debian: wine64)")
 
 
+def readings_of(description) -> list:
+    """All real outputs and locals. What a step was left to change is rounding itself."""
+    real = (v for v in description.modelVariables if v.type == "Real" and v.causality in ("output", "local"))
+    return [variable for variable in real if variable.name != "solver.defect"]
+
+
 @pytest.fixture(scope="module")
 def place(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The unpacked FMU, and the program for both systems."""
@@ -58,7 +64,7 @@ def place(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def host(place: Path, description) -> Host:
     """Runs the program on a library."""
-    real = [v for v in description.modelVariables if v.type == "Real" and v.causality in ("output", "local")]
+    real = readings_of(description)
     references = place / "references.txt"
     references.write_text("\n".join(str(variable.valueReference) for variable in real))
     environment = {
@@ -105,22 +111,26 @@ def first(host: Host, libraries: dict[str, Path]) -> dict[str, tuple[np.ndarray,
 @pytest.fixture(scope="module")
 def sizes(description) -> np.ndarray:
     """The typical size of each reading."""
-    real = [v for v in description.modelVariables if v.type == "Real" and v.causality in ("output", "local")]
-    return np.array([float(variable.nominal or 1.0) for variable in real])
+    return np.array([float(variable.nominal) for variable in readings_of(description)])
 
 
 BUILDS = ("windows", "linux", "this machine")
+SAME = 1e-12
+"""Systems have sines of their own; the portable builds are alike in all else."""
+ROUNDING = 1e-8
+"""What a state that is rounded otherwise makes of 20 ms, in one build."""
+OTHER_LANES = 1e-3
+"""Packs of another width sum in another order, and Newton's method stops within what the error control leaves it."""
 
 
-@pytest.mark.parametrize("name", BUILDS)
-def test_each_build_runs_alike(first, sizes: np.ndarray, name: str) -> None:
-    """Builds sum in another order, and each system has sines of its own."""
-    (found, _), (expected, _) = first[name], first["linux"]
-    assert np.max(np.abs(found - expected) / sizes) < TOLERANCE
+def test_windows_and_linux_agree(first, sizes: np.ndarray) -> None:
+    assert np.max(np.abs(first["windows"][0] - first["linux"][0]) / sizes) < SAME
 
 
-TOLERANCE = 1e-6
-"""Of the typical size of a reading: a hundred times below what the error control leaves."""
+def test_builds_with_and_without_avx2_agree(first, sizes: np.ndarray) -> None:
+    error = np.abs(first["this machine"][0] - first["linux"][0]) / sizes
+    assert np.max(error[0]) < ROUNDING, "in the start and under smooth loads"
+    assert np.max(error[1]) < OTHER_LANES, "after a jump of the clamping force"
 
 
 @pytest.mark.parametrize("reader", BUILDS)
@@ -128,9 +138,10 @@ TOLERANCE = 1e-6
 def test_each_build_continues_from_the_states_of_the_others(
     host: Host, libraries: dict[str, Path], first, sizes: np.ndarray, writer: str, reader: str
 ) -> None:
-    expected, state = first[writer]
-    found, again = host(libraries[reader], state, f"{reader} after {writer}")
-    assert np.max(np.abs(found - expected) / sizes) < TOLERANCE
+    """As from a state of its own."""
+    found, again = host(libraries[reader], first[writer][1], f"{reader} after {writer}")
+    expected = first[reader][0]
+    assert np.max(np.abs(found - expected) / sizes) < ROUNDING
     if reader == writer:
         assert np.array_equal(found, expected), "in the same build bit for bit"
-        assert again.read_bytes() == state.read_bytes()
+        assert again.read_bytes() == first[writer][1].read_bytes()
