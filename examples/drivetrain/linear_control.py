@@ -1,6 +1,6 @@
 """A gain-scheduled ratio controller from linear models, tried on the nonlinear variator.
 
-The loop's bandwidth is the same at every ratio, though the belt answers a newton up to eight times as strongly in underdrive. Prints how
+The loop's bandwidth is the same at every ratio, though a newton shifts the belt 26 times as fast at 2.2 as at 0.5. Prints how
 close the nonlinear steps come to the linear loop, and draws a shift through the whole range in linear-control.png.
 """
 

@@ -473,7 +473,7 @@ def test_the_loop_is_as_fast_at_every_ratio_only_with_its_gain(
     controller: ModuleType, fmu: Path, monkeypatch: Any
 ) -> None:
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
-    assert controller.gains[0] > 3.0 * controller.gains[-1]
+    assert controller.gains[0] > 20.0 * controller.gains[-1]
     ratio = controller.ratios[1]
     step = np.full(300, 1.02 * ratio)
     responses = [
