@@ -374,7 +374,10 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
 #[inline(always)]
 fn stack_contact<T: Real>(belt: &Belt, nu: T) -> [T; 3] {
     let strain = nu - 1.0;
-    let [near, far] = [belt.contact_strain(), belt.film_strain()].map(|width| strain.soft_plus(width));
+    let (near, far) = (
+        strain.soft_plus(belt.contact_strain()),
+        strain.soft_plus(belt.film_strain()),
+    );
     let share = belt.film_stiffness() / belt.push_stiffness;
     std::array::from_fn(|k| near[k] + far[k] * share)
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 use pushbelt::pulley::Pulley;
-use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise, modes};
+use pushbelt::variator::linear::{LinearError, LinearModel, Load, linearise, linearise_at, modes};
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Outputs};
 use pushbelt::variator::settings::{Mesh, Parameters, RingModel};
@@ -212,4 +212,67 @@ fn no_mode_of_a_steady_state_grows() {
             );
         }
     }
+}
+
+/// On the default mesh, where unknowns of many units stand beside each other.
+#[test]
+fn poles_of_ale0_do_not_depend_on_the_cut_off() {
+    let parameters = Parameters {
+        ring_model: RingModel::Ale0,
+        ..Parameters::default()
+    };
+    let nothing: [&dyn Fn(&Outputs) -> f64; 0] = [];
+    for torque in [50.0, 60.0] {
+        let inputs = inputs((torque, 13.0e3), (-torque, 10.0e3));
+        let poles = |frequency| {
+            let model = linearise(&parameters, &inputs, frequency, &nothing);
+            model.expect("a linear model").poles
+        };
+        let (few, many) = (poles(50.0), poles(200.0));
+        assert!(few.len() >= 3 && many.len() > few.len(), "{few:?} {many:?}");
+        for (one, other) in few.iter().zip(&many) {
+            let apart = (one[0] - other[0]).hypot(one[1] - other[1]);
+            assert!(apart < 1e-6 * one[0].hypot(one[1]), "{one:?} {other:?}");
+        }
+    }
+}
+
+/// A run that rests has the linear model of its start.
+#[test]
+fn a_state_that_a_run_rests_in_has_a_linear_model() {
+    let read: &dyn Fn(&Outputs) -> f64 = &|o| o.ratio_geometric;
+    let start = linearise(&parameters(), &Inputs::default(), 20.0, &[read]).expect("a linear model");
+    let mut variator = Variator::new(parameters()).expect("valid");
+    variator.initialise(0.0, &start.inputs).expect("steady");
+    variator.advance(0.05, &start.inputs).expect("a step");
+    let here = linearise_at(&mut variator, &start.inputs, 20.0, &[read]).expect("a linear model");
+    assert_eq!(here.remarks, Vec::<String>::new());
+    assert_eq!(here.poles.len(), start.poles.len());
+    for (one, other) in here.poles.iter().zip(&start.poles) {
+        assert!(
+            (one[0] - other[0]).abs() < 2e-3 * one[0].abs().max(1.0),
+            "{one:?} {other:?}"
+        );
+    }
+    // A shift is no working point.
+    let mut inputs = start.inputs;
+    inputs.primary.clamping_force += 3e3;
+    variator.advance(0.1, &inputs).expect("a step");
+    let moving = linearise_at(&mut variator, &inputs, 20.0, &[read]).expect_err("it shifts");
+    assert!(moving.to_string().contains("no steady working point"), "{moving}");
+}
+
+/// A torque beyond capacity slips through for ever, and the load holds only what the belt carries.
+#[test]
+fn a_point_that_is_not_the_one_that_was_given_says_so() {
+    let mut beyond = Inputs::default();
+    beyond.primary.torque = 400.0;
+    let model = linearise(&parameters(), &beyond, 50.0, &[]).expect("it slips steadily");
+    assert!(model.outputs.macro_slip && model.outputs.slip > 0.5);
+    let remarks = model.remarks.join("\n");
+    assert!(remarks.contains("slips through"), "{remarks}");
+    assert!(
+        remarks.contains("primary.torque = ") && remarks.contains("400 N.m is given"),
+        "{remarks}"
+    );
 }

@@ -4,7 +4,7 @@
 
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::RingModel;
-use pushbelt::variator::settings::{Inputs, Outputs};
+use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
 use pushbelt_lab::manoeuvre::Manoeuvre;
 use pushbelt_lab::variators::variator;
 use serde_json::json;
@@ -28,6 +28,8 @@ pub fn of_steady_states(table: &mut Table, model: RingModel, found: &[Option<f64
 }
 
 type Read = fn(&Outputs) -> f64;
+/// Outputs at each communication point.
+type Rows = Vec<Vec<f64>>;
 
 /// What is compared over the manoeuvre.
 const OUTPUTS: [(&str, Read); 5] = [
@@ -39,7 +41,10 @@ const OUTPUTS: [(&str, Read); 5] = [
 ];
 
 /// Tolerances of the ladder as parts of the default; the last is what the others are compared with.
-const LADDER: [f64; 4] = [1.0, 1e-1, 1e-2, 1e-3];
+const LADDER: [f64; 4] = [1.0, 1e-1, 1e-2, TIGHTEST];
+const TIGHTEST: f64 = 1e-3;
+/// Steps between which the belt has gripped and does not slip through: from 0.25 to 8.5 s.
+const GRIPPING: std::ops::Range<usize> = 250..8500;
 /// What is compared there too; forces ring after the belt has gripped.
 const FORCES: [(&str, Read); 3] = [
     ("primary axial force", |o| o.primary.axial_force),
@@ -51,8 +56,15 @@ const FORCES: [(&str, Read); 3] = [
 /// tolerances in the root mean square and at the worst communication point.
 pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
     let reads: Vec<(&str, Read)> = OUTPUTS.into_iter().chain(FORCES).collect();
-    let [found @ .., exact] = LADDER.map(|tolerance| traced(model, trace, 1, tolerance, &reads));
-    let fine = traced(model, trace, FINER_IN_THE_MANOEUVRE, TIGHTER, &OUTPUTS);
+    let with = |tolerance: f64| {
+        let mut parameters = variator(model);
+        parameters.solver.tolerance *= tolerance;
+        parameters
+    };
+    let [found @ .., exact] = LADDER.map(|tolerance| traced(with(tolerance), trace, &reads));
+    let mut finer = with(TIGHTER);
+    finer.mesh = finer.mesh.refined(FINER_IN_THE_MANOEUVRE);
+    let fine = traced(finer, trace, &OUTPUTS);
     let errors: Vec<(&str, f64)> = OUTPUTS
         .iter()
         .enumerate()
@@ -68,28 +80,46 @@ pub fn of_manoeuvre(table: &mut Table, model: RingModel, trace: &[Inputs]) {
         json!(errors),
     );
     for (tolerance, found) in LADDER.iter().zip(&found) {
-        let errors: Vec<(&str, [f64; 2])> = reads
-            .iter()
-            .enumerate()
-            .map(|(k, (name, _))| {
-                let square: f64 = off(found, &exact, k).map(|e| e * e).sum();
-                let mean = (square / exact.len() as f64).sqrt();
-                (*name, [mean, off(found, &exact, k).fold(0.0, f64::max)])
-            })
-            .collect();
-        let text: Vec<String> = errors
-            .iter()
-            .map(|(name, [mean, most])| format!("{name} {:.3} % ({:.2} %)", 100.0 * mean, 100.0 * most))
-            .collect();
-        table.row(
-            &format!(
-                "  {tolerance} of the tolerance against {}, {model:?}",
-                LADDER[LADDER.len() - 1]
-            ),
-            text.join(", "),
-            json!(errors),
+        ladder_row(
+            table,
+            &reads,
+            (found, &exact),
+            &format!("{tolerance} of the tolerance against {TIGHTEST}, {model:?}"),
         );
     }
+    // Friction that falls with sliding lets waves grow in macro-slip.
+    let parts = [&found[0], &exact].map(|rows| rows[GRIPPING].to_vec());
+    let name = format!("1 of it from 0.25 to 8.5 s, {model:?}");
+    ladder_row(table, &reads, (&parts[0], &parts[1]), &name);
+    let [found, exact] = [1.0, TIGHTEST].map(|tolerance| {
+        let mut parameters = with(tolerance);
+        parameters.friction.fall = 0.0;
+        traced(parameters, trace, &reads)
+    });
+    ladder_row(
+        table,
+        &reads,
+        (&found, &exact),
+        &format!("1 of it with friction.fall = 0, {model:?}"),
+    );
+}
+
+/// A row of root mean squares and largest differences.
+fn ladder_row(table: &mut Table, reads: &[(&str, Read)], (found, exact): (&[Vec<f64>], &[Vec<f64>]), name: &str) {
+    let errors: Vec<(&str, [f64; 2])> = reads
+        .iter()
+        .enumerate()
+        .map(|(k, (name, _))| {
+            let square: f64 = off(found, exact, k).map(|e| e * e).sum();
+            let mean = (square / exact.len() as f64).sqrt();
+            (*name, [mean, off(found, exact, k).fold(0.0, f64::max)])
+        })
+        .collect();
+    let text: Vec<String> = errors
+        .iter()
+        .map(|(name, [mean, most])| format!("{name} {:.3} % ({:.2} %)", 100.0 * mean, 100.0 * most))
+        .collect();
+    table.row(&format!("  {name}"), text.join(", "), json!(errors));
 }
 
 /// Differences of a column as shares of the range that it should have.
@@ -103,11 +133,8 @@ fn range(rows: &[Vec<f64>], k: usize) -> f64 {
     column.clone().fold(f64::NEG_INFINITY, f64::max) - column.fold(f64::INFINITY, f64::min)
 }
 
-fn traced(model: RingModel, trace: &[Inputs], factor: i32, tolerance: f64, reads: &[(&str, Read)]) -> Vec<Vec<f64>> {
-    let mut parameters = Manoeuvre::variator(variator(model));
-    parameters.mesh = parameters.mesh.refined(factor);
-    parameters.solver.tolerance *= tolerance;
-    let mut variator = Variator::new(parameters).expect("valid parameters");
+fn traced(parameters: Parameters, trace: &[Inputs], reads: &[(&str, Read)]) -> Rows {
+    let mut variator = Variator::new(Manoeuvre::variator(parameters)).expect("valid parameters");
     variator.initialise(0.0, &trace[0]).expect("a start");
     let row = |(k, inputs): (usize, &Inputs)| {
         variator.advance((k + 1) as f64 * STEP, inputs).expect("a step");

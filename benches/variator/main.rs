@@ -5,7 +5,7 @@
 //! Counts (steps, residuals, factorizations) don't depend on the machine. Arguments after `--`:
 //!
 //! - `--quick` runs everything once,
-//! - `--errors` adds the errors against finer meshes and tighter tolerances (some minutes),
+//! - `--errors` adds the errors against finer meshes and tighter tolerances (some minutes), with `--loads` those under loads too,
 //! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
 //! - `--loads` adds loads that jump, ripple or are noisy, 20 s each or as long as `--seconds` says (an hour, or minutes),
@@ -21,6 +21,7 @@ mod picture;
 mod proposals;
 mod real_time;
 mod rings;
+mod tracked;
 
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -60,7 +61,7 @@ struct Options {
     /// Everything once
     #[arg(long)]
     quick: bool,
-    /// Errors against finer meshes and a tighter tolerance
+    /// Errors against finer meshes and a tighter tolerance; with --loads those under loads, too
     #[arg(long)]
     errors: bool,
     /// The overlay along the reference curve and across it, too
@@ -126,6 +127,9 @@ fn main() {
     if options.loads {
         loads::measure(&mut table, &options.only, options.seconds);
     }
+    if options.loads && options.errors {
+        tracked::measure(&mut table, &options.only, options.seconds);
+    }
     if options.real_time {
         real_time::measure(&mut table, &options.only, options.seconds);
     }
@@ -176,6 +180,10 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
         );
         if options.errors {
             errors::of_manoeuvre(table, model, trace);
+            let mut parameters = variator(model);
+            parameters.friction.fall = 0.0;
+            let (time, counts) = manoeuvre(parameters, trace, |advance| advance());
+            manoeuvre_row(table, &format!("{model:?}, friction.fall = 0"), trace, time, &counts);
         }
         each
     });

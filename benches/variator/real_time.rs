@@ -3,14 +3,12 @@
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::{Mode, Parameters, RingModel};
 use pushbelt_lab::loads::{LOADS, Load};
-use pushbelt_lab::tracking::{TRACKED, trace};
+use pushbelt_lab::tracking::trace;
 use pushbelt_lab::variators::{one_cell, variator};
 use serde_json::json;
 
+use crate::tracked::{errors, exact};
 use crate::{Table, quantiles};
-
-/// Tolerance of the runs that are compared with.
-const EXACT: f64 = 1e-6;
 
 /// Rows of the table: each load at each ratio for `seconds`, with each ring.
 pub fn measure(table: &mut Table, letters: &str, seconds: f64) {
@@ -28,9 +26,7 @@ pub fn measure(table: &mut Table, letters: &str, seconds: f64) {
 }
 
 fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, mut parameters): (&str, Parameters), seconds: f64) {
-    let mut exact = parameters.clone();
-    exact.solver.tolerance = EXACT;
-    let exact = trace(load, &exact, ratio, seconds, |_| ());
+    let exact = exact((load, ratio), &parameters, seconds);
     parameters.solver.mode = Mode::RealTime;
     let mut times = Vec::new();
     let mut clock = None;
@@ -41,12 +37,7 @@ fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, mut parameters): (&
         times.extend(from.map(|from| from.elapsed().as_secs_f64() * 1e-3 / load.step()));
     });
     let slowest = quantiles(&times, [0.5, 0.99, 1.0]);
-    let (off, ranges) = (found.off(&exact), exact.ranges());
-    let errors: Vec<String> = TRACKED
-        .iter()
-        .zip(off.iter().zip(ranges))
-        .map(|((name, _), (off, range))| format!("{name} {off:.2e} of {range:.2e}"))
-        .collect();
+    let (text, off) = errors(&found, &exact);
     let first =
         |trace: &pushbelt_lab::tracking::Trace| trace.first_slip().map(|step| 1e3 * load.step() * (step + 1) as f64);
     table.row(
@@ -54,7 +45,7 @@ fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, mut parameters): (&
         format!(
             "{} ms a tick; {}; macro-slip from {:?} ms, {:?} ms; {:.2} % of the energy unaccounted; defect {:.1e}",
             slowest.map(|time| format!("{:.2}", 1e3 * time)).join(", "),
-            errors.join(", "),
+            text,
             first(&found),
             first(&exact),
             100.0 * found.unaccounted,
@@ -65,8 +56,7 @@ fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, mut parameters): (&
             "ratio": ratio,
             "ring": ring,
             "seconds_a_tick": slowest,
-            "off": off,
-            "ranges": ranges,
+            "errors": off,
             "first_macro_slip_ms": [first(&found), first(&exact)],
             "unaccounted": found.unaccounted,
             "defect": found.defect,

@@ -1,18 +1,17 @@
 """How fast small swings of the ratio grow: the linear belt with the controllers of `cargo fmu drive` around it.
 
-The belt is the linear model of `cargo fmu linearize`; flywheel, clutch, controllers and hydraulics are the drive's own code. A small
+The belt is the linear model of `pushbelt.Variator.linearize`; flywheel, clutch, controllers and hydraulics are the drive's own code. A small
 change of the target ratio sets it off. Prints the tables of docs/drivetrain.md: `stability.py coarse`, the mesh of the drive, and
 `stability.py default`.
 """
 
-import json
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 from scipy.linalg import expm
 
+import pushbelt
 from pushbelt.drive import simulate
 from pushbelt.drive.car import Powertrain, demo_car
 from pushbelt.drive.control import Friction, Measured, PressureControl, RatioControl, SlipControl
@@ -22,12 +21,10 @@ from pushbelt.fmu.data import torque_capacity
 
 POINTS = ((0.46, 0.6), (0.46, 0.77), (0.46, 0.9), (0.6, 0.77), (0.6, 0.9), (1.0, 0.9))
 """Ratio and torque utilisation."""
-SPEEDS, FORCE = (140.0, 210.0, 280.0), 9e3
-"""Of the primary pulley, rad/s; secondary clamping force, N."""
+SPEEDS, FORCE, FREQUENCY = (140.0, 210.0, 280.0), 9e3, 100.0
+"""Of the primary pulley, rad/s; secondary clamping force, N; modes below it are in the linear model, Hz."""
 STEP, DURATION = simulate.STEP, 4.0
 INPUTS = ("primary.clampingForce", "secondary.clampingForce", "primary.torque")
-NO_MODEL = "this is no steady working point", "no mode is slower"
-"""What `cargo fmu linearize` says of points that have no linear model."""
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip", "primary.radius")
 CAR = demo_car()
 PARAMETERS = simulate.unit_parameters(CAR, "ALE", "default" if "default" in sys.argv[1:] else "coarse")
@@ -36,17 +33,15 @@ PARAMETERS = simulate.unit_parameters(CAR, "ALE", "default" if "default" in sys.
 class Belt:
     """The linear model, a control step at a time; inputs run linearly within it. Deviations from the working point."""
 
-    def __init__(self, model: dict) -> None:
-        columns = [[entry["name"] for entry in model["inputs"]].index(name) for name in INPUTS]
-        names = [entry["name"] for entry in model["outputs"]]
-        rows = [names.index(name) for name in OUTPUTS]
-        a, b = np.array(model["A"]), np.array(model["B"])[:, columns]
+    def __init__(self, model: pushbelt.LinearModel) -> None:
+        model = model.select(OUTPUTS, INPUTS)
+        a, b = model.a, model.b
         n, k = b.shape
         held = np.zeros((n + 2 * k, n + 2 * k))
         held[:n, :n], held[:n, n : n + k], held[n : n + k, n + k :] = a, b, np.eye(k) / STEP
         self.step_matrix = expm(STEP * held)[:n]
-        self.c, self.d = np.array(model["C"])[rows], np.array(model["D"])[np.ix_(rows, columns)]
-        self.at = np.array([model["outputs"][row]["value"] for row in rows])
+        self.c, self.d = model.c, model.d
+        self.at = np.array([model.values[name] for name in OUTPUTS])
         self.state, self.inputs = np.zeros(n), np.zeros(k)
 
     def read(self) -> np.ndarray:
@@ -59,22 +54,13 @@ class Belt:
         self.inputs = inputs
 
 
-def linear_model(ratio: float, torque: float, speed: float) -> dict | None:
-    """What `cargo fmu linearize` finds; none where there is no steady working point or no mode as slow as that.
-
-    Raises RuntimeError if it fails for another reason.
-    """
-    settings = {**PARAMETERS, "initial.ratio": ratio, "initial.primarySpeed": speed, "primary.torque": torque}
-    settings |= {"secondary.torque": -torque * ratio, "secondary.clampingForce": FORCE}
-    words = [f"{name}={value:.15g}" for name, value in settings.items()]
-    path = Path("target/linear-model.json")
-    command = ["cargo", "fmu", "linearize", "--frequency", "100", "--output", str(path), *words]
-    ran = subprocess.run(command, capture_output=True, text=True, check=False)
-    if ran.returncode == 0:
-        return json.loads(path.read_text(encoding="utf-8"))
-    if any(reason in ran.stderr for reason in NO_MODEL):
+def linear_model(variator: pushbelt.Variator, ratio: float, torque: float, speed: float) -> pushbelt.LinearModel | None:
+    """The linear model at a point; none where there is no steady working point or no mode as slow as that."""
+    try:
+        return variator.linearize(ratio, torque, speed=speed, force=FORCE, frequency=FREQUENCY)
+    except (pushbelt.SteadyStateError, pushbelt.LinearPointError) as error:
+        print(error, file=sys.stderr)
         return None
-    raise RuntimeError(f"{' '.join(command)} failed:\n{ran.stderr}")
 
 
 def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: float) -> float:
@@ -123,10 +109,11 @@ def main() -> None:
         raise SystemExit("run `cargo fmu drive --short` first: it leaves the thrust-ratio map")
     print("| ratio | utilisation | primary speed rad/s | forces held | pressures at 50 ms | at 12.5 ms |")
     print("|---" * 6 + "|")
+    variator = pushbelt.Variator(PARAMETERS)
     for ratio, utilisation in POINTS:
         for speed in SPEEDS:
             torque = utilisation * torque_capacity(PARAMETERS, ratio, FORCE)
-            model = linear_model(ratio, torque, speed)
+            model = linear_model(variator, ratio, torque, speed)
             if model is None:
                 continue
             found = [

@@ -183,10 +183,10 @@ mod tests {
             build.arg("--lib");
             build
         };
-        let other = || release(&workspace, Program::Example("linear_model"));
+        let other = || release(&workspace, Program::Example("default_run"));
         compiled(library());
         let for_other = compiled(other());
-        let expected = for_other.iter().all(|name| name == "linear_model");
+        let expected = for_other.iter().all(|name| name == "default_run");
         assert!(expected, "the second command compiles {for_other:?}");
         assert_eq!(
             compiled(library()),

@@ -68,7 +68,7 @@ enum Command {
     Compare(commands::compare::Arguments),
     /// Measure the speed of the model (1 minute)
     Bench(commands::bench::Arguments),
-    /// Write the linear model A, B, C, D about a steady working point as JSON (seconds)
+    /// Write linear models A, B, C, D about steady working points and target/linearize/report.html (seconds)
     Linearize(commands::linearize::Arguments),
     /// Write modelDescription.xml, docs/variables.md and python/pushbelt/_version.py from the variable table (seconds)
     Describe,

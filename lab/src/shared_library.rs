@@ -12,13 +12,14 @@ use pushbelt::fmi::fmi2::{CallbackFunctions, Component, FmuState};
 use pushbelt::unit::VariatorUnit;
 
 pub const OK: c_int = 0;
+pub const WARNING: c_int = 1;
 pub const DISCARD: c_int = 2;
 pub const ERROR: c_int = 3;
 
 macro_rules! functions {
     ($($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// The exported functions.
-        #[allow(non_snake_case, reason = "the standard's names")]
+        #[allow(non_snake_case, reason = "names of the standard and of the header")]
         #[derive(Clone, Copy)]
         pub struct Functions {
             $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
@@ -26,7 +27,7 @@ macro_rules! functions {
 
         impl Functions {
             fn of(library: &Loaded) -> Self {
-                // SAFETY: these are the standard's types of these functions.
+                // SAFETY: these are the types of these functions, in the standard and in `pushbelt.h`.
                 unsafe {
                     Self {
                         $($name: *library.get(stringify!($name).as_bytes()).expect(stringify!($name)),)*
@@ -74,6 +75,8 @@ functions! {
     fmi2GetIntegerStatus(Component, c_int, *mut c_int) -> c_int;
     fmi2GetBooleanStatus(Component, c_int, *mut c_int) -> c_int;
     fmi2GetStringStatus(Component, c_int, *mut *const c_char) -> c_int;
+    pushbeltLinearize(Component, f64, *mut *mut c_char) -> c_int;
+    pushbeltFreeText(*mut c_char);
 }
 
 /// The loaded library. It is unloaded when this is dropped.

@@ -1,10 +1,10 @@
 """Python around the pushbelt FMU.
 
-- `Variator`: a variator over time and its steady states, for programs and notebooks; `cli`: the command `pushbelt`.
+- `Variator`: a variator over time, its steady states and linear models (`linear`, `linear_grid`); `cli`: the command `pushbelt`.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
 - `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: what the reports share.
 - `theory`: what theories say, independent of the FMU.
-- `calibrate`, `compare`, `demo`, `drive`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them
+- `calibrate`, `compare`, `demo`, `drive`, `linearize`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them
   imports another.
 """
 
@@ -20,9 +20,14 @@ if TYPE_CHECKING:
     from .fmu.files import default_fmu
     from .fmu.start_values import StartValueError
     from .fmu.unit import UnitError
+    from .linear import LinearModel, LinearPointError
+    from .linear_grid import LinearGrid, load_linear
     from .variator import SteadyStateError, Variator, VariatorWarning
 
 __all__ = [
+    "LinearGrid",
+    "LinearModel",
+    "LinearPointError",
     "StartValueError",
     "SteadyStateError",
     "UnitError",
@@ -30,16 +35,21 @@ __all__ = [
     "VariatorWarning",
     "__version__",
     "default_fmu",
+    "load_linear",
     "parameter_set",
 ]
 
 _MODULES = {
+    "LinearGrid": "linear_grid",
+    "LinearModel": "linear",
+    "LinearPointError": "linear",
     "StartValueError": "fmu.start_values",
     "SteadyStateError": "variator",
     "UnitError": "fmu.unit",
     "Variator": "variator",
     "VariatorWarning": "variator",
     "default_fmu": "fmu.files",
+    "load_linear": "linear_grid",
     "parameter_set": "fmu.data",
 }
 """Loaded when they are asked for: processes of the programs import this package, but need not wait for all of it."""

@@ -1,13 +1,13 @@
-"""The variator over time and its steady states, for programs and notebooks: `pushbelt.Variator`."""
+"""The variator over time, its steady states and linear models, for programs and notebooks: `pushbelt.Variator`."""
 
 from __future__ import annotations
 
 import math
 import os
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.lib.recfunctions import unstructured_to_structured
@@ -22,6 +22,8 @@ from .fmu.results import Profile, SteadyState
 from .fmu.start_values import SETTABLE, StartValueError, checked
 from .fmu.starts import driven_by_torque
 from .fmu.unit import UnitError
+from .linear import LinearModel, LinearPointError
+from .linear_grid import LinearGrid
 
 if TYPE_CHECKING:
     import xarray
@@ -32,6 +34,10 @@ SAFETY = 1.3
 """Safety factor of the clamping force of a steady state unless a force is given."""
 LEAST_FORCE = 4e3
 """Least such force, N."""
+FREQUENCY = 50.0
+"""Modes below it are states of a linear model unless another is given, Hz."""
+
+Read = TypeVar("Read")
 
 Values = Mapping[str, Any]
 """Values by names of FMU variables, in SI units; enumerations by name or number."""
@@ -44,6 +50,18 @@ class VariatorWarning(UserWarning):
 
 class SteadyStateError(RuntimeError):
     """There is no steady state at a working point, or the belt slips through there."""
+
+
+class Point(NamedTuple):
+    """A working point: geometric ratio (1), primary torque (N·m), primary speed (rad/s), secondary clamping force (N)."""
+
+    ratio: float
+    torque: float
+    speed: float
+    force: float
+
+    def __str__(self) -> str:
+        return f"at ratio {self.ratio:g}, {self.torque:g} N·m, {self.speed:g} rad/s and {self.force:g} N"
 
 
 def start_values(parameters: Parameters) -> dict[str, Any]:
@@ -181,9 +199,13 @@ class Variator:
     def _record(self) -> None:
         unit = self._open
         self._rows.append(np.array([unit.time, *unit.get_reals(self._recorded), unit.get("macroSlip")]))
-        texts = unit.warnings
+        self._warn(stacklevel=5)
+
+    def _warn(self, stacklevel: int) -> None:
+        """Passes on what the FMU has warned of since the last time."""
+        texts = self._open.warnings
         for text in texts[self._warned :]:
-            warnings.warn(text, VariatorWarning, stacklevel=4)
+            warnings.warn(text, VariatorWarning, stacklevel=stacklevel)
         self._warned = len(texts)
 
     def _last(self) -> dict[str, float]:
@@ -203,9 +225,25 @@ class Variator:
         Raises SteadyStateError where there is none, or where the belt slips through.
         """
         force = self.least_force(ratio, torque, safety) if force is None else force
-        point = f"at ratio {ratio:g}, {torque:g} N·m, {speed:g} rad/s and {force:g} N"
-        held = driven_by_torque(self._values, ratio, speed, torque, force)
-        values = checked(self.variables, {**held, "initial.equilibrium": False})
+        return self._steady(self._values, Point(ratio, torque, speed, force))
+
+    def _steady(self, values: Values, point: Point) -> SteadyState:
+        """The steady state at a point with these start values."""
+        held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
+        state = self._solved(
+            held,
+            point,
+            lambda solver: SteadyState(solver.outputs(), solver.profile(), solver.get("secondary.externalTorque")),
+        )
+        if state["macroSlip"]:
+            raise SteadyStateError(
+                f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}"
+            )
+        return state
+
+    def _solved(self, values: Values, point: Point, read: Callable[[calls.Variator], Read]) -> Read:
+        """What is read of an instance that starts in the steady state of these start values."""
+        values = checked(self.variables, {**values, "initial.equilibrium": False})
         solver = self._solver or calls.Variator(self._archive, {})
         # An instance that refused a call can't go on.
         self._solver = None
@@ -214,23 +252,22 @@ class Variator:
             solver.initialise()
             if solver.not_steady:
                 raise SteadyStateError(f"no steady state {point}: {solver.not_steady}")
-            state = SteadyState(solver.outputs(), solver.profile(), solver.get("secondary.externalTorque"))
+            found = read(solver)
         except UnitError as error:
             solver.free()
             raise SteadyStateError(f"no steady state {point}: {error}") from error
-        except SteadyStateError:
+        except RuntimeError:
             self._solver = solver
             raise
         self._solver = solver
-        if state["macroSlip"]:
-            raise SteadyStateError(
-                f"the belt slips through {point}: its torque utilisation is {state['torqueUtilisation']:.2f}"
-            )
-        return state
+        return found
 
     def least_force(self, ratio: float, torque: float, safety: float = SAFETY) -> float:
         """Secondary clamping force that carries a primary torque (N·m) with a safety factor, at least 4 kN; N."""
-        values = self._values
+        return self._least_force(self._values, ratio, torque, safety)
+
+    @staticmethod
+    def _least_force(values: Values, ratio: float, torque: float, safety: float) -> float:
         pitch_radius = curve_of(values, theta_of(ratio)).primary_radius - values["belt.pitchOffset"]
         friction, wedge_angle = values["friction.pulley"], values["geometry.wedgeAngle"]
         return max(clamping_force(torque, pitch_radius, friction, wedge_angle, safety), LEAST_FORCE)
@@ -286,3 +323,111 @@ class Variator:
             },
             attrs={"primary speed": speed, "units of it": "rad/s"},
         )
+
+    # Linear models
+
+    def linearize(
+        self,
+        ratio: float,
+        torque: float,
+        *,
+        speed: float = SPEED,
+        force: float | None = None,
+        safety: float = SAFETY,
+        frequency: float = FREQUENCY,
+    ) -> LinearModel:
+        """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
+
+        The primary pulley turns at `speed`, rad/s. `force` is the secondary clamping force, N, with `safety` as in `steady`.
+        The primary clamping force and the secondary torque are those that hold the point. Modes below `frequency`, Hz, become
+        states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
+        clamping forces (N). The run over time stays as it is.
+
+        Raises SteadyStateError where there is no such point or the belt slips through, and LinearPointError where it has no
+        linear model or is held by other loads than those that are asked for.
+        """
+        force = self.least_force(ratio, torque, safety) if force is None else force
+        return self._linearize(self._values, Point(ratio, torque, speed, force), frequency)
+
+    def linearize_here(self, frequency: float = FREQUENCY) -> LinearModel:
+        """The linear model about the present state of the run, which must be steady; modes below `frequency`, Hz, become states.
+
+        Where the belt slips through, or where other loads hold the state than the inputs that are set, a VariatorWarning says so,
+        and the model's `remarks`. Raises LinearPointError where the state is not steady.
+        """
+        self.start()
+        try:
+            model = LinearModel.of(self._open.linearise(frequency))
+        except UnitError as error:
+            raise LinearPointError(f"no linear model at {self.time:g} s: {error}") from error
+        self._warn(stacklevel=3)
+        return model
+
+    def linear_grid(
+        self,
+        ratios: Iterable[float],
+        torques: Iterable[float],
+        *,
+        speed: float | Iterable[float] = SPEED,
+        force: float | Iterable[float] | None = None,
+        safety: float = SAFETY,
+        frequency: float = FREQUENCY,
+        changes: Mapping[str, Iterable[Any]] | None = None,
+        after_each: Callable[[], object] = lambda: None,
+    ) -> LinearGrid:
+        """Linear models over ratios (1) × primary torques (N·m), each as `linearize` gives it.
+
+        `speed` (rad/s) and `force` (N) are further axes where they are more than one number, and so is each parameter in `changes`,
+        by its name. `after_each` is called after each point. A point without a model has None there, and a reason.
+        """
+        several = {"speed": speed, "force": force}
+        given: dict[str, Iterable[Any]] = {"ratio": ratios, "torque": torques}
+        given |= {name: values for name, values in several.items() if isinstance(values, Iterable)}
+        lists = {name: list(values) for name, values in {**given, **(changes or {})}.items()}
+        for name, values in lists.items():
+            if not values:
+                raise ValueError(f"the grid has no {name}")
+        lists = {
+            name: values if name in given else [checked(self.variables, {name: value})[name] for value in values]
+            for name, values in lists.items()
+        }
+        axes = {name: np.array(values, dtype=float) for name, values in lists.items()}
+        shape = tuple(len(values) for values in lists.values())
+        models, reasons = np.full(shape, None, dtype=object), np.full(shape, "", dtype=object)
+        for place in np.ndindex(shape):
+            at = {name: values[k] for (name, values), k in zip(lists.items(), place, strict=True)}
+            values = {**self._values, **{name: at[name] for name in changes or ()}}
+            used = at.get("force", force)
+            used = self._least_force(values, at["ratio"], at["torque"], safety) if used is None else used
+            point = Point(at["ratio"], at["torque"], at.get("speed", speed), used)
+            try:
+                models[place] = self._linearize(values, point, frequency)
+            except (SteadyStateError, LinearPointError) as error:
+                reasons[place] = str(error)
+            after_each()
+        return LinearGrid(axes, models, reasons)
+
+    def _linearize(self, values: Values, point: Point, frequency: float) -> LinearModel:
+        """The linear model at a point with these start values: about the steady state under the loads that hold it."""
+        state = self._steady(values, point)
+        slower = point.speed / state["primary.speed"]
+        loads = {
+            "primary.torque": point.torque,
+            "secondary.torque": state.load_torque,
+            "primary.clampingForce": state["primary.axialForce"],
+            "secondary.clampingForce": point.force,
+            "primary.speedSetpoint": point.speed,
+            "secondary.speedSetpoint": slower * state["secondary.speed"],
+        }
+        start = {"initial.steady": True, "initial.ratio": point.ratio, "initial.primarySpeed": point.speed}
+
+        def read(solver: calls.Variator) -> LinearModel:
+            try:
+                return LinearModel.of(solver.linearise(frequency))
+            except UnitError as error:
+                raise LinearPointError(f"no linear model {point}: {error}") from error
+
+        model = self._solved({**values, **loads, **start}, point, read)
+        if model.remarks:
+            raise LinearPointError(f"no linear model {point}: {'; '.join(model.remarks)}")
+        return model

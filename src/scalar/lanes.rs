@@ -1,6 +1,7 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
 use super::real::{MOST, Real};
+use super::soft_tail::soft_tail;
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 #[cfg(not(target_feature = "avx"))]
@@ -56,25 +57,24 @@ impl Lanes {
         self.to_array().iter().sum()
     }
 
-    /// Lane by lane the smaller number.
+    /// Lane by lane the smaller number; what is not a number stays so.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
-        Self(self.0.min(other.0))
+        Self(other.0.fast_min(self.0))
     }
 
-    /// Lane by lane the larger number.
+    /// Lane by lane the larger number; what is not a number stays so.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
-        Self(self.0.max(other.0))
+        Self(other.0.fast_max(self.0))
     }
 
-    /// Lane by lane `yes` where this is positive, else `no`.
+    /// Whether all numbers are above `bound`.
     #[inline(always)]
-    #[must_use]
-    pub fn if_positive(self, yes: Self, no: Self) -> Self {
-        Self(self.0.simd_gt(Pack::splat(0.0)).select(yes.0, no.0))
+    fn all_above(self, bound: f64) -> bool {
+        self.0.simd_gt(Pack::splat(bound)).all()
     }
 }
 
@@ -219,16 +219,24 @@ impl Real for Lanes {
 
     #[inline(always)]
     fn soft_plus(self, delta: f64) -> [Self; 3] {
-        let size = Self(self.0.abs()) * (1.0 / delta);
-        let tail = (-size.min(Self::from(MOST))).exp();
-        let whole = tail + 1.0;
-        let inverse = whole.recip();
+        let per = 1.0 / delta;
+        let size = Self(self.0.abs()) * per;
+        // Most cells in the strands are far from the sheaves.
+        let [tail, inverse, logarithm] = if size.all_above(MOST) {
+            [Self::from((-MOST).exp()), Self::one(), Self::from((-MOST).exp())]
+        } else {
+            soft_tail(size)
+        };
+        let plus = self.max(Self::zero()) + logarithm * delta;
         let slope = self.if_positive(Self::one(), tail) * inverse;
-        // Below 1e-16 the logarithm of 1 + x is no longer x; its absolute error is nothing beside δ.
-        let plus = self.max(Self::zero()) + whole.ln() * delta;
         // 1 − slope without cancellation.
         let rest = self.if_positive(tail, Self::one()) * inverse;
-        [plus, slope, slope * rest * (1.0 / delta)]
+        [plus, slope, slope * rest * per]
+    }
+
+    #[inline(always)]
+    fn if_positive(self, yes: Self, no: Self) -> Self {
+        Self(self.0.simd_gt(Pack::splat(0.0)).select(yes.0, no.0))
     }
 
     #[inline(always)]

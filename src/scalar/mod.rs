@@ -5,6 +5,7 @@
 mod lanes;
 mod real;
 mod smooth;
+mod soft_tail;
 mod tangent;
 mod vectors;
 

@@ -93,10 +93,14 @@ pub trait Real:
     /// δ ln(1 + e^{x/δ}), its slope and its second derivative: a positive part whose tail falls off exponentially.
     #[must_use]
     fn soft_plus(self, delta: f64) -> [Self; 3];
+
+    /// `yes` where this is positive, else `no`, lane by lane.
+    #[must_use]
+    fn if_positive(self, yes: Self, no: Self) -> Self;
 }
 
-/// Largest x/δ of which the exponential is taken: e^−x is nothing beside 1 long before, and not yet zero.
-pub(super) const MOST: f64 = 600.0;
+/// Largest x/δ of which the exponential is taken: beside 1, e^−x is nothing from there on.
+pub(super) const MOST: f64 = 40.0;
 
 impl Real for f64 {
     type Constant = Self;
@@ -152,6 +156,11 @@ impl Real for f64 {
         let slope = (if self > 0.0 { 1.0 } else { tail }) / (1.0 + tail);
         let plus = self.max(0.0) + delta * tail.ln_1p();
         [plus, slope, slope * (1.0 - slope) / delta]
+    }
+
+    #[inline(always)]
+    fn if_positive(self, yes: Self, no: Self) -> Self {
+        if self > 0.0 { yes } else { no }
     }
 
     #[inline(always)]
@@ -219,6 +228,10 @@ macro_rules! real_by_num_dual {
                 let slope = if above { whole } else { tail * whole };
                 let plus = DualNum::ln_1p(&tail) * delta + if above { self } else { Self::from_re(0.0) };
                 [plus, slope, slope * (-slope + 1.0) * delta.recip()]
+            }
+
+            fn if_positive(self, yes: Self, no: Self) -> Self {
+                if self.re > 0.0 { yes } else { no }
             }
 
             fn smooth_plus(self, delta: f64) -> [Self; 3] {

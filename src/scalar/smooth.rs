@@ -41,26 +41,11 @@ pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
             + 1.0 / 36.0;
         l + square * 0.25 + odd * square * l
     };
-    let [above, ..] = x.soft_plus(delta);
-    let [below, ..] = (-x).soft_plus(delta);
+    let [tail, ..] = x.if_positive(-x, x).soft_plus(delta);
     let scaled = 1.0 / delta;
-    if_positive(
-        x,
-        -of_log(below * scaled) + x * x * (0.5 * scaled * scaled) + std::f64::consts::PI.powi(2) / 6.0,
-        of_log(above * scaled),
-    ) * (delta * delta)
-}
-
-/// Lane by lane `yes` where `x` is positive, else `no`.
-#[inline(always)]
-fn if_positive<T: Real>(x: T, yes: T, no: T) -> T {
-    (0..T::WIDTH).fold(no, |sum, lane| {
-        if x.lane(lane) > 0.0 {
-            sum.with_lane(lane, yes)
-        } else {
-            sum
-        }
-    })
+    let part = of_log(tail * scaled);
+    let above = -part + x * x * (0.5 * scaled * scaled) + std::f64::consts::PI.powi(2) / 6.0;
+    x.if_positive(above, part) * (delta * delta)
 }
 
 #[cfg(test)]

@@ -136,6 +136,14 @@ where
     }
 
     #[inline(always)]
+    fn if_positive(self, yes: Self, no: Self) -> Self {
+        Self {
+            re: self.re.if_positive(yes.re, no.re),
+            eps: std::array::from_fn(|k| self.re.if_positive(yes.eps[k], no.eps[k])),
+        }
+    }
+
+    #[inline(always)]
     fn smooth_plus(self, delta: f64) -> [Self; 3] {
         let [plus, slope, bend] = self.re.smooth_plus(delta);
         let square = self.re * self.re + delta * delta;

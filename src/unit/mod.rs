@@ -4,6 +4,10 @@
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi;
 #[forbid(unsafe_code)]
+mod linear;
+#[allow(unsafe_code, non_snake_case)]
+pub mod linear_c;
+#[forbid(unsafe_code)]
 mod settings;
 #[forbid(unsafe_code)]
 mod table;

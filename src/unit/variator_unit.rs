@@ -30,6 +30,11 @@ impl VariatorUnit {
         Ok(Self { variator })
     }
 
+    /// The variator itself.
+    pub(super) fn variator(&mut self) -> &mut Variator {
+        &mut self.variator
+    }
+
     /// Moves the variator's messages to the remarks.
     fn move_messages(&mut self, remarks: &mut Vec<Remark>) {
         let messages = self.variator.take_messages();

@@ -5,6 +5,7 @@
 mod derivatives;
 mod importer;
 mod life;
+mod linear;
 mod start_values;
 mod states;
 mod values;

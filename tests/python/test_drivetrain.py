@@ -10,12 +10,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import reports
 
+import pushbelt
 from pushbelt.drive import __main__, report, simulate, thrust_map, transmission
 from pushbelt.drive.car import Powertrain, demo_car
 from pushbelt.drive.control import (
@@ -415,19 +415,25 @@ def test_pages_show_the_programs_that_run(page: str, program: str) -> None:
     assert f"```python\n{code.rstrip()}\n```" in shown
 
 
-def test_only_points_without_a_linear_model_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_points_without_a_linear_model_are_left_out(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(ROOT / "examples" / "drivetrain")
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     import stability
 
-    def failing(stderr: str) -> None:
-        monkeypatch.setattr(stability.subprocess, "run", lambda *_, **__: SimpleNamespace(returncode=1, stderr=stderr))
-
-    for reason in ("Error: this is no steady working point: …", "Error: no mode is slower than 100 Hz"):
-        failing(reason)
-        assert stability.linear_model(1.0, 50.0, 200.0) is None
-    failing("error: could not compile `pushbelt`")
-    with pytest.raises(RuntimeError, match="could not compile"):
-        stability.linear_model(1.0, 50.0, 200.0)
+    coarse = {**stability.PARAMETERS, "ring.model": "ALE0"}
+    with pushbelt.Variator(coarse) as variator:
+        assert stability.linear_model(variator, 1.0, 500.0, 200.0) is None
+        model = stability.linear_model(variator, 1.0, 40.0, 200.0)
+        belt = stability.Belt(model)
+        assert belt.at[0] == pytest.approx(1.0)
+        for _ in range(20):
+            belt.advance(np.array([10.0, 0.0, 0.0]))
+        # A ramp over one step, then ten newtons more on P: half a step late.
+        time = 19.5 * stability.STEP
+        expected = 10.0 * model.select(["ratio.geometric"], ["primary.clampingForce"]).step(time).item()
+        assert belt.read()[0] == pytest.approx(expected, rel=2e-3)
+        with pytest.raises(pushbelt.StartValueError):
+            stability.linear_model(variator, -1.0, 40.0, 200.0)
 
 
 # With the FMU

@@ -22,6 +22,7 @@ EXTRA_OF = {
     "compare": "reports",
     "demo": "reports",
     "drive": "reports",
+    "linearize": "reports",
     "paper": "reports",
     "sweep": "sweep",
     "validate": "reports",
@@ -134,7 +135,7 @@ def with_source() -> dict[str, str]:
 
 @pytest.mark.parametrize("program", EXTRA_OF)
 def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str, set[str]]) -> None:
-    shared = [path for path in PACKAGE.glob("*.py") if path.name not in ("variator.py", "cli.py")]
+    shared = [path for path in PACKAGE.glob("*.py") if path.name not in ("variator.py", "linear.py", "cli.py")]
     needed = imported([*shared, *(PACKAGE / "fmu").rglob("*.py"), *(PACKAGE / program).rglob("*.py")])
     assert needed - declared[EXTRA_OF[program]] - BY_HAND == set()
 
@@ -179,11 +180,14 @@ import pathlib, pushbelt
 with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
     for step in range(20):
         state = variator.step(1e-3, {"primary.clampingForce": 9e3})
-print(pathlib.Path(pushbelt.__file__).parts[-2], variator.outputs["ratio.geometric"][0], state["ratio.geometric"])
+    model = variator.linearize(1.5, 40.0)
+    variator.linear_grid([1.5], [40.0]).save("plain.npz")
+print(pathlib.Path(pushbelt.__file__).parts[-2], variator.outputs["ratio.geometric"][0], state["ratio.geometric"], len(model.poles))
 """
     done = run(place, "python", "-c", code)
     assert done.returncode == 0, done.stderr
-    folder, first, last = done.stdout.split()
+    folder, first, last, poles = done.stdout.split()
+    assert int(poles) >= 2 and (place / "plain.npz").is_file()
     assert folder == "pushbelt"
     assert float(first) == pytest.approx(1.5, abs=1e-6)
     assert float(last) > float(first)
@@ -205,6 +209,11 @@ def test_what_is_missing_is_named_and_then_the_demo_runs(place: Path, wheel: Pat
     done = run(place, "pushbelt", "demo", "--short")
     assert done.returncode == 0, done.stderr
     assert (place / "pushbelt-demo" / "report.html").is_file()
+    done = run(place, "pushbelt", "linearize", "initial.ratio=1,2", "ring.model=ALE0")
+    assert done.returncode == 0, done.stderr
+    assert {path.suffix for path in (place / "pushbelt-linearize").iterdir()} == {".npz", ".mat", ".json", ".html"}
+    done = run(place, "pushbelt", "linearize", "initial.ratio=1", "primary.torque=400")
+    assert done.returncode == 1 and "no steady state at ratio 1, 400 N·m" in done.stderr
     done = run(place, "pushbelt", "drive", "--short")
     assert done.returncode == 1
     assert "pip install --no-deps wltp" in done.stderr and "--cycle nedc" in done.stderr
@@ -212,7 +221,8 @@ def test_what_is_missing_is_named_and_then_the_demo_runs(place: Path, wheel: Pat
 
 def test_nothing_is_left_after_its_removal(place: Path) -> None:
     def left(folder: Path) -> list[Path]:
-        return [path for path in folder.rglob("*pushbelt*") if "pushbelt-demo" not in path.parts]
+        written = {"pushbelt-demo", "pushbelt-linearize"}
+        return [path for path in folder.rglob("*pushbelt*") if not written & set(path.parts)]
 
     run(place, "pushbelt", "fmu", "own.fmu")
     assert left(place / "home") and left(place / "venv")

@@ -127,6 +127,10 @@ pub enum Call {
         null: bool,
     },
     Cancel,
+    Linearize {
+        frequency: f64,
+        null: bool,
+    },
     NullInstance,
 }
 
@@ -180,6 +184,8 @@ pub fn calls() -> impl Strategy<Value = Call> {
         2 => (0..5_usize, -1..5, prop::bool::weighted(0.1))
             .prop_map(|(function, kind, null)| Call::Status { function, kind, null }),
         1 => Just(Call::Cancel),
+        1 => (prop_oneof![3 => Just(50.0), 1 => bad_number()], prop::bool::weighted(0.1))
+            .prop_map(|(frequency, null)| Call::Linearize { frequency, null }),
         1 => Just(Call::NullInstance),
     ]
 }

@@ -4,7 +4,7 @@ use std::ffi::{c_char, c_int};
 use std::ptr::null_mut;
 
 use pushbelt::fmi::fmi2::{Component, FmuState};
-use pushbelt_lab::shared_library::{DISCARD, ERROR, Functions, OK, reference};
+use pushbelt_lab::shared_library::{DISCARD, ERROR, Functions, OK, WARNING, reference};
 
 use crate::calls::{Call, Flaw, INPUTS, INTEGERS, PARAMETERS, TUNABLE, UNKNOWN};
 use crate::machine::*;
@@ -129,6 +129,7 @@ impl<'a> Master<'a> {
             Call::ThroughBytes { slot, damage, cut } => self.through_bytes(slot, damage, cut),
             Call::Status { function, kind, null } => self.status(call, function, kind, null),
             Call::Cancel => self.cancel(),
+            Call::Linearize { frequency, null } => self.linearize(call, frequency, null),
             Call::NullInstance => self.null_instance(),
         }
     }
@@ -387,12 +388,31 @@ impl<'a> Master<'a> {
         assert_eq!(unsafe { (self.f.fmi2CancelStep)(self.c) }, ERROR);
     }
 
+    /// Whether there is a model depends on the belt; the instance goes on either way.
+    fn linearize(&self, call: &Call, frequency: f64, null: bool) {
+        let mut text = null_mut();
+        let place: *mut *mut c_char = if null { null_mut() } else { &mut text };
+        // SAFETY: an instance, a place for the text or null, and a text of this call or null.
+        unsafe {
+            let status = (self.f.pushbeltLinearize)(self.c, frequency, place);
+            let possible = GET.contains(&self.model.state) && !null && (0.01..=1e5).contains(&frequency);
+            assert!(
+                status == ERROR || possible && (status == OK || status == WARNING),
+                "{call:?}: {status}"
+            );
+            assert_eq!(text.is_null(), status == ERROR, "{call:?}");
+            (self.f.pushbeltFreeText)(text);
+        }
+    }
+
     fn null_instance(&self) {
         // SAFETY: null is what the functions are to stand.
         unsafe {
             (self.f.fmi2FreeInstance)(null_mut());
             assert_eq!((self.f.fmi2DoStep)(null_mut(), 0.0, 1e-3, 1), ERROR);
             assert_eq!((self.f.fmi2GetReal)(null_mut(), &1, 1, &mut 0.0), ERROR);
+            assert_eq!((self.f.pushbeltLinearize)(null_mut(), 50.0, &mut null_mut()), ERROR);
+            (self.f.pushbeltFreeText)(null_mut());
         }
     }
 

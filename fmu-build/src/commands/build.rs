@@ -78,6 +78,8 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::R
     };
     archive.add("modelDescription.xml", dated)?;
     archive.add("documentation/index.html", documentation(&description))?;
+    let header = read(&workspace.root().join("resources/pushbelt.h"))?;
+    archive.add("documentation/pushbelt.h", header)?;
 
     let parameters = workspace.root().join("resources").join("parameters");
     for (name, content) in files(&parameters, "json")? {

@@ -1,45 +1,25 @@
-//! `cargo fmu linearize`: the linear model about a steady working point, for controller design.
+//! `cargo fmu linearize`: linear models about steady working points, for controller design.
 
-use std::fs;
-use std::path::PathBuf;
-
-use anyhow::Context;
 use clap::Args;
 
 use crate::cargo;
-use crate::progress;
+use crate::commands::python_program;
 use crate::workspace::Workspace;
 
-/// The working point.
+/// The working points.
 #[derive(Args)]
 pub struct Arguments {
-    /// Keep the modes below this frequency, Hz, as states
-    #[arg(long, default_value_t = 50.0)]
-    frequency: f64,
-    /// File that is written [default: target/linear-model.json]
-    #[arg(long)]
-    output: Option<PathBuf>,
-    /// Parameters and inputs of the working point, e.g. initial.ratio=2.2 secondary.clampingForce=15000
-    #[arg(value_name = "NAME=VALUE")]
-    settings: Vec<String>,
+    /// Parameters and inputs of the working points, e.g. initial.ratio=0.5,1,2 primary.torque=60, and options of the
+    /// program; `-- --help` lists them
+    #[arg(value_name = "NAME=VALUE", trailing_var_arg = true, allow_hyphen_values = true)]
+    passed_on: Vec<String>,
 }
 
-/// Writes A, B, C, D as JSON.
+/// Runs the program, which prints what it writes.
 ///
 /// # Errors
-/// There is no steady state at this working point, or the file can't be written.
+/// The FMU doesn't build, or there is no steady state at any of the points.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    progress::headline("Finding the steady state and its modes");
-    let frequency = arguments.frequency.to_string();
-    let words: Vec<String> = std::iter::once(frequency)
-        .chain(arguments.settings.iter().cloned())
-        .collect();
-    let model = cargo::example_output(workspace, "linear_model", &words).context("there is no linear model")?;
-    let path = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| workspace.target().join("linear-model.json"));
-    fs::write(&path, model).with_context(|| format!("can't write {}", path.display()))?;
-    println!("{}", path.display());
-    Ok(())
+    let mut linearize = python_program(workspace, "pushbelt.linearize", "linearize", "Linear models")?;
+    cargo::run(linearize.args(&arguments.passed_on))
 }

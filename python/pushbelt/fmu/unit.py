@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -271,6 +272,33 @@ class Variator:
             names = [f"profile.{variable}[{k + 1}]" for k in range(PROFILE_POINTS)]
             fields[field] = self.get_reals(self.reals(names))
         return Profile(**fields)
+
+    # Beyond the standard
+
+    def linearise(self, frequency: float) -> dict[str, Any]:
+        """The linear model about the present state, as `pushbeltLinearize` answers it; modes below a frequency (Hz) are states.
+
+        Raises UnitError where there is none. What it warns of is in `warnings`.
+        """
+        try:
+            function, free = self._slave.dll.pushbeltLinearize, self._slave.dll.pushbeltFreeText
+        except AttributeError:
+            raise UnitError(
+                "this FMU is of a version that gives no linear models: it has no pushbeltLinearize"
+            ) from None
+        function.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_void_p)]
+        free.argtypes, free.restype = [ctypes.c_void_p], None
+        text = ctypes.c_void_p()
+
+        def ask() -> None:
+            if function(self._slave.component, frequency, ctypes.byref(text)) > fmi2.fmi2Warning:
+                raise UnitError("pushbeltLinearize failed")
+
+        try:
+            self._call(ask)
+            return json.loads(ctypes.string_at(text))
+        finally:
+            free(text)
 
     # Calls
 

@@ -23,8 +23,10 @@
 //! | `states` | stored states and their bytes |
 //! | `derivatives` | derivatives with respect to time |
 //! | `steps` | communication steps, and how the last one ended |
+//! | `answers` | text beyond the standard |
 //! | `exports` | the table of the exported names |
 
+pub(crate) mod answers;
 mod boundary;
 pub(crate) mod creation;
 pub(crate) mod derivatives;

@@ -14,7 +14,9 @@
 //! | `derivatives` | derivatives of inputs and outputs with respect to time |
 //! | `states` | stored states |
 //! | `steps` | communication steps, and how the last one ended |
+//! | `answers` | questions beyond the standard |
 
+mod answers;
 mod derivatives;
 mod instance;
 mod lifecycle;

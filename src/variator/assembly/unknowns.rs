@@ -54,21 +54,40 @@ pub(crate) fn nodes<T: Real, const D: usize>(
     [alpha, beta]: [f64; 2],
     seed: impl Fn(T::Constant, usize, f64) -> T,
 ) -> [Motion<Node<T, D>>; 2] {
-    [0, 2 * D].map(|first| {
-        let node = |part: Part, slope: f64| {
-            let value = unknowns.read_node::<D>(part, first);
-            let seeded = |k: usize| seed(value(k), first + k, slope);
-            Node {
-                a: SVector::from_fn(|k, _| seeded(2 * k)),
-                b: SVector::from_fn(|k, _| seeded(2 * k + 1)),
-            }
-        };
-        Motion {
-            value: node(Part::Position, beta),
-            rate: node(Part::Value, 1.0),
-            acceleration: node(Part::Rate, alpha),
-        }
-    })
+    [
+        motion_of_node(unknowns, 0, [alpha, beta], &seed),
+        motion_of_node(unknowns, 2 * D, [alpha, beta], &seed),
+    ]
+}
+
+/// Motion of the node whose first direction is `first`.
+#[inline(always)]
+fn motion_of_node<T: Real, const D: usize>(
+    unknowns: &impl ReadUnknowns<T::Constant>,
+    first: usize,
+    [alpha, beta]: [f64; 2],
+    seed: &impl Fn(T::Constant, usize, f64) -> T,
+) -> Motion<Node<T, D>> {
+    Motion {
+        value: node(unknowns, (Part::Position, first, beta), seed),
+        rate: node(unknowns, (Part::Value, first, 1.0), seed),
+        acceleration: node(unknowns, (Part::Rate, first, alpha), seed),
+    }
+}
+
+/// A part of the motion of that node.
+#[inline(always)]
+fn node<T: Real, const D: usize>(
+    unknowns: &impl ReadUnknowns<T::Constant>,
+    (part, first, slope): (Part, usize, f64),
+    seed: &impl Fn(T::Constant, usize, f64) -> T,
+) -> Node<T, D> {
+    let value = unknowns.read_node::<D>(part, first);
+    let seeded = |k: usize| seed(value(k), first + k, slope);
+    Node {
+        a: SVector::from_fn(|k, _| seeded(2 * k)),
+        b: SVector::from_fn(|k, _| seeded(2 * k + 1)),
+    }
 }
 
 /// Ring tension at the faces (`ALE0`), N.

@@ -3,6 +3,7 @@
 use faer::Mat;
 
 use crate::pulley::Pulley;
+use crate::variator::linear::working_point::WorkingPoint;
 use crate::variator::settings::parameters::{Axial, Drive, Parameters, SPEED_LAG};
 use crate::variator::settings::signals::Inputs;
 use crate::variator::system::VariatorSystem;
@@ -81,4 +82,38 @@ pub(super) fn load_columns(system: &VariatorSystem, loads: &[Load], size: usize)
         b[(row, l)] = factor;
     }
     b
+}
+
+/// Part of a load, given or held, by which the two may differ.
+const SAME: f64 = 0.01;
+/// Sizes below which loads are taken for these, N and N·m: drag holds a torque of zero apart from none.
+const SMALL_FORCE: f64 = 5.0e3;
+const SMALL_TORQUE: f64 = 50.0;
+
+/// In what the working point is not the one that was given, a sentence each.
+pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
+    let mut found = Vec::new();
+    if point.outputs.macro_slip {
+        found.push(format!(
+            "the belt slips through (macroSlip): slip = {:.3}",
+            point.outputs.slip
+        ));
+    }
+    let (mut given, mut held) = (point.given, point.inputs);
+    for load in loads {
+        let (given, held) = (*load.field(&mut given), *load.field(&mut held));
+        let (unit, small) = match load {
+            Load::ClampingForce(_) => ("N", SMALL_FORCE),
+            Load::Torque(_) => ("N.m", SMALL_TORQUE),
+            // It is the speed itself.
+            Load::SpeedSetpoint(_) => continue,
+        };
+        if (held - given).abs() > SAME * given.abs().max(held.abs()).max(small) {
+            let name = load.name();
+            found.push(format!(
+                "{name} = {held:.2} {unit} holds this point, {given} {unit} is given"
+            ));
+        }
+    }
+    found
 }

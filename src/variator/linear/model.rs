@@ -5,9 +5,10 @@ use faer::linalg::solvers::Solve;
 
 use crate::solver::{State, System};
 use crate::variator::linear::descriptor::Descriptor;
-use crate::variator::linear::loads::{Load, load_columns, loads_in_force};
-use crate::variator::linear::modes::slow_modes;
+use crate::variator::linear::loads::{Load, departures, load_columns, loads_in_force};
+use crate::variator::linear::modes::{SlowModes, slow_modes};
 use crate::variator::linear::working_point::{LinearError, TIME, WorkingPoint};
+use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::{Inputs, Outputs};
 use crate::variator::survey::belt_survey::Survey;
@@ -20,6 +21,8 @@ const NEARLY_STATIC: f64 = 1.0e-3;
 /// ẋ = A x + B u, y = C x + D u about the working point. Each matrix is a list of its rows; deviations in SI units.
 #[derive(Clone, Debug)]
 pub struct LinearModel {
+    /// Inputs that were given.
+    pub given: Inputs,
     /// Inputs that hold the working point.
     pub inputs: Inputs,
     /// Outputs at the working point.
@@ -34,8 +37,11 @@ pub struct LinearModel {
     pub c: Vec<Vec<f64>>,
     /// D: direct effect of the loads on the outputs, by modes that are not in A.
     pub d: Vec<Vec<f64>>,
-    /// Eigenvalues of A, 1/s: real and imaginary part.
+    /// Eigenvalues of A, 1/s, in the order of the states, the slowest first: real and imaginary part. A conjugate pair has
+    /// two states.
     pub poles: Vec<[f64; 2]>,
+    /// In what the working point is not the one that was given: it slips through, or other loads hold it. A sentence each.
+    pub remarks: Vec<String>,
 }
 
 /// A direction of x = (y, q), with ẏ beside it.
@@ -67,12 +73,13 @@ struct SlowSystem {
     rates: Mat<f64>,
     a: Mat<f64>,
     b: Mat<f64>,
+    poles: Vec<[f64; 2]>,
 }
 
 impl SlowSystem {
     /// Oblique projection on the modes slower than `cut_off`, 1/s; none if there are none.
     fn new(descriptor: &Descriptor, b: &Mat<f64>, cut_off: f64) -> Result<Option<Self>, LinearError> {
-        let (right, left) = slow_modes(descriptor, cut_off)?;
+        let SlowModes { right, left, poles } = slow_modes(descriptor, cut_off)?;
         if right.ncols() == 0 {
             return Ok(None);
         }
@@ -84,6 +91,7 @@ impl SlowSystem {
             right,
             a,
             b,
+            poles,
         }))
     }
 
@@ -122,9 +130,30 @@ pub fn linearise(
     frequency: f64,
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Result<LinearModel, LinearError> {
-    let mut point = WorkingPoint::new(parameters, inputs)?;
+    about(WorkingPoint::new(parameters, inputs)?, frequency, read)
+}
+
+/// The linear model about the state in which the `variator` is, as [`linearise`]. `inputs` are those that act: where others
+/// hold the state, [`LinearModel::remarks`] says so.
+///
+/// # Errors
+/// See [`LinearError`].
+pub fn linearise_at(
+    variator: &mut Variator,
+    inputs: &Inputs,
+    frequency: f64,
+    read: &[&dyn Fn(&Outputs) -> f64],
+) -> Result<LinearModel, LinearError> {
+    about(WorkingPoint::of(variator, inputs)?, frequency, read)
+}
+
+fn about(
+    mut point: WorkingPoint,
+    frequency: f64,
+    read: &[&dyn Fn(&Outputs) -> f64],
+) -> Result<LinearModel, LinearError> {
     let (system, state) = (&mut point.system, &point.state);
-    let loads = loads_in_force(parameters);
+    let loads = loads_in_force(&system.parameters);
     let descriptor = Descriptor::new(system, state);
     let b = load_columns(system, &loads, descriptor.a.nrows());
     let cut_off = std::f64::consts::TAU * frequency;
@@ -145,8 +174,9 @@ pub fn linearise(
         .iter()
         .map(|[x, rate]| differentiate(x, rate))
         .collect();
-    let values = slow.a.eigenvalues().map_err(|_| LinearError::Eigenvalues)?;
     Ok(LinearModel {
+        remarks: departures(&loads, &point),
+        given: point.given,
         inputs: point.inputs,
         outputs: point.outputs,
         loads,
@@ -154,7 +184,7 @@ pub fn linearise(
         b: rows(&slow.b),
         c: transposed(&c, read.len()),
         d: transposed(&d, read.len()),
-        poles: values.iter().map(|value| [value.re, value.im]).collect(),
+        poles: slow.poles,
     })
 }
 

@@ -2,6 +2,8 @@
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
+use nalgebra::DMatrix;
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
 
 use crate::variator::linear::descriptor::Descriptor;
 use crate::variator::linear::working_point::{LinearError, WorkingPoint};
@@ -25,9 +27,8 @@ pub fn modes(parameters: &Parameters, inputs: &Inputs, frequency: f64) -> Result
     let descriptor = Descriptor::new(&mut point.system, &point.state);
     let cut_off = std::f64::consts::TAU * frequency;
     let shift = SHIFT * cut_off;
-    let values = inverted(&descriptor, shift)
-        .eigenvalues()
-        .map_err(|_| LinearError::Eigenvalues)?;
+    let (inverted, _) = balanced(&inverted(&descriptor, shift))?;
+    let values = inverted.eigenvalues().map_err(|_| LinearError::Eigenvalues)?;
     let mut modes: Vec<[f64; 2]> = values
         .iter()
         .map(|&value| unshifted(shift, value))
@@ -43,16 +44,37 @@ fn inverted(descriptor: &Descriptor, sigma: f64) -> Mat<f64> {
     descriptor.shifted(sigma).partial_piv_lu().solve(&descriptor.e)
 }
 
+/// D⁻¹MD with a diagonal D, which is returned beside it, whose rows are as large as its columns. Unknowns are of many units: as
+/// they are, rounding moves eigenvalues near the cut-off by a tenth.
+fn balanced(matrix: &Mat<f64>) -> Result<(Mat<f64>, Vec<f64>), LinearError> {
+    let n = matrix.nrows();
+    let mut copy = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)]);
+    if copy.iter().any(|x| !x.is_finite()) {
+        return Err(LinearError::Eigenvalues);
+    }
+    let scale = balance_parlett_reinsch(&mut copy);
+    Ok((Mat::from_fn(n, n, |i, j| copy[(i, j)]), scale.iter().copied().collect()))
+}
+
 /// The eigenvalue of the pencil that belongs to `value` of [`inverted`].
 fn unshifted(sigma: f64, value: c64) -> c64 {
     c64::new(sigma, 0.0) - c64::new(1.0, 0.0) / value
 }
 
-/// Real bases of the right and of the left (as rows) invariant subspaces with |λ| below `cut_off`, neutral modes left
-/// out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E.
-pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<(Mat<f64>, Mat<f64>), LinearError> {
+/// The slow modes of a descriptor system, the slowest first.
+pub(super) struct SlowModes {
+    /// Real basis of the right invariant subspace: a column for each real mode, two for a conjugate pair.
+    pub right: Mat<f64>,
+    /// The same of the left one, as rows.
+    pub left: Mat<f64>,
+    /// Eigenvalues, one for each column: of a pair that with the positive imaginary part comes first.
+    pub poles: Vec<[f64; 2]>,
+}
+
+/// Modes with |λ| below `cut_off`, neutral ones left out: λ = σ − 1/μ for the eigenvalues μ of (σE − A)⁻¹E.
+pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<SlowModes, LinearError> {
     let shift = SHIFT * cut_off;
-    let inverted = inverted(descriptor, shift);
+    let (inverted, scale) = balanced(&inverted(descriptor, shift))?;
     // One of each pair of conjugates.
     let pairs = |matrix: &Mat<f64>| -> Result<Vec<(c64, Vec<c64>)>, LinearError> {
         let eigen = matrix.eigen().map_err(|_| LinearError::Eigenvalues)?;
@@ -65,7 +87,7 @@ pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<(Mat<f
     let mut right = pairs(&inverted)?;
     right.retain(|(lambda, _)| is_slow(*lambda, cut_off));
     right.sort_by(|(a, _), (b, _)| a.norm().total_cmp(&b.norm()));
-    // Left eigenvectors w of (σE − A)⁻¹E; those of the pencil are w (σE − A)⁻¹. Rounding may move an eigenvalue across
+    // Left eigenvectors w of D⁻¹(σE − A)⁻¹ED; those of the pencil are w D⁻¹(σE − A)⁻¹. Rounding may move an eigenvalue across
     // the cut-off, so each finds its nearest.
     let mut others = pairs(&inverted.transpose().to_owned())?;
     let mut left = Vec::with_capacity(right.len());
@@ -82,8 +104,27 @@ pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<(Mat<f
     }
     let rows = descriptor.a.nrows();
     let transposed = descriptor.shifted(shift).transpose().to_owned().partial_piv_lu();
-    let left = transposed.solve(&real_basis(&left, rows)).transpose().to_owned();
-    Ok((real_basis(&right, rows), left))
+    let (of_right, of_left) = (real_basis(&right, rows), real_basis(&left, rows));
+    let scaled = |basis: &Mat<f64>, factor: &dyn Fn(usize) -> f64| {
+        Mat::from_fn(rows, basis.ncols(), |i, j| factor(i) * basis[(i, j)])
+    };
+    let left = transposed
+        .solve(&scaled(&of_left, &|i| 1.0 / scale[i]))
+        .transpose()
+        .to_owned();
+    let mut poles = Vec::new();
+    for (lambda, _) in &right {
+        if is_oscillation(*lambda) {
+            poles.extend([[lambda.re, lambda.im], [lambda.re, -lambda.im]]);
+        } else {
+            poles.push([lambda.re, 0.0]);
+        }
+    }
+    Ok(SlowModes {
+        right: scaled(&of_right, &|i| scale[i]),
+        left,
+        poles,
+    })
 }
 
 /// Whether a mode is slower than `cut_off`, 1/s, and not neutral.

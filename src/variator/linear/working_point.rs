@@ -36,10 +36,15 @@ pub enum LinearError {
     NoMode(f64),
 }
 
+/// Slowest primary speed of a working point, rad/s.
+const STANDSTILL: f64 = 1.0e-3;
+
 /// A steady state, and the system under the loads that hold it.
 pub(super) struct WorkingPoint {
     pub system: VariatorSystem,
     pub state: State,
+    /// Inputs that were given.
+    pub given: Inputs,
     /// Inputs that hold the state.
     pub inputs: Inputs,
     pub outputs: Box<Outputs>,
@@ -48,39 +53,69 @@ pub(super) struct WorkingPoint {
 impl WorkingPoint {
     /// The steady state at the initial ratio and speed.
     pub fn new(parameters: &Parameters, inputs: &Inputs) -> Result<Self, LinearError> {
-        if parameters.ring_model.travels() {
-            return Err(LinearError::Unsteady(
-                "the nodes of this ring model pass under the stations; ALE has a steady state".to_string(),
-            ));
-        }
         let mut parameters = parameters.clone();
         parameters.initial.steady = true;
-        let mut variator = Variator::new(parameters.clone())?;
+        let mut variator = Variator::new(parameters)?;
+        refuse_travelling(&variator)?;
         variator.initialise(0.0, inputs)?;
         if variator.outputs().start_state != StartState::Steady {
             let warning = variator.take_messages().into_iter().find(|message| message.warning);
-            let why = warning.map_or_else(|| "the primary pulley stands still".to_string(), |warning| warning.text);
+            let why = warning.map_or_else(|| STANDS_STILL.to_string(), |warning| warning.text);
             return Err(LinearError::Unsteady(why));
         }
-        let (mut system, state) = (variator.system().clone(), variator.state().clone());
-        let inputs = hold(&mut system, &state, &parameters, inputs)?;
+        Self::of(&mut variator, inputs)
+    }
+
+    /// The state in which the `variator` is, under `inputs`.
+    pub fn of(variator: &mut Variator, inputs: &Inputs) -> Result<Self, LinearError> {
+        refuse_travelling(variator)?;
+        let (mut system, mut state) = (variator.system().clone(), variator.state().clone());
+        if system.friction_velocity != system.parameters.friction.velocity {
+            let why = "the run has just started without load, and friction is still soft";
+            return Err(LinearError::Unsteady(why.to_string()));
+        }
+        if system.belt.shaft_speeds(state.view()).primary.abs() <= STANDSTILL {
+            return Err(LinearError::Unsteady(STANDS_STILL.to_string()));
+        }
+        refuse_change(state.y[system.belt.layout.theta()])?;
+        state.y_dot.fill(0.0);
+        let held = hold(&mut system, &state, inputs)?;
         Ok(Self {
             system,
             state,
-            inputs,
+            given: *inputs,
+            inputs: held,
             outputs: Box::new(variator.outputs().clone()),
         })
     }
 }
 
+const STANDS_STILL: &str = "the primary pulley stands still";
+
+/// Nodes that travel have no steady state.
+fn refuse_travelling(variator: &Variator) -> Result<(), LinearError> {
+    if !variator.parameters().ring_model.travels() {
+        return Ok(());
+    }
+    let why = "the nodes of this ring model pass under the stations; ALE has a steady state";
+    Err(LinearError::Unsteady(why.to_string()))
+}
+
+/// Refuses a state in which Θ changes by this, 1/s.
+fn refuse_change(rate: f64) -> Result<(), LinearError> {
+    let rate = rate.abs();
+    if rate > STEADY {
+        return Err(LinearError::Unsteady(format!(
+            "the ratio coordinate Θ moves by {rate:.1e} a second"
+        )));
+    }
+    Ok(())
+}
+
 /// Sets the loads that hold the state. Returns them as inputs.
-fn hold(
-    system: &mut VariatorSystem,
-    state: &State,
-    parameters: &Parameters,
-    inputs: &Inputs,
-) -> Result<Inputs, LinearError> {
+fn hold(system: &mut VariatorSystem, state: &State, inputs: &Inputs) -> Result<Inputs, LinearError> {
     let mut held = *inputs;
+    let parameters = system.parameters.clone();
     let sums = Survey::of(system, state.view()).sums;
     let mut boundary = system.loads.at(TIME);
     for (j, pulley, values) in [
@@ -103,12 +138,7 @@ fn hold(
         };
     }
     load(system, boundary);
-    let change = change_of_theta(system, state)?;
-    if change > STEADY {
-        return Err(LinearError::Unsteady(format!(
-            "the ratio moves by {change:.1e} a second"
-        )));
-    }
+    refuse_change(change_of_theta(system, state)?)?;
     Ok(held)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ReferenceCurve;
-use crate::scalar::Lanes;
+use crate::scalar::{Lanes, Real};
 use crate::solver::View;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;

@@ -81,9 +81,9 @@ impl Evolution for Running<'_> {
         }
         // Sharper near standstill, where there is little energy to be wrong about.
         let speed = view.y[layout.belt_speed(0)].abs();
-        let running = speed / (1.0 + speed);
-        let speed_scale = tolerance * (2.0 + speed + 8.0 * running);
-        let place_scale = 1.0e-2 * tolerance * (0.02 + 0.98 * running);
+        let running = speed / (0.1 + speed);
+        let speed_scale = tolerance * (1.0 + speed + 8.5 * running);
+        let place_scale = 1.0e-2 * tolerance * (0.02 + 0.9 * running);
         let mut local = 0.0;
         for at in &belt.cells_at {
             let speed = y_error[at.speed] / speed_scale;

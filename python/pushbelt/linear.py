@@ -1,0 +1,160 @@
+"""The linear model of the variator about a steady working point.
+
+ẋ = A x + B u, y = C x + D u: deviations from the point, SI units. The states x are coordinates of the slow modes and have no unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    import control
+
+Array = NDArray[np.float64]
+
+
+class LinearPointError(RuntimeError):
+    """There is no linear model at a working point, or the point is not the one that was asked for."""
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """A linear model about a working point."""
+
+    a: Array
+    """(states, states), 1/s."""
+    b: Array
+    """(states, inputs)."""
+    c: Array
+    """(outputs, states)."""
+    d: Array
+    """(outputs, inputs): what modes that are not in A do at once."""
+    inputs: tuple[str, ...]
+    """Loads, names of FMU variables: clamping forces (N), torques (N·m), or set points of speeds (rad/s)."""
+    outputs: tuple[str, ...]
+    """Names of FMU variables."""
+    states: tuple[str, ...]
+    """`mode1` is the slowest. A mode that swings has two states, `mode2.re` and `mode2.im`."""
+    poles: NDArray[np.complex128]
+    """Eigenvalues of A in the order of the states, 1/s."""
+    held: Mapping[str, float]
+    """Inputs that hold the point."""
+    values: Mapping[str, float]
+    """Outputs at the point."""
+    units: Mapping[str, str]
+    """Units of inputs and outputs."""
+    frequency: float
+    """Modes below it are states, Hz."""
+    slip: float
+    macro_slip: bool
+    """Whether the belt slips through at the point."""
+    given: Mapping[str, float]
+    """Inputs that were set at the instance."""
+    remarks: tuple[str, ...]
+    """In what the point is not the one that was given."""
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any]) -> LinearModel:
+        """Of the object that the FMU's `pushbeltLinearize` answers."""
+        states, loads, readings = document["states"], document["inputs"], document["outputs"]
+        shapes = {
+            "A": (len(states), len(states)),
+            "B": (len(states), len(loads)),
+            "C": (len(readings), len(states)),
+            "D": (len(readings), len(loads)),
+        }
+        a, b, c, d = (np.array(document[name], dtype=float).reshape(shape) for name, shape in shapes.items())
+        poles = np.array(document["poles"], dtype=float).reshape(-1, 2)
+        return cls(
+            a,
+            b,
+            c,
+            d,
+            inputs=tuple(one["name"] for one in loads),
+            outputs=tuple(one["name"] for one in readings),
+            states=tuple(states),
+            poles=poles[:, 0] + 1j * poles[:, 1],
+            held={one["name"]: one["held"] for one in loads},
+            values={one["name"]: one["value"] for one in readings},
+            units={one["name"]: one["unit"] for one in (*loads, *readings)},
+            frequency=document["frequency"]["value"],
+            slip=document["slip"],
+            macro_slip=bool(document["macroSlip"]),
+            given={one["name"]: one["given"] for one in loads},
+            remarks=tuple(document["remarks"]),
+        )
+
+    def document(self) -> dict[str, Any]:
+        """The object that `of` reads."""
+        return {
+            "frequency": {"unit": "Hz", "value": self.frequency},
+            "inputs": [
+                {"name": name, "unit": self.units[name], "given": self.given[name], "held": self.held[name]}
+                for name in self.inputs
+            ],
+            "outputs": [{"name": name, "unit": self.units[name], "value": self.values[name]} for name in self.outputs],
+            "states": list(self.states),
+            "poles": np.column_stack([self.poles.real, self.poles.imag]).tolist(),
+            "slip": self.slip,
+            "macroSlip": self.macro_slip,
+            "remarks": list(self.remarks),
+            **{name: matrix.tolist() for name, matrix in zip("ABCD", (self.a, self.b, self.c, self.d), strict=True)},
+        }
+
+    def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
+        """The model with these outputs and inputs only, in this order. Raises KeyError for a name that it doesn't have."""
+        outputs = self.outputs if outputs is None else tuple(outputs)
+        inputs = self.inputs if inputs is None else tuple(inputs)
+        rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
+        return replace(
+            self,
+            b=self.b[:, columns],
+            c=self.c[rows],
+            d=self.d[np.ix_(rows, columns)],
+            inputs=inputs,
+            outputs=outputs,
+        )
+
+    def response(self, frequencies: ArrayLike) -> NDArray[np.complex128]:
+        """Frequency response at angular frequencies (rad/s), of the shape (frequencies, outputs, inputs)."""
+        s = 1j * np.atleast_1d(np.asarray(frequencies, dtype=float))
+        shifted = s[:, None, None] * np.eye(len(self.a)) - self.a
+        return self.c @ np.linalg.solve(shifted, np.broadcast_to(self.b, (len(s), *self.b.shape))) + self.d
+
+    def gain(self, output: str, load: str, frequency: float) -> complex:
+        """One entry of the frequency response, at an angular frequency (rad/s)."""
+        return complex(self.select([output], [load]).response(frequency)[0, 0, 0])
+
+    def step(self, times: ArrayLike) -> Array:
+        """Deviation of the outputs at times (s) after a unit step of each input, of the shape (times, outputs, inputs)."""
+        times = np.atleast_1d(np.asarray(times, dtype=float))
+        values, modes = np.linalg.eig(self.a)
+        grown = np.expm1(np.outer(times, values)) / values
+        driven = np.linalg.solve(modes, self.b.astype(complex))
+        return np.einsum("on,tn,ni->toi", self.c @ modes, grown, driven).real + self.d
+
+    def to_control(self) -> control.StateSpace:
+        """The model for python-control, with the names of inputs, outputs and states. Needs `pushbelt[control]`."""
+        try:
+            import control
+        except ModuleNotFoundError as error:
+            raise ModuleNotFoundError(
+                "to_control needs python-control: pip install 'pushbelt[control]'", name=error.name
+            ) from error
+        # A dot in a name separates a system from its signal there.
+        plain = {
+            key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")
+        }
+        return control.ss(self.a, self.b, self.c, self.d, **plain)
+
+
+def _places(wanted: Iterable[str], there: tuple[str, ...], what: str) -> list[int]:
+    missing = [name for name in wanted if name not in there]
+    if missing:
+        raise KeyError(f"the linear model has no {what} {missing[0]}; there are {', '.join(there)}")
+    return [there.index(name) for name in wanted]

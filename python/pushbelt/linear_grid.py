@@ -1,0 +1,208 @@
+"""Linear models over a grid of working points, and their files: `.npz` for numpy, `.mat` for MATLAB, `.json` for all others."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .linear import Array, LinearModel
+
+ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it"
+
+
+@dataclass(frozen=True)
+class LinearGrid:
+    """Linear models over a grid of working points; without axes it is a single one."""
+
+    axes: Mapping[str, Array]
+    """Values along each axis: `ratio` (1), `torque` (N·m), `speed` (rad/s), `force` (N), or names of parameters."""
+    models: NDArray[np.object_]
+    """A `LinearModel` a point; None where there is none."""
+    reasons: NDArray[np.object_]
+    """Why there is none; empty where there is one."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points along each axis."""
+        return self.models.shape
+
+    def __getitem__(self, place: Any) -> Any:
+        """The model at a place, by the numbers of the points along the axes."""
+        return self.models[place]
+
+    def points(self) -> Iterator[tuple[dict[str, float], LinearModel]]:
+        """Points that have a model: values by axis, and the model."""
+        for place in np.ndindex(self.shape):
+            if self.models[place] is not None:
+                yield self.point(place), self.models[place]
+
+    def refused(self) -> Iterator[tuple[dict[str, float], str]]:
+        """Points that have none: values by axis, and the reason."""
+        for place in np.ndindex(self.shape):
+            if self.models[place] is None:
+                yield self.point(place), self.reasons[place]
+
+    def point(self, place: tuple[int, ...]) -> dict[str, float]:
+        """Values by axis at a place."""
+        return {name: float(values[k]) for (name, values), k in zip(self.axes.items(), place, strict=True)}
+
+    def to_control(self) -> NDArray[np.object_]:
+        """A `control.StateSpace` a point, of python-control; None where there is no model."""
+        systems = np.full(self.shape, None, dtype=object)
+        for place in np.ndindex(self.shape):
+            if self.models[place] is not None:
+                systems[place] = self.models[place].to_control()
+        return systems
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a file by its ending: `.npz`, `.mat` (needs scipy) or `.json`; `load_linear` reads the first.
+
+        Raises ValueError for another ending, or where no point has a model.
+        """
+        path = Path(path)
+        writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
+        if path.suffix not in writers:
+            raise ValueError(f"{path} ends in none of {', '.join(writers)}")
+        if all(model is None for model in self.models.flat):
+            raise ValueError(f"{path} is not written: there is no linear model at any point")
+        writers[path.suffix](self, path)
+
+
+def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
+    """The linear models of a `.npz` that `LinearGrid.save` or `pushbelt linearize` has written.
+
+    Raises ValueError for a file that is none.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            found = dict(file)
+        axes = {str(name): found[f"axis.{name}"] for name in found["axes"]}
+        shape = found["order"].shape
+        models = np.full(shape, None, dtype=object)
+        for place in np.ndindex(shape):
+            if found["order"][place]:
+                models[place] = _model(found, place)
+    except (KeyError, ValueError, EOFError) as error:
+        raise ValueError(f"{os.fspath(path)} holds no linear models: {error}") from error
+    return LinearGrid(axes, models, found["reasons"].astype(object))
+
+
+def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
+    inputs, outputs = tuple(found["inputs"].tolist()), tuple(found["outputs"].tolist())
+    n = int(found["order"][place])
+    remarks = str(found["remarks"][place])
+    return LinearModel(
+        a=found["A"][place][:n, :n],
+        b=found["B"][place][:n],
+        c=found["C"][place][:, :n],
+        d=found["D"][place],
+        inputs=inputs,
+        outputs=outputs,
+        states=tuple(found["states"][place][:n].tolist()),
+        poles=found["poles"][place][:n],
+        held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
+        given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
+        values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
+        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)),
+        frequency=float(found["frequency"]),
+        slip=float(found["slip"][place]),
+        macro_slip=bool(found["macroSlip"][place] == 1.0),
+        remarks=tuple(remarks.split("\n")) if remarks else (),
+    )
+
+
+def _npz(grid: LinearGrid, path: Path) -> None:
+    """Arrays over the grid: the axes of the grid come first. What a point doesn't have is NaN."""
+    models = grid.models
+    first = next(model for model in models.flat if model is not None)
+    order = np.array([0 if model is None else len(model.a) for model in models.flat])
+    n, k, m = int(order.max()), len(first.inputs), len(first.outputs)
+
+    def filled(of: Callable[[LinearModel], Any], *shape: int, of_type: Any = float, empty: Any = np.nan) -> Any:
+        array = np.full((models.size, *shape), empty, dtype=of_type)
+        for place, model in enumerate(models.flat):
+            if model is not None:
+                value = np.asarray(of(model))
+                array[(place, *(slice(length) for length in value.shape))] = value
+        return array.reshape(*models.shape, *shape)
+
+    np.savez_compressed(
+        path,
+        about=ABOUT,
+        A=filled(lambda one: one.a, n, n),
+        B=filled(lambda one: one.b, n, k),
+        C=filled(lambda one: one.c, m, n),
+        D=filled(lambda one: one.d, m, k),
+        poles=filled(lambda one: one.poles, n, of_type=complex),
+        held=filled(lambda one: [one.held[name] for name in one.inputs], k),
+        given=filled(lambda one: [one.given[name] for name in one.inputs], k),
+        values=filled(lambda one: [one.values[name] for name in one.outputs], m),
+        slip=filled(lambda one: one.slip),
+        macroSlip=filled(lambda one: float(one.macro_slip)),
+        states=filled(lambda one: one.states, n, of_type="U16", empty=""),
+        remarks=filled(lambda one: "\n".join(one.remarks), of_type="U1000", empty=""),
+        order=order.reshape(models.shape),
+        inputs=np.array(first.inputs),
+        outputs=np.array(first.outputs),
+        units=np.array([first.units[name] for name in (*first.inputs, *first.outputs)]),
+        frequency=first.frequency,
+        reasons=grid.reasons.astype(str),
+        axes=np.array(list(grid.axes), dtype=str),
+        **{f"axis.{name}": values for name, values in grid.axes.items()},
+    )
+
+
+def _mat(grid: LinearGrid, path: Path) -> None:
+    """A cell array of structures, one a point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
+    from scipy.io import savemat
+
+    first = next(model for model in grid.models.flat if model is not None)
+    cells = np.empty(grid.shape if grid.shape else (1,), dtype=object)
+    for place, (model, reason) in enumerate(zip(grid.models.flat, grid.reasons.flat, strict=True)):
+        cells.flat[place] = {"reason": reason} if model is None else _structure(model)
+    points = np.empty(len(grid.axes), dtype=object)
+    points[:] = list(grid.axes.values())
+    names = {
+        "inputs": first.inputs,
+        "outputs": first.outputs,
+        "units": [first.units[name] for name in (*first.inputs, *first.outputs)],
+        "axes": list(grid.axes),
+    }
+    texts = {key: np.array(list(value), dtype=object) for key, value in names.items()}
+    savemat(path, {"about": ABOUT, "models": cells, **texts, "points": points}, oned_as="column")
+
+
+def _structure(model: LinearModel) -> dict[str, Any]:
+    return {
+        "A": model.a,
+        "B": model.b,
+        "C": model.c,
+        "D": model.d,
+        "poles": model.poles[:, None],
+        "held": np.array([[model.held[name]] for name in model.inputs]),
+        "given": np.array([[model.given[name]] for name in model.inputs]),
+        "values": np.array([[model.values[name]] for name in model.outputs]),
+        "states": np.array(model.states, dtype=object),
+        "slip": model.slip,
+        "macroSlip": model.macro_slip,
+        "frequency": model.frequency,
+        "remarks": np.array(model.remarks, dtype=object),
+        "reason": "",
+    }
+
+
+def _json(grid: LinearGrid, path: Path) -> None:
+    models = [
+        grid.point(place)
+        | ({"reason": grid.reasons[place]} if grid.models[place] is None else grid.models[place].document())
+        for place in np.ndindex(grid.shape)
+    ]
+    axes = {name: values.tolist() for name, values in grid.axes.items()}
+    path.write_text(json.dumps({"about": ABOUT, "axes": axes, "models": models}, indent=1), encoding="utf-8")

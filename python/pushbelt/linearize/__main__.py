@@ -1,0 +1,107 @@
+"""Writes linear models of the variator about steady working points: A, B, C, D, for controller design.
+
+A point is a geometric ratio `initial.ratio`, a torque `primary.torque` (N·m), a speed `initial.primarySpeed` (rad/s) and a force
+`secondary.clampingForce` (N). The primary force and the secondary torque are those that hold it. Several values make a grid:
+`initial.ratio=0.5,1,2`, or `initial.ratio=0.5:2:7` for seven from 0.5 to 2. Other names are parameters of the FMU, enumerations by
+name: `ring.model=ALE0`.
+
+Writes models.npz (numpy), models.mat (MATLAB), models.json, and report.html with Bode and step plots. A point that is not the one
+asked for is no model: the belt slips through there, or other loads would hold it. One such point alone is a failure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from pushbelt.linear_grid import LinearGrid
+from pushbelt.progress import progress_bar
+from pushbelt.variator import FREQUENCY, SteadyStateError, Variator
+
+from . import points, report
+
+FILES = ("models.npz", "models.mat", "models.json")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    found = argparse.ArgumentParser(
+        prog="pushbelt.linearize", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    found.add_argument("settings", nargs="*", metavar="NAME=VALUE", help="points and parameters, in SI units")
+    found.add_argument("--fmu", type=Path, required=True, help="the FMU")
+    found.add_argument("--output", type=Path, required=True, help="folder for the files and report.html")
+    found.add_argument("--variator", metavar="NAME", help="parameter set that goes before, bench168, belt155 or ….json")
+    found.add_argument(
+        "--frequency", type=float, default=FREQUENCY, metavar="HZ", help="modes below it are states [%(default)s]"
+    )
+    found.add_argument(
+        "--safety", type=float, metavar="FACTOR", help="clamp by the torque with this factor, instead of a given force"
+    )
+    found.add_argument(
+        "--outputs", default=",".join(report.OUTPUTS), metavar="NAMES", help="outputs in the figures [%(default)s]"
+    )
+    found.add_argument("--time", type=float, default=2.0, metavar="S", help="length of the step plots [%(default)s]")
+    return found
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Finds the models, writes the files and says where they are."""
+    options = parser().parse_intermixed_args(arguments)
+    try:
+        asked = points.read(options.settings, options.safety)
+        with Variator(options.variator or {}, asked.parameters, fmu=options.fmu) as variator:
+            grid = find(variator, asked, options.frequency)
+        return write(grid, asked, options)
+    except (points.PointError, SteadyStateError, OSError, ValueError, KeyError) as error:
+        print(f"no linear model: {error.args[0] if isinstance(error, KeyError) else error}", file=sys.stderr)
+        return 1
+
+
+def find(variator: Variator, asked: points.Asked, frequency: float) -> LinearGrid:
+    """The models, with a progress bar."""
+    axes = asked.filled(variator)
+    bar = progress_bar(axes.size, "working points")
+    with bar:
+        grid = variator.linear_grid(
+            axes.ratio,
+            axes.torque,
+            speed=axes.speed,
+            force=axes.force,
+            safety=asked.safety or 1.0,
+            frequency=frequency,
+            changes=axes.changes,
+            after_each=lambda: bar.update(1),
+        )
+    return points.without_other_loads(grid, asked.loads)
+
+
+def write(grid: LinearGrid, asked: points.Asked, options: argparse.Namespace) -> int:
+    """Writes what was found, and says what was not."""
+    refused, found = list(grid.refused()), list(grid.points())
+    for _, reason in refused:
+        print(f"  {reason}", file=sys.stderr)
+    if not found:
+        print(f"no linear model at {'this point' if len(refused) == 1 else 'any point'}", file=sys.stderr)
+        return 1
+    if refused:
+        print(f"{len(refused)} of {len(refused) + len(found)} points have no linear model", file=sys.stderr)
+    options.output.mkdir(parents=True, exist_ok=True)
+    path = report.write(grid, options.output, options.outputs.split(","), options.time)
+    for name in FILES:
+        grid.save(options.output / name)
+    _, model = found[0]
+    if len(found) == 1:
+        for name in model.inputs:
+            print(f"  {name} = {model.held[name]:.6g} {model.units[name]}")
+        print(f"  slip = {100.0 * model.slip:.3f} %, macroSlip = {str(model.macro_slip).lower()}")
+        print(f"  poles (1/s): {', '.join(report.pole(pole) for pole in model.poles)}")
+    for name in FILES:
+        print((options.output / name).resolve())
+    print(path.resolve())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,146 @@
+"""Working points as they are written on the command line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pushbelt.linear import LinearModel
+from pushbelt.linear_grid import LinearGrid
+from pushbelt.variator import Variator
+
+AXES = {
+    "initial.ratio": "ratio",
+    "primary.torque": "torque",
+    "initial.primarySpeed": "speed",
+    "secondary.clampingForce": "force",
+}
+"""Names of the FMU and of the axes of a grid."""
+REACTIONS = ("primary.clampingForce", "secondary.torque")
+"""What holds a point: a value that is given is compared with it."""
+SAME = 0.01
+"""Part of a load by which what is given and what holds the point may differ."""
+SMALL = {"primary.clampingForce": 5e3, "secondary.torque": 50.0}
+"""Loads below it are compared as if they were this, N and N·m."""
+
+
+class PointError(ValueError):
+    """What is asked for can't be read."""
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Values of each axis; one number is no axis."""
+
+    ratio: list[float]
+    torque: list[float]
+    speed: float | list[float]
+    force: float | list[float] | None
+    changes: Mapping[str, list[Any]]
+
+    @property
+    def size(self) -> int:
+        """How many points there are."""
+        lists = (self.ratio, self.torque, self.speed, self.force, *self.changes.values())
+        return math.prod(len(values) for values in lists if isinstance(values, list))
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked for."""
+
+    points: Mapping[str, list[float]]
+    """Values of `AXES` that are given."""
+    loads: Mapping[str, float]
+    """Values of `REACTIONS` that are given."""
+    parameters: Mapping[str, str]
+    """One value each."""
+    changes: Mapping[str, list[str]]
+    """Several values each."""
+    safety: float | None
+
+    def filled(self, variator: Variator) -> Axes:
+        """With the start values of the variator for what is not given."""
+        several = {name: values if len(values) > 1 else values[0] for name, values in self.points.items()}
+        return Axes(
+            self.points.get("initial.ratio") or [variator["initial.ratio"]],
+            self.points.get("primary.torque") or [variator["primary.torque"]],
+            several.get("initial.primarySpeed", variator["initial.primarySpeed"]),
+            None if self.safety else several.get("secondary.clampingForce", variator["secondary.clampingForce"]),
+            self.changes,
+        )
+
+
+def read(settings: Sequence[str], safety: float | None = None) -> Asked:
+    """Reads NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT."""
+    points: dict[str, list[float]] = {}
+    loads: dict[str, float] = {}
+    parameters: dict[str, str] = {}
+    changes: dict[str, list[str]] = {}
+    for setting in settings:
+        name, separator, text = setting.partition("=")
+        if not (separator and name and text):
+            raise PointError(f"`{setting}` is not of the form NAME=VALUE")
+        if name in points or name in loads or name in parameters or name in changes:
+            raise PointError(f"{name} is given twice")
+        words = _words(name, text)
+        if name in AXES:
+            points[name] = [_number(name, word) for word in words]
+        elif name in REACTIONS:
+            if len(words) > 1:
+                raise PointError(f"{name} follows from the point: it takes one value, to be compared with, or none")
+            loads[name] = _number(name, words[0])
+        elif len(words) == 1:
+            parameters[name] = words[0]
+        else:
+            changes[name] = words
+    if safety is not None and not (math.isfinite(safety) and safety > 0.0):
+        raise PointError(f"--safety {safety} is not a number above 0")
+    if safety is not None and "secondary.clampingForce" in points:
+        raise PointError("--safety and secondary.clampingForce both say how to clamp: give one of them")
+    return Asked(points, loads, parameters, changes, safety)
+
+
+def _words(name: str, text: str) -> list[str]:
+    parts = text.split(":")
+    if len(parts) != 3:
+        return [word.strip() for word in text.split(",")]
+    first, last = (_number(name, word) for word in parts[:2])
+    if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= 1000:
+        raise PointError(f"{name}={text}: the last number says how many values there are, 2 to 1000")
+    return [repr(float(value)) for value in np.linspace(first, last, int(parts[2]))]
+
+
+def _number(name: str, word: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        raise PointError(f"{name} = {word!r} is no number") from None
+    if not math.isfinite(value):
+        raise PointError(f"{name} = {word} is not finite")
+    return value
+
+
+def without_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> LinearGrid:
+    """The grid without the points that other loads hold than those that are given."""
+    models, reasons = grid.models.copy(), grid.reasons.copy()
+    for place in np.ndindex(grid.shape):
+        if models[place] is not None and (why := _other_loads(models[place], loads)):
+            at = ", ".join(f"{name} {value:g}" for name, value in grid.point(place).items())
+            models[place], reasons[place] = None, f"no linear model at {at}: {why}"
+    return LinearGrid(grid.axes, models, reasons)
+
+
+def _other_loads(model: LinearModel, loads: Mapping[str, float]) -> str:
+    found = []
+    for name, given in loads.items():
+        held = model.held.get(name, given)
+        if abs(held - given) > SAME * max(abs(held), abs(given), SMALL[name]):
+            found.append(
+                f"{name} = {held:.6g} {model.units[name]} holds this point, {given:g} {model.units[name]} is given"
+            )
+    return "; ".join(found)

@@ -1,0 +1,120 @@
+"""The report: Bode and step plots, and a table of the points, in one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pushbelt import page
+from pushbelt.charts import Chart, Panel, Series
+from pushbelt.linear import LinearModel
+from pushbelt.linear_grid import LinearGrid
+from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
+
+OUTPUTS = ("ratio.geometric", "primary.speed", "slip")
+"""Drawn unless others are asked for."""
+COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
+LOWEST = 0.01
+"""Lowest frequency of the Bode plots, Hz."""
+UNITS = {"ratio": "", "torque": "N·m", "speed": "rad/s", "force": "N"}
+SHOWN_POLES = 4
+
+Drawn = Sequence[tuple[str, str, LinearModel]]
+"""Name, colour and model of the points in the figures."""
+
+
+def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
+    """Writes the report; returns where it is. Raises KeyError for an output that the models don't have."""
+    found = list(grid.points())
+    drawn = chosen(grid)
+    drawn[0][2].select(outputs)
+    first = found[0][1]
+    charts = [(output, bode(drawn, output, first.frequency), steps(drawn, output, time)) for output in outputs]
+    path = folder / "report.html"
+    context = {
+        "grid": grid,
+        "points": [(title(grid, point), model, _poles(model)) for point, model in found],
+        "refused": [(title(grid, point), reason) for point, reason in grid.refused()],
+        "inputs": first.inputs,
+        "units": first.units,
+        "outputs": first.outputs,
+        "frequency": first.frequency,
+        "charts": charts,
+        "drawn": len(drawn),
+    }
+    page.write_html("linearize/linearize.html.j2", context, path, short=short)
+    return path
+
+
+def chosen(grid: LinearGrid) -> Drawn:
+    """At most as many points as there are colours, evenly through the grid, the first and the last among them."""
+    found = list(grid.points())
+    places = np.unique(np.linspace(0, len(found) - 1, min(len(found), len(COLOURS))).round().astype(int))
+    return [(title(grid, found[k][0]), COLOURS[n], found[k][1]) for n, k in enumerate(places)]
+
+
+def title(grid: LinearGrid, point: dict[str, float]) -> str:
+    """What tells a point from the others."""
+    several = {name: value for name, value in point.items() if len(grid.axes[name]) > 1} or point
+    return ", ".join(f"{name} {value:.4g} {UNITS.get(name, '')}".rstrip() for name, value in several.items())
+
+
+def bode(drawn: Drawn, output: str, highest: float) -> Chart:
+    """Magnitude and phase from each input to an output, over Hz."""
+    frequencies = np.geomspace(LOWEST, highest, 300)
+    first, panels = drawn[0][2], []
+    for load in first.inputs:
+        responses = [
+            (name, colour, model.select([output], [load]).response(2.0 * np.pi * frequencies)[:, 0, 0])
+            for name, colour, model in drawn
+        ]
+        size = [Series(name, frequencies, np.abs(values), colour) for name, colour, values in responses]
+        phase = [
+            Series(name, frequencies, np.degrees(np.unwrap(np.angle(values))), colour)
+            for name, colour, values in responses
+        ]
+        unit = per(first.units[output], first.units[load])
+        log = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, highest)}
+        panels += [
+            Panel(f"{load} → {output}: magnitude ({unit})", size, scale="log", **log),
+            Panel(f"{load} → {output}: phase (°)", phase, **log),
+        ]
+    return Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
+
+
+def steps(drawn: Drawn, output: str, end: float) -> Chart:
+    """Responses of an output to a unit step of each input, over time."""
+    times, first, panels = np.linspace(0.0, end, 400), drawn[0][2], []
+    for load in first.inputs:
+        series = [
+            Series(name, times, model.select([output], [load]).step(times)[:, 0, 0], colour)
+            for name, colour, model in drawn
+        ]
+        unit = per(first.units[output], first.units[load])
+        panels.append(Panel(f"{load} → {output} ({unit})", series, "time (s)", x_range=(0.0, end)))
+    return Chart(panels, f"Step responses of {output}", columns=2, linked=True, common_legend=True, least_width=330)
+
+
+def per(output: str, load: str) -> str:
+    """Unit of an output per input."""
+    load = f"({load})" if "." in load or "/" in load else load
+    return f"{output}/{load}"
+
+
+def _poles(model: LinearModel) -> str:
+    upper = [one for one in model.poles if one.imag >= 0.0]
+    return ", ".join(pole(one) for one in upper[:SHOWN_POLES])
+
+
+def pole(value: complex) -> str:
+    """An eigenvalue with three digits."""
+    turn = f"{'+' if value.imag > 0 else '-'}{abs(value.imag):.3g}i" if value.imag else ""
+    return f"{value.real:.3g}{turn}".replace("-", page.MINUS)
+
+
+def short(value: Any) -> str:
+    """A number with five digits."""
+    return f"{value:.5g}".replace("-", page.MINUS)

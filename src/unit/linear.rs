@@ -1,0 +1,140 @@
+//! The linear model of a variator in the names of the interface, as JSON.
+
+use serde_json::{Value, json};
+
+use super::settings::Settings;
+use super::table;
+use super::variator_unit::VariatorUnit;
+use crate::fmi::Table;
+use crate::fmi::table::{Access, Causality, Kind};
+use crate::fmi::unit::Remark;
+use crate::variator::linear::{LinearModel, Load, linearise_at};
+use crate::variator::settings::{Outputs, Readings};
+
+/// Frequencies below which modes can be kept, Hz.
+const FREQUENCIES: (f64, f64) = (1.0e-2, 1.0e5);
+
+/// An output of the linear model: name, unit, and where its value stands.
+struct Column {
+    name: String,
+    unit: &'static str,
+    get: fn(&Readings) -> f64,
+}
+
+/// The linear model about the present state of `unit`, whose inputs are those of `settings`. Modes below `frequency`, Hz,
+/// are its states. A warning for each thing in which the point is not the one that was given.
+///
+/// # Errors
+/// A sentence that says why there is none.
+pub(super) fn model(
+    unit: &mut VariatorUnit,
+    settings: &Settings,
+    frequency: f64,
+    remarks: &mut Vec<Remark>,
+) -> Result<String, String> {
+    let (least, most) = FREQUENCIES;
+    if !(least..=most).contains(&frequency) {
+        return Err(format!(
+            "the frequency {frequency} Hz, below which modes are kept, is out of range: {least} to {most} Hz"
+        ));
+    }
+    let table = table::table();
+    let columns = outputs(&table);
+    let read: Vec<_> = columns
+        .iter()
+        .map(|column| |outputs: &Outputs| (column.get)(&outputs.clone().into()))
+        .collect();
+    let read: Vec<&dyn Fn(&Outputs) -> f64> = read.iter().map(|read| read as _).collect();
+    let variator = unit.variator();
+    let time = variator.time();
+    let found = linearise_at(variator, &settings.inputs, frequency, &read).map_err(|error| error.to_string())?;
+    remarks.extend(found.remarks.iter().map(|text| Remark {
+        warning: true,
+        text: format!("the linear model is not about the point that is given: {text}"),
+    }));
+    Ok(format!("{:#}", in_words(&found, &table, &columns, frequency, time)))
+}
+
+/// Real outputs of the interface.
+fn outputs(table: &Table<Settings, Readings>) -> Vec<Column> {
+    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
+    let column = outputs.filter_map(|variable| match variable.kind {
+        Kind::Real {
+            access: Access::Reading(get),
+            unit,
+            ..
+        } => Some(Column {
+            name: variable.name.clone(),
+            unit,
+            get,
+        }),
+        _ => None,
+    });
+    column.collect()
+}
+
+fn in_words(
+    model: &LinearModel,
+    table: &Table<Settings, Readings>,
+    columns: &[Column],
+    frequency: f64,
+    time: f64,
+) -> Value {
+    let unit_of = |name: &str| match table.by_name(name).map(|variable| &variable.kind) {
+        Some(Kind::Real { unit, .. }) => *unit,
+        _ => "1",
+    };
+    let (mut given, mut held) = (model.given, model.inputs);
+    let mut load = |load: &Load| {
+        let name = load.name();
+        let (given, held) = (*load.field(&mut given), *load.field(&mut held));
+        json!({"name": name, "unit": unit_of(name), "given": given, "held": held})
+    };
+    let at: Readings = (*model.outputs).clone().into();
+    let output = |column: &Column| json!({"name": column.name, "unit": column.unit, "value": (column.get)(&at)});
+    json!({
+        "about": "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it",
+        "frequency": {"unit": "Hz", "value": frequency},
+        "time": {"unit": "s", "value": time},
+        "inputs": model.loads.iter().map(&mut load).collect::<Vec<_>>(),
+        "outputs": columns.iter().map(output).collect::<Vec<_>>(),
+        "states": states(&model.poles),
+        "poles": model.poles,
+        "slip": model.outputs.slip,
+        "macroSlip": model.outputs.macro_slip,
+        "remarks": model.remarks,
+        "A": model.a,
+        "B": model.b,
+        "C": model.c,
+        "D": model.d,
+    })
+}
+
+/// Names of the states: `mode1`, and of a pair of conjugates `mode2.re` and `mode2.im`.
+fn states(poles: &[[f64; 2]]) -> Vec<String> {
+    let (mut names, mut number) = (Vec::new(), 0);
+    for [_, turn] in poles {
+        if *turn < 0.0 {
+            names.push(format!("mode{number}.im"));
+            continue;
+        }
+        number += 1;
+        names.push(if *turn > 0.0 {
+            format!("mode{number}.re")
+        } else {
+            format!("mode{number}")
+        });
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::states;
+
+    #[test]
+    fn a_pair_has_two_states_of_one_mode() {
+        let poles = [[-0.1, 0.0], [-2.0, 5.0], [-2.0, -5.0], [-9.0, 0.0]];
+        assert_eq!(states(&poles), ["mode1", "mode2.re", "mode2.im", "mode3"]);
+    }
+}
