@@ -305,7 +305,7 @@ mod tests {
     #[test]
     fn packs_of_another_width_are_read() {
         let wide = written(&[LANES], |_| [4.0, 0.25]);
-        let narrow = written(&vec![1; LANES], |_| [4.0, 0.25]);
+        let narrow = written(&[1; LANES], |_| [4.0, 0.25]);
         assert_eq!(wide, narrow);
         let kept = read(&narrow, LANES);
         assert_eq!(kept.slopes, [4.0, 0.25]);
@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn packs_of_different_factors_keep_no_derivatives() {
-        let kept = read(&written(&vec![1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
+        let kept = read(&written(&[1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
         assert!(kept.slopes[0].is_nan());
         assert_eq!(
             kept.unknowns.position[0].to_array()[LANES - 1],
