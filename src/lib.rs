@@ -29,6 +29,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![warn(missing_docs)]
+// The programs of the page for users of the library are tests.
+#![cfg_attr(doctest, doc = include_str!("../docs/rust-api.md"))]
 
 // A wrong number is worse than a slow one: docs/experiments.md, "eight lanes with AVX-512".
 #[cfg(target_feature = "avx512f")]
@@ -51,8 +53,3 @@ pub mod tape;
 pub mod tilt;
 pub mod unit;
 pub mod variator;
-
-/// The programs of the page for users of the library are tests.
-#[cfg(doctest)]
-#[doc = include_str!("../docs/rust-api.md")]
-struct LibraryPage;

@@ -212,7 +212,11 @@ mod tests {
 
     #[test]
     fn a_counter_that_no_run_reaches_is_rejected() {
-        for (count, expected) in [(1 << 53, Ok(())), ((1 << 53) + 1, Err(Mismatch)), (u64::MAX, Err(Mismatch))] {
+        for (count, expected) in [
+            (1 << 53, Ok(())),
+            ((1 << 53) + 1, Err(Mismatch)),
+            (u64::MAX, Err(Mismatch)),
+        ] {
             let bytes = count.to_le_bytes();
             let mut tape = Tape::reader(&bytes);
             let mut found = 7;

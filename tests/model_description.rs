@@ -215,7 +215,11 @@ fn units_and_types_in_use_are_declared() {
 #[test]
 fn every_real_output_has_a_typical_size_within_its_range() {
     let table = VariatorUnit::table();
-    for variable in table.variables().iter().filter(|variable| !variable.causality.is_setting()) {
+    for variable in table
+        .variables()
+        .iter()
+        .filter(|variable| !variable.causality.is_setting())
+    {
         if let Kind::Real { range, .. } = &variable.kind {
             let nominal = range.nominal.unwrap_or_else(|| panic!("{} has none", variable.name));
             assert!(nominal > 0.0, "{}", variable.name);
@@ -245,8 +249,16 @@ fn display_units_are_those_of_the_workshop() {
             panic!("{name} is a real setting");
         };
         assert_eq!(*display_unit, Some(unit), "{name}");
-        let declared = table.units.iter().find(|declared| declared.name == *base).expect("declared");
-        let (_, factor) = declared.display.iter().find(|(name, _)| *name == unit).expect("declared");
+        let declared = table
+            .units
+            .iter()
+            .find(|declared| declared.name == *base)
+            .expect("declared");
+        let (_, factor) = declared
+            .display
+            .iter()
+            .find(|(name, _)| *name == unit)
+            .expect("declared");
         let value = factor * get(&Settings::default());
         assert!((value - shown).abs() < 1e-5 * shown, "{name}: {value} {unit}");
     }

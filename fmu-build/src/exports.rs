@@ -39,7 +39,11 @@ pub fn check(library: &[u8]) -> anyhow::Result<()> {
             bail!("something is exported without a name");
         };
         let name = std::str::from_utf8(name).context("an exported name is no text")?;
-        found.insert(if mac { name.strip_prefix('_').unwrap_or(name) } else { name });
+        found.insert(if mac {
+            name.strip_prefix('_').unwrap_or(name)
+        } else {
+            name
+        });
     }
     compare(&names(), &found)
 }
@@ -86,7 +90,10 @@ mod tests {
         let of_fmi2 = names.iter().filter(|name| name.starts_with("fmi2"));
         assert_eq!(of_fmi2.count(), 34);
         assert!(names.contains("fmi2Instantiate") && names.contains("fmi2GetStringStatus"));
-        assert!(names.iter().all(|name| name.is_ascii() && !name.contains(' ')), "{names:?}");
+        assert!(
+            names.iter().all(|name| name.is_ascii() && !name.contains(' ')),
+            "{names:?}"
+        );
     }
 
     #[test]

@@ -84,7 +84,10 @@ fn take<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Resul
             ..
         } => {
             let number = value.parse().map_err(|_| no("number"))?;
-            set(settings, variable.admit_real(number).map_err(|error| error.to_string())?);
+            set(
+                settings,
+                variable.admit_real(number).map_err(|error| error.to_string())?,
+            );
         }
         Kind::Integer {
             access: Access::Setting { set, .. },

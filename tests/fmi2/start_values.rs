@@ -55,7 +55,10 @@ fn values_of_the_file_hold_and_come_back_with_a_reset() {
     assert_eq!(importer.real("friction.pulley"), 0.085);
     assert_eq!(importer.real("friction.ring"), 0.05, "the default");
     assert_eq!(importer.real("primary.clampingForce"), 14_000.0);
-    assert_eq!((importer.integer("ring.model"), importer.boolean("initial.steady")), (1, 0));
+    assert_eq!(
+        (importer.integer("ring.model"), importer.boolean("initial.steady")),
+        (1, 0)
+    );
     let set = Importer::new(c"set");
     set.make_cheap();
     assert_eq!(set.set_real("friction.pulley", 0.085), Ok);
@@ -79,8 +82,14 @@ fn a_file_that_can_not_be_used_is_named() {
     let resources = Resources::new("bad");
     let large = [b'#'; (1 << 20) + 1];
     for (content, words) in [
-        (&b"friction.pulley 0.085"[..], "line 1: \"friction.pulley 0.085\" is not of the form name = value"),
-        (b"\nfriction.pully = 0.085", "line 2: there is no variable \"friction.pully\""),
+        (
+            &b"friction.pulley 0.085"[..],
+            "line 1: \"friction.pulley 0.085\" is not of the form name = value",
+        ),
+        (
+            b"\nfriction.pully = 0.085",
+            "line 2: there is no variable \"friction.pully\"",
+        ),
         (b"friction.pulley = high", "friction.pulley = \"high\" is no number"),
         (b"friction.pulley = nan", "friction.pulley = NaN is not a finite number"),
         (b"friction.pulley = 3", "friction.pulley = 3 is out of range: 0 to 1"),
@@ -89,7 +98,10 @@ fn a_file_that_can_not_be_used_is_named() {
         (b"mesh.strand = 4.5", "mesh.strand = \"4.5\" is no whole number"),
         (b"initial.steady = 0", "initial.steady = \"0\" is no truth value"),
         (b"slip = 0.1", "slip is calculated"),
-        (b"friction.ring = 0.1\nfriction.ring = 0.1", "line 2: friction.ring is there twice"),
+        (
+            b"friction.ring = 0.1\nfriction.ring = 0.1",
+            "line 2: friction.ring is there twice",
+        ),
         (b"\xff\xfe", "no text in UTF-8"),
         (&large, "more than 1048576 bytes"),
     ] {
@@ -102,5 +114,9 @@ fn a_file_that_can_not_be_used_is_named() {
     assert!(!resources.importer().c.is_null(), "without the file the defaults hold");
     fs::create_dir(resources.0.join(FILE)).expect("a folder");
     let importer = resources.importer();
-    assert!(importer.c.is_null() && importer.last().contains("no file"), "{:?}", importer.heard);
+    assert!(
+        importer.c.is_null() && importer.last().contains("no file"),
+        "{:?}",
+        importer.heard
+    );
 }

@@ -213,9 +213,13 @@ fn bytes_of_a_strangers_making_harm_nothing() {
     // The head and the settings are short beside the matrices: half of the places lie there.
     let head = 52..2000.min(bytes.len() - 16);
     let place = prop_oneof![head, 52..bytes.len() - 24];
-    let cases = u32::try_from(pushbelt_lab::shared_library::count("PUSHBELT_STRANGERS", 400)).expect("a count");
+    let cases = pushbelt_lab::shared_library::count("PUSHBELT_STRANGERS", 400);
     let mut runner = TestRunner::new_with_rng(
-        Config { cases, failure_persistence: None, ..Config::default() },
+        Config {
+            cases,
+            failure_persistence: None,
+            ..Config::default()
+        },
         TestRng::deterministic_rng(RngAlgorithm::ChaCha),
     );
     let taken = std::cell::Cell::new(0);
@@ -243,7 +247,11 @@ fn bytes_of_a_strangers_making_harm_nothing() {
         Result::Ok(())
     });
     result.unwrap_or_else(|error| panic!("{error}"));
-    assert!((cases / 10..cases).contains(&taken.get()), "{} of {cases} were taken", taken.get());
+    assert!(
+        (cases / 10..cases).contains(&taken.get()),
+        "{} of {cases} were taken",
+        taken.get()
+    );
     // And the instance itself is whole.
     assert_eq!(continue_from(&importer, &resealed), Ok);
     assert_eq!(importer.step(0.003, 0.001), Ok);

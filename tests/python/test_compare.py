@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import reports
 
-from pushbelt.compare import __main__, runs
+from pushbelt.compare import __main__, belts, runs
+from pushbelt.fmu.data import parameter_set
 from pushbelt.page import write_table
 
 
@@ -72,6 +73,37 @@ def test_what_is_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture
     assert __main__.main([str(good), str(good), "--output", str(tmp_path / "out"), "--variables", "sloop"]) == 1
     said = capsys.readouterr().err
     assert "there is no" in said and "two of a kind" in said and "sloop" in said
+
+
+def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -> None:
+    """Where both files have the fields along the belt."""
+    paths = []
+    for name, force in (("a", 13e3), ("b", 15e3)):
+        unit = variator()
+        unit.set({"primary.clampingForce": force})
+        unit.initialise()
+        names = [*belts.OUTPUTS, *(column for field in belts.NEEDED for column in belts.places(field))]
+        reals = unit.reals(names)
+        rows = []
+        for k in range(20):
+            rows.append([k * 1e-3, *unit.get_reals(reals)])
+            unit.step_to((k + 1) * 1e-3)
+        paths.append(tmp_path / f"{name}.csv")
+        write_table(paths[-1], ["time", *names], rows)
+    out = tmp_path / "out"
+    assert __main__.main([*map(str, paths), "--output", str(out), "--fmu", str(fmu)]) == 0
+    text = reports.stands_alone(out / "report.html")
+    assert text.count('<div class="belt"') == 2 and "The belt of run B" in text
+    (pair,) = runs.pairs(*paths)
+    shown = [belts.belt_of(run, parameter_set("bench168")) for run in pair.runs]
+    assert len(shown[0].time) == 20
+    assert shown[0].push == pytest.approx(np.column_stack([pair.runs[0][n] for n in belts.places("pushForce")]))
+    assert abs(shown[0].radii - shown[1].radii).max() > 1e-6, "the belts are at other ratios"
+    # Fields are in the table, but not among the curves.
+    assert "<code>profile.pushForce[1]</code>" in text
+    reports.look_at(out / "report.html")
+    assert __main__.main([str(paths[0]), str(write(tmp_path / "c.csv")), "--output", str(out)]) == 0
+    assert '<div class="belt"' not in (out / "report.html").read_text(encoding="utf-8"), "one file has none"
 
 
 def test_the_report_shows_both_runs(fmu: Path, tmp_path: Path) -> None:

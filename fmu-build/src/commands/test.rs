@@ -87,7 +87,14 @@ fn windows_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<
     progress::headline("Windows tests");
     let mut tests = environment.command();
     // -rs prints why something is skipped.
-    tests.args(["-m", "pytest", "-p", "no:cacheprovider", "-rs", "tests/python/test_windows.py"]);
+    tests.args([
+        "-m",
+        "pytest",
+        "-p",
+        "no:cacheprovider",
+        "-rs",
+        "tests/python/test_windows.py",
+    ]);
     tests.env("PUSHBELT_ZIG", tools.program("python"));
     tests.env("PUSHBELT_LIBRARY", library);
     tests.args(passed_on);

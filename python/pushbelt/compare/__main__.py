@@ -9,6 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from pushbelt.fmu.data import parameter_set
 from pushbelt.fmu.untrusted import InputFileError, described
 
 from . import report, runs
@@ -24,6 +25,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--variables", type=lambda text: tuple(text.split(",")), default=(), help="draw these, in this order"
     )
+    parser.add_argument(
+        "--variator",
+        default="bench168",
+        help="parameter set of the runs, or its file, ….json: for the belt, where both files have the columns profile.…",
+    )
     options = parser.parse_args(arguments)
     try:
         pairs = runs.pairs(options.a, options.b)
@@ -32,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
         if unknown:
             raise runs.CompareError(f"no pair of runs has a column {', '.join(unknown)}")
         units = _units(options.fmu) if options.fmu else {}
-        path = report.write(pairs, units, options.output, options.variables)
+        path = report.write(pairs, units, options.output, options.variables, parameter_set(options.variator))
     except (runs.CompareError, InputFileError, OSError) as error:
         print(f"The comparison failed: {error}", file=sys.stderr)
         return 1

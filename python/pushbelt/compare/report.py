@@ -6,18 +6,30 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 from pushbelt import page
+from pushbelt.belt_view import belt_view
 from pushbelt.charts import Chart, Panel, Series
 from pushbelt.style import BLUE, ORANGE
 
+from .belts import FIELD, belt_of, shows_belt
 from .runs import Pair
 
 MOST = 24
 """Columns that are drawn of a pair; the table has all."""
 
 
-def write(pairs: Sequence[Pair], units: Mapping[str, str], folder: Path, wanted: Sequence[str] = ()) -> Path:
-    """Writes report and differences; returns where the report is."""
+def write(
+    pairs: Sequence[Pair],
+    units: Mapping[str, str],
+    folder: Path,
+    wanted: Sequence[str] = (),
+    parameters: Mapping[str, float] | None = None,
+) -> Path:
+    """Writes report and differences; returns where the report is. With `parameters` of the variator it shows both belts where both
+    files have their fields.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     page.write_table(
         folder / "differences.csv",
@@ -29,22 +41,39 @@ def write(pairs: Sequence[Pair], units: Mapping[str, str], folder: Path, wanted:
         ),
     )
     path = folder / "report.html"
-    page.write_html("compare/compare.html.j2", _context(pairs, units, wanted), path, plain=_plain)
+    page.write_html("compare/compare.html.j2", _context(pairs, units, wanted, parameters), path, plain=_plain)
     return path
 
 
-def _context(pairs: Sequence[Pair], units: Mapping[str, str], wanted: Sequence[str]) -> dict[str, Any]:
+def _context(
+    pairs: Sequence[Pair], units: Mapping[str, str], wanted: Sequence[str], parameters: Mapping[str, float] | None
+) -> dict[str, Any]:
     return {
-        "pairs": [(f"run-{k}", pair, overlay(pair, units, wanted)) for k, pair in enumerate(pairs, start=1)],
+        "pairs": [
+            (key, pair, overlay(pair, units, wanted, key), _belts(pair, key, parameters))
+            for key, pair in ((f"run-{k}", pair) for k, pair in enumerate(pairs, start=1))
+        ],
         "units": units,
         "most": MOST,
         "chosen": bool(wanted),
     }
 
 
-def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = ()) -> Chart:
-    """Both runs in each column; those that are apart most come first, unless some are wanted."""
-    names = [name for name in wanted if name in pair.names] or [d.name for d in pair.differences[:MOST]]
+def _belts(pair: Pair, group: str, parameters: Mapping[str, float] | None) -> list[tuple[str, Markup]]:
+    """The belt of each run; none unless both files have what it takes."""
+    if parameters is None or not all(shows_belt(run) for run in pair.runs):
+        return []
+    return [
+        (who, belt_view(belt_of(run, parameters), parameters, f"Belt of run {who} over time", group))
+        for who, run in zip("AB", pair.runs, strict=True)
+    ]
+
+
+def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = (), group: str = "") -> Chart:
+    """Both runs in each column; those that are apart most come first, unless some are wanted. Pictures of one group share their time."""
+    names = [name for name in wanted if name in pair.names] or [
+        d.name for d in pair.differences if not d.name.startswith(FIELD)
+    ][:MOST]
     looks = (("A", BLUE, ""), ("B", ORANGE, "dash"))
     start = min(float(run.time[0]) for run in pair.runs)
     end = max(float(run.time[-1]) for run in pair.runs)
@@ -65,6 +94,7 @@ def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = ()) ->
         f"Both runs of {pair.name} over time",
         columns=2,
         linked=True,
+        group=group,
         least_width=330,
     )
 

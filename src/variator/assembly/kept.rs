@@ -305,7 +305,7 @@ mod tests {
     #[test]
     fn packs_of_another_width_are_read() {
         let wide = written(&[LANES], |_| [4.0, 0.25]);
-        let narrow = written(&vec![1; LANES], |_| [4.0, 0.25]);
+        let narrow = written(&[1; LANES], |_| [4.0, 0.25]);
         assert_eq!(wide, narrow);
         let kept = read(&narrow, LANES);
         assert_eq!(kept.slopes, [4.0, 0.25]);
@@ -313,14 +313,21 @@ mod tests {
             assert_eq!(kept.unknowns.value[2].to_array()[lane], 2002.0 + 10.0 * lane as f64);
         }
         let part = read(&written(&[1], |_| [4.0, 0.25]), 1);
-        assert_eq!(part.unknowns.rate[0].to_array(), [3000.0; LANES], "the last is repeated");
+        assert_eq!(
+            part.unknowns.rate[0].to_array(),
+            [3000.0; LANES],
+            "the last is repeated"
+        );
     }
 
     #[test]
     fn packs_of_different_factors_keep_no_derivatives() {
-        let kept = read(&written(&vec![1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
+        let kept = read(&written(&[1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
         assert!(kept.slopes[0].is_nan());
-        assert_eq!(kept.unknowns.position[0].to_array()[LANES - 1], 1000.0 + 10.0 * (LANES - 1) as f64);
+        assert_eq!(
+            kept.unknowns.position[0].to_array()[LANES - 1],
+            1000.0 + 10.0 * (LANES - 1) as f64
+        );
         let none = read(&written(&[LANES], |_| [f64::NAN; 2]), LANES);
         assert!(none.slopes[0].is_nan());
     }
