@@ -14,14 +14,21 @@
 //! | `derivatives` | derivatives of inputs and outputs with respect to time |
 //! | `states` | stored states |
 //! | `steps` | communication steps, and how the last one ended |
+//! | `modes` | what FMI 3.0 adds: initialisation with its experiment, event mode |
+//! | `typed` | its other types of variables |
+//! | `own_steps` | its communication steps, one own step of the unit after the other |
 
 mod derivatives;
 mod instance;
 mod lifecycle;
+mod modes;
 mod outcome;
+mod own_steps;
 mod states;
 mod steps;
+mod typed;
 mod values;
 
-pub use instance::Slave;
+pub use instance::{Slave, Version};
+pub use own_steps::Underway;
 pub use steps::StatusKind;
