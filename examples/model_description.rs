@@ -1,5 +1,16 @@
-//! Prints the model description that the variable table gives. `cargo fmu describe` writes it down.
+//! Prints a file that is generated from the variable table; `cargo fmu describe` runs it. The first argument names it:
+//! `modelDescription.xml` (FMI 2.0, also without an argument), `modelDescription3.xml` (FMI 3.0) or `terminalsAndIcons.xml`.
 
-fn main() {
-    print!("{}", pushbelt::unit::model_description());
+use pushbelt::unit::{model_description, model_description3, terminals};
+
+fn main() -> Result<(), String> {
+    let file = std::env::args().nth(1);
+    let text = match file.as_deref() {
+        None | Some("modelDescription.xml") => model_description(),
+        Some("modelDescription3.xml") => model_description3(),
+        Some("terminalsAndIcons.xml") => terminals(),
+        Some(other) => return Err(format!("{other} is not generated from the variable table")),
+    };
+    print!("{text}");
+    Ok(())
 }

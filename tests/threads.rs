@@ -4,7 +4,9 @@
 
 use std::thread;
 
-use pushbelt_lab::shared_library::Library;
+use pushbelt::fmi::fmi3::{Boolean, Environment, Instance};
+use pushbelt_lab::shared_library::{Library, OK, reference};
+use pushbelt_lab::shared_library3::{Functions3, Watches};
 
 #[test]
 fn sixteen_instances_on_eight_threads_give_the_sequential_bits() {
@@ -31,6 +33,76 @@ fn sixteen_instances_on_eight_threads_give_the_sequential_bits() {
             .into_iter()
             .flat_map(|worker| worker.join().expect("no panic"))
             .collect()
+    });
+    assert_eq!(together, alone);
+}
+
+/// A master that reads a speed at each of the unit's own steps; its environment is the instance and the functions.
+struct Watcher {
+    functions: Functions3,
+    c: Instance,
+    seen: f64,
+}
+
+unsafe extern "C" fn watch(
+    environment: Environment,
+    _time: f64,
+    _set: Boolean,
+    _get: Boolean,
+    _finished: Boolean,
+    _can_return: Boolean,
+    _wanted: *mut Boolean,
+    _until: *mut f64,
+) {
+    // SAFETY: the environment is the `Watcher` of the instance that calls.
+    unsafe {
+        let watcher = &mut *environment.cast::<Watcher>();
+        let speed = reference("primary.speed");
+        let status = (watcher.functions.fmi3GetFloat64)(watcher.c, &speed, 1, &raw mut watcher.seen, 1);
+        assert_eq!(status, OK);
+    }
+}
+
+#[test]
+fn sixteen_watched_instances_of_fmi_3_on_eight_threads_give_the_sequential_bits() {
+    let library = Library::load();
+    let functions = library.functions3;
+    let run = move |number: u32| {
+        let mut watcher = Watcher {
+            functions,
+            c: std::ptr::null_mut(),
+            seen: 0.0,
+        };
+        let environment = &raw mut watcher;
+        let c = functions.instantiate(Watches {
+            early_return: true,
+            update: (number % 2 == 0).then_some((watch, environment.cast())),
+            ..Watches::default()
+        });
+        // SAFETY: the watcher lives longer than the instance, and is used by its callbacks only; the instance is not used any
+        // more when it is freed.
+        unsafe {
+            (*environment).c = c;
+            functions.make_cheap(c);
+            functions.start(c);
+            let result = functions.run(c, f64::from(number), 40);
+            (functions.fmi3FreeInstance)(c);
+            assert_eq!(
+                (*environment).seen > 0.0,
+                number % 2 == 0,
+                "every second instance is watched"
+            );
+            result
+        }
+    };
+    let alone: Vec<_> = (0..16).map(run).collect();
+    assert_ne!(alone[0], alone[1], "the instances differ");
+    let together: Vec<_> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..8)
+            .map(|worker| scope.spawn(move || [run(2 * worker), run(2 * worker + 1)]))
+            .collect();
+        let joined = workers.into_iter().map(|worker| worker.join().expect("no panic"));
+        joined.flatten().collect()
     });
     assert_eq!(together, alone);
 }

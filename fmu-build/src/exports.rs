@@ -89,6 +89,8 @@ mod tests {
         let names = names();
         let of_fmi2 = names.iter().filter(|name| name.starts_with("fmi2"));
         assert_eq!(of_fmi2.count(), 34);
+        let of_fmi3 = names.iter().filter(|name| name.starts_with("fmi3"));
+        assert_eq!(of_fmi3.count(), 75);
         assert!(names.contains("fmi2Instantiate") && names.contains("fmi2GetStringStatus"));
         assert!(
             names.iter().all(|name| name.is_ascii() && !name.contains(' ')),

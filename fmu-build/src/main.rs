@@ -6,7 +6,7 @@
 //! | [`workspace`], [`platform`] | paths of the workspace, and the host's names for binaries |
 //! | [`cargo`], [`python`], [`mdbook`] | the outside programs that do the work |
 //! | [`portable`], [`binary`] | binaries for other machines, and what these need to load them |
-//! | [`archive`], [`licenses`], [`description`], [`image`] | what goes into the FMU beside the binary |
+//! | [`archive`], [`licenses`], [`description`], [`image`], [`icons`] | what goes into the FMU beside the binary |
 //! | [`links`] | the check of the book's links |
 //! | [`progress`] | headlines and bars on the terminal |
 
@@ -17,6 +17,7 @@ mod commands;
 mod date;
 mod description;
 mod exports;
+mod icons;
 mod image;
 mod licenses;
 mod links;
@@ -46,8 +47,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Compile the binary and pack target/PushbeltVariator.fmu (2 minutes; seconds if nothing changed)
-    Build(commands::build::Arguments),
+    /// Compile the binary and pack target/PushbeltVariator.fmu, or with --fmi3 target/PushbeltVariator3.fmu (2 minutes; seconds if nothing changed)
+    Build(commands::build::Options),
     /// Run the Rust tests, and the Python tests with the FMU (up to 20 minutes)
     Test(commands::test::Arguments),
     /// Simulate published load cases with the FMU and write target/demo/report.html (10 seconds)
@@ -70,7 +71,7 @@ enum Command {
     Bench(commands::bench::Arguments),
     /// Write linear models A, B, C, D about steady working points and target/linearize/report.html (seconds)
     Linearize(commands::linearize::Arguments),
-    /// Write modelDescription.xml, docs/variables.md and python/pushbelt/_version.py from the variable table (seconds)
+    /// Write modelDescription.xml, modelDescription3.xml, terminalsAndIcons.xml, docs/variables.md and python/pushbelt/_version.py from the variable table (seconds)
     Describe,
     /// Write the documentation as a book, target/book/index.html, and check its links (2 minutes; seconds if nothing
     /// changed)
@@ -90,7 +91,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let workspace = Workspace::find()?;
     match &arguments.command {
-        Command::Build(arguments) => commands::build::run(&workspace, arguments).map(drop),
+        Command::Build(arguments) => commands::build::run_options(&workspace, arguments),
         Command::Test(arguments) => commands::test::run(&workspace, arguments),
         Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
         Command::Drive(arguments) => commands::drive::run(&workspace, arguments),

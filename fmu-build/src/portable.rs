@@ -1,6 +1,7 @@
-//! Binaries for other machines than this one: linux64 with an old glibc, and win64.
+//! Binaries for other machines than this one: Linux with an old glibc and Windows, both on x86-64; for FMI 3.0 also Linux on ARM and
+//! macOS.
 //!
-//! Zig has the linker and the C library of both (PyPI package `ziglang`, started by `cargo-zigbuild`). rustup installs
+//! Zig has the linker and the C library of each (PyPI package `ziglang`, started by `cargo-zigbuild`). rustup installs
 //! Rust's standard library.
 
 use std::ffi::OsString;
@@ -9,7 +10,7 @@ use std::process::Command;
 
 use anyhow::{Context, ensure};
 
-use crate::platform::Platform;
+use crate::platform::{Platform, Version};
 use crate::python::{BUILDING, Environment};
 use crate::workspace::Workspace;
 use crate::{binary, cargo, exports, progress};
@@ -25,7 +26,8 @@ struct Target {
     zig: &'static str,
 }
 
-const TARGETS: [Target; 2] = [
+/// All targets. FMI 2.0 gets the first [`OF_FMI2`].
+const TARGETS: [Target; 5] = [
     Target {
         platform: Platform::LINUX64,
         triple: "x86_64-unknown-linux-gnu",
@@ -36,17 +38,37 @@ const TARGETS: [Target; 2] = [
         triple: "x86_64-pc-windows-gnu",
         zig: "x86_64-pc-windows-gnu",
     },
+    Target {
+        platform: Platform::LINUX_ARM,
+        triple: "aarch64-unknown-linux-gnu",
+        zig: "aarch64-unknown-linux-gnu.2.17",
+    },
+    Target {
+        platform: Platform::DARWIN_ARM,
+        triple: "aarch64-apple-darwin",
+        zig: "aarch64-apple-darwin",
+    },
+    Target {
+        platform: Platform::DARWIN64,
+        triple: "x86_64-apple-darwin",
+        zig: "x86_64-apple-darwin",
+    },
 ];
+const OF_FMI2: usize = 2;
 
 /// Compiles the binary for every target whose standard library can be installed, and prints which can't.
 ///
 /// # Errors
 /// The tools can't be installed, a compilation fails, or a binary needs more than it may.
-pub fn build(workspace: &Workspace) -> anyhow::Result<Vec<(Platform, PathBuf)>> {
+pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<(Platform, PathBuf)>> {
     let tools = Environment::prepare(workspace, &BUILDING)?;
     let mut binaries = Vec::new();
-    for target in &TARGETS {
-        let folder = target.platform.folder;
+    let targets = match version {
+        Version::Two => &TARGETS[..OF_FMI2],
+        Version::Three => &TARGETS[..],
+    };
+    for target in targets {
+        let folder = target.platform.tuple;
         if let Err(why) = ensure_installed(target.triple) {
             eprintln!("  {folder} is left out: {why:#}");
             continue;
@@ -132,6 +154,15 @@ mod tests {
     #[test]
     fn the_linker_gets_the_oldest_glibc() {
         let (major, minor) = GLIBC;
-        assert_eq!(TARGETS[0].zig, format!("{}.{major}.{minor}", TARGETS[0].triple));
+        for target in TARGETS.iter().filter(|target| target.triple.contains("linux")) {
+            assert_eq!(target.zig, format!("{}.{major}.{minor}", target.triple));
+        }
+    }
+
+    #[test]
+    fn fmi_2_gets_the_targets_that_it_has_folders_for() {
+        for target in &TARGETS[..OF_FMI2] {
+            assert!(target.platform.binary(Version::Two, "Model").is_ok());
+        }
     }
 }

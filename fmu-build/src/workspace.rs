@@ -49,9 +49,24 @@ impl Workspace {
         self.target.join(format!("{MODEL_IDENTIFIER}.fmu"))
     }
 
-    /// The model description, checked in at the top level.
+    /// The same for FMI 3.0.
+    pub fn fmu3(&self) -> PathBuf {
+        self.target.join(format!("{MODEL_IDENTIFIER}3.fmu"))
+    }
+
+    /// The model description of FMI 2.0, checked in at the top level.
     pub fn model_description(&self) -> PathBuf {
         self.root.join("modelDescription.xml")
+    }
+
+    /// The model description of FMI 3.0, checked in at the top level.
+    pub fn model_description3(&self) -> PathBuf {
+        self.root.join("modelDescription3.xml")
+    }
+
+    /// The connections and their places on the icon, checked in at the top level.
+    pub fn terminals(&self) -> PathBuf {
+        self.root.join("terminalsAndIcons.xml")
     }
 
     /// Waits until no other run of this tool writes `what` in the target directory, and lets others wait until the

@@ -10,6 +10,7 @@ mod noise;
 pub mod ring;
 pub mod run;
 pub mod shared_library;
+pub mod shared_library3;
 pub mod shift;
 pub mod steady;
 pub mod tracking;

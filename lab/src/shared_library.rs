@@ -11,22 +11,24 @@ use pushbelt::fmi::Unit;
 use pushbelt::fmi::fmi2::{CallbackFunctions, Component, FmuState};
 use pushbelt::unit::VariatorUnit;
 
+use crate::shared_library3::Functions3;
+
 pub const OK: c_int = 0;
 pub const WARNING: c_int = 1;
 pub const DISCARD: c_int = 2;
 pub const ERROR: c_int = 3;
 
 macro_rules! functions {
-    ($($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
+    ($all:ident: $($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// The exported functions.
         #[allow(non_snake_case, reason = "names of the standard and of the header")]
         #[derive(Clone, Copy)]
-        pub struct Functions {
+        pub struct $all {
             $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
         }
 
-        impl Functions {
-            fn of(library: &Loaded) -> Self {
+        impl $all {
+            pub(crate) fn of(library: &libloading::Library) -> Self {
                 // SAFETY: these are the types of these functions, in the standard and in `pushbelt.h`.
                 unsafe {
                     Self {
@@ -38,9 +40,12 @@ macro_rules! functions {
     };
 }
 
+pub(crate) use functions;
+
 type References = *const u32;
 
 functions! {
+    Functions:
     fmi2GetTypesPlatform() -> *const c_char;
     fmi2GetVersion() -> *const c_char;
     fmi2SetDebugLogging(Component, c_int, usize, *const *const c_char) -> c_int;
@@ -83,6 +88,7 @@ functions! {
 pub struct Library {
     _loaded: Loaded,
     pub functions: Functions,
+    pub functions3: Functions3,
 }
 
 /// Where cargo puts the library that it builds for the tests: beside them.
@@ -103,10 +109,11 @@ impl Library {
     pub fn load() -> Self {
         // SAFETY: the library runs nothing when it is loaded.
         let loaded = unsafe { Loaded::new(path()) }.expect("the library loads");
-        let functions = Functions::of(&loaded);
+        let (functions, functions3) = (Functions::of(&loaded), Functions3::of(&loaded));
         Self {
             _loaded: loaded,
             functions,
+            functions3,
         }
     }
 }

@@ -1,6 +1,5 @@
-//! `modelDescription.xml`, generated from the variable table, and the GUID made from it.
+//! `modelDescription.xml` of FMI 2.0, generated from the variable table, and the GUID made from it.
 
-use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use quick_xml::events::{BytesDecl, Event};
@@ -10,6 +9,7 @@ use super::hash::Fnv;
 use super::log::Category;
 use super::table::{Access, Causality, Enumeration, Kind, Table, UnitDefinition, Variable};
 use super::unit::{Identity, Unit};
+use super::xml::{Attributes, empty, number, parent, token};
 
 /// The model description of a unit.
 ///
@@ -32,18 +32,8 @@ pub fn guid<U: Unit>() -> String {
 fn guid_of<U: Unit>(table: &Table<U::Settings, U::Readings>) -> String {
     let mut hash = Fnv::default();
     write::<U, _>(&mut hash, table, "").expect("a hash takes all bytes");
-    let digits = format!("{:032x}", hash.value());
-    format!(
-        "{{{}-{}-{}-{}-{}}}",
-        &digits[..8],
-        &digits[8..12],
-        &digits[12..16],
-        &digits[16..20],
-        &digits[20..]
-    )
+    token(&hash)
 }
-
-type Attributes = Vec<(&'static str, String)>;
 
 fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid: &str) -> io::Result<()> {
     let identity = U::IDENTITY;
@@ -111,7 +101,7 @@ fn capabilities(identity: &Identity) -> Attributes {
     ]
 }
 
-fn default_experiment(identity: &Identity) -> Attributes {
+pub(super) fn default_experiment(identity: &Identity) -> Attributes {
     vec![
         ("startTime", "0".into()),
         ("stopTime", number(identity.stop_time)),
@@ -170,7 +160,7 @@ fn scalar_variable<W: Write, S, R>(xml: &mut Writer<W>, variable: &Variable<S, R
 }
 
 /// The attributes `causality`, `variability` and `initial` of a variable.
-fn role<S, R>(variable: &Variable<S, R>) -> (&'static str, &'static str, Option<&'static str>) {
+pub(super) fn role<S, R>(variable: &Variable<S, R>) -> (&'static str, &'static str, Option<&'static str>) {
     let real = matches!(variable.kind, Kind::Real { .. });
     match variable.causality {
         Causality::Parameter => ("parameter", "fixed", Some("exact")),
@@ -223,7 +213,7 @@ fn type_of<S, R>(kind: &Kind<S, R>, settings: &S) -> (&'static str, Attributes) 
 }
 
 /// The start value of a setting; readings have none.
-fn start<S, R, T>(access: &Access<S, R, T>, settings: &S) -> Option<T> {
+pub(super) fn start<S, R, T>(access: &Access<S, R, T>, settings: &S) -> Option<T> {
     match access {
         Access::Setting { get, .. } => Some(get(settings)),
         Access::Reading(_) | Access::Element(..) => None,
@@ -255,38 +245,4 @@ fn model_structure<W: Write, S, R>(xml: &mut Writer<W>, table: &Table<S, R>) -> 
     parent(xml, "InitialUnknowns", vec![], |xml| {
         outputs().try_for_each(|index| empty(xml, "Unknown", vec![index]))
     })
-}
-
-fn empty<W: Write>(xml: &mut Writer<W>, tag: &str, attributes: Attributes) -> io::Result<()> {
-    let mut element = xml.create_element(tag);
-    for (name, value) in &attributes {
-        element = element.with_attribute((*name, value.as_str()));
-    }
-    element.write_empty().map(|_| ())
-}
-
-fn parent<W: Write>(
-    xml: &mut Writer<W>,
-    tag: &str,
-    attributes: Attributes,
-    content: impl FnOnce(&mut Writer<W>) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut element = xml.create_element(tag);
-    for (name, value) in &attributes {
-        element = element.with_attribute((*name, value.as_str()));
-    }
-    element.write_inner_content(content).map(|_| ())
-}
-
-/// The shortest decimal text that reads back as the same number.
-fn number(value: f64) -> String {
-    let mut text = String::new();
-    let size = value.abs();
-    let written = if size == 0.0 || (1e-4..1e6).contains(&size) {
-        write!(text, "{value}")
-    } else {
-        write!(text, "{value:e}")
-    };
-    written.expect("memory takes all text");
-    text
 }

@@ -73,6 +73,8 @@ pub trait Sink {
 pub struct Log {
     sink: Option<Box<dyn Sink>>,
     enabled: u8,
+    /// What is logged without debug logging.
+    quiet: &'static [Category],
 }
 
 impl Log {
@@ -83,21 +85,34 @@ impl Log {
     /// A log into `sink`, if there is one.
     #[must_use]
     pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
-        let mut log = Self { sink, enabled: 0 };
+        Self::with(sink, debug, &Self::QUIET)
+    }
+
+    /// A log that is silent without debug logging: so FMI 3.0 wants it.
+    #[must_use]
+    pub fn silent_without_debug(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
+        Self::with(sink, debug, &[])
+    }
+
+    fn with(sink: Option<Box<dyn Sink>>, debug: bool, quiet: &'static [Category]) -> Self {
+        let mut log = Self {
+            sink,
+            enabled: 0,
+            quiet,
+        };
         log.choose(debug, &[]);
         log
     }
 
-    /// Chooses what is logged: with `debug` the given categories, or all if none is given; errors always.
+    /// Chooses what is logged: with `debug` the given categories, or all if none is given, and errors.
     pub fn choose(&mut self, debug: bool, categories: &[Category]) {
         let categories = match (debug, categories.is_empty()) {
-            (false, _) => &Self::QUIET[..],
+            (false, _) => self.quiet,
             (true, true) => &Category::ALL[..],
             (true, false) => categories,
         };
-        self.enabled = categories
-            .iter()
-            .fold(Category::Error.bit(), |bits, category| bits | category.bit());
+        let always = if debug { Category::Error.bit() } else { 0 };
+        self.enabled = categories.iter().fold(always, |bits, category| bits | category.bit());
     }
 
     /// Logs a message.

@@ -1,4 +1,4 @@
-//! An FMI 2.0 co-simulation slave around any model: C functions, state machine, variable table, snapshots, log, description.
+//! A co-simulation slave of FMI 2.0 and FMI 3.0 around any model: C functions, state machine, variable table, snapshots, log, description.
 //!
 //! Nothing here depends on what is modelled. A model is a [`Unit`]: settings that the master writes (parameters and
 //! inputs), readings that it reads, a start and a step; and one [`Table`] that binds each variable's name to its
@@ -14,11 +14,14 @@
 //! | [`slave`] | one instance, in the order of that state machine |
 //! | `snapshot`, `bytes` | the whole state of an instance; the same with version and checksum |
 //! | [`log`] | messages to the importer |
-//! | `description` | the XML, and the GUID made from it |
+//! | [`stepping`] | what a model has to offer to a master that watches its own steps (FMI 3.0) |
+//! | `description`, `xml` | the XML of FMI 2.0, and the GUID made from it; elements and numbers of any XML |
 //! | `resources` | the resource location, a URI |
 //! | [`start_values`] | start values of a user's own, from a file in the resources |
 //! | `processor` | whether the processor has what the binary is compiled for |
-//! | [`fmi2`] | the C functions for any unit, the only place with `unsafe`; `export!` names them for one unit |
+//! | [`fmi2`] | the C functions of FMI 2.0 for any unit; `export!` names them for one unit |
+//! | [`fmi3`] | the same of FMI 3.0, with its XML |
+//! | `pointers` | pointers to references, slices and strings; with the two above the only place with `unsafe` |
 //!
 //! There are no globals and no threads; every instance owns all it uses.
 
@@ -28,10 +31,14 @@ mod bytes;
 mod description;
 #[allow(unsafe_code)]
 pub mod fmi2;
+#[allow(unsafe_code)]
+pub mod fmi3;
 #[forbid(unsafe_code)]
 mod hash;
 #[forbid(unsafe_code)]
 pub mod log;
+#[allow(unsafe_code)]
+mod pointers;
 #[forbid(unsafe_code)]
 mod processor;
 #[forbid(unsafe_code)]
@@ -45,9 +52,13 @@ pub mod start_values;
 #[forbid(unsafe_code)]
 pub mod state;
 #[forbid(unsafe_code)]
+pub mod stepping;
+#[forbid(unsafe_code)]
 pub mod table;
 #[forbid(unsafe_code)]
 pub mod unit;
+#[forbid(unsafe_code)]
+mod xml;
 
 pub use description::{guid, model_description};
 pub(crate) use fmi2::exports::export;

@@ -1,4 +1,5 @@
-//! The state machine of a co-simulation slave: which call is allowed when (table 4.2.4 of the standard).
+//! The state machine of a co-simulation slave: which call is allowed when (table 4.2.4 of FMI 2.0, sections 2.3 and 4.2 of FMI 3.0).
+//! The step mode of FMI 3.0 is [`State::StepComplete`] and, after a discarded step, [`State::StepFailed`].
 
 /// States of a slave. A step is finished when `fmi2DoStep` returns, so the states "step in progress" and "step
 /// cancelled" never occur; neither does "fatal", since no instance can harm another.
@@ -16,17 +17,20 @@ pub enum State {
     Terminated,
     /// A call failed: only reset, a stored state or the end of the instance go on from here.
     Error,
+    /// Event mode, of FMI 3.0 only: something has happened at this time, and the master sets what it answers with.
+    Event,
 }
 
 impl State {
     /// All states, in the order of their numbers in stored states.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Instantiated,
         Self::Initialisation,
         Self::StepComplete,
         Self::StepFailed,
         Self::Terminated,
         Self::Error,
+        Self::Event,
     ];
 
     /// Name for messages.
@@ -39,7 +43,14 @@ impl State {
             Self::StepFailed => "after a discarded step",
             Self::Terminated => "terminated",
             Self::Error => "in the error state",
+            Self::Event => "in event mode",
         }
+    }
+
+    /// Whether a run has started and not ended.
+    #[must_use]
+    pub fn is_running(self) -> bool {
+        matches!(self, Self::StepComplete | Self::StepFailed | Self::Event)
     }
 }
 
@@ -68,26 +79,31 @@ pub enum Call {
     GetStatus,
     /// `fmi2CancelStep`.
     CancelStep,
+    /// `fmi3EnterEventMode`.
+    EnterEventMode,
+    /// `fmi3UpdateDiscreteStates` and `fmi3EnterStepMode`.
+    HandleEvent,
 }
 
 impl Call {
     /// Whether the call is allowed in a state.
     #[must_use]
     pub fn allowed_in(self, state: State) -> bool {
-        use State::{Error, Initialisation, Instantiated, StepComplete, StepFailed, Terminated};
+        use State::{Error, Event, Initialisation, Instantiated, StepComplete, StepFailed, Terminated};
         match self {
             Self::SetupExperiment | Self::EnterInitializationMode => state == Instantiated,
             Self::ExitInitializationMode => state == Initialisation,
-            Self::Terminate => matches!(state, StepComplete | StepFailed),
+            Self::Terminate => state.is_running(),
             Self::Always => true,
-            Self::Get => matches!(state, Initialisation | StepComplete | StepFailed | Terminated | Error),
-            Self::GetOutputDerivatives => matches!(state, StepComplete | StepFailed | Terminated | Error),
+            Self::Get => state.is_running() || matches!(state, Initialisation | Terminated | Error),
+            Self::GetOutputDerivatives => state.is_running() || matches!(state, Terminated | Error),
             // After a discarded step the standard knows only rollback and the end. This slave stands at its last
             // successful time, so it also lets the master change inputs and go on from there.
-            Self::Set => matches!(state, Instantiated | Initialisation | StepComplete | StepFailed),
-            Self::DoStep => matches!(state, StepComplete | StepFailed),
+            Self::Set => state.is_running() || matches!(state, Instantiated | Initialisation),
+            Self::DoStep | Self::EnterEventMode => matches!(state, StepComplete | StepFailed),
             Self::GetStatus => matches!(state, StepComplete | StepFailed | Terminated),
             Self::CancelStep => false,
+            Self::HandleEvent => state == Event,
         }
     }
 }

@@ -229,6 +229,28 @@ impl<S, R> Variable<S, R> {
     }
 }
 
+/// Variables that are the elements of an array. FMI 2.0 has elements only, later versions the array: it has the value reference
+/// of its first element, and all else but name and description from there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Array {
+    /// Name without index.
+    pub name: String,
+    /// What the array is, in one phrase.
+    pub description: String,
+    /// Value reference of the first element; those of the others follow.
+    pub first: u32,
+    /// Number of elements.
+    pub size: u32,
+}
+
+impl Array {
+    /// The value references of its elements.
+    #[must_use]
+    pub fn elements(&self) -> std::ops::Range<u32> {
+        self.first..self.first + self.size
+    }
+}
+
 /// All variables of a unit, with the units and enumerations they use.
 pub struct Table<S, R> {
     /// Every unit that a variable uses.
@@ -236,6 +258,8 @@ pub struct Table<S, R> {
     /// Every enumeration that a variable uses.
     pub enumerations: &'static [&'static Enumeration],
     variables: Vec<Variable<S, R>>,
+    /// In the order of their value references.
+    arrays: Vec<Array>,
     /// (value reference, place in `variables`), sorted. A hash map would draw its seed from the operating system, by a
     /// library that some Windows compatibility layers lack.
     by_reference: Vec<(u32, usize)>,
@@ -259,8 +283,31 @@ impl<S, R> Table<S, R> {
             units,
             enumerations,
             variables,
+            arrays: Vec::new(),
             by_reference,
         }
+    }
+
+    /// The same with some variables as elements of arrays.
+    #[must_use]
+    pub fn with_arrays(mut self, mut arrays: Vec<Array>) -> Self {
+        arrays.sort_unstable_by_key(|array| array.first);
+        self.arrays = arrays;
+        self
+    }
+
+    /// The arrays, in the order of their value references.
+    #[must_use]
+    pub fn arrays(&self) -> &[Array] {
+        &self.arrays
+    }
+
+    /// The array that a variable with this value reference is an element of.
+    #[must_use]
+    pub fn array_of(&self, reference: u32) -> Option<&Array> {
+        let after = self.arrays.partition_point(|array| array.first <= reference);
+        let array = &self.arrays[after.checked_sub(1)?];
+        array.elements().contains(&reference).then_some(array)
     }
 
     /// The variables in order.

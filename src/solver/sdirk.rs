@@ -97,6 +97,38 @@ pub struct Sdirk {
     q_error: Vec<f64>,
 }
 
+/// A stretch of time that is integrated in steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    from: f64,
+    span: f64,
+    done: f64,
+}
+
+impl Stretch {
+    /// From one time to another, s.
+    #[must_use]
+    pub fn new(from: f64, to: f64) -> Self {
+        Self {
+            from,
+            span: to - from,
+            done: 0.0,
+        }
+    }
+
+    /// Whether its end is reached.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.done >= self.span
+    }
+
+    /// Time reached, s, up to the rounding of the sum of its steps.
+    #[must_use]
+    pub fn reached(&self) -> f64 {
+        self.from + self.done
+    }
+}
+
 /// Smallest step, s.
 const MIN_STEP: f64 = 1.0e-10;
 
@@ -244,18 +276,34 @@ impl Sdirk {
         time: f64,
         to: f64,
     ) -> Result<(), Stalled> {
-        let span = to - time;
-        let mut done = 0.0;
-        while done < span {
-            let rest = span - done;
+        let mut stretch = Stretch::new(time, to);
+        while !stretch.is_over() {
+            self.step(system, state, &mut stretch)?;
+        }
+        Ok(())
+    }
+
+    /// Takes one step of a stretch that is not over.
+    ///
+    /// # Errors
+    /// As [`Sdirk::advance`].
+    pub fn step<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &mut State,
+        stretch: &mut Stretch,
+    ) -> Result<(), Stalled> {
+        let Stretch { from, span, done } = *stretch;
+        let rest = span - done;
+        loop {
             let longest = self.max_step.min(system.longest_step(state.view()));
             let preferred = self.step.min(longest);
             // Whole steps to the end: never a sliver.
             let h = rest / (rest / preferred * (1.0 - ROUNDING)).ceil().max(1.0);
             let last = h >= rest;
-            match self.attempt(system, state.view(), time + done, h) {
+            match self.attempt(system, state.view(), from + done, h) {
                 Some(error) if error <= 1.0 => {
-                    let end = time + done + h;
+                    let end = from + done + h;
                     self.accept(
                         system,
                         state,
@@ -266,13 +314,14 @@ impl Sdirk {
                         },
                     );
                     self.lengthen(h, error, preferred, longest);
-                    done = if last { span } else { done + h };
+                    stretch.done = if last { span } else { done + h };
+                    return Ok(());
                 }
                 outcome => {
                     self.shorten(h, outcome);
                     if self.step < MIN_STEP {
                         return Err(Stalled {
-                            time: time + done,
+                            time: from + done,
                             step: self.step,
                             newton: outcome.is_none(),
                         });
@@ -280,7 +329,6 @@ impl Sdirk {
                 }
             }
         }
-        Ok(())
     }
 
     /// Moves the state to the end of a step.

@@ -3,6 +3,8 @@
 
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi;
+#[allow(unsafe_code, non_snake_case)]
+pub mod c_abi3;
 #[forbid(unsafe_code)]
 mod linear;
 #[allow(unsafe_code, non_snake_case)]
@@ -12,9 +14,12 @@ mod settings;
 #[forbid(unsafe_code)]
 mod table;
 #[forbid(unsafe_code)]
+mod terminals;
+#[forbid(unsafe_code)]
 mod types;
 #[forbid(unsafe_code)]
 mod variator_unit;
 
 pub use settings::Settings;
-pub use variator_unit::{VariatorUnit, model_description};
+pub use terminals::{TERMINALS, terminals};
+pub use variator_unit::{VariatorUnit, model_description, model_description3};

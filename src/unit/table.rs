@@ -16,7 +16,7 @@
 
 use super::settings::Settings;
 use super::types::{AXIAL, DRIVE, ENUMERATIONS, MODE, RING_MODEL, START_STATE, UNITS};
-use crate::fmi::table::{Access, Causality, Enumeration, Kind, Range, Table, Variable};
+use crate::fmi::table::{Access, Array, Causality, Enumeration, Kind, Range, Table, Variable};
 use crate::variator::settings::{Axial, Drive, Mode, PROFILE_POINTS, Readings, RingModel, range_of};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
@@ -57,6 +57,7 @@ const SECONDARY: Owner = ("secondary", 200);
 /// The rows of the table so far, and the owner of the next ones.
 struct Rows {
     variables: Vec<Variable<Settings, Readings>>,
+    arrays: Vec<Array>,
     owner: Owner,
 }
 
@@ -161,6 +162,12 @@ impl Rows {
         text: &str,
         get: fn(&Readings, usize) -> f64,
     ) {
+        self.arrays.push(Array {
+            name: format!("profile.{name}"),
+            description: format!("{text} at xi = 0/{PROFILE_POINTS}, 1/{PROFILE_POINTS} and so on of the belt length"),
+            first,
+            size: u32::try_from(PROFILE_POINTS).unwrap_or(u32::MAX),
+        });
         for (at, reference) in (0..PROFILE_POINTS).zip(first..) {
             let number = at + 1;
             self.read(
@@ -260,6 +267,7 @@ macro_rules! pulley_parameters {
 pub(super) fn table() -> Table<Settings, Readings> {
     let mut rows = Rows {
         variables: Vec::new(),
+        arrays: Vec::new(),
         owner: WHOLE,
     };
     let t = &mut rows;
@@ -281,7 +289,7 @@ pub(super) fn table() -> Table<Settings, Readings> {
     pulley_parameters!(t, secondary);
     t.of(WHOLE);
     locals(t);
-    Table::new(UNITS, ENUMERATIONS, rows.variables)
+    Table::new(UNITS, ENUMERATIONS, rows.variables).with_arrays(rows.arrays)
 }
 
 #[rustfmt::skip]

@@ -3,9 +3,10 @@
 use super::settings::Settings;
 use super::table;
 use crate::fmi::Table;
+use crate::fmi::stepping::OwnSteps;
 use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
-use crate::variator::run::{StepError, Variator};
+use crate::variator::run::{Event, StepError, Variator, Way};
 use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
 
 /// A variator behind the FMI layer.
@@ -14,10 +15,16 @@ pub struct VariatorUnit {
     variator: Variator,
 }
 
-/// The content of `modelDescription.xml`.
+/// The content of `modelDescription.xml` of FMI 2.0.
 #[must_use]
 pub fn model_description() -> String {
     crate::fmi::model_description::<VariatorUnit>()
+}
+
+/// The content of `modelDescription.xml` of FMI 3.0.
+#[must_use]
+pub fn model_description3() -> String {
+    crate::fmi::fmi3::model_description::<VariatorUnit>()
 }
 
 impl VariatorUnit {
@@ -33,6 +40,17 @@ impl VariatorUnit {
     /// The variator itself.
     pub(super) fn variator(&mut self) -> &mut Variator {
         &mut self.variator
+    }
+
+    /// Brings the tunable parameters into force.
+    fn tune(&mut self, settings: &Settings) -> Result<(), StepFailure> {
+        let wanted = &settings.parameters.friction;
+        let present = &self.variator.parameters().friction;
+        if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
+            let changed = self.variator.set_friction(wanted.pulley, wanted.ring);
+            changed.map_err(|error| StepFailure::Setting(error.to_string()))?;
+        }
+        Ok(())
     }
 
     /// Moves the variator's messages to the remarks.
@@ -86,19 +104,11 @@ impl Unit for VariatorUnit {
         rates: Option<&Settings>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
-        let wanted = &settings.parameters.friction;
-        let present = &self.variator.parameters().friction;
-        if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
-            let changed = self.variator.set_friction(wanted.pulley, wanted.ring);
-            changed.map_err(|error| StepFailure::Setting(error.to_string()))?;
-        }
+        self.tune(settings)?;
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
         let advanced = self.variator.advance_along(to, &settings.inputs, &rates);
         self.move_messages(remarks);
-        advanced.map_err(|error| match error {
-            StepError::Input(error) => StepFailure::Setting(error.to_string()),
-            stalled @ StepError::Stalled { .. } => StepFailure::Discarded(stalled.to_string()),
-        })
+        advanced.map_err(failure)
     }
 
     fn time(&self) -> f64 {
@@ -124,6 +134,50 @@ impl Unit for VariatorUnit {
             after: (*moment.after).into(),
             span: moment.span,
         }
+    }
+}
+
+impl OwnSteps for VariatorUnit {
+    type Way = Way;
+
+    fn set_out(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<Way, StepFailure> {
+        self.tune(settings)?;
+        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
+        let way = self.variator.set_out(to, &settings.inputs, &rates);
+        way.map_err(failure)
+    }
+
+    fn is_over(&self, way: &Way) -> bool {
+        way.is_over()
+    }
+
+    fn own_step(&mut self, way: &mut Way, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
+        let given = self.variator.give_anew(way, &settings.inputs);
+        let stepped = given.and_then(|()| self.variator.step_along(way));
+        self.move_messages(remarks);
+        stepped.map_err(failure)?;
+        self.variator.look();
+        Ok(())
+    }
+
+    fn event(&self, way: &Way) -> Option<String> {
+        self.variator.event(way).map(Event::text)
+    }
+
+    fn end_at(&mut self, way: &mut Way, time: f64) {
+        self.variator.end_at(way, time);
+    }
+
+    fn arrive(&mut self, way: &Way, remarks: &mut Vec<Remark>) {
+        self.variator.arrive(way);
+        self.move_messages(remarks);
+    }
+}
+
+fn failure(error: StepError) -> StepFailure {
+    match error {
+        StepError::Input(error) => StepFailure::Setting(error.to_string()),
+        stalled @ StepError::Stalled { .. } => StepFailure::Discarded(stalled.to_string()),
     }
 }
 

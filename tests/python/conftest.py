@@ -37,6 +37,14 @@ def fmu() -> Path:
 
 
 @pytest.fixture(scope="session")
+def fmu3() -> Path:
+    """The same for FMI 3.0: `PUSHBELT_FMU3`, or what the build leaves in `target`."""
+    path = Path(os.environ.get("PUSHBELT_FMU3", ROOT / "target" / "PushbeltVariator3.fmu"))
+    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --fmi3`, or set PUSHBELT_FMU3"
+    return path
+
+
+@pytest.fixture(scope="session")
 def archive(fmu: Path) -> Iterator[Archive]:
     """The unpacked FMU."""
     with Archive.unpack(fmu) as unpacked:

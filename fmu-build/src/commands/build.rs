@@ -9,16 +9,19 @@ use clap::Args;
 
 use crate::archive::Archive;
 use crate::description::{self, Description};
-use crate::platform::Platform;
+use crate::platform::{Platform, Version};
 use crate::workspace::{MODEL_IDENTIFIER, Workspace};
-use crate::{binary, cargo, date, exports, image, licenses, portable, progress};
+use crate::{binary, cargo, date, exports, icons, image, licenses, portable, progress};
 
 /// The documentation in the FMU; `{{…}}` stand for values from the model description.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 
-/// Where the standard (2.0.4, section 2.3) has the licences; `license.txt` is the entry.
+/// Where both versions of the standard (2.0.4, section 2.3) have the licences; `license.txt` is the entry.
 const LICENSES: &str = "documentation/licenses";
 const LICENSE: &str = include_str!("../../templates/license.txt");
+/// What of each version of FMI is there, as a section of the documentation.
+const FMI2: &str = include_str!("../../templates/fmi2.html");
+const FMI3: &str = include_str!("../../templates/fmi3.html");
 
 /// The machines to build for.
 #[derive(Args, Clone, Copy, Default)]
@@ -30,21 +33,65 @@ pub struct Arguments {
     pub portable: bool,
 }
 
-/// Builds the FMU and returns its path.
+/// What `cargo fmu build` builds.
+#[derive(Args, Clone, Copy)]
+pub struct Options {
+    #[command(flatten)]
+    machines: Arguments,
+    /// Write target/PushbeltVariator3.fmu for FMI 3.0 instead; with --portable also for Linux on ARM and for macOS, as far as their
+    /// Rust targets can be installed
+    #[arg(long)]
+    fmi3: bool,
+}
+
+/// Builds the FMU of FMI 2.0 or 3.0.
 ///
 /// # Errors
 /// The library doesn't compile, or a file can't be read or written.
+pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<()> {
+    let version = if options.fmi3 { Version::Three } else { Version::Two };
+    let _alone = workspace.lock("build")?;
+    let binaries = compile(workspace, options.machines, version)?;
+    pack(workspace, &binaries, version).map(drop)
+}
+
+/// Builds the FMU of FMI 2.0 and returns its path.
+///
+/// # Errors
+/// As [`run_options`].
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathBuf> {
     let _alone = workspace.lock("build")?;
-    let binaries = if arguments.portable {
-        portable::build(workspace)?
-    } else {
-        progress::headline("Compiling the FMU's binary");
-        vec![(Platform::host()?, cargo::build_library(workspace)?)]
-    };
-    let archive = collect(workspace, &binaries)?;
+    let binaries = compile(workspace, *arguments, Version::Two)?;
+    pack(workspace, &binaries, Version::Two)
+}
 
-    let path = workspace.fmu();
+/// Builds the FMUs of both versions from the same binaries.
+///
+/// # Errors
+/// As [`run_options`].
+pub fn run_both(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
+    let _alone = workspace.lock("build")?;
+    let binaries = compile(workspace, *arguments, Version::Two)?;
+    for version in [Version::Two, Version::Three] {
+        pack(workspace, &binaries, version)?;
+    }
+    Ok(())
+}
+
+fn compile(workspace: &Workspace, arguments: Arguments, version: Version) -> anyhow::Result<Vec<(Platform, PathBuf)>> {
+    if arguments.portable {
+        return portable::build(workspace, version);
+    }
+    progress::headline("Compiling the FMU's binary");
+    Ok(vec![(Platform::host()?, cargo::build_library(workspace)?)])
+}
+
+fn pack(workspace: &Workspace, binaries: &[(Platform, PathBuf)], version: Version) -> anyhow::Result<PathBuf> {
+    let archive = collect(workspace, binaries, version)?;
+    let path = match version {
+        Version::Two => workspace.fmu(),
+        Version::Three => workspace.fmu3(),
+    };
     // Written to another file that is then renamed: no program reads a half-written FMU.
     let draft = path.with_extension("fmu.part");
     let bar = progress::bar(archive.len(), "packing");
@@ -60,24 +107,36 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathB
     Ok(path)
 }
 
-fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::Result<Archive> {
+fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)], version: Version) -> anyhow::Result<Archive> {
     let mut archive = Archive::default();
     for (platform, library) in binaries {
         let mut bytes = read(library)?;
         exports::check(&bytes).with_context(|| format!("{} can't be packed", library.display()))?;
         binary::clear_time_stamp(&mut bytes);
-        archive.add(platform.binary(MODEL_IDENTIFIER), bytes)?;
+        archive.add(platform.binary(version, MODEL_IDENTIFIER)?, bytes)?;
     }
-    archive.add("model.png", image::variator()?)?;
-
-    let xml = read(&workspace.model_description())?;
-    let description = Description::parse(std::str::from_utf8(&xml)?)?;
+    let (xml, interface) = match version {
+        Version::Two => {
+            archive.add("model.png", image::variator()?)?;
+            (workspace.model_description(), FMI2)
+        }
+        Version::Three => (workspace.model_description3(), FMI3),
+    };
+    let xml = read(&xml)?;
     let dated = match date::of_content(workspace)? {
         Some(date) => description::with_date(std::str::from_utf8(&xml)?, &date)?.into_bytes(),
         None => xml,
     };
     archive.add("modelDescription.xml", dated)?;
-    archive.add("documentation/index.html", documentation(&description))?;
+    archive.add("terminalsAndIcons/terminalsAndIcons.xml", read(&workspace.terminals())?)?;
+    for (name, content) in icons::files()? {
+        archive.add(format!("terminalsAndIcons/{name}"), content)?;
+    }
+
+    // The variables are the same in both versions.
+    let description = read(&workspace.model_description())?;
+    let description = Description::parse(std::str::from_utf8(&description)?)?;
+    archive.add("documentation/index.html", documentation(&description, interface))?;
     let header = read(&workspace.root().join("resources/pushbelt.h"))?;
     archive.add("documentation/pushbelt.h", header)?;
 
@@ -96,8 +155,9 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)]) -> anyhow::R
     Ok(archive)
 }
 
-fn documentation(description: &Description) -> Vec<u8> {
+fn documentation(description: &Description, interface: &str) -> Vec<u8> {
     DOCUMENTATION
+        .replace("{{interface}}", interface)
         .replace("{{version}}", &description.version)
         .replace("{{about}}", &description.about)
         .replace("{{variables}}", &description.to_html())

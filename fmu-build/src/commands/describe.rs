@@ -13,15 +13,28 @@ use crate::workspace::Workspace;
 /// Version of crate, FMU and Python package, from the workspace's manifest.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Writes `modelDescription.xml` and what is made from it.
+/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml` and what is made from the first.
 ///
 /// # Errors
 /// The model doesn't compile, or a file can't be written.
 pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     progress::headline("Reading the variable table");
-    let xml = cargo::example_output(workspace, cargo::DESCRIPTION_EXAMPLE, &[])?;
-    let derived = derived(workspace, &xml)?;
-    for (path, text) in std::iter::once((workspace.model_description(), xml)).chain(derived) {
+    let mut written = Vec::new();
+    for path in [
+        workspace.model_description(),
+        workspace.model_description3(),
+        workspace.terminals(),
+    ] {
+        let name = path
+            .file_name()
+            .context("a file has a name")?
+            .to_string_lossy()
+            .into_owned();
+        let xml = cargo::example_output(workspace, cargo::DESCRIPTION_EXAMPLE, &[name])?;
+        written.push((path, xml));
+    }
+    let derived = derived(workspace, &written[0].1)?;
+    for (path, text) in written.into_iter().chain(derived) {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
         }

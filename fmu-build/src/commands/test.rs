@@ -47,7 +47,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     // other for minutes.
     let environment = thread::scope(|scope| {
         let ready = scope.spawn(|| -> anyhow::Result<Option<Environment>> {
-            build::run(workspace, &arguments.build)?;
+            build::run_both(workspace, &arguments.build)?;
             let needed = !arguments.rust;
             needed.then(|| Environment::prepare(workspace, &RUNNING)).transpose()
         });

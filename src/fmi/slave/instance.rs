@@ -12,6 +12,18 @@ use crate::fmi::state::{Call, State};
 use crate::fmi::table::Table;
 use crate::fmi::unit::{Remark, Unit};
 
+/// Version of the standard that an instance follows, with what its master handles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three {
+        /// Whether the master handles events: `eventModeUsed`.
+        events: bool,
+    },
+}
+
 /// An instance of a unit.
 pub struct Slave<U: Unit> {
     pub(super) table: Table<U::Settings, U::Readings>,
@@ -22,6 +34,9 @@ pub struct Slave<U: Unit> {
     pub(super) start: U::Settings,
     /// Written once: it is a hash of the whole description.
     guid: OnceCell<String>,
+    pub(super) version: Version,
+    /// Name of the C function under way, where it is not that of FMI 2.0.
+    called: Option<&'static str>,
     /// The whole dynamic state.
     pub(super) now: Snapshot<U>,
 }
@@ -30,12 +45,20 @@ impl<U: Unit> Slave<U> {
     /// A new instance that logs into `sink`.
     #[must_use]
     pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
+        Self::of(Version::Two, Log::new(sink, debug), debug)
+    }
+
+    /// A new instance that follows a version of the standard, with its log.
+    #[must_use]
+    pub fn of(version: Version, log: Log, debug: bool) -> Self {
         Self {
             table: U::table(),
-            log: Log::new(sink, debug),
+            log,
             debug,
             start: U::Settings::default(),
             guid: OnceCell::new(),
+            version,
+            called: None,
             now: Snapshot::new(),
         }
     }
@@ -46,6 +69,18 @@ impl<U: Unit> Slave<U> {
         self.start = start;
         self.now = Snapshot::starting_from(self.start.clone());
         self
+    }
+
+    /// The same, with the name of the C function that messages are to give.
+    pub fn called(&mut self, function: &'static str) -> &mut Self {
+        self.called = Some(function);
+        self
+    }
+
+    /// The variable table.
+    #[must_use]
+    pub fn table(&self) -> &Table<U::Settings, U::Readings> {
+        &self.table
     }
 
     /// The GUID of the unit.
@@ -71,7 +106,9 @@ impl<U: Unit> Slave<U> {
 
     /// Refuses a call that the present state does not allow.
     pub(super) fn allow(&self, call: Call) -> Outcome {
-        if call.allowed_in(self.now.state) {
+        // FMI 3.0 also lets start values be read before the initialisation.
+        let early = call == Call::Get && self.now.state == State::Instantiated && self.version != Version::Two;
+        if early || call.allowed_in(self.now.state) {
             return Ok(());
         }
         let advice = match self.now.state {
@@ -128,6 +165,7 @@ impl<U: Unit> Slave<U> {
             }
             Err(Trouble::Discarded(text)) => (Status::Discard, Category::Discard, text),
         };
+        let function = self.called.unwrap_or(function);
         self.log.send(status, category, &format!("{function}: {text}"));
         status
     }

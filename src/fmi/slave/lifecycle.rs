@@ -1,7 +1,7 @@
 //! Calls that lead an instance through its run: log, set-up, initialisation, end.
 
-use super::instance::Slave;
-use super::outcome::refused;
+use super::instance::{Slave, Version};
+use super::outcome::{Trouble, refused};
 use crate::fmi::log::{Category, Status};
 use crate::fmi::snapshot::Snapshot;
 use crate::fmi::state::{Call, State};
@@ -31,23 +31,7 @@ impl<U: Unit> Slave<U> {
     pub fn setup_experiment(&mut self, experiment: Experiment) -> Status {
         self.call("fmi2SetupExperiment", |slave| {
             slave.allow(Call::SetupExperiment)?;
-            let Experiment { tolerance, start, stop } = experiment;
-            if !start.is_finite() {
-                return refused(format!("the start time {start} is not a finite number"));
-            }
-            if let Some(stop) = stop
-                && (!stop.is_finite() || stop < start)
-            {
-                return refused(format!(
-                    "the stop time {stop} s is not at or after the start time {start} s"
-                ));
-            }
-            if let Some(tolerance) = tolerance
-                && !(tolerance.is_finite() && tolerance > 0.0)
-            {
-                return refused(format!("the tolerance {tolerance} is not above 0"));
-            }
-            slave.now.experiment = experiment;
+            slave.now.experiment = checked(experiment)?;
             Ok(())
         })
     }
@@ -66,7 +50,10 @@ impl<U: Unit> Slave<U> {
         self.call("fmi2ExitInitializationMode", |slave| {
             slave.allow(Call::ExitInitializationMode)?;
             slave.start_unit()?;
-            slave.now.state = State::StepComplete;
+            slave.now.state = match slave.version {
+                Version::Three { events: true } => State::Event,
+                _ => State::StepComplete,
+            };
             Ok(())
         })
     }
@@ -89,4 +76,25 @@ impl<U: Unit> Slave<U> {
             Ok(())
         })
     }
+}
+
+/// An experiment, if it makes sense.
+pub(super) fn checked(experiment: Experiment) -> Result<Experiment, Trouble> {
+    let Experiment { tolerance, start, stop } = experiment;
+    if !start.is_finite() {
+        return refused(format!("the start time {start} is not a finite number"));
+    }
+    if let Some(stop) = stop
+        && (!stop.is_finite() || stop < start)
+    {
+        return refused(format!(
+            "the stop time {stop} s is not at or after the start time {start} s"
+        ));
+    }
+    if let Some(tolerance) = tolerance
+        && !(tolerance.is_finite() && tolerance > 0.0)
+    {
+        return refused(format!("the tolerance {tolerance} is not above 0"));
+    }
+    Ok(experiment)
 }

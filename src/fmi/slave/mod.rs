@@ -15,15 +15,22 @@
 //! | `states` | stored states |
 //! | `steps` | communication steps, and how the last one ended |
 //! | `answers` | questions beyond the standard |
+//! | `modes` | what FMI 3.0 adds: initialisation with its experiment, event mode |
+//! | `typed` | its other types of variables |
+//! | `own_steps` | its communication steps, one own step of the unit after the other |
 
 mod answers;
 mod derivatives;
 mod instance;
 mod lifecycle;
+mod modes;
 mod outcome;
+mod own_steps;
 mod states;
 mod steps;
+mod typed;
 mod values;
 
-pub use instance::Slave;
+pub use instance::{Slave, Version};
+pub use own_steps::Underway;
 pub use steps::StatusKind;

@@ -1,10 +1,10 @@
 //! Stored states of an instance.
 
-use super::instance::Slave;
+use super::instance::{Slave, Version};
 use super::outcome::Trouble;
 use crate::fmi::log::Status;
 use crate::fmi::snapshot::Snapshot;
-use crate::fmi::state::Call;
+use crate::fmi::state::{Call, State};
 use crate::fmi::unit::Unit;
 
 impl<U: Unit> Slave<U> {
@@ -24,6 +24,10 @@ impl<U: Unit> Slave<U> {
         self.call("fmi2SetFMUstate", |slave| {
             slave.allow(Call::Always)?;
             slave.now = snapshot.clone();
+            // The state may come from an instance whose master handles events.
+            if slave.now.state == State::Event && slave.version != (Version::Three { events: true }) {
+                slave.now.state = State::StepComplete;
+            }
             Ok(())
         })
     }

@@ -19,6 +19,24 @@ pub enum StatusKind {
     Terminated,
 }
 
+/// Where a step leads.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ahead {
+    /// For the unit, on its grid, s.
+    pub to: f64,
+    /// As the master counts, s.
+    pub end: f64,
+}
+
+/// The unit, once it has been started.
+pub(super) fn started<U>(unit: &mut Option<U>) -> Result<&mut U, Trouble> {
+    unit.as_mut().ok_or_else(not_started)
+}
+
+fn not_started() -> Trouble {
+    Trouble::Refused("the unit has not been initialised".into())
+}
+
 impl<U: Unit> Slave<U> {
     /// `fmi2DoStep`.
     pub fn do_step(&mut self, current: f64, step: f64) -> Status {
@@ -76,24 +94,34 @@ impl<U: Unit> Slave<U> {
     }
 
     fn step(&mut self, current: f64, step: f64) -> Outcome {
-        self.allow(Call::DoStep)?;
-        let end = self.end_of_step(current, step)?;
-        let Some(unit) = &mut self.now.unit else {
-            return refused("the unit has not been initialised");
-        };
-        // A longer step before may have ended on a coarser grid, just ahead.
-        let to = communication_point(end, step).max(unit.time());
+        let ahead = self.ahead(current, step)?;
+        let unit = started(&mut self.now.unit)?;
         let mut remarks = Vec::new();
         let rates = self.now.rates.take();
-        let result = unit.advance(to, &self.now.settings, rates.as_ref(), &mut remarks);
-        let reached = unit.time();
+        let result = unit.advance(ahead.to, &self.now.settings, rates.as_ref(), &mut remarks);
         self.log_remarks(&remarks);
+        self.ended(result, ahead.end)
+    }
+
+    /// Checks a step, and says where it leads.
+    pub(super) fn ahead(&self, current: f64, step: f64) -> Result<Ahead, Trouble> {
+        self.allow(Call::DoStep)?;
+        let end = self.end_of_step(current, step)?;
+        let unit = self.now.unit.as_ref().ok_or_else(not_started)?;
+        // A longer step before may have ended on a coarser grid, just ahead.
+        let to = communication_point(end, step).max(unit.time());
+        Ok(Ahead { to, end })
+    }
+
+    /// Takes down how a step ended that was to lead to `end`, as the master counts.
+    pub(super) fn ended(&mut self, result: Result<(), StepFailure>, end: f64) -> Outcome {
         match result {
             Ok(()) => {
                 (self.now.state, self.now.point) = (State::StepComplete, end);
                 Ok(())
             }
             Err(StepFailure::Setting(text) | StepFailure::Discarded(text)) => {
+                let reached = started(&mut self.now.unit)?.time();
                 (self.now.state, self.now.point) = (State::StepFailed, reached);
                 Err(Trouble::Discarded(text))
             }

@@ -80,7 +80,7 @@ impl<U: Unit> Slave<U> {
         })
     }
 
-    fn get<T, V>(
+    pub(super) fn get<T, V>(
         &mut self,
         references: &[u32],
         values: &mut [V],
@@ -98,7 +98,10 @@ impl<U: Unit> Slave<U> {
             if self.now.state == State::Initialisation {
                 self.start_unit()?;
             } else if self.now.unit.is_none() {
-                return refused("there are no calculated values after a failed start");
+                return refused(match self.now.state {
+                    State::Instantiated => "there are no calculated values before initialization mode",
+                    _ => "there are no calculated values after a failed start",
+                });
             }
         }
         let Snapshot { settings, unit, .. } = &mut self.now;
@@ -115,7 +118,7 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    fn set<T, V: Copy>(
+    pub(super) fn set<T, V: Copy>(
         &mut self,
         references: &[u32],
         values: &[V],
@@ -124,7 +127,7 @@ impl<U: Unit> Slave<U> {
         convert: fn(V) -> T,
     ) -> Outcome {
         self.allow(Call::Set)?;
-        let running = matches!(self.now.state, State::StepComplete | State::StepFailed);
+        let running = self.now.state.is_running();
         let has_tunable = self.check_writable(references, access, running)?;
         for (&reference, &value) in references.iter().zip(values) {
             admit(find(&self.table, reference, access)?.0, value)?;
@@ -186,7 +189,7 @@ fn integer_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, i32>> {
 }
 
 /// Where a Boolean variable lives.
-fn boolean_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, bool>> {
+pub(super) fn boolean_access<S, R>(kind: &Kind<S, R>) -> Option<&Access<S, R, bool>> {
     match kind {
         Kind::Boolean { access } => Some(access),
         _ => None,

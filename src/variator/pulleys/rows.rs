@@ -28,6 +28,26 @@ pub struct Pulleys {
     pub inertia_factor: f64,
 }
 
+/// An end stop of a movable sheave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// At the smallest pitch radius.
+    Opening,
+    /// At the largest.
+    Closing,
+}
+
+impl Stop {
+    /// Its name in a message.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Opening => "opening",
+            Self::Closing => "closing",
+        }
+    }
+}
+
 impl Pulleys {
     /// The pulleys of a belt.
     #[must_use]
@@ -49,6 +69,14 @@ impl Pulleys {
     fn stop(&self, pulley: Pulley, view: View<'_>) -> StopForce<f64> {
         let z = self.layout.sheave(pulley);
         self.travel[pulley].stop_force(view.q[z], view.y[z])
+    }
+
+    /// The end stop that a sheave is at: where it begins to be compressed.
+    #[must_use]
+    pub fn stop_reached(&self, pulley: Pulley, view: View<'_>) -> Option<Stop> {
+        let (z, travel) = (view.q[self.layout.sheave(pulley)], self.travel[pulley]);
+        let closed = (z >= travel.closed).then_some(Stop::Closing);
+        closed.or_else(|| (z <= travel.open).then_some(Stop::Opening))
     }
 
     /// Clamping force under which a sheave stands still, N: the belt's `axial` force on it, less the force of an

@@ -82,6 +82,30 @@ impl Course {
         }
     }
 
+    /// The same from `now` on, s, but for the inputs that were given anew: these have the values `given` at once and keep them.
+    /// `before` is what was given until now.
+    pub fn given_anew(&self, now: f64, before: &Inputs, given: &Inputs) -> Self {
+        let anew = |held: &Held, from: f64| {
+            let mut held = Held {
+                from,
+                inputs: held.inputs.after(from - held.from, &held.rates),
+                rates: held.rates,
+            };
+            let fields = held.inputs.each_mut().into_iter().zip(held.rates.each_mut());
+            for ((value, rate), (before, given)) in fields.zip(before.values().into_iter().zip(given.values())) {
+                if before != given {
+                    (*value, *rate) = (given, 0.0);
+                }
+            }
+            held
+        };
+        Self {
+            ramp: anew(&self.ramp, now),
+            knee: self.knee,
+            rest: anew(&self.rest, now.max(self.knee)),
+        }
+    }
+
     /// The inputs in force from a time on, s.
     pub fn held(&self, time: f64) -> Held {
         if time < self.knee { self.ramp } else { self.rest }
@@ -136,6 +160,21 @@ mod tests {
         let given = course(4e-3, 100.0);
         assert_eq!((at(&given, 2.0), given.knee), (30.0, 2.0));
         assert!((at(&given, 2.01) - 31.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_given_anew_counts_at_once_and_the_rest_goes_on() {
+        let mut given = torque(30.0);
+        let course = course(4e-3, 0.0);
+        given.secondary.torque = -7.0;
+        for now in [2.001, 2.005] {
+            let anew = course.given_anew(now, &torque(30.0), &given);
+            for time in [now, now + 1e-3, 2.01] {
+                let [old, new] = [&course, &anew].map(|course| course.held(time).at(time));
+                assert!((new.primary.torque - old.primary.torque).abs() < 1e-12, "{now}, {time}");
+                assert_eq!(new.secondary.torque, -7.0, "{now}, {time}");
+            }
+        }
     }
 
     #[test]

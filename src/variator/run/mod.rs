@@ -5,5 +5,7 @@ mod initial;
 mod pace;
 pub(crate) mod soft_start;
 pub(crate) mod variator;
+mod way;
 
 pub use variator::{InitialisationError, Message, Moment, StepError, Variator};
+pub use way::{Event, Way};

@@ -1,15 +1,13 @@
 //! A run of a variator: build from parameters, initialise, advance, read.
 
-use std::time::Instant;
-
 use crate::pulley::PerPulley;
 use crate::solver::State;
-use crate::solver::bounded::{Bounded, TICK};
+use crate::solver::bounded::Bounded;
 use crate::solver::newton::Counts;
-use crate::solver::sdirk::{Sdirk, Stalled};
+use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
-use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
+use crate::variator::run::course::Held;
 use crate::variator::run::pace::Pace;
 use crate::variator::run::soft_start::SoftStart;
 #[cfg(doc)]
@@ -18,7 +16,7 @@ use crate::variator::settings::parameters::{Axial, Drive, Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState, Work};
 use crate::variator::settings::validation::ParameterError;
 use crate::variator::survey::belt_survey::Survey;
-use crate::variator::survey::ledger::{Ledger, Running};
+use crate::variator::survey::ledger::Ledger;
 use crate::variator::survey::observe::{Context, Observer, macro_slip};
 use crate::variator::system::VariatorSystem;
 
@@ -106,7 +104,7 @@ pub struct Variator {
     pub(super) work: Work,
     /// Inputs in force, the time at which they were given, and how they change from then on.
     pub(super) held: Held,
-    pace: Pace,
+    pub(super) pace: Pace,
     observer: Observer,
     readings: Box<Readings>,
     pub(super) stale: bool,
@@ -127,24 +125,13 @@ pub struct Moment {
 
 /// Newton's tolerance at the default solver tolerance, in units of the Newton scale: tenfold changes no output of the
 /// manoeuvre in the fourth digit.
-const NEWTON_TOLERANCE: f64 = 20.0;
+pub(super) const NEWTON_TOLERANCE: f64 = 20.0;
 
 pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
     let solver = &system.parameters.solver;
     let mut integrator = Sdirk::new(system, COLD_STEP, solver.max_step);
     integrator.newton_tolerance = (NEWTON_TOLERANCE * solver.tolerance / 1.0e-4).clamp(0.05, 100.0);
     integrator
-}
-
-/// Counts as outputs, with a defect in units of Newton's scale.
-fn work(counts: Counts, defect: f64) -> Work {
-    let output = |count: u64| i32::try_from(count).unwrap_or(i32::MAX);
-    Work {
-        steps: output(counts.steps + counts.rejected + counts.failed),
-        jacobians: output(counts.factorizations),
-        residuals: output(counts.residuals),
-        defect,
-    }
 }
 
 impl Variator {
@@ -248,91 +235,16 @@ impl Variator {
     /// # Errors
     /// Inputs out of range, or a step that can't be done.
     pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        inputs.validate()?;
-        if to - self.time < SHORTEST_STEP {
-            return Ok(());
+        let mut way = self.set_out(to, inputs, rates)?;
+        while !way.is_over() {
+            self.step_along(&mut way)?;
         }
-        let from = self.time;
-        let ramp = self.system.parameters.solver.input_ramp;
-        let course = Course::new(ramp, [from, to], &self.held.at(from), inputs, rates);
-        self.stale = true;
-        let defect = if self.ticks.is_some() {
-            self.tick_along(&course, to)
-        } else {
-            let clock = Instant::now();
-            let outcome = self.integrate_along(&course, to);
-            if let Some(late) = self.pace.count(inputs, to - from, clock.elapsed()) {
-                self.log(true, late);
-            }
-            outcome.map_err(|stalled| StepError::Stalled {
-                from,
-                reached: stalled.time,
-                reason: stalled.to_string(),
-            })?
-        };
-        self.work = work(self.counts(), defect);
-        self.report_slip();
-        self.report_buckling();
-        self.hold_external();
+        self.arrive(&way);
         Ok(())
     }
 
-    /// Integrates to a time, s, with steps as the error control requires; returns what Newton's method left to change, as a share
-    /// of its tolerance.
-    pub(super) fn integrate_along(&mut self, course: &Course, to: f64) -> Result<f64, Stalled> {
-        self.integrator.newton.left = 0.0;
-        while to - self.time >= SHORTEST_STEP {
-            self.held = course.held(self.time);
-            let piece = self.time + self.soft_start.piece(self.time);
-            let end = to.min(piece).min(course.until(self.time));
-            self.apply();
-            let mut running = Running {
-                system: &mut self.system,
-                ledger: &mut self.ledger,
-            };
-            let outcome = self.integrator.advance(&mut running, &mut self.state, self.time, end);
-            if let Err(stalled) = outcome {
-                self.time = stalled.time;
-                return Err(stalled);
-            }
-            self.time = end;
-        }
-        self.time = to;
-        Ok(self.integrator.newton.left)
-    }
-
-    /// Advances to a time, s, in ticks of bounded work, each under the mean of its inputs; returns the largest defect, as a share
-    /// of what accurate steps tolerate.
-    fn tick_along(&mut self, course: &Course, to: f64) -> f64 {
-        let from = self.time;
-        let count = ((to - from) / TICK - SHORTEST_STEP).ceil().max(1.0);
-        let length = (to - from) / count;
-        let mut ended = 0.0;
-        while ended < count {
-            ended += 1.0;
-            let end = if ended < count { from + ended * length } else { to };
-            self.held = Held::constant(self.time, &course.mean([self.time, end]));
-            self.apply();
-            let mut running = Running {
-                system: &mut self.system,
-                ledger: &mut self.ledger,
-            };
-            if let Some(ticks) = &mut self.ticks {
-                ticks.tick(&mut running, &mut self.state, end, end - self.time);
-            }
-            self.time = end;
-        }
-        self.held = course.held(to);
-        self.apply();
-        let defect = self
-            .ticks
-            .as_mut()
-            .map_or(0.0, |ticks| std::mem::take(&mut ticks.defect));
-        defect / NEWTON_TOLERANCE
-    }
-
     /// Logs when the belt begins to slip through, and when it grips again.
-    fn report_slip(&mut self) {
+    pub(super) fn report_slip(&mut self) {
         let to = self.time;
         let sums = &self.ledger.last.sums;
         let slips = macro_slip(&self.system, self.state.view(), sums, self.macro_slip);
@@ -351,7 +263,7 @@ impl Variator {
     }
 
     /// Warns of a strand whose net force is compression.
-    fn report_buckling(&mut self) {
+    pub(super) fn report_buckling(&mut self) {
         let to = self.time;
         let force = self.ledger.last.sums.strand_force;
         if force < 0.0 {

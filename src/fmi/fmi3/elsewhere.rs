@@ -1,0 +1,46 @@
+//! Functions of what this FMU is not or has not: model exchange, scheduled execution, structural parameters, discrete states. Each
+//! answers with an error and says why.
+
+use libc::size_t;
+
+use super::boundary::with;
+use super::types::{Boolean, Instance, Reference};
+use crate::fmi::log::Status;
+use crate::fmi::stepping::OwnSteps;
+
+const CO_SIMULATION: &str = "this FMU is for co-simulation only";
+const STRUCTURE: &str = "there are no structural parameters";
+const DISCRETE_STATES: &str = "there are no discrete states (providesEvaluateDiscreteStates is false)";
+
+macro_rules! refused {
+    ($($name:ident, $function:literal, $why:ident, ($($argument:ident: $type:ty),*);)*) => {$(
+        #[doc = concat!("`", $function, "`: not offered.")]
+        ///
+        /// # Safety
+        /// The caller grants what [the head of this room](super) lists.
+        pub(crate) unsafe fn $name<U: OwnSteps>(c: Instance, $($argument: $type),*) -> Status {
+            // SAFETY: as the caller grants.
+            unsafe { with::<U>(c, $function, |instance| instance.slave.not_offered($function, $why)) }
+        }
+    )*};
+}
+
+refused! {
+    enter_configuration_mode, "fmi3EnterConfigurationMode", STRUCTURE, ();
+    exit_configuration_mode, "fmi3ExitConfigurationMode", STRUCTURE, ();
+    evaluate_discrete_states, "fmi3EvaluateDiscreteStates", DISCRETE_STATES, ();
+    enter_continuous_time_mode, "fmi3EnterContinuousTimeMode", CO_SIMULATION, ();
+    completed_integrator_step, "fmi3CompletedIntegratorStep", CO_SIMULATION,
+        (_no_set: Boolean, _enter_event_mode: *mut Boolean, _terminate: *mut Boolean);
+    set_time, "fmi3SetTime", CO_SIMULATION, (_time: f64);
+    set_continuous_states, "fmi3SetContinuousStates", CO_SIMULATION, (_states: *const f64, _n: size_t);
+    get_continuous_state_derivatives, "fmi3GetContinuousStateDerivatives", CO_SIMULATION,
+        (_derivatives: *mut f64, _n: size_t);
+    get_event_indicators, "fmi3GetEventIndicators", CO_SIMULATION, (_indicators: *mut f64, _n: size_t);
+    get_continuous_states, "fmi3GetContinuousStates", CO_SIMULATION, (_states: *mut f64, _n: size_t);
+    get_nominals_of_continuous_states, "fmi3GetNominalsOfContinuousStates", CO_SIMULATION,
+        (_nominals: *mut f64, _n: size_t);
+    get_number_of_event_indicators, "fmi3GetNumberOfEventIndicators", CO_SIMULATION, (_n: *mut size_t);
+    get_number_of_continuous_states, "fmi3GetNumberOfContinuousStates", CO_SIMULATION, (_n: *mut size_t);
+    activate_model_partition, "fmi3ActivateModelPartition", CO_SIMULATION, (_clock: Reference, _time: f64);
+}

@@ -1,0 +1,316 @@
+"""The FMU for FMI 3.0: schema, beside FMI 2.0 to the last bit, events, a host in C, another master."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.util
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import fmpy
+import masters
+import numpy as np
+import pytest
+from conftest import CHEAP, ROOT
+from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+from pushbelt.demo import manoeuvre
+from pushbelt.fmu.data import manoeuvre_inputs
+
+FMPY = Path(fmpy.__file__).parent
+SCHEMAS = FMPY / "schema" / "fmi3"
+HEADERS = FMPY / "c-code"
+MASTER = ROOT / "examples" / "fmi3" / "master.c"
+
+
+@pytest.fixture(scope="module")
+def unpacked(fmu3: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("fmi3")
+    with zipfile.ZipFile(fmu3) as archive:
+        archive.extractall(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def xml(unpacked: Path) -> ElementTree.Element:
+    return ElementTree.parse(unpacked / "modelDescription.xml").getroot()
+
+
+@pytest.fixture(scope="module")
+def xml2(fmu: Path) -> ElementTree.Element:
+    with zipfile.ZipFile(fmu) as archive:
+        return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+
+def library(unpacked: Path) -> Path:
+    (found,) = (unpacked / "binaries" / fmpy.platform_tuple).iterdir()
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------- the archive
+
+
+def test_everything_has_its_place(fmu3: Path) -> None:
+    with zipfile.ZipFile(fmu3) as archive:
+        names = archive.namelist()
+        for entry in archive.infolist():
+            if entry.filename.startswith("binaries/"):
+                assert entry.file_size < 6e6, "the binary of a platform is below 6 MB"
+    for name in (
+        "modelDescription.xml",
+        "documentation/index.html",
+        "documentation/licenses/LICENSE-MIT.txt",
+        "documentation/licenses/third-party.txt",
+        "resources/bench168.json",
+        "terminalsAndIcons/terminalsAndIcons.xml",
+        "terminalsAndIcons/icon.svg",
+        "terminalsAndIcons/icon.png",
+    ):
+        assert name in names
+    assert f"binaries/{fmpy.platform_tuple}/PushbeltVariator{fmpy.sharedLibraryExtension}" in names
+    assert not any(name.startswith("sources/") for name in names)
+
+
+def test_the_description_inside_is_the_one_checked_in(unpacked: Path) -> None:
+    assert (unpacked / "modelDescription.xml").read_bytes() == (ROOT / "modelDescription3.xml").read_bytes()
+
+
+def test_fmpy_finds_nothing_to_complain_about(fmu3: Path) -> None:
+    assert validate_fmu(str(fmu3)) == []
+
+
+@pytest.mark.parametrize("schema", ["fmi3ModelDescription.xsd", "fmi3TerminalsAndIcons.xsd"])
+def test_the_files_follow_the_schemas(unpacked: Path, schema: str) -> None:
+    file = "terminalsAndIcons/terminalsAndIcons.xml" if "Icons" in schema else "modelDescription.xml"
+    etree.XMLSchema(etree.parse(SCHEMAS / schema)).assertValid(etree.parse(unpacked / file))
+
+
+def test_terminals_are_those_of_both_archives(fmu: Path, fmu3: Path, xml2: ElementTree.Element) -> None:
+    """FMI 2.0.4 has the file of FMI 3.0, unchanged. Its variables and icons are there."""
+    files = {}
+    for path in (fmu, fmu3):
+        with zipfile.ZipFile(path) as archive:
+            names = [name for name in archive.namelist() if name.startswith("terminalsAndIcons/")]
+            files[path] = {name: archive.read(name) for name in names}
+    assert files[fmu] == files[fmu3]
+    terminals = ElementTree.fromstring(files[fmu]["terminalsAndIcons/terminalsAndIcons.xml"])
+    found = {terminal.get("name"): terminal for terminal in terminals.iter("Terminal")}
+    assert set(found) == {"primaryShaft", "secondaryShaft", "primaryClamp", "secondaryClamp"}
+    causalities = {v.get("name"): v.get("causality") for v in xml2.iter("ScalarVariable")}
+    for terminal in found.values():
+        members = [member.get("variableName") for member in terminal.iter("TerminalMemberVariable")]
+        assert [causalities[name] for name in members] == ["input", "output"]
+    for icon in {"icon"} | {node.get("iconBaseName") for node in terminals.iter("TerminalGraphicalRepresentation")}:
+        etree.fromstring(files[fmu][f"terminalsAndIcons/{icon}.svg"])
+        picture = files[fmu][f"terminalsAndIcons/{icon}.png"]
+        assert picture.startswith(b"\x89PNG\r\n\x1a\n")
+        assert min(struct.unpack(">II", picture[16:24])) >= 100
+
+
+def test_every_function_of_the_standard_is_exported(unpacked: Path) -> None:
+    loaded = ctypes.CDLL(str(library(unpacked)))
+    functions = set(re.findall(r"^#define (fmi3\w+)\s+fmi3FullName", (HEADERS / "fmi3Functions.h").read_text(), re.M))
+    assert len(functions) >= 75
+    missing = [name for name in functions if not hasattr(loaded, name)]
+    assert not missing
+
+
+# --------------------------------------------------------------------------------------------------- the description
+
+
+def test_variables_are_those_of_fmi_2(xml: ElementTree.Element, xml2: ElementTree.Element) -> None:
+    """Names, references, types, units, limits, start values; arrays in place of their elements."""
+    types = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "Enumeration": "Enumeration"}
+    expected, sizes = {}, {}
+    for variable in xml2.iter("ScalarVariable"):
+        (typed,) = variable
+        name = variable.get("name")
+        array = re.fullmatch(r"(.*)\[(\d+)\]", name)
+        if array:
+            sizes[array[1]] = sizes.get(array[1], 0) + 1
+            if array[2] != "1":
+                continue
+            name = array[1]
+        common = {key: variable.get(key) for key in ("valueReference", "causality", "variability", "initial")}
+        expected[name] = (types[typed.tag], {**common, **typed.attrib})
+    found, dimensions = {}, {}
+    for variable in xml.find("ModelVariables"):
+        attributes = {key: value for key, value in variable.attrib.items() if key not in ("name", "description")}
+        attributes.setdefault("initial", None)
+        updated = attributes.pop("intermediateUpdate", None)
+        causality = attributes["causality"]
+        assert (updated == "true") == (variable.tag == "Float64" and causality in ("input", "output"))
+        found[variable.get("name")] = (variable.tag, attributes)
+        for dimension in variable.iter("Dimension"):
+            dimensions[variable.get("name")] = int(dimension.get("start"))
+    time = found.pop("time")
+    assert time[0] == "Float64" and time[1]["causality"] == "independent" and time[1]["unit"] == "s"
+    assert found == expected
+    assert dimensions == sizes
+    assert len(sizes) == 7 and set(sizes.values()) == {72}
+
+
+def test_the_structure_lists_all_outputs(xml: ElementTree.Element) -> None:
+    outputs = {v.get("valueReference") for v in xml.find("ModelVariables") if v.get("causality") == "output"}
+    structure = xml.find("ModelStructure")
+    for kind in ("Output", "InitialUnknown"):
+        assert {unknown.get("valueReference") for unknown in structure.iter(kind)} == outputs
+    assert all(unknown.get("dependencies") == "" for unknown in structure.iter("Output"))
+
+
+# ------------------------------------------------------------------------------------------------------------- runs
+
+
+def inputs_of_the_manoeuvre() -> np.ndarray:
+    at = manoeuvre_inputs().at
+    times = np.arange(10_001) * 1e-3
+    names = list(at(0.0))
+    rows = [(time, *at(time).values()) for time in times]
+    return np.array(rows, dtype=[(name, float) for name in ["time", *names]])
+
+
+RUNS = {
+    "default experiment": {"stop_time": 1.0},
+    "manoeuvre": {
+        "stop_time": 10.0,
+        "output_interval": 1e-3,
+        "start_values": manoeuvre.START_VALUES,
+        "input": inputs_of_the_manoeuvre(),
+    },
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_both_versions_have_the_same_bits(fmu: Path, fmu3: Path, description, name: str) -> None:
+    outputs = [v.name for v in description.modelVariables if v.causality == "output"]
+    expected = fmpy.simulate_fmu(str(fmu), output=outputs, **RUNS[name])
+    found = fmpy.simulate_fmu(str(fmu3), output=outputs, **RUNS[name])
+    assert len(expected) == round(RUNS[name]["stop_time"] * 1e3) + 1
+    for output in outputs:
+        assert np.array_equal(found[output], expected[output]), output
+
+
+def test_a_controller_handles_slip_where_it_begins(fmu3: Path) -> None:
+    """Over-torque from 20 ms on: the step ends at the event, off the grid of 1 ms."""
+    names = ["primary.torque", "secondary.torque", "primary.clampingForce", "secondary.clampingForce"]
+    rows = [
+        (0.0, 50.0, -49.0, 13e3, 10e3),
+        (0.02, 50.0, -49.0, 13e3, 10e3),
+        (0.02, 400.0, -49.0, 13e3, 10e3),
+        (0.05, 400.0, -49.0, 13e3, 10e3),
+    ]
+    said = []
+
+    def run(**modes: bool) -> np.ndarray:
+        said.clear()
+        return fmpy.simulate_fmu(
+            str(fmu3),
+            stop_time=0.05,
+            output_interval=1e-3,
+            input=np.array(rows, dtype=[(name, float) for name in ["time", *names]]),
+            output=["macroSlip", "primary.speed", "profile.pushForce"],
+            start_values=CHEAP,
+            debug_logging=True,
+            logger=lambda _environment, _status, _category, message: said.append(message.decode()),
+            **modes,
+        )
+
+    result = run(use_event_mode=True, early_return_allowed=True)
+    off = result["time"][np.abs(result["time"] * 1e3 - np.round(result["time"] * 1e3)) > 1e-6]
+    assert len(set(off)) == 1 and 0.02 < off[0] < 0.03
+    assert any(re.fullmatch(r"event at 0\.02\d* s: the belt begins to slip through \(macro-slip\)", s) for s in said)
+    slips = result["time"][result["macroSlip"]]
+    assert slips[0] == off[0], "the output changes at the event"
+    assert result["profile.pushForce"].shape == (len(result), 72)
+    plain = run()
+    assert len(plain) == 51 and not any("event at" in message for message in said)
+    assert plain["time"][plain["macroSlip"]][0] == np.ceil(off[0] * 1e3) * 1e-3
+
+
+@pytest.fixture
+def unit(fmu3: Path, unpacked: Path) -> Iterator[FMU3Slave]:
+    description = fmpy.read_model_description(str(fmu3))
+    slave = FMU3Slave(
+        guid=description.guid,
+        unzipDirectory=str(unpacked),
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        instanceName="variator",
+    )
+    slave.instantiate(logMessage=lambda *_: None)
+    yield slave
+    slave.terminate()
+    slave.freeInstance()
+
+
+def test_states_come_back_from_bytes(unit: FMU3Slave) -> None:
+    ratio, push = [1], [10101]
+    unit.enterInitializationMode(startTime=0.0)
+    unit.exitInitializationMode()
+
+    def go_on(first: int) -> list[float]:
+        values = []
+        for k in range(first, first + 20):
+            unit.doStep(k * 1e-3, 1e-3)
+            values += unit.getFloat64(ratio) + unit.getFloat64(push, nValues=72) + unit.getOutputDerivatives(ratio, [1])
+        return values
+
+    go_on(0)
+    state = unit.getFMUState()
+    stored = unit.serializeFMUState(state)
+    unit.freeFMUState(state)
+    expected = go_on(20)
+    state = unit.deserializeFMUState(stored)
+    unit.setFMUState(state)
+    unit.freeFMUState(state)
+    assert go_on(20) == expected
+
+
+# ---------------------------------------------------------------------------------------------------- other masters
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the program needs Linux")
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc has the address sanitiser")
+def test_a_host_in_c_finds_no_bad_access(unpacked: Path, xml: ElementTree.Element, tmp_path: Path) -> None:
+    """With the address sanitiser, which also counts leaks: event mode, updates, rollback by way of bytes."""
+    program = tmp_path / "master"
+    checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g"]
+    warnings = ["-std=c11", "-Wall", "-Wextra", "-Werror"]
+    subprocess.run(["gcc", *warnings, *checks, "-I", HEADERS, "-o", program, MASTER, "-ldl", "-lm"], check=True)
+    command = [program, library(unpacked), xml.get("instantiationToken")]
+    run = subprocess.run(command, capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "Sanitizer" not in run.stderr
+    assert re.search(r"^slips at 0\.00\d+ s, event \w+ ?\w* at [\d.]+ s, push force up to \d+ N, \d+ own steps", run.stdout, re.M)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_ecos_finds_the_same_by_both_versions(fmu: Path, fmu3: Path, name: str) -> None:
+    if importlib.util.find_spec("ecospy") is None:
+        pytest.skip("ecospy has no wheel for this Python and machine")
+    outputs = ("thrustRatio", "belt.speed", "primary.speed", "ratio.geometric", "slip", "pushForce.max")
+    start, inputs, steps = {
+        "default experiment": ({}, lambda _time: {}, 1000),
+        "manoeuvre": (manoeuvre.START_VALUES, manoeuvre_inputs().at, 10_000),
+    }[name]
+    two, three = (masters.with_ecos(path, start, inputs, steps, outputs) for path in (fmu, fmu3))
+    assert np.all(np.isfinite(three)) and np.ptp(three[:, 0]) > 0.0
+    assert np.array_equal(two, three)
+
+
+def test_the_checker_of_the_manipulation_toolbox_finds_nothing(fmu3: Path) -> None:
+    pytest.importorskip("fmu_manipulation_toolbox")
+    tool = Path(sys.executable).with_name("fmutool")
+    checked = subprocess.run([tool, "-input", fmu3, "-check"], capture_output=True, text=True, check=True)
+    said = checked.stdout + checked.stderr
+    assert "compliant with FMI-3.0" in said
+    assert "No semantic error" in said
+    assert "ERROR" not in said and "WARNING" not in said, said
