@@ -1,7 +1,7 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
 use super::real::{MOST, Real};
-use super::soft_tail::soft_tail;
+use super::soft_tail::{MANTISSA, soft_tail};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 #[cfg(not(target_feature = "avx"))]
@@ -225,7 +225,9 @@ impl Real for Lanes {
         let [tail, inverse, logarithm] = if size.all_above(MOST) {
             [Self::from((-MOST).exp()), Self::one(), Self::from((-MOST).exp())]
         } else {
-            soft_tail(size)
+            soft_tail(size.min(Self::from(MOST)), |of| {
+                Self::new(of.to_array().map(|of| f64::from_bits(of.to_bits() << MANTISSA)))
+            })
         };
         let plus = self.max(Self::zero()) + logarithm * delta;
         let slope = self.if_positive(Self::one(), tail) * inverse;
