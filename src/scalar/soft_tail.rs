@@ -1,7 +1,7 @@
 //! e^−x and ln(1 + e^−x) of packs. The library's exponential and logarithm serve all numbers; half of their work is for
 //! numbers that don't occur here, and the soft positive part was a fifth of a run.
 
-use super::real::{MOST, Real};
+use super::real::Real;
 
 /// ln 2 in two parts; the first has so few digits that its product with a small whole number is exact.
 const LN2: [f64; 2] = [0.693_145_751_953_125, 1.428_606_820_309_417_2e-6];
@@ -41,7 +41,7 @@ const ARTANH: [f64; 10] = [
     1.0,
 ];
 
-/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`MOST`]. `to_exponents` shifts the bits of each number to the left by [`MANTISSA`].
+/// e^−x, 1/(1 + e^−x) and ln(1 + e^−x), for 0 ≤ x ≤ [`MOST`](super::real::MOST). `to_exponents` shifts the bits of each number to the left by [`MANTISSA`].
 #[inline(always)]
 pub(super) fn soft_tail<T: Real>(x: T, to_exponents: impl Fn(T) -> T) -> [T; 3] {
     let shifted = x * -std::f64::consts::LOG2_E + ROUND;
@@ -85,6 +85,7 @@ fn polynomial<T: Real, const N: usize>(coefficients: &[f64; N], x: T) -> T {
 
 #[cfg(test)]
 mod tests {
+    use super::super::real::MOST;
     use super::*;
 
     #[test]
