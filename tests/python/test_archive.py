@@ -41,6 +41,7 @@ def test_everything_has_its_place(names: list[str]) -> None:
         "modelDescription.xml",
         "model.png",
         "documentation/index.html",
+        "documentation/pushbelt.h",
         "licenses/LICENSE-MIT.txt",
         "licenses/LICENSE-APACHE.txt",
         "licenses/third-party.txt",
