@@ -43,6 +43,7 @@ def test_everything_has_its_place(names: list[str]) -> None:
         "modelDescription.xml",
         "model.png",
         "documentation/index.html",
+        "documentation/pushbelt.h",
         "documentation/licenses/license.txt",
         "documentation/licenses/LICENSE-MIT.txt",
         "documentation/licenses/LICENSE-APACHE.txt",

@@ -86,7 +86,7 @@ def write(grid: LinearGrid, asked: points.Asked, options: argparse.Namespace) ->
         print(f"no linear model at {'this point' if len(refused) == 1 else 'any point'}", file=sys.stderr)
         return 1
     if refused:
-        print(f"{len(refused)} of {len(refused) + len(found)} points have no linear model", file=sys.stderr)
+        print(f"no linear model at {len(refused)} of {len(refused) + len(found)} points", file=sys.stderr)
     options.output.mkdir(parents=True, exist_ok=True)
     path = report.write(grid, options.output, options.outputs.split(","), options.time)
     for name in FILES:

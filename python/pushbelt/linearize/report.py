@@ -116,5 +116,5 @@ def pole(value: complex) -> str:
 
 
 def short(value: Any) -> str:
-    """A number with five digits."""
-    return f"{value:.5g}".replace("-", page.MINUS)
+    """A number with four digits, a large one without decimals."""
+    return (f"{value:.0f}" if abs(value) >= 1e4 else f"{value:.4g}").replace("-", page.MINUS)
