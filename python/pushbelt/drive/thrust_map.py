@@ -174,20 +174,20 @@ class ThrustMap:
 
     @classmethod
     def read(cls, path: Path, key: str | None = None) -> ThrustMap | None:
-        """Reads what `write` wrote; none if there is none or it was made with another key than the one given."""
+        """Reads what `write` wrote; none if there is none, it is damaged, or it was made with another key than the one given."""
         try:
             with path.open(encoding="utf-8", newline="") as file:
                 head = json.loads(file.readline().removeprefix("#"))
+                if key is not None and head["key"] != key:
+                    return None
                 rows = np.array(list(csv.reader(file))[1:], dtype=float)
-        except (OSError, ValueError):
+            ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
+            shape = (len(ratios), len(utilisations))
+            thrust, slips = (rows[:, k].reshape(shape) for k in (2, 3))
+            excesses, rates = (np.array(head[name], dtype=float) for name in ("excesses", "shiftRates"))
+            return cls(ratios, utilisations, thrust, slips, excesses, rates, float(head["clearanceForce"]))
+        except (OSError, ValueError, LookupError, TypeError, RecursionError):
             return None
-        if (key is not None and head.get("key") != key) or "clearanceForce" not in head:
-            return None
-        ratios, utilisations = np.unique(rows[:, 0]), np.unique(rows[:, 1])
-        shape = (len(ratios), len(utilisations))
-        thrust, slips = (rows[:, k].reshape(shape) for k in (2, 3))
-        shifting = np.array(head["excesses"]), np.array(head["shiftRates"]), float(head["clearanceForce"])
-        return cls(ratios, utilisations, thrust, slips, *shifting)
 
 
 def map_key(fmu: Path, parameters: Parameters) -> str:
