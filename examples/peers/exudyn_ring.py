@@ -8,8 +8,10 @@ where its Newton method meets its tolerance slowly.
 """
 
 import math
+import sys
 import time
 
+sys.exudynFast = True  # Without range checks. Exudyn reads it when it is imported.
 import exudyn
 import numpy as np
 from exudyn.utilities import Cable2D, NodePoint2DSlope1
