@@ -1,5 +1,5 @@
-//! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring, as a library and as an FMI 2.0 co-simulation
-//! unit.
+//! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring, as a library and as a co-simulation unit of
+//! FMI 2.0 and FMI 3.0.
 //!
 //! Pulley torques and clamping forces go in; thrust ratio, belt speed and everything a drivetrain model needs come out.
 //! The mesh stands still along the belt while the material flows through it, so a run has true steady states.

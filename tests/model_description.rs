@@ -5,22 +5,84 @@ use std::path::Path;
 
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::table::{Access, Causality, Kind};
-use pushbelt::unit::{Settings, VariatorUnit, model_description};
+use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, model_description, model_description3, terminals};
 use pushbelt::variator::settings::range_of;
 
 #[test]
-fn the_checked_in_file_is_what_the_table_says() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription.xml");
-    let generated = model_description();
-    let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
-    let differing = generated.lines().zip(checked_in.lines()).position(|(a, b)| a != b);
-    assert!(
-        generated == checked_in,
-        "modelDescription.xml is not what the variable table says, first in line {}; \
-         write it by `cargo fmu describe`",
-        differing.map_or(generated.lines().count().min(checked_in.lines().count()), |line| line
-            + 1)
-    );
+fn the_checked_in_files_are_what_the_table_says() {
+    for (name, generated) in [
+        ("modelDescription.xml", model_description()),
+        ("modelDescription3.xml", model_description3()),
+        ("terminalsAndIcons.xml", terminals()),
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
+        let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
+        let differing = generated.lines().zip(checked_in.lines()).position(|(a, b)| a != b);
+        let shorter = generated.lines().count().min(checked_in.lines().count());
+        assert!(
+            generated == checked_in,
+            "{name} is not what the variable table says, first in line {}; write it by `cargo fmu describe`",
+            differing.map_or(shorter, |line| line + 1)
+        );
+    }
+}
+
+/// Elements of an array differ in name, reference and place only, and stand in their order; so does each variable with an index.
+#[test]
+fn arrays_are_their_elements() {
+    let table = VariatorUnit::table();
+    let mut elements = 0;
+    for array in table.arrays() {
+        let first = table.by_reference(array.first).expect("listed");
+        for (number, reference) in (1..).zip(array.elements()) {
+            let element = table.by_reference(reference).expect("listed");
+            assert_eq!(element.name, format!("{}[{number}]", array.name));
+            assert_eq!(table.array_of(reference), Some(array));
+            assert_eq!(element.causality, first.causality);
+            match (&element.kind, &first.kind) {
+                (
+                    Kind::Real {
+                        unit, range, access, ..
+                    },
+                    Kind::Real {
+                        unit: of_first,
+                        range: range_of_first,
+                        ..
+                    },
+                ) => {
+                    assert_eq!((unit, range), (of_first, range_of_first));
+                    assert!(matches!(access, Access::Element(_, at) if at + 1 == number));
+                }
+                _ => panic!("{} is no real", element.name),
+            }
+            elements += 1;
+        }
+        for beyond in [array.first - 1, array.first + array.size] {
+            assert_eq!(table.array_of(beyond), None);
+        }
+    }
+    let indexed = table.variables().iter().filter(|v| v.name.ends_with(']')).count();
+    assert_eq!((table.arrays().len(), elements), (7, indexed));
+}
+
+/// A terminal's members are variables: something in, something out.
+#[test]
+fn terminals_have_an_input_and_an_output() {
+    let table = VariatorUnit::table();
+    for terminal in TERMINALS {
+        let causality = |variable: &str| table.by_name(variable).map(|v| v.causality);
+        let found: Vec<_> = terminal
+            .members
+            .iter()
+            .map(|(_, variable)| causality(variable))
+            .collect();
+        assert_eq!(
+            found,
+            [Some(Causality::Input), Some(Causality::Output)],
+            "{}",
+            terminal.name
+        );
+    }
 }
 
 #[test]

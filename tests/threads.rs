@@ -76,7 +76,7 @@ fn sixteen_watched_instances_of_fmi_3_on_eight_threads_give_the_sequential_bits(
         let environment = &raw mut watcher;
         let c = functions.instantiate(Watches {
             early_return: true,
-            update: (number % 2 == 0).then_some((watch, environment.cast())),
+            update: number.is_multiple_of(2).then_some((watch, environment.cast())),
             ..Watches::default()
         });
         // SAFETY: the watcher lives longer than the instance, and is used by its callbacks only; the instance is not used any
@@ -89,7 +89,7 @@ fn sixteen_watched_instances_of_fmi_3_on_eight_threads_give_the_sequential_bits(
             (functions.fmi3FreeInstance)(c);
             assert_eq!(
                 (*environment).seen > 0.0,
-                number % 2 == 0,
+                number.is_multiple_of(2),
                 "every second instance is watched"
             );
             result

@@ -134,7 +134,7 @@ pub enum Call {
     NullInstance,
 }
 
-fn flaws() -> impl Strategy<Value = Flaw> {
+pub fn flaws() -> impl Strategy<Value = Flaw> {
     prop_oneof![
         6 => Just(Flaw::None),
         1 => Just(Flaw::NullReferences),
@@ -158,12 +158,12 @@ fn bad_number() -> impl Strategy<Value = f64> {
 /// Calls of all kinds, each as often as its weight says.
 pub fn calls() -> impl Strategy<Value = Call> {
     prop_oneof![
-        2 => setup(),
+        2 => setup().prop_map(|(tolerance, start, stop)| Call::Setup { tolerance, start, stop }),
         3 => Just(Call::EnterInitialization),
         5 => Just(Call::ExitInitialization),
         1 => Just(Call::Terminate),
         1 => Just(Call::Reset),
-        12 => step(),
+        12 => step().prop_map(|(late, size)| Call::Step { late, size }),
         6 => (0..6_usize, -1.0..1.0, flaws()).prop_map(|(which, value, flaw)| Call::SetInput { which, value, flaw }),
         3 => (0..PARAMETERS.len(), 0.0..1.0, flaws())
             .prop_map(|(which, share, flaw)| Call::SetParameter { which, share, flaw }),
@@ -174,13 +174,13 @@ pub fn calls() -> impl Strategy<Value = Call> {
         1 => (any::<bool>(), flaws()).prop_map(|(set, flaw)| Call::Boolean { set, flaw }),
         1 => (any::<bool>(), 0..2_usize).prop_map(|(set, length)| Call::String { set, length }),
         3 => derivative(),
-        2 => output_derivative(),
+        2 => output_derivative().prop_map(|(which, order, null)| Call::OutputDerivative { which, order, null }),
         1 => Just(Call::Directional),
-        1 => logging(),
+        1 => logging().prop_map(|(on, name)| Call::Logging { on, name }),
         3 => slot().prop_map(|slot| Call::Store { slot }),
         3 => slot().prop_map(|slot| Call::Restore { slot }),
         1 => slot().prop_map(|slot| Call::Drop { slot }),
-        2 => through_bytes(),
+        2 => through_bytes().prop_map(|(slot, damage, cut)| Call::ThroughBytes { slot, damage, cut }),
         2 => (0..5_usize, -1..5, prop::bool::weighted(0.1))
             .prop_map(|(function, kind, null)| Call::Status { function, kind, null }),
         1 => Just(Call::Cancel),
@@ -190,25 +190,25 @@ pub fn calls() -> impl Strategy<Value = Call> {
     ]
 }
 
-fn slot() -> impl Strategy<Value = usize> {
+pub fn slot() -> impl Strategy<Value = usize> {
     0..3_usize
 }
 
-fn setup() -> impl Strategy<Value = Call> {
+/// Tolerance, start and stop time.
+pub fn setup() -> impl Strategy<Value = (Option<f64>, f64, Option<f64>)> {
     (
         prop_oneof![Just(None), Just(Some(1e-3)), bad_number().prop_map(Some)],
         prop_oneof![3 => Just(0.0), 1 => Just(1e6), 1 => bad_number()],
         prop_oneof![2 => Just(None), 1 => Just(Some(2e6)), 1 => Just(Some(0.004)), 1 => bad_number().prop_map(Some)],
     )
-        .prop_map(|(tolerance, start, stop)| Call::Setup { tolerance, start, stop })
 }
 
-fn step() -> impl Strategy<Value = Call> {
+/// By how much a step begins late, and its size.
+pub fn step() -> impl Strategy<Value = (f64, f64)> {
     (
         prop_oneof![9 => Just(0.0), 1 => prop_oneof![Just(1e-3), Just(-1e-3), bad_number()]],
         prop_oneof![9 => 1e-5..2e-3, 1 => Just(5e-3), 2 => prop_oneof![bad_number(), Just(1e30), Just(1e-300)]],
     )
-        .prop_map(|(late, size)| Call::Step { late, size })
 }
 
 fn set_integer() -> impl Strategy<Value = Call> {
@@ -228,30 +228,30 @@ fn derivative() -> impl Strategy<Value = Call> {
         .prop_map(|(which, order, value)| Call::Derivative { which, order, value })
 }
 
-fn output_derivative() -> impl Strategy<Value = Call> {
+/// Which output, order, and whether the place for the value is null.
+pub fn output_derivative() -> impl Strategy<Value = (usize, c_int, bool)> {
     (
         0..50_usize,
         prop_oneof![6 => Just(1), 1 => Just(0), 1 => Just(2)],
         prop::bool::weighted(0.1),
     )
-        .prop_map(|(which, order, null)| Call::OutputDerivative { which, order, null })
 }
 
-fn logging() -> impl Strategy<Value = Call> {
+/// Whether on, and a category.
+pub fn logging() -> impl Strategy<Value = (bool, Option<&'static str>)> {
     (
         any::<bool>(),
         prop_oneof![Just(None), Just(Some("logEvents")), Just(Some("noise"))],
     )
-        .prop_map(|(on, name)| Call::Logging { on, name })
 }
 
-fn through_bytes() -> impl Strategy<Value = Call> {
+/// A slot, what is damaged (where, by which bits) and what is left.
+pub fn through_bytes() -> impl Strategy<Value = (usize, Option<(f64, u8)>, f64)> {
     (
         slot(),
         prop::option::weighted(0.4, (0.0..1.0, 1..=u8::MAX)),
         prop_oneof![3 => Just(1.0), 1 => 0.0..1.1],
     )
-        .prop_map(|(slot, damage, cut)| Call::ThroughBytes { slot, damage, cut })
 }
 
 /// Real parameters, with values that fit every other: what does not fit is tested elsewhere.

@@ -1,5 +1,6 @@
 //! Call sequences in random order with random and bad arguments, through the C functions of the built library, beside
-//! a model of the standard's state machine (its table 4.2.4, for a slave whose steps end before they return).
+//! a model of the standard's state machine: that of FMI 2.0 (its table 4.2.4, for a slave whose steps end before they return) and that
+//! of FMI 3.0, with a master that handles events, early returns and intermediate updates, or some of them.
 //!
 //! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test sequences`. A short run
 //! under valgrind is a test, too. Where valgrind is not installed it counts as ignored, and where `CI` is set it fails.
@@ -7,20 +8,22 @@
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
 mod calls;
+mod calls3;
 mod machine;
 mod master;
+mod master3;
 
 use std::process::{Command, ExitCode, Stdio};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use proptest::collection::vec;
+use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
 use pushbelt_lab::shared_library::{Library, count};
 
-use calls::calls;
 use master::Master;
 
 fn references(which: impl Fn(Causality) -> bool) -> Vec<u32> {
@@ -32,11 +35,8 @@ fn references(which: impl Fn(Causality) -> bool) -> Vec<u32> {
         .collect()
 }
 
-/// Runs `cases` sequences of up to `length` calls.
-fn check(cases: u32, length: usize, cheap: bool) {
-    let library = Library::load();
-    let outputs = references(|causality| causality == Causality::Output);
-    let readings = references(|_| true);
+/// Runs `cases` sequences of calls.
+fn run<C: std::fmt::Debug>(cases: u32, sequences: &impl Strategy<Value = C>, check: impl Fn(C)) {
     let config = Config {
         cases,
         failure_persistence: None,
@@ -45,11 +45,8 @@ fn check(cases: u32, length: usize, cheap: bool) {
     };
     // The same sequences every time; more cases go on from there.
     let seed = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
-    let outcome = TestRunner::new_with_rng(config, seed).run(&vec(calls(), 1..length), |calls| {
-        let mut master = Master::new(&library.functions, cheap, &outputs, &readings);
-        for call in &calls {
-            master.make(call);
-        }
+    let outcome = TestRunner::new_with_rng(config, seed).run(sequences, |sequence| {
+        check(sequence);
         Ok(())
     });
     if let Err(failure) = outcome {
@@ -57,8 +54,40 @@ fn check(cases: u32, length: usize, cheap: bool) {
     }
 }
 
-/// Name of the test that runs under valgrind.
+/// Sequences of up to `length` calls of FMI 2.0.
+fn check(cases: u32, length: usize, cheap: bool) {
+    let library = Library::load();
+    let outputs = references(|causality| causality == Causality::Output);
+    let readings = references(|_| true);
+    run(cases, &vec(calls::calls(), 1..length), |calls| {
+        let mut master = Master::new(&library.functions, cheap, &outputs, &readings);
+        for call in &calls {
+            master.make(call);
+        }
+    });
+}
+
+/// Sequences of up to `length` calls of FMI 3.0.
+fn check3(cases: u32, length: usize, cheap: bool) {
+    let library = Library::load();
+    let outputs = references(|causality| causality == Causality::Output);
+    let reals = master3::reals();
+    let seen = master3::Seen::default();
+    let sequences = (any::<[bool; 3]>(), vec(calls3::calls(), 1..length));
+    run(cases, &sequences, |(modes, calls)| {
+        let mut master = master3::Master::new(&library.functions3, &seen, cheap, modes, (&outputs, &reals));
+        for call in &calls {
+            master.make(call);
+        }
+    });
+    println!("{seen:?}");
+    let enough = [&seen.events, &seen.asked, &seen.spoiled].map(|count| count.get() > 0);
+    assert!(cases < 1000 || enough == [true; 3], "{seen:?}");
+}
+
+/// Names of the tests that run under valgrind.
 const COARSE: &str = "random_sequences_with_a_coarse_reference_ring";
+const COARSE3: &str = "random_sequences_of_fmi_3_with_a_coarse_reference_ring";
 
 fn coarse() -> Result<(), Failed> {
     check(count("PUSHBELT_SEQUENCES", 1000), 60, true);
@@ -70,6 +99,16 @@ fn default_model() -> Result<(), Failed> {
     Ok(())
 }
 
+fn coarse3() -> Result<(), Failed> {
+    check3(count("PUSHBELT_SEQUENCES", 1000), 60, true);
+    Ok(())
+}
+
+fn default_model3() -> Result<(), Failed> {
+    check3(count("PUSHBELT_DEFAULT_SEQUENCES", 3), 40, false);
+    Ok(())
+}
+
 /// Whether valgrind can be started.
 fn valgrind_is_there() -> bool {
     let mut command = Command::new("valgrind");
@@ -77,14 +116,14 @@ fn valgrind_is_there() -> bool {
     silent.status().is_ok_and(|status| status.success())
 }
 
-/// No invalid access, no leak.
-fn valgrind() -> Result<(), Failed> {
+/// No invalid access, no leak, in the test of this name.
+fn valgrind(name: &str) -> Result<(), Failed> {
     let test = std::env::current_exe()?;
     let output = Command::new("valgrind")
         .args(["--quiet", "--error-exitcode=9", "--leak-check=full"])
         .args(["--errors-for-leak-kinds=definite", "--show-leak-kinds=definite"])
         .arg(test)
-        .args(["--exact", COARSE, "--test-threads=1"])
+        .args(["--exact", name, "--test-threads=1"])
         .env("PUSHBELT_SEQUENCES", "12")
         .output()
         .map_err(|error| format!("valgrind can't be started: {error}"))?;
@@ -103,13 +142,20 @@ fn main() -> ExitCode {
     let mut trials = vec![
         Trial::test(COARSE, coarse),
         Trial::test("random_sequences_with_the_default_model", default_model),
+        Trial::test(COARSE3, coarse3),
+        Trial::test("random_sequences_of_fmi_3_with_the_default_model", default_model3),
     ];
     if cfg!(target_os = "linux") {
         let skipped = !valgrind_is_there() && std::env::var_os("CI").is_none();
         if skipped && !arguments.list {
             eprintln!("valgrind is not installed: valgrind_finds_nothing is ignored");
         }
-        trials.push(Trial::test("valgrind_finds_nothing", valgrind).with_ignored_flag(skipped));
+        for (test, name) in [
+            ("valgrind_finds_nothing", COARSE),
+            ("valgrind_finds_nothing_in_fmi_3", COARSE3),
+        ] {
+            trials.push(Trial::test(test, move || valgrind(name)).with_ignored_flag(skipped));
+        }
     }
     libtest_mimic::run(&arguments, trials).exit_code()
 }

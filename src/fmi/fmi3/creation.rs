@@ -44,7 +44,7 @@ unsafe fn processor_suffices(environment: Environment, log_message: Option<LogMe
         return true;
     }
     if let Some(log_message) = log_message {
-        let (category, message) = (c"logStatusError".as_ptr(), processor::OBJECTION.as_ptr());
+        let (category, message) = (c"logStatusError".as_ptr(), processor::OBJECTION3.as_ptr());
         // SAFETY: as the caller grants.
         unsafe { log_message(environment, Status::Error as c_int, category, message) };
     }
@@ -213,6 +213,10 @@ unsafe fn other_interface(function: &str, environment: Environment, log_message:
 ///
 /// # Safety
 /// As [`instantiate_co_simulation`].
+#[expect(
+    clippy::extra_unused_type_parameters,
+    reason = "exported functions are all of one unit"
+)]
 pub(crate) unsafe fn instantiate_model_exchange<U: OwnSteps>(
     _instance_name: Text,
     _instantiation_token: Text,
@@ -231,6 +235,10 @@ pub(crate) unsafe fn instantiate_model_exchange<U: OwnSteps>(
 /// # Safety
 /// As [`instantiate_co_simulation`].
 #[expect(clippy::too_many_arguments, reason = "the standard's")]
+#[expect(
+    clippy::extra_unused_type_parameters,
+    reason = "exported functions are all of one unit"
+)]
 pub(crate) unsafe fn instantiate_scheduled_execution<U: OwnSteps>(
     _instance_name: Text,
     _instantiation_token: Text,

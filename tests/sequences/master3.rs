@@ -1,0 +1,640 @@
+//! A master of FMI 3.0 that makes calls and follows the standard's state machine beside the instance (its sections 2.3 and 4.2, for an
+//! instance that a refused call leaves as it was).
+
+use std::cell::Cell;
+use std::ffi::{c_char, c_int};
+use std::ptr::{null, null_mut};
+
+use pushbelt::fmi::Unit;
+use pushbelt::fmi::fmi3::{Boolean, Environment, FmuState, Instance};
+use pushbelt::fmi::table::Kind;
+use pushbelt::unit::VariatorUnit;
+use pushbelt_lab::shared_library::{DISCARD, ERROR, OK, reference};
+use pushbelt_lab::shared_library3::{Functions3, Watches};
+
+use crate::calls::{Flaw, INPUTS, INTEGERS, PARAMETERS, TUNABLE, UNKNOWN};
+use crate::calls3::{Answer, Call};
+use crate::machine::Expected;
+
+/// States of the standard's state machine that last between calls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    Instantiated,
+    Initialisation,
+    Step,
+    Event,
+    Terminated,
+    Error,
+}
+
+use State::{Error, Event, Initialisation, Instantiated, Step, Terminated};
+
+const BEFORE: &[State] = &[Instantiated, Initialisation];
+const SET: &[State] = &[Instantiated, Initialisation, Step, Event];
+/// Readings; settings can be read in `Instantiated` too.
+const GET: &[State] = &[Initialisation, Step, Event, Terminated, Error];
+const GET_SETTING: &[State] = &[Instantiated, Initialisation, Step, Event, Terminated, Error];
+const RUNNING: &[State] = &[Step, Event];
+const DERIVATIVES: &[State] = &[Step, Event, Terminated, Error];
+const ANY: &[State] = GET_SETTING;
+
+/// What the master knows of the instance.
+#[derive(Clone, Copy, Debug)]
+struct Model {
+    state: State,
+    time: f64,
+    stop: Option<f64>,
+}
+
+const FRESH: Model = Model {
+    state: Instantiated,
+    time: 0.0,
+    stop: None,
+};
+
+/// A stored state with what the model knows of it.
+struct Slot {
+    state: FmuState,
+    model: Model,
+}
+
+/// A real variable or array: its reference, its number of values, whether it is a setting.
+#[derive(Clone, Copy, Debug)]
+pub struct Real {
+    reference: u32,
+    size: usize,
+    setting: bool,
+}
+
+/// All of them.
+pub fn reals() -> Vec<Real> {
+    let table = VariatorUnit::table();
+    let variables = table.variables().iter();
+    let real = variables.filter(|variable| matches!(variable.kind, Kind::Real { .. }));
+    real.filter_map(|variable| {
+        let size = match table.array_of(variable.reference) {
+            None => 1,
+            Some(array) if array.first == variable.reference => usize::try_from(array.size).expect("72"),
+            Some(_) => return None,
+        };
+        Some(Real {
+            reference: variable.reference,
+            size,
+            setting: variable.causality.is_setting(),
+        })
+    })
+    .collect()
+}
+
+/// What the callback works with, and what it saw.
+struct Watcher {
+    f: Functions3,
+    c: Instance,
+    answer: Answer,
+    last: f64,
+    asked: bool,
+    spoiled: bool,
+}
+
+unsafe extern "C" fn update(
+    environment: Environment,
+    time: f64,
+    set: Boolean,
+    get: Boolean,
+    finished: Boolean,
+    can_return: Boolean,
+    wanted: *mut Boolean,
+    until: *mut f64,
+) {
+    // SAFETY: the environment is the `Watcher` of the instance that calls, and nobody else uses it meanwhile; the places are
+    // those of the unit.
+    unsafe {
+        let watcher = &mut *environment.cast::<Watcher>();
+        let Watcher { f, c, answer, .. } = *watcher;
+        assert!((get, finished) == (1, 1) && time >= watcher.last);
+        watcher.last = time;
+        let (torque, speed, mut value) = (reference("primary.torque"), reference("primary.speed"), f64::NAN);
+        assert_eq!((f.fmi3GetFloat64)(c, &speed, 1, &raw mut value, 1), OK);
+        assert!(value.is_finite());
+        match answer {
+            Answer::Nothing => {}
+            Answer::Set(input) => {
+                let status = (f.fmi3SetFloat64)(c, &torque, 1, &input, 1);
+                let good = set == 1 && input.is_finite();
+                assert!(status == if good { OK } else { ERROR } || watcher.spoiled);
+                watcher.spoiled |= set == 1 && !good;
+            }
+            Answer::Return(later) => {
+                wanted.write(1);
+                until.write(time + later);
+                watcher.asked |= can_return == 1;
+            }
+            Answer::Meddle => {
+                let other = reference("belt.speed");
+                let (mut state, mut size) = (null_mut(), 0);
+                assert_eq!((f.fmi3GetFloat64)(c, &other, 1, &raw mut value, 1), ERROR);
+                assert_eq!((f.fmi3SetFloat64)(c, &reference("secondary.torque"), 1, &1.0, 1), ERROR);
+                assert_eq!((f.fmi3Reset)(c), ERROR);
+                assert_eq!((f.fmi3EnterEventMode)(c), ERROR);
+                assert_eq!((f.fmi3Terminate)(c), ERROR);
+                assert_eq!((f.fmi3GetFMUState)(c, &raw mut state), ERROR);
+                assert_eq!((f.fmi3SerializedFMUStateSize)(c, null_mut(), &raw mut size), ERROR);
+                assert_eq!(f.step(c, time, 1e-3).status, ERROR);
+                (f.fmi3FreeInstance)(c);
+            }
+        }
+    }
+}
+
+/// What sequences came by, so that none of it is left out unseen.
+#[derive(Debug, Default)]
+pub struct Seen {
+    pub events: Cell<u32>,
+    pub asked: Cell<u32>,
+    pub spoiled: Cell<u32>,
+    pub discarded: Cell<u32>,
+}
+
+fn count(seen: &Cell<u32>, when: bool) {
+    seen.set(seen.get() + u32::from(when));
+}
+
+pub struct Master<'a> {
+    f: &'a Functions3,
+    seen: &'a Seen,
+    c: Instance,
+    /// From a box that is given back when the master is dropped.
+    watcher: *mut Watcher,
+    watches: Watches,
+    cheap: bool,
+    model: Model,
+    slots: [Option<Slot>; 3],
+    outputs: &'a [u32],
+    reals: &'a [Real],
+}
+
+impl Drop for Master<'_> {
+    fn drop(&mut self) {
+        for slot in 0..self.slots.len() {
+            self.drop_slot(slot);
+        }
+        // SAFETY: instance and watcher are not used any more.
+        unsafe {
+            (self.f.fmi3FreeInstance)(self.c);
+            drop(Box::from_raw(self.watcher));
+        }
+    }
+}
+
+impl<'a> Master<'a> {
+    /// Of a fresh instance; `modes` says whether it handles events, early returns and updates.
+    pub fn new(
+        f: &'a Functions3,
+        seen: &'a Seen,
+        cheap: bool,
+        modes: [bool; 3],
+        (outputs, reals): (&'a [u32], &'a [Real]),
+    ) -> Self {
+        let watcher = Box::into_raw(Box::new(Watcher {
+            f: *f,
+            c: null_mut(),
+            answer: Answer::Nothing,
+            last: 0.0,
+            asked: false,
+            spoiled: false,
+        }));
+        let [events, early_return, updates] = modes;
+        let watches = Watches {
+            events,
+            early_return,
+            update: updates.then_some((update, watcher.cast())),
+        };
+        let c = f.instantiate(watches);
+        // SAFETY: the watcher is used by the callback only, and none is under way.
+        unsafe { (*watcher).c = c };
+        let mut master = Self {
+            f,
+            seen,
+            c,
+            watcher,
+            watches,
+            cheap,
+            model: FRESH,
+            slots: [None, None, None],
+            outputs,
+            reals,
+        };
+        master.after_reset();
+        master
+    }
+
+    fn expect(&mut self, call: &Call, status: c_int, allowed: &[State], legal: Expected) {
+        // In the error state there are values only if the run had started.
+        if self.model.state == Error && allowed.contains(&Error) && allowed != ANY && status == ERROR {
+            return;
+        }
+        let expected = if allowed.contains(&self.model.state) {
+            legal
+        } else {
+            Expected::Refused
+        };
+        let wanted = if expected == Expected::Done { OK } else { ERROR };
+        assert_eq!(status, wanted, "{call:?} with {:?}: {expected:?}", self.model);
+        if expected == Expected::Failed {
+            self.model.state = Error;
+        }
+    }
+
+    /// Follows a call that leads to another state.
+    fn moves(&mut self, call: &Call, status: c_int, from: &[State], to: State) {
+        self.expect(call, status, from, Expected::Done);
+        if status == OK {
+            self.model.state = to;
+        }
+    }
+
+    fn drop_slot(&mut self, slot: usize) {
+        if let Some(Slot { mut state, .. }) = self.slots[slot].take() {
+            // SAFETY: a state that has not been freed.
+            unsafe {
+                assert_eq!((self.f.fmi3FreeFMUState)(self.c, &raw mut state), OK);
+                assert!(state.is_null());
+                assert_eq!((self.f.fmi3FreeFMUState)(self.c, &raw mut state), OK, "null is legal");
+            }
+        }
+    }
+
+    fn after_reset(&mut self) {
+        self.model = FRESH;
+        if self.cheap {
+            // SAFETY: an instance.
+            unsafe { self.f.make_cheap(self.c) };
+        }
+    }
+
+    /// Makes a call and compares what comes back with the model.
+    pub fn make(&mut self, call: &Call) {
+        let (f, c) = (self.f, self.c);
+        // SAFETY: an instance; calls with arguments are below.
+        unsafe {
+            match *call {
+                Call::EnterInitialization { tolerance, start, stop } => self.initialize(call, tolerance, start, stop),
+                Call::ExitInitialization => {
+                    let to = if self.watches.events { Event } else { Step };
+                    let status = (f.fmi3ExitInitializationMode)(c);
+                    self.moves(call, status, &[Initialisation], to);
+                }
+                Call::EnterEvent => {
+                    let from: &[State] = if self.watches.events { &[Step] } else { &[] };
+                    let status = (f.fmi3EnterEventMode)(c);
+                    self.moves(call, status, from, Event);
+                }
+                Call::UpdateDiscrete { null } => self.update_discrete(call, null),
+                Call::EnterStep => {
+                    let status = (f.fmi3EnterStepMode)(c);
+                    self.moves(call, status, &[Event], Step);
+                }
+                Call::Terminate => {
+                    let status = (f.fmi3Terminate)(c);
+                    self.moves(call, status, RUNNING, Terminated);
+                }
+                Call::Reset => {
+                    assert_eq!((f.fmi3Reset)(c), OK);
+                    self.after_reset();
+                }
+                Call::Step { late, size, answer } => self.step(call, late, size, answer),
+                Call::SetInput { which, value, flaw } => {
+                    let (name, middle, width) = INPUTS[which];
+                    self.set_real(call, reference(name), middle + value * width, flaw, SET);
+                }
+                Call::SetParameter { which, share, flaw } => {
+                    let (name, low, high) = PARAMETERS[which];
+                    let states = if which < TUNABLE { SET } else { BEFORE };
+                    self.set_real(call, reference(name), low + share * (high - low), flaw, states);
+                }
+                Call::SetOutput => {
+                    let status = (f.fmi3SetFloat64)(c, &reference("thrustRatio"), 1, &1.0, 1);
+                    self.expect(call, status, ANY, Expected::Refused);
+                }
+                Call::GetReals { ref which, flaw, more } => self.get_reals(call, which, flaw, more),
+                Call::SetInteger { which, value } => self.set_integer(call, INTEGERS[which], value),
+                Call::Choice { set, value } => self.choice(call, set, value),
+                Call::Boolean { set, flaw } => self.boolean(call, set, flaw),
+                Call::NoSuchType { function, length } => self.no_such_type(call, function, length),
+                Call::OutputDerivative { which, order, null } => self.output_derivative(call, which, order, null),
+                Call::NotOffered { function } => self.not_offered(call, function),
+                Call::Logging { on, name } => self.logging(call, on, name),
+                Call::Store { slot } => self.store(slot),
+                Call::Restore { slot } => self.restore(slot),
+                Call::Drop { slot } => self.drop_slot(slot),
+                Call::ThroughBytes { slot, damage, cut } => self.through_bytes(slot, damage, cut),
+                Call::NullInstance => {
+                    (f.fmi3FreeInstance)(null_mut());
+                    assert_eq!(f.step(null_mut(), 0.0, 1e-3).status, ERROR);
+                    let mut value = 0.0;
+                    assert_eq!((f.fmi3GetFloat64)(null_mut(), &1, 1, &raw mut value, 1), ERROR);
+                }
+            }
+        }
+    }
+
+    fn initialize(&mut self, call: &Call, tolerance: Option<f64>, start: f64, stop: Option<f64>) {
+        // SAFETY: an instance.
+        let status = unsafe {
+            (self.f.fmi3EnterInitializationMode)(
+                self.c,
+                tolerance.is_some().into(),
+                tolerance.unwrap_or(f64::NAN),
+                start,
+                stop.is_some().into(),
+                stop.unwrap_or(f64::NAN),
+            )
+        };
+        let good = start.is_finite()
+            && tolerance.is_none_or(|t| t.is_finite() && t > 0.0)
+            && stop.is_none_or(|stop| stop.is_finite() && stop >= start);
+        self.expect(call, status, &[Instantiated], Expected::done_if(good));
+        if status == OK {
+            self.model = Model {
+                state: Initialisation,
+                time: start,
+                stop,
+            };
+        }
+    }
+
+    fn update_discrete(&mut self, call: &Call, null: bool) {
+        let (mut flags, mut time) = ([9; 5], f64::NAN);
+        let [mut a, b, c, d, e] = flags.each_mut().map(std::ptr::from_mut);
+        if null {
+            a = null_mut();
+        }
+        // SAFETY: an instance, and a place for each result or null.
+        let status = unsafe { (self.f.fmi3UpdateDiscreteStates)(self.c, a, b, c, d, e, &raw mut time) };
+        self.expect(call, status, &[Event], Expected::done_if(!null));
+        if status == OK {
+            assert_eq!((flags, time), ([0; 5], 0.0));
+        }
+    }
+
+    fn step(&mut self, call: &Call, late: f64, size: f64, answer: Answer) {
+        let from = self.model.time + late;
+        let to = from + size;
+        // SAFETY: the watcher is used by the callback only, and none is under way.
+        unsafe {
+            let watcher = &mut *self.watcher;
+            (watcher.answer, watcher.last) = (answer, f64::NEG_INFINITY);
+            (watcher.asked, watcher.spoiled) = (false, false);
+        }
+        // SAFETY: an instance.
+        let ended = unsafe { self.f.step(self.c, from, size) };
+        // SAFETY: as above.
+        let (asked, spoiled) = unsafe { ((*self.watcher).asked, (*self.watcher).spoiled) };
+        let good = late == 0.0
+            && (0.0..1e3).contains(&size)
+            && to > from
+            && self.model.stop.is_none_or(|stop| to <= stop + 1e-6 * size);
+        if good && ended.status == DISCARD && self.model.state == Step {
+            assert!((self.model.time..to).contains(&ended.time), "{ended:?} after {call:?}");
+            self.model.time = ended.time;
+            count(&self.seen.discarded, true);
+            return;
+        }
+        count(&self.seen.spoiled, spoiled);
+        let legal = match (good, spoiled) {
+            (true, true) => Expected::Failed,
+            _ => Expected::done_if(good),
+        };
+        self.expect(call, ended.status, &[Step], legal);
+        if ended.status != OK {
+            return;
+        }
+        let (event, early) = (ended.event == 1, ended.early == 1);
+        assert!(!event || self.watches.events, "{ended:?}");
+        assert!(
+            !early || self.watches.early_return && (event || asked),
+            "{ended:?} after {call:?}"
+        );
+        if early {
+            assert!(ended.time > from && ended.time < to, "{ended:?} after {call:?}");
+        } else {
+            assert_eq!(ended.time, to);
+        }
+        count(&self.seen.events, event);
+        count(&self.seen.asked, early && asked);
+        self.model.time = ended.time;
+    }
+
+    fn get_reals(&mut self, call: &Call, which: &[usize], flaw: Flaw, more: isize) {
+        let wanted: Vec<Real> = which.iter().map(|which| self.reals[which % self.reals.len()]).collect();
+        let mut references: Vec<u32> = wanted.iter().map(|real| real.reference).collect();
+        let mut size: usize = wanted.iter().map(|real| real.size).sum();
+        match flaw {
+            Flaw::UnknownReference => references.push(UNKNOWN),
+            Flaw::OtherType => references.push(reference("macroSlip")),
+            _ => {}
+        }
+        size += references.len() - wanted.len();
+        let count = size.saturating_add_signed(more);
+        let mut values = vec![f64::NAN; count];
+        let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
+        // SAFETY: an instance; arrays are as long as said, or null.
+        let status = unsafe { (self.f.fmi3GetFloat64)(self.c, from, references.len(), to, count) };
+        let usable = match flaw {
+            Flaw::NullReferences => references.is_empty(),
+            Flaw::NullValues => count == 0,
+            _ => flaw.harmless(),
+        };
+        let settings = wanted.iter().all(|real| real.setting);
+        let states = if settings { GET_SETTING } else { GET };
+        self.expect(call, status, states, Expected::done_if(usable && count == size));
+        if status == OK {
+            assert!(values.iter().all(|value| value.is_finite()), "{call:?}: {values:?}");
+        }
+    }
+
+    fn set_real(&mut self, call: &Call, wanted: u32, value: f64, flaw: Flaw, states: &[State]) {
+        let (mut references, mut values) = (vec![wanted], vec![value]);
+        match flaw {
+            Flaw::UnknownReference => references.push(UNKNOWN),
+            Flaw::OtherType => references.push(reference("primary.drive")),
+            Flaw::NotFinite => references.push(reference("primary.torque")),
+            _ => {}
+        }
+        values.resize(references.len(), f64::NAN);
+        let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
+        // SAFETY: an instance; arrays are as long as said, or null.
+        let status = unsafe { (self.f.fmi3SetFloat64)(self.c, from, references.len(), to, values.len()) };
+        let legal = match flaw {
+            Flaw::None => Expected::Done,
+            Flaw::NotFinite => Expected::Failed,
+            _ => Expected::Refused,
+        };
+        self.expect(call, status, states, legal);
+    }
+
+    fn set_integer(&mut self, call: &Call, name: &str, value: c_int) {
+        // Meshes that would make a cheap instance dear are left as they are.
+        let mesh = name.starts_with("mesh.");
+        if mesh && value > 0 && value < c_int::MAX {
+            return;
+        }
+        // SAFETY: an instance, one reference, one value.
+        let status = unsafe { (self.f.fmi3SetInt32)(self.c, &reference(name), 1, &value, 1) };
+        let legal = if mesh { Expected::Failed } else { Expected::Refused };
+        self.expect(call, status, BEFORE, legal);
+    }
+
+    fn choice(&mut self, call: &Call, set: bool, value: i64) {
+        let (wanted, mut found) = (reference("primary.drive"), -1);
+        // SAFETY: an instance, one reference, one value.
+        unsafe {
+            if set {
+                let status = (self.f.fmi3SetInt64)(self.c, &wanted, 1, &value, 1);
+                let known = (1..3).contains(&value);
+                let legal = if known { Expected::Done } else { Expected::Failed };
+                self.expect(call, status, BEFORE, legal);
+            } else {
+                let status = (self.f.fmi3GetInt64)(self.c, &wanted, 1, &raw mut found, 1);
+                self.expect(call, status, GET_SETTING, Expected::Done);
+                assert!((1..3).contains(&found));
+            }
+        }
+    }
+
+    fn boolean(&mut self, call: &Call, set: bool, flaw: Flaw) {
+        let wanted = flaw.reference(if set { "initial.equilibrium" } else { "macroSlip" });
+        let mut value = 0;
+        let (from, to) = flaw.pointers(&wanted, &raw mut value);
+        // SAFETY: an instance, one reference and one value, or null.
+        let (status, states) = unsafe {
+            if set {
+                ((self.f.fmi3SetBoolean)(self.c, from, 1, to, 1), BEFORE)
+            } else {
+                ((self.f.fmi3GetBoolean)(self.c, from, 1, to, 1), GET)
+            }
+        };
+        self.expect(call, status, states, Expected::done_if(flaw.harmless()));
+    }
+
+    fn no_such_type(&mut self, call: &Call, function: usize, length: usize) {
+        let (f, c, vr) = (self.f, self.c, 1);
+        let (mut single, mut number, mut text, mut clock) = (0.0, 0, null::<c_char>(), 0);
+        // SAFETY: an instance, at most one reference and one value.
+        let (status, states) = unsafe {
+            match function {
+                0 => ((f.fmi3GetFloat32)(c, &vr, length, &raw mut single, length), ANY),
+                1 => ((f.fmi3SetUInt8)(c, &vr, length, &number, length), SET),
+                2 => ((f.fmi3GetUInt8)(c, &vr, length, &raw mut number, length), ANY),
+                3 => ((f.fmi3GetString)(c, &vr, length, &raw mut text, length), ANY),
+                4 => ((f.fmi3SetClock)(c, &vr, length, &clock), SET),
+                _ => ((f.fmi3GetClock)(c, &vr, length, &raw mut clock), ANY),
+            }
+        };
+        self.expect(call, status, states, Expected::done_if(length == 0));
+    }
+
+    fn output_derivative(&mut self, call: &Call, which: usize, order: c_int, null: bool) {
+        let wanted = self.outputs.get(which).copied();
+        let mut value = f64::NAN;
+        let to: *mut f64 = if null { null_mut() } else { &raw mut value };
+        let vr = wanted.unwrap_or(UNKNOWN);
+        // SAFETY: an instance, one reference and one order, one value or null.
+        let status = unsafe { (self.f.fmi3GetOutputDerivatives)(self.c, &vr, 1, &order, to, 1) };
+        let legal = Expected::done_if(wanted.is_some() && order == 1 && !null);
+        self.expect(call, status, DERIVATIVES, legal);
+        assert!(status != OK || value.is_finite(), "{call:?}: {value}");
+    }
+
+    fn not_offered(&mut self, call: &Call, function: usize) {
+        let (f, c) = (self.f, self.c);
+        let (mut number, mut count, mut flag, mut other) = (0.0, 0, 0, 0);
+        // SAFETY: an instance, and a place for each value.
+        let status = unsafe {
+            match function {
+                0 => (f.fmi3GetDirectionalDerivative)(c, &1, 1, &101, 1, &1.0, 1, &raw mut number, 1),
+                1 => (f.fmi3GetAdjointDerivative)(c, &1, 1, &101, 1, &1.0, 1, &raw mut number, 1),
+                2 => (f.fmi3GetNumberOfVariableDependencies)(c, 1, &raw mut count),
+                3 => (f.fmi3EnterConfigurationMode)(c),
+                4 => (f.fmi3ExitConfigurationMode)(c),
+                5 => (f.fmi3EvaluateDiscreteStates)(c),
+                6 => (f.fmi3EnterContinuousTimeMode)(c),
+                7 => (f.fmi3CompletedIntegratorStep)(c, 1, &raw mut flag, &raw mut other),
+                8 => (f.fmi3SetTime)(c, 1.0),
+                9 => (f.fmi3GetContinuousStates)(c, &raw mut number, 1),
+                10 => (f.fmi3GetNumberOfEventIndicators)(c, &raw mut count),
+                _ => (f.fmi3ActivateModelPartition)(c, 1, 0.0),
+            }
+        };
+        self.expect(call, status, ANY, Expected::Refused);
+    }
+
+    fn logging(&mut self, call: &Call, on: bool, name: Option<&str>) {
+        let text: Vec<u8> = name.iter().flat_map(|name| name.bytes()).chain([0]).collect();
+        let pointer: *const c_char = text.as_ptr().cast();
+        // SAFETY: an instance, as many strings as said, each with its end.
+        let status = unsafe { (self.f.fmi3SetDebugLogging)(self.c, on.into(), name.iter().count(), &pointer) };
+        self.expect(call, status, ANY, Expected::done_if(name != Some("noise")));
+    }
+
+    fn store(&mut self, slot: usize) {
+        let kept = &mut self.slots[slot];
+        let mut state = kept.as_ref().map_or(null_mut(), |slot| slot.state);
+        let before = state;
+        // SAFETY: an instance, and null or a state that has not been freed.
+        assert_eq!(unsafe { (self.f.fmi3GetFMUState)(self.c, &raw mut state) }, OK);
+        assert!(
+            before.is_null() || state == before,
+            "a state that is not null is used again"
+        );
+        let model = self.model;
+        *kept = Some(Slot { state, model });
+    }
+
+    fn restore(&mut self, slot: usize) {
+        let kept = self.slots[slot].as_ref();
+        let state = kept.map_or(null_mut(), |slot| slot.state);
+        // SAFETY: an instance, and null or a state that has not been freed.
+        let status = unsafe { (self.f.fmi3SetFMUState)(self.c, state) };
+        assert_eq!(status, if kept.is_some() { OK } else { ERROR });
+        if let Some(Slot { model, .. }) = kept {
+            self.model = *model;
+        }
+    }
+
+    /// To bytes and back; damaged or cut bytes must be refused.
+    fn through_bytes(&mut self, slot: usize, damage: Option<(f64, u8)>, cut: f64) {
+        let (f, c) = (self.f, self.c);
+        let Some(Slot { state, model }) = &self.slots[slot] else {
+            return;
+        };
+        let mut size = 0;
+        // SAFETY: an instance, a state that has not been freed, and as many bytes as it asks for.
+        unsafe {
+            assert_eq!((f.fmi3SerializedFMUStateSize)(c, *state, &raw mut size), OK);
+            let mut bytes = vec![0_u8; size];
+            assert_eq!((f.fmi3SerializeFMUState)(c, *state, bytes.as_mut_ptr(), size), OK);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                clippy::cast_precision_loss,
+                reason = "a place among some thousand bytes"
+            )]
+            let place = |share: f64| (share * size as f64) as usize;
+            if let Some((at, mask)) = damage {
+                bytes[place(at)] ^= mask;
+            }
+            bytes.resize(place(cut), 0);
+            let mut found = null_mut();
+            let status = (f.fmi3DeserializeFMUState)(c, bytes.as_ptr(), bytes.len(), &raw mut found);
+            let whole = damage.is_none_or(|(at, _)| place(at) >= bytes.len()) && bytes.len() == size;
+            assert_eq!(status, if whole { OK } else { ERROR });
+            assert_eq!(found.is_null(), !whole);
+            if whole {
+                assert_eq!((f.fmi3SetFMUState)(c, found), OK);
+                assert_eq!((f.fmi3FreeFMUState)(c, &raw mut found), OK);
+                self.model = *model;
+            }
+        }
+    }
+}
