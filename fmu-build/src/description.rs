@@ -31,13 +31,16 @@ pub struct Description {
     pub variables: Vec<Variable>,
 }
 
-/// The same text with the attribute `generationDateAndTime`, which has no part in the GUID.
+/// The same text with the attribute `generationDateAndTime`, which has no part in the GUID (the instantiation token of FMI 3.0).
 ///
 /// # Errors
-/// The text is not XML, or its root has no GUID.
+/// The text is not XML, or its root has neither.
 pub fn with_date(xml: &str, date: &str) -> anyhow::Result<String> {
     let document = Document::parse(xml).context("the model description is not XML")?;
-    let guid = document.root_element().attribute_node("guid");
+    let root = document.root_element();
+    let guid = root
+        .attribute_node("guid")
+        .or_else(|| root.attribute_node("instantiationToken"));
     let (before, after) = xml.split_at(guid.context("the model description has no GUID")?.range().start);
     Ok(format!("{before}generationDateAndTime=\"{date}\" {after}"))
 }
@@ -237,6 +240,8 @@ mod tests {
         let root = document.root_element();
         assert_eq!(root.attribute("generationDateAndTime"), Some("2026-01-02T03:04:05Z"));
         assert_eq!(root.attribute("guid"), Some("{c}"));
+        let dated = with_date(r#"<a instantiationToken="{c}"/>"#, "today").unwrap();
+        assert_eq!(dated, r#"<a generationDateAndTime="today" instantiationToken="{c}"/>"#);
         assert!(with_date("<a/>", "").is_err());
     }
 
