@@ -117,4 +117,4 @@ def pole(value: complex) -> str:
 
 def short(value: Any) -> str:
     """A number with four digits, a large one without decimals."""
-    return (f"{value:.0f}" if abs(value) >= 1e4 else f"{value:.4g}").replace("-", page.MINUS)
+    return (f"{value:.0f}" if abs(value) >= 9999.5 else f"{value:.4g}").replace("-", page.MINUS)
