@@ -23,7 +23,7 @@
 
 #![forbid(unsafe_code)]
 
-use crate::scalar::Real;
+use crate::scalar::{Real, soft_plus_energy_at};
 
 /// Parameters of the contact between element flank and sheave.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,6 +100,8 @@ pub struct FlankForce<T> {
     pub tangential: T,
     /// Friction up the flank (radially outward).
     pub along_flank: T,
+    /// ⟨g⟩₊, m: what the elastic part of p is in proportion to.
+    pub depth: T,
 }
 
 /// Forces on an element whose flank moves by `motion`; `cos_beta` = cos β.
@@ -122,6 +124,7 @@ pub fn flank_force<T: Real>(
         viscous,
         tangential: drag * motion.tangential,
         along_flank: drag * motion.along_flank,
+        depth,
     }
 }
 
@@ -191,8 +194,15 @@ pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: 
 #[inline(always)]
 #[must_use]
 pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T) -> T {
+    let [depth, _] = touch(contact, penetration);
+    energy_density_at(contact, cos_beta, penetration, depth)
+}
+
+/// The same where ⟨g⟩₊, m, is known.
+#[inline(always)]
+pub(crate) fn energy_density_at<T: Real>(contact: &Contact, cos_beta: f64, penetration: T, depth: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
-    crate::scalar::soft_plus_energy(penetration, contact.roughness) * stiffness
+    soft_plus_energy_at(penetration, depth, contact.roughness) * stiffness
 }
 
 #[cfg(test)]

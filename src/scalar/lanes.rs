@@ -1,7 +1,7 @@
 //! A pack of numbers that are computed alike: one cell of the belt in each lane.
 
-use super::real::{MOST, Real};
-use super::soft_tail::{MANTISSA, soft_tail};
+use super::real::Real;
+use super::soft_tail::{FAR, MANTISSA, soft_tail};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 #[cfg(not(target_feature = "avx"))]
@@ -222,10 +222,10 @@ impl Real for Lanes {
         let per = 1.0 / delta;
         let size = Self(self.0.abs()) * per;
         // Most cells in the strands are far from the sheaves.
-        let [tail, inverse, logarithm] = if size.all_above(MOST) {
-            [Self::from((-MOST).exp()), Self::one(), Self::from((-MOST).exp())]
+        let [tail, inverse, logarithm] = if size.all_above(FAR) {
+            [Self::from((-FAR).exp()), Self::one(), Self::from((-FAR).exp())]
         } else {
-            soft_tail(size.min(Self::from(MOST)), |of| {
+            soft_tail(size.min(Self::from(FAR)), |of| {
                 Self::new(of.to_array().map(|of| f64::from_bits(of.to_bits() << MANTISSA)))
             })
         };

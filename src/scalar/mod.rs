@@ -11,6 +11,7 @@ mod vectors;
 
 pub use lanes::{LANES, Lanes};
 pub use real::Real;
+pub(crate) use smooth::soft_plus_energy_at;
 pub use smooth::{smooth_plus, smooth_plus_energy, soft_plus_energy};
 pub use tangent::Tangent;
 pub use vectors::{turn_right, zero_vector};

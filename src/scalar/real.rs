@@ -99,8 +99,8 @@ pub trait Real:
     fn if_positive(self, yes: Self, no: Self) -> Self;
 }
 
-/// Largest x/δ of which the exponential is taken: beside 1, e^−x is nothing from there on.
-pub(super) const MOST: f64 = 40.0;
+/// Largest x/δ of which the exponential is taken: e^−x is nothing beside 1 long before, and not yet zero.
+pub(super) const MOST: f64 = 600.0;
 
 impl Real for f64 {
     type Constant = Self;

@@ -25,6 +25,13 @@ pub fn smooth_plus_energy<T: Real>(x: T, delta: f64, reach: f64) -> T {
 #[inline(always)]
 #[must_use]
 pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
+    let [plus, ..] = x.soft_plus(delta);
+    soft_plus_energy_at(x, plus, delta)
+}
+
+/// The same where the positive part `plus` = δ ln(1 + e^{x/δ}) is known.
+#[inline(always)]
+pub(crate) fn soft_plus_energy_at<T: Real>(x: T, plus: T, delta: f64) -> T {
     // −Li₂(−z) in powers of l = ln(1 + z) ≤ ln 2; the coefficients are B_n/(n + 1)!. The next term is below 1e-14.
     let of_log = |l: T| {
         let square = l * l;
@@ -41,7 +48,8 @@ pub fn soft_plus_energy<T: Real>(x: T, delta: f64) -> T {
             + 1.0 / 36.0;
         l + square * 0.25 + odd * square * l
     };
-    let [tail, ..] = x.if_positive(-x, x).soft_plus(delta);
+    // δ ln(1 + e^{−|x|/δ}).
+    let tail = x.if_positive(plus - x, plus);
     let scaled = 1.0 / delta;
     let part = of_log(tail * scaled);
     let above = -part + x * x * (0.5 * scaled * scaled) + std::f64::consts::PI.powi(2) / 6.0;

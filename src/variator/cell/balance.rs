@@ -8,11 +8,13 @@
 //! layers on the ring alone, the push force on the shortening of the stack. So no power is lost between ring, chain and pulleys, and no moment on the arcs.
 
 use crate::chain::{Stack, Transport};
+use crate::contact::energy_density_at;
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::Real;
 use crate::variator::cell::sample::{Probe, Sample};
 use crate::variator::cell::state::{CellInput, CellState, Slots, Station, StationForces, chain_at_face};
+use crate::variator::law::flanks::BothFlanks;
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{Action, CellRing};
 use nalgebra::Vector2;
@@ -106,6 +108,14 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     out.resultant[1] += force.y * weight;
 }
 
+/// Elastic energy of both flanks of an element per pitch-line length, J/m.
+#[inline(always)]
+fn flank_energy<T: Real>(given: &CellInput<'_, T>, flanks: &BothFlanks<T>) -> T {
+    let (contact, cos_beta) = (&given.law.contact, given.law.wedge[1]);
+    let of = |k: usize| energy_density_at(contact, cos_beta, flanks.motions[k].penetration, flanks.depths[k]);
+    of(0) + of(1)
+}
+
 /// The values at a station that outputs, losses and energies need.
 #[inline(always)]
 fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
@@ -158,6 +168,7 @@ fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
         damping_loss: of_ring.viscous + stack_loss + flanks.loads.viscous,
         kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
         ring_elastic: of_ring.elastic,
+        flank_elastic: flank_energy(given, flanks) * chain.lambda,
         outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
     }
 }

@@ -33,6 +33,7 @@ impl Flank {
                 viscous: force.viscous.re,
                 tangential: force.tangential.re,
                 along_flank: force.along_flank.re,
+                depth: force.depth.re,
             },
             slopes: [force.normal.eps, force.tangential.eps, force.along_flank.eps],
         }

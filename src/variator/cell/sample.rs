@@ -61,6 +61,8 @@ pub struct Sample<L = f64> {
     pub kinetic: L,
     /// Elastic energy of the ring, J/m.
     pub ring_elastic: L,
+    /// Elastic energy of both flanks, J/m.
+    pub flank_elastic: L,
     /// Outward deflection from the reference curve, m.
     pub outward: L,
 }
@@ -71,7 +73,7 @@ macro_rules! for_each_figure {
         $with! {
             xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque, resultant[0], resultant[1],
             sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, damping_loss,
-            kinetic, ring_elastic, outward
+            kinetic, ring_elastic, flank_elastic, outward
         }
     };
 }

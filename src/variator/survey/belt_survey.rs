@@ -1,5 +1,6 @@
 //! Power, losses and stored energy of a state: each loss from its own law, never as a remainder.
 
+use crate::chain;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ReferenceCurve;
 use crate::scalar::{Lanes, Real};
@@ -9,7 +10,6 @@ use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell, Group};
 use crate::variator::settings::signals::Losses;
 use crate::variator::system::VariatorSystem;
-use crate::{chain, contact};
 use num_traits::Zero;
 
 /// Axial force below which nothing presses: no thrust ratio, utilisation or steady state means anything, N.
@@ -198,15 +198,9 @@ impl Survey {
         let mut sum = Lanes::zero();
         for (group, samples) in self.groups(&belt.mesh) {
             let stack = chain::energy_density(&law.chain, samples[0].density);
-            let flank = |penetration| contact::energy_density(&law.contact, law.wedge[1], penetration);
             let in_use = group.in_use();
             for s in samples {
-                let flanks = if belt.layout.is_spatial() {
-                    flank(s.penetration + s.offset) + flank(s.penetration - s.offset)
-                } else {
-                    flank(s.penetration) * 2.0
-                };
-                sum += (s.kinetic + s.ring_elastic + s.lambda * (stack + flanks)) * s.weight * in_use;
+                sum += (s.kinetic + s.ring_elastic + s.flank_elastic + s.lambda * stack) * s.weight * in_use;
             }
         }
         self.ring_energy + sum.sum()
