@@ -19,7 +19,7 @@ use crate::fmi::log::Status;
 /// # Safety
 /// `c` is null or an instance from `fmi2Instantiate` that has not been freed and that no other call is using. `json` is null or
 /// points to a pointer that may be written.
-#[unsafe(no_mangle)]
+#[cfg_attr(not(test), unsafe(no_mangle))]
 pub unsafe extern "C" fn pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status {
     // SAFETY: the caller grants what the function that is called asks for.
     unsafe {
@@ -33,7 +33,7 @@ pub unsafe extern "C" fn pushbeltLinearize(c: Component, frequency: f64, json: *
 ///
 /// # Safety
 /// `text` is null or comes from [`pushbeltLinearize`] and has not been freed.
-#[unsafe(no_mangle)]
+#[cfg_attr(not(test), unsafe(no_mangle))]
 pub unsafe extern "C" fn pushbeltFreeText(text: *mut c_char) {
     // SAFETY: the caller grants what the function that is called asks for.
     unsafe { answers::free_text(text) }

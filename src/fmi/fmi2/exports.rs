@@ -12,13 +12,13 @@ macro_rules! export {
         use $crate::fmi::log::Status;
 
         /// Sizes of the types of the interface.
-        #[unsafe(no_mangle)]
+        #[cfg_attr(not(test), unsafe(no_mangle))]
         pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
             c"default".as_ptr()
         }
 
         /// Version of the standard.
-        #[unsafe(no_mangle)]
+        #[cfg_attr(not(test), unsafe(no_mangle))]
         pub extern "C" fn fmi2GetVersion() -> *const c_char {
             c"2.0".as_ptr()
         }
@@ -109,7 +109,7 @@ macro_rules! forward {
         ///
         /// # Safety
         /// The caller grants what [`c_abi`](crate::fmi::fmi2) lists.
-        #[unsafe(no_mangle)]
+        #[cfg_attr(not(test), unsafe(no_mangle))]
         pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
             // SAFETY: the caller grants what the function that is called asks for.
             unsafe { $crate::fmi::fmi2::$file::$body::<$unit>($($argument),*) }

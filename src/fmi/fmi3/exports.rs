@@ -14,7 +14,7 @@ macro_rules! export {
         use $crate::fmi::log::Status;
 
         /// Version of the standard.
-        #[unsafe(no_mangle)]
+        #[cfg_attr(not(test), unsafe(no_mangle))]
         pub extern "C" fn fmi3GetVersion() -> *const c_char {
             c"3.0".as_ptr()
         }
@@ -279,7 +279,7 @@ macro_rules! forward {
         /// # Safety
         /// The caller grants what [the room of these functions](crate::fmi::fmi3) lists.
         #[allow(clippy::too_many_arguments, reason = "the standard's")]
-        #[unsafe(no_mangle)]
+        #[cfg_attr(not(test), unsafe(no_mangle))]
         pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {
             // SAFETY: the caller grants what the function that is called asks for.
             unsafe { $crate::fmi::fmi3::$file::$body::<$unit>($($argument),*) }
