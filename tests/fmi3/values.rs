@@ -2,7 +2,7 @@
 
 use std::ptr::{null, null_mut};
 
-use pushbelt::fmi::log::Status::{Error, Ok};
+use pushbelt::fmi::log::Status::{Discard, Error, Ok};
 use pushbelt::unit::c_abi3::*;
 
 use crate::importer::*;
@@ -62,7 +62,9 @@ fn bad_values_are_named() {
         ),
     ] {
         let importer = Importer::new(Handles::default());
-        assert_eq!(set(&importer), Error);
+        // A value is discarded; what is asked for wrongly is an error.
+        let of_value = words.contains("finite") || words.contains("out of range");
+        assert_eq!(set(&importer), if of_value { Discard } else { Error });
         assert!(importer.last().contains(words), "{}", importer.last());
     }
 }

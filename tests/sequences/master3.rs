@@ -93,7 +93,7 @@ struct Watcher {
     answer: Answer,
     last: f64,
     asked: bool,
-    spoiled: bool,
+    declined: bool,
 }
 
 unsafe extern "C" fn update(
@@ -120,9 +120,13 @@ unsafe extern "C" fn update(
             Answer::Nothing => {}
             Answer::Set(input) => {
                 let status = (f.fmi3SetFloat64)(c, &torque, 1, &input, 1);
-                let good = set == 1 && input.is_finite();
-                assert!(status == if good { OK } else { ERROR } || watcher.spoiled);
-                watcher.spoiled |= set == 1 && !good;
+                let wanted = match (set == 1, input.is_finite()) {
+                    (true, true) => OK,
+                    (true, false) => DISCARD,
+                    _ => ERROR,
+                };
+                assert_eq!(status, wanted);
+                watcher.declined |= status == DISCARD;
             }
             Answer::Return(later) => {
                 wanted.write(1);
@@ -151,7 +155,7 @@ unsafe extern "C" fn update(
 pub struct Seen {
     pub events: Cell<u32>,
     pub asked: Cell<u32>,
-    pub spoiled: Cell<u32>,
+    pub declined: Cell<u32>,
     pub discarded: Cell<u32>,
 }
 
@@ -201,7 +205,7 @@ impl<'a> Master<'a> {
             answer: Answer::Nothing,
             last: 0.0,
             asked: false,
-            spoiled: false,
+            declined: false,
         }));
         let [events, early_return, updates] = modes;
         let watches = Watches {
@@ -238,7 +242,11 @@ impl<'a> Master<'a> {
         } else {
             Expected::Refused
         };
-        let wanted = if expected == Expected::Done { OK } else { ERROR };
+        let wanted = match expected {
+            Expected::Done => OK,
+            Expected::Discarded => DISCARD,
+            Expected::Refused | Expected::Failed => ERROR,
+        };
         assert_eq!(status, wanted, "{call:?} with {:?}: {expected:?}", self.model);
         if expected == Expected::Failed {
             self.model.state = Error;
@@ -384,12 +392,12 @@ impl<'a> Master<'a> {
         unsafe {
             let watcher = &mut *self.watcher;
             (watcher.answer, watcher.last) = (answer, f64::NEG_INFINITY);
-            (watcher.asked, watcher.spoiled) = (false, false);
+            (watcher.asked, watcher.declined) = (false, false);
         }
         // SAFETY: an instance.
         let ended = unsafe { self.f.step(self.c, from, size) };
         // SAFETY: as above.
-        let (asked, spoiled) = unsafe { ((*self.watcher).asked, (*self.watcher).spoiled) };
+        let (asked, declined) = unsafe { ((*self.watcher).asked, (*self.watcher).declined) };
         let good = late == 0.0
             && (0.0..1e3).contains(&size)
             && to > from
@@ -400,12 +408,8 @@ impl<'a> Master<'a> {
             count(&self.seen.discarded, true);
             return;
         }
-        count(&self.seen.spoiled, spoiled);
-        let legal = match (good, spoiled) {
-            (true, true) => Expected::Failed,
-            _ => Expected::done_if(good),
-        };
-        self.expect(call, ended.status, &[Step], legal);
+        count(&self.seen.declined, declined);
+        self.expect(call, ended.status, &[Step], Expected::done_if(good));
         if ended.status != OK {
             return;
         }
@@ -467,7 +471,7 @@ impl<'a> Master<'a> {
         let status = unsafe { (self.f.fmi3SetFloat64)(self.c, from, references.len(), to, values.len()) };
         let legal = match flaw {
             Flaw::None => Expected::Done,
-            Flaw::NotFinite => Expected::Failed,
+            Flaw::NotFinite => Expected::Discarded,
             _ => Expected::Refused,
         };
         self.expect(call, status, states, legal);
@@ -481,7 +485,7 @@ impl<'a> Master<'a> {
         }
         // SAFETY: an instance, one reference, one value.
         let status = unsafe { (self.f.fmi3SetInt32)(self.c, &reference(name), 1, &value, 1) };
-        let legal = if mesh { Expected::Failed } else { Expected::Refused };
+        let legal = if mesh { Expected::Discarded } else { Expected::Refused };
         self.expect(call, status, BEFORE, legal);
     }
 
@@ -492,7 +496,7 @@ impl<'a> Master<'a> {
             if set {
                 let status = (self.f.fmi3SetInt64)(self.c, &wanted, 1, &value, 1);
                 let known = (1..3).contains(&value);
-                let legal = if known { Expected::Done } else { Expected::Failed };
+                let legal = if known { Expected::Done } else { Expected::Discarded };
                 self.expect(call, status, BEFORE, legal);
             } else {
                 let status = (self.f.fmi3GetInt64)(self.c, &wanted, 1, &raw mut found, 1);
