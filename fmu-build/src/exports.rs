@@ -44,8 +44,8 @@ pub fn check(library: &[u8]) -> anyhow::Result<()> {
         } else {
             name
         };
-        // The linker that stands in for Apple's keeps a few names of Rust's standard library.
-        if !(mac && name.starts_with("_R")) {
+        // The linker that stands in for Apple's keeps names of its own and of Rust's standard library.
+        if !mac || ["fmi", "pushbelt"].iter().any(|ours| name.starts_with(ours)) {
             found.insert(name);
         }
     }
