@@ -7,40 +7,12 @@ use std::path::PathBuf;
 use std::ptr::null;
 
 use libloading::Library as Loaded;
-use pushbelt::fmi::Unit;
 use pushbelt::fmi::fmi2::{CallbackFunctions, Component, FmuState};
 use pushbelt::unit::VariatorUnit;
 
+use crate::c_functions::functions;
+pub use crate::c_functions::{DISCARD, ERROR, OK, WARNING, reference};
 use crate::shared_library3::Functions3;
-
-pub const OK: c_int = 0;
-pub const WARNING: c_int = 1;
-pub const DISCARD: c_int = 2;
-pub const ERROR: c_int = 3;
-
-macro_rules! functions {
-    ($all:ident: $($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
-        /// The exported functions.
-        #[allow(non_snake_case, reason = "names of the standard and of the header")]
-        #[derive(Clone, Copy)]
-        pub struct $all {
-            $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
-        }
-
-        impl $all {
-            pub(crate) fn of(library: &libloading::Library) -> Self {
-                // SAFETY: these are the types of these functions, in the standard and in `pushbelt.h`.
-                unsafe {
-                    Self {
-                        $($name: *library.get(stringify!($name).as_bytes()).expect(stringify!($name)),)*
-                    }
-                }
-            }
-        }
-    };
-}
-
-pub(crate) use functions;
 
 type References = *const u32;
 
@@ -178,13 +150,6 @@ impl Functions {
         };
         (0..count).map(step).collect()
     }
-}
-
-/// Value reference of a variable.
-pub fn reference(name: &str) -> u32 {
-    let table = VariatorUnit::table();
-    let variable = table.by_name(name).unwrap_or_else(|| panic!("{name} is missing"));
-    variable.reference
 }
 
 /// A number from the environment: long runs are asked for by it.

@@ -11,7 +11,7 @@ use pushbelt::fmi::fmi3::{
 };
 use pushbelt::unit::VariatorUnit;
 
-use crate::shared_library::{OK, functions, reference};
+use crate::c_functions::{OK, functions, reference};
 
 functions! {
     Functions3:

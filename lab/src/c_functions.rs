@@ -1,0 +1,42 @@
+//! What tests need of C functions, of whichever version of FMI: statuses, value references, and the functions of a loaded library.
+
+use std::ffi::c_int;
+
+use pushbelt::fmi::Unit;
+use pushbelt::unit::VariatorUnit;
+
+pub const OK: c_int = 0;
+pub const WARNING: c_int = 1;
+pub const DISCARD: c_int = 2;
+pub const ERROR: c_int = 3;
+
+macro_rules! functions {
+    ($all:ident: $($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
+        /// The exported functions.
+        #[allow(non_snake_case, reason = "names of the standard and of the header")]
+        #[derive(Clone, Copy)]
+        pub struct $all {
+            $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+        }
+
+        impl $all {
+            pub(crate) fn of(library: &libloading::Library) -> Self {
+                // SAFETY: these are the types of these functions, in the standard and in `pushbelt.h`.
+                unsafe {
+                    Self {
+                        $($name: *library.get(stringify!($name).as_bytes()).expect(stringify!($name)),)*
+                    }
+                }
+            }
+        }
+    };
+}
+
+pub(crate) use functions;
+
+/// Value reference of a variable.
+pub fn reference(name: &str) -> u32 {
+    let table = VariatorUnit::table();
+    let variable = table.by_name(name).unwrap_or_else(|| panic!("{name} is missing"));
+    variable.reference
+}
