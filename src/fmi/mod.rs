@@ -16,17 +16,18 @@
 //! | [`log`] | messages to the importer |
 //! | [`stepping`] | what a model has to offer to a master that watches its own steps (FMI 3.0) |
 //! | `description`, `xml` | the XML of FMI 2.0, and the GUID made from it; elements and numbers of any XML |
-//! | `resources` | the resource location, a URI |
 //! | [`start_values`] | start values of a user's own, from a file in the resources |
 //! | `processor` | whether the processor has what the binary is compiled for |
 //! | [`fmi2`] | the C functions of FMI 2.0 for any unit; `export!` names them for one unit |
 //! | [`fmi3`] | the same of FMI 3.0, with its XML |
-//! | `pointers` | pointers to references, slices and strings; with the two above the only place with `unsafe` |
+//! | `c` | pointers and stored states as C has them, for both; with the two above the only place with `unsafe` |
 //!
 //! There are no globals and no threads; every instance owns all it uses.
 
 #[forbid(unsafe_code)]
 mod bytes;
+#[allow(unsafe_code)]
+mod c;
 #[forbid(unsafe_code)]
 mod description;
 #[allow(unsafe_code)]
@@ -37,12 +38,10 @@ pub mod fmi3;
 mod hash;
 #[forbid(unsafe_code)]
 pub mod log;
-#[allow(unsafe_code)]
-mod pointers;
 #[forbid(unsafe_code)]
 mod processor;
 #[forbid(unsafe_code)]
-mod resources;
+mod said;
 #[forbid(unsafe_code)]
 pub mod slave;
 #[forbid(unsafe_code)]

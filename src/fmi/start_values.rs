@@ -10,6 +10,7 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use super::table::{Access, Kind, Table};
+use super::unit::Unit;
 
 /// Name of the file in the resources.
 pub const FILE: &str = "start-values.txt";
@@ -21,12 +22,12 @@ const LARGEST: u64 = 1 << 20;
 ///
 /// # Errors
 /// A sentence that names file, line, variable and value.
-pub fn read<S: Default, R>(resources: &Path, table: &Table<S, R>) -> Result<Option<S>, String> {
+pub fn read<U: Unit>(resources: &Path) -> Result<Option<U::Settings>, String> {
     let path = resources.join(FILE);
     let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
     match text(&path).map_err(unusable)? {
         None => Ok(None),
-        Some(text) => parse(&text, table).map(Some).map_err(unusable),
+        Some(text) => parse(&text, &U::table()).map(Some).map_err(unusable),
     }
 }
 

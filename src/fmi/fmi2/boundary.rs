@@ -1,8 +1,8 @@
 //! The boundary to C for an instance of FMI 2.0.
 
 use super::types::Component;
+pub(super) use crate::fmi::c::pointers::{NULL_ARRAY, NULL_RESULT, array, array_mut, contain, text};
 use crate::fmi::log::Status;
-pub(super) use crate::fmi::pointers::{NULL_ARRAY, NULL_RESULT, array, array_mut, contain, text};
 use crate::fmi::slave::Slave;
 use crate::fmi::unit::Unit;
 

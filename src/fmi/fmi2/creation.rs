@@ -6,12 +6,13 @@ use std::ptr;
 use libc::{c_char, c_int, c_void};
 
 use super::boundary::{contain, text};
+use super::resources;
 use super::types::{CallbackFunctions, Component, Logger};
 use crate::fmi::description;
 use crate::fmi::log::{Category, Sink, Status};
 use crate::fmi::slave::Slave;
 use crate::fmi::unit::Unit;
-use crate::fmi::{processor, resources, start_values};
+use crate::fmi::{processor, start_values};
 
 /// The importer's logger, with the arguments that every message has in common.
 struct Importer {
@@ -125,7 +126,7 @@ unsafe fn create<U: Unit>(
         // An ordinary FMU needs nothing from its resources: a location that can't be used is worth a remark, not a refusal.
         let folder = location.as_deref().map(resources::path).transpose();
         let start = match folder {
-            Ok(folder) => folder.map_or(Ok(None), |folder| start_values::read(&folder, &U::table())),
+            Ok(folder) => folder.map_or(Ok(None), |folder| start_values::read::<U>(&folder)),
             Err(remark) => {
                 say(Status::Warning, Category::Warning, &remark);
                 Ok(None)

@@ -1,4 +1,4 @@
-//! The C functions of FMI 2.0 for co-simulation. They are the only `unsafe` code of the project.
+//! The C functions of FMI 2.0 for co-simulation. With those of FMI 3.0 and what both share they are the only `unsafe` code.
 //!
 //! Here raw pointers become references and slices, and nothing else happens: the calls themselves are in
 //! [`slave`](super::slave). Each function here is generic over the unit. `export!` gives them the standard's names and
@@ -18,6 +18,7 @@
 //! | `types` | the standard's types |
 //! | `boundary` | pointers to references, slices and strings; panics to errors |
 //! | `creation` | creation and destruction of an instance |
+//! | `resources` | the resource location, a URI |
 //! | `setup` | log, set-up, initialisation, end |
 //! | `values` | reading and writing of variables |
 //! | `states` | stored states and their bytes |
@@ -31,6 +32,8 @@ mod boundary;
 pub(crate) mod creation;
 pub(crate) mod derivatives;
 pub(crate) mod exports;
+#[forbid(unsafe_code)]
+mod resources;
 pub(crate) mod setup;
 pub(crate) mod states;
 pub(crate) mod steps;

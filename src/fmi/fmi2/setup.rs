@@ -2,8 +2,9 @@
 
 use libc::{c_char, c_int, size_t};
 
-use super::boundary::{NULL_ARRAY, array, text, with};
+use super::boundary::with;
 use super::types::Component;
+use crate::fmi::c::pointers;
 use crate::fmi::log::Status;
 use crate::fmi::slave::Slave;
 use crate::fmi::unit::{Experiment, Unit};
@@ -20,17 +21,11 @@ pub(crate) unsafe fn set_debug_logging<U: Unit>(
 ) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
-        with::<U>(c, |slave| {
-            let function = "fmi2SetDebugLogging";
-            let Some(categories) = array(categories, n_categories) else {
-                return slave.refuse(function, NULL_ARRAY);
-            };
-            let names: Option<Vec<String>> = categories.iter().map(|name| text(*name)).collect();
-            let Some(names) = names else {
-                return slave.refuse(function, "a category is null");
-            };
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            slave.set_debug_logging(logging_on != 0, &names)
+        with::<U>(c, |slave| match pointers::categories(categories, n_categories) {
+            Ok(names) => {
+                slave.set_debug_logging(logging_on != 0, &names.iter().map(String::as_str).collect::<Vec<_>>())
+            }
+            Err(why) => slave.refuse("fmi2SetDebugLogging", why),
         })
     }
 }

@@ -1,13 +1,11 @@
 //! Stored states of an instance, and their bytes.
 
-use std::ptr;
-
 use libc::{c_char, size_t};
 
-use super::boundary::{NULL_ARRAY, NULL_RESULT, array, array_mut, with};
+use super::boundary::with;
 use super::types::{Component, FmuState};
+use crate::fmi::c::stored;
 use crate::fmi::log::Status;
-use crate::fmi::snapshot::Snapshot;
 use crate::fmi::unit::Unit;
 
 /// `fmi2GetFMUstate`: stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
@@ -15,22 +13,8 @@ use crate::fmi::unit::Unit;
 /// # Safety
 /// `*state` is null or a state from this function that has not been freed.
 pub(crate) unsafe fn get_fmu_state<U: Unit>(c: Component, state: *mut FmuState) -> Status {
-    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>` released below.
-    unsafe {
-        with::<U>(c, |slave| {
-            let Some(state) = state.as_mut() else {
-                return slave.refuse("fmi2GetFMUstate", NULL_RESULT);
-            };
-            let (status, saved) = slave.save();
-            if let Some(saved) = saved {
-                match state.cast::<Snapshot<U>>().as_mut() {
-                    Some(existing) => *existing = saved,
-                    None => *state = Box::into_raw(Box::new(saved)).cast(),
-                }
-            }
-            status
-        })
-    }
+    // SAFETY: as the caller grants.
+    unsafe { with::<U>(c, |slave| stored::get(slave, "fmi2GetFMUstate", state)) }
 }
 
 /// `fmi2SetFMUstate`: goes back to a stored state, which stays as it is.
@@ -38,13 +22,8 @@ pub(crate) unsafe fn get_fmu_state<U: Unit>(c: Component, state: *mut FmuState) 
 /// # Safety
 /// `state` is null or a state from [`get_fmu_state`] that has not been freed.
 pub(crate) unsafe fn set_fmu_state<U: Unit>(c: Component, state: FmuState) -> Status {
-    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`.
-    unsafe {
-        with::<U>(c, |slave| match state.cast::<Snapshot<U>>().as_ref() {
-            Some(snapshot) => slave.restore(snapshot),
-            None => slave.refuse("fmi2SetFMUstate", NULL_STATE),
-        })
-    }
+    // SAFETY: as the caller grants.
+    unsafe { with::<U>(c, |slave| stored::set(slave, "fmi2SetFMUstate", state)) }
 }
 
 /// `fmi2FreeFMUstate`: frees a stored state and sets it to null; null is legal.
@@ -52,42 +31,19 @@ pub(crate) unsafe fn set_fmu_state<U: Unit>(c: Component, state: FmuState) -> St
 /// # Safety
 /// `*state` is null or a state from [`get_fmu_state`] that has not been freed.
 pub(crate) unsafe fn free_fmu_state<U: Unit>(c: Component, state: *mut FmuState) -> Status {
-    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`, which the caller gives back.
-    unsafe {
-        with::<U>(c, |_| {
-            if let Some(state) = state.as_mut()
-                && !state.is_null()
-            {
-                let freed = std::mem::replace(state, ptr::null_mut());
-                drop(Box::from_raw(freed.cast::<Snapshot<U>>()));
-            }
-            Status::Ok
-        })
-    }
+    // SAFETY: as the caller grants.
+    unsafe { with::<U>(c, |_| stored::free::<U>(state)) }
 }
-
-const NULL_STATE: &str = "the state is null";
 
 /// `fmi2SerializedFMUstateSize`: number of bytes of a stored state.
 ///
 /// # Safety
 /// `state` is null or a state from [`get_fmu_state`] or [`deserialize_fmu_state`] that has not been freed.
 pub(crate) unsafe fn serialized_fmu_state_size<U: Unit>(c: Component, state: FmuState, size: *mut size_t) -> Status {
-    let function = "fmi2SerializedFMUstateSize";
-    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`.
+    // SAFETY: as the caller grants.
     unsafe {
         with::<U>(c, |slave| {
-            let Some(snapshot) = state.cast::<Snapshot<U>>().as_ref() else {
-                return slave.refuse(function, NULL_STATE);
-            };
-            let Some(size) = size.as_mut() else {
-                return slave.refuse(function, NULL_RESULT);
-            };
-            let (status, bytes) = slave.serialize(function, snapshot);
-            if let Some(bytes) = bytes {
-                *size = bytes.len();
-            }
-            status
+            stored::size(slave, "fmi2SerializedFMUstateSize", state, size)
         })
     }
 }
@@ -102,26 +58,10 @@ pub(crate) unsafe fn serialize_fmu_state<U: Unit>(
     bytes: *mut c_char,
     size: size_t,
 ) -> Status {
-    let function = "fmi2SerializeFMUstate";
-    // SAFETY: as the caller grants; a state that is not null is a `Box<Snapshot>`.
+    // SAFETY: as the caller grants.
     unsafe {
         with::<U>(c, |slave| {
-            let Some(snapshot) = state.cast::<Snapshot<U>>().as_ref() else {
-                return slave.refuse(function, NULL_STATE);
-            };
-            let Some(target) = array_mut(bytes.cast::<u8>(), size) else {
-                return slave.refuse(function, NULL_ARRAY);
-            };
-            let (status, bytes) = slave.serialize(function, snapshot);
-            let Some(bytes) = bytes else { return status };
-            match target.get_mut(..bytes.len()) {
-                Some(target) => target.copy_from_slice(&bytes),
-                None => {
-                    let why = format!("the state takes {} bytes, {size} are not enough", bytes.len());
-                    return slave.refuse(function, &why);
-                }
-            }
-            status
+            stored::serialize(slave, "fmi2SerializeFMUstate", state, (bytes.cast(), size))
         })
     }
 }
@@ -136,21 +76,10 @@ pub(crate) unsafe fn deserialize_fmu_state<U: Unit>(
     size: size_t,
     state: *mut FmuState,
 ) -> Status {
-    let function = "fmi2DeSerializeFMUstate";
-    // SAFETY: as the caller grants; the pointer for the result is written, not read.
+    // SAFETY: as the caller grants.
     unsafe {
         with::<U>(c, |slave| {
-            let Some(bytes) = array(bytes.cast::<u8>(), size) else {
-                return slave.refuse(function, NULL_ARRAY);
-            };
-            if state.is_null() {
-                return slave.refuse(function, NULL_RESULT);
-            }
-            let (status, snapshot) = slave.deserialize(bytes);
-            if let Some(snapshot) = snapshot {
-                state.write(Box::into_raw(Box::new(snapshot)).cast());
-            }
-            status
+            stored::deserialize(slave, "fmi2DeSerializeFMUstate", (bytes.cast(), size), state)
         })
     }
 }

@@ -63,7 +63,7 @@ pub(crate) unsafe fn get_string<U: Unit>(
     // SAFETY: as the caller grants.
     unsafe {
         with::<U>(c, |slave| match array(vr, nvr) {
-            Some(references) => slave.no_strings("fmi2GetString", Call::Get, references),
+            Some(references) => slave.no_such_type("fmi2GetString", Call::Get, references, "string"),
             None => slave.refuse("fmi2GetString", NULL_ARRAY),
         })
     }
@@ -124,7 +124,7 @@ pub(crate) unsafe fn set_string<U: Unit>(
     // SAFETY: as the caller grants.
     unsafe {
         with::<U>(c, |slave| match array(vr, nvr) {
-            Some(references) => slave.no_strings("fmi2SetString", Call::Set, references),
+            Some(references) => slave.no_such_type("fmi2SetString", Call::Set, references, "string"),
             None => slave.refuse("fmi2SetString", NULL_ARRAY),
         })
     }

@@ -2,8 +2,8 @@
 
 use super::instance::Instance3;
 use super::types::Instance;
+pub(super) use crate::fmi::c::pointers::{NULL_ARRAY, NULL_RESULT, array, array_mut, contain, text};
 use crate::fmi::log::Status;
-pub(super) use crate::fmi::pointers::{NULL_ARRAY, NULL_RESULT, array, array_mut, contain, text};
 use crate::fmi::stepping::OwnSteps;
 
 /// Runs a call on an instance, and answers an error if there is none, or if the call is not for intermediate update mode while

@@ -139,7 +139,7 @@ unsafe fn create<U: OwnSteps>(
         }
         let start = folder
             .filter(|path| path.is_absolute())
-            .map_or(Ok(None), |folder| start_values::read(folder, &U::table()));
+            .map_or(Ok(None), |folder| start_values::read::<U>(folder));
         let start = match start {
             Ok(start) => start.unwrap_or_default(),
             Err(why) => {

@@ -8,12 +8,15 @@ use std::io::{self, Write};
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::Writer;
 
-use crate::fmi::description::{default_experiment, role, start};
 use crate::fmi::hash::Fnv;
 use crate::fmi::log::Category;
-use crate::fmi::table::{Array, Causality, Enumeration, Kind, Table, UnitDefinition, Variable};
+use crate::fmi::said::{
+    default_experiment, enumeration_head, enumeration_items, head, log_categories, typed, unit_definitions,
+    variable_head,
+};
+use crate::fmi::table::{Array, Causality, Enumeration, Kind, Table, Variable};
 use crate::fmi::unit::{Identity, Unit};
-use crate::fmi::xml::{Attributes, empty, number, parent, token};
+use crate::fmi::xml::{Attributes, empty, parent, token};
 
 /// Value reference of the time, which no variable of a table has.
 pub(super) const TIME: u32 = 0;
@@ -51,48 +54,26 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, toke
     let identity = U::IDENTITY;
     let mut xml = Writer::new_with_indent(to, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    parent(&mut xml, "fmiModelDescription", head(&identity, token), |xml| {
-        empty(xml, "CoSimulation", capabilities(&identity))?;
-        parent(xml, "UnitDefinitions", vec![], |xml| {
-            table.units.iter().try_for_each(|unit| unit_definition(xml, unit))
-        })?;
-        if !table.enumerations.is_empty() {
-            parent(xml, "TypeDefinitions", vec![], |xml| {
-                let mut types = table.enumerations.iter();
-                types.try_for_each(|enumeration| enumeration_type(xml, enumeration))
-            })?;
-        }
-        parent(xml, "LogCategories", vec![], |xml| {
-            Category::ALL.iter().try_for_each(|category| {
-                let category: Attributes = vec![
-                    ("name", category.name().into()),
-                    ("description", log_category(*category).into()),
-                ];
-                empty(xml, "Category", category)
-            })
-        })?;
-        empty(xml, "DefaultExperiment", default_experiment(&identity))?;
-        parent(xml, "ModelVariables", vec![], |xml| model_variables::<U, _>(xml, table))?;
-        parent(xml, "ModelStructure", vec![], |xml| model_structure(xml, table))
-    })?;
+    parent(
+        &mut xml,
+        "fmiModelDescription",
+        head(&identity, "3.0", ("instantiationToken", token)),
+        |xml| {
+            empty(xml, "CoSimulation", capabilities(&identity))?;
+            unit_definitions(xml, table.units)?;
+            if !table.enumerations.is_empty() {
+                parent(xml, "TypeDefinitions", vec![], |xml| {
+                    let mut types = table.enumerations.iter();
+                    types.try_for_each(|enumeration| enumeration_type(xml, enumeration))
+                })?;
+            }
+            log_categories(xml, log_category)?;
+            empty(xml, "DefaultExperiment", default_experiment(&identity))?;
+            parent(xml, "ModelVariables", vec![], |xml| model_variables::<U, _>(xml, table))?;
+            parent(xml, "ModelStructure", vec![], |xml| model_structure(xml, table))
+        },
+    )?;
     xml.get_mut().write_all(b"\n")
-}
-
-fn head(identity: &Identity, token: &str) -> Attributes {
-    vec![
-        ("fmiVersion", "3.0".into()),
-        ("modelName", identity.name.into()),
-        ("instantiationToken", token.into()),
-        ("description", identity.description.into()),
-        ("author", identity.author.into()),
-        ("version", identity.version.into()),
-        ("license", identity.license.into()),
-        (
-            "generationTool",
-            format!("{} {}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")),
-        ),
-        ("variableNamingConvention", "structured".into()),
-    ]
 }
 
 fn capabilities(identity: &Identity) -> Attributes {
@@ -123,34 +104,9 @@ fn log_category(category: Category) -> &'static str {
     }
 }
 
-fn unit_definition<W: Write>(xml: &mut Writer<W>, unit: &UnitDefinition) -> io::Result<()> {
-    parent(xml, "Unit", vec![("name", unit.name.into())], |xml| {
-        let exponents = unit
-            .exponents
-            .iter()
-            .map(|(base, exponent)| (*base, exponent.to_string()));
-        empty(xml, "BaseUnit", exponents.collect())?;
-        unit.display.iter().try_for_each(|(name, factor)| {
-            let display: Attributes = vec![("name", (*name).into()), ("factor", number(*factor))];
-            empty(xml, "DisplayUnit", display)
-        })
-    })
-}
-
 fn enumeration_type<W: Write>(xml: &mut Writer<W>, enumeration: &Enumeration) -> io::Result<()> {
-    let head: Attributes = vec![
-        ("name", enumeration.name.into()),
-        ("description", enumeration.description.into()),
-    ];
-    parent(xml, "EnumerationType", head, |xml| {
-        enumeration.items.iter().try_for_each(|item| {
-            let item: Attributes = vec![
-                ("name", item.name.into()),
-                ("value", item.value.to_string()),
-                ("description", item.description.into()),
-            ];
-            empty(xml, "Item", item)
-        })
+    parent(xml, "EnumerationType", enumeration_head(enumeration), |xml| {
+        enumeration_items(xml, enumeration)
     })
 }
 
@@ -181,23 +137,16 @@ fn model_variable<W: Write, S, R>(
     array: Option<&Array>,
     settings: &S,
 ) -> io::Result<()> {
-    let (causality, variability, initial) = role(variable);
-    let (name, description) = match array {
-        Some(array) => (&array.name, &array.description),
-        None => (&variable.name, &variable.description),
+    let said = match array {
+        Some(array) => [&array.name, &array.description],
+        None => [&variable.name, &variable.description],
     };
-    let mut attributes: Attributes = vec![
-        ("name", name.clone()),
-        ("valueReference", variable.reference.to_string()),
-        ("description", description.clone()),
-        ("causality", causality.into()),
-        ("variability", variability.into()),
-    ];
-    attributes.extend(initial.map(|initial| ("initial", initial.to_string())));
+    let mut attributes = variable_head(variable, said);
     if is_intermediate(variable) {
         attributes.push(("intermediateUpdate", "true".into()));
     }
-    let tag = typed(&variable.kind, settings, &mut attributes);
+    attributes.extend(typed(&variable.kind, settings));
+    let tag = tag(&variable.kind);
     match array {
         None => empty(xml, tag, attributes),
         Some(array) => parent(xml, tag, attributes, |xml| {
@@ -206,38 +155,13 @@ fn model_variable<W: Write, S, R>(
     }
 }
 
-/// The element of a variable of this type; its attributes are added.
-fn typed<S, R>(kind: &Kind<S, R>, settings: &S, attributes: &mut Attributes) -> &'static str {
+/// The element of a variable of this type.
+fn tag<S, R>(kind: &Kind<S, R>) -> &'static str {
     match kind {
-        Kind::Real {
-            unit,
-            display_unit,
-            range,
-            access,
-        } => {
-            attributes.push(("unit", (*unit).into()));
-            attributes.extend(display_unit.map(|unit| ("displayUnit", unit.to_string())));
-            attributes.extend(range.min.map(|min| ("min", number(min))));
-            attributes.extend(range.max.map(|max| ("max", number(max))));
-            attributes.extend(range.nominal.map(|nominal| ("nominal", number(nominal))));
-            attributes.extend(start(access, settings).map(|start| ("start", number(start))));
-            "Float64"
-        }
-        Kind::Integer { range, access } => {
-            attributes.extend(range.map(|(min, _)| ("min", min.to_string())));
-            attributes.extend(range.map(|(_, max)| ("max", max.to_string())));
-            attributes.extend(start(access, settings).map(|start| ("start", start.to_string())));
-            "Int32"
-        }
-        Kind::Boolean { access } => {
-            attributes.extend(start(access, settings).map(|start| ("start", start.to_string())));
-            "Boolean"
-        }
-        Kind::Enumeration { of, access } => {
-            attributes.push(("declaredType", of.name.into()));
-            attributes.extend(start(access, settings).map(|start| ("start", start.to_string())));
-            "Enumeration"
-        }
+        Kind::Real { .. } => "Float64",
+        Kind::Integer { .. } => "Int32",
+        Kind::Boolean { .. } => "Boolean",
+        Kind::Enumeration { .. } => "Enumeration",
     }
 }
 

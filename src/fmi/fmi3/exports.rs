@@ -159,10 +159,10 @@ macro_rules! export {
             fmi3SetClock = values::set_clock(
                 c: Instance, vr: *const Reference, nvr: size_t, values: *const Boolean
             ) -> Status;
-            fmi3GetNumberOfVariableDependencies = derivatives::get_number_of_variable_dependencies(
+            fmi3GetNumberOfVariableDependencies = elsewhere::get_number_of_variable_dependencies(
                 c: Instance, value_reference: Reference, n_dependencies: *mut size_t
             ) -> Status;
-            fmi3GetVariableDependencies = derivatives::get_variable_dependencies(
+            fmi3GetVariableDependencies = elsewhere::get_variable_dependencies(
                 c: Instance, dependent: Reference, element_indices_of_dependent: *mut size_t,
                 independents: *mut Reference, element_indices_of_independents: *mut size_t,
                 dependency_kinds: *mut c_int, n_dependencies: size_t
@@ -179,11 +179,11 @@ macro_rules! export {
             fmi3DeserializeFMUState = states::deserialize_fmu_state(
                 c: Instance, serialized_state: *const u8, size: size_t, f_mustate: *mut FmuState
             ) -> Status;
-            fmi3GetDirectionalDerivative = derivatives::get_directional_derivative(
+            fmi3GetDirectionalDerivative = elsewhere::get_directional_derivative(
                 c: Instance, unknowns: *const Reference, n_unknowns: size_t, knowns: *const Reference,
                 n_knowns: size_t, seed: *const f64, n_seed: size_t, sensitivity: *mut f64, n_sensitivity: size_t
             ) -> Status;
-            fmi3GetAdjointDerivative = derivatives::get_adjoint_derivative(
+            fmi3GetAdjointDerivative = elsewhere::get_adjoint_derivative(
                 c: Instance, unknowns: *const Reference, n_unknowns: size_t, knowns: *const Reference,
                 n_knowns: size_t, seed: *const f64, n_seed: size_t, sensitivity: *mut f64, n_sensitivity: size_t
             ) -> Status;

@@ -126,7 +126,7 @@ impl<U: OwnSteps> Instance3<U> {
     pub fn answered(&mut self, until: Option<f64>) -> Next {
         self.asking = false;
         if self.slave.state() == State::Error {
-            // What the master set was out of range, and it has been told so.
+            // A call of the master's has failed, and it has been told so.
             self.underway = None;
             return Next::Failed(Status::Error);
         }

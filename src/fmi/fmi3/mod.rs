@@ -25,7 +25,7 @@
 //! | `setup` | log, initialisation, event mode, end |
 //! | `layout`, `values` | where values lie in an array; reading and writing of variables |
 //! | `states` | stored states and their bytes |
-//! | `derivatives` | derivatives, and what depends on what |
+//! | `derivatives` | derivatives with respect to time |
 //! | `steps` | communication steps, and the master's part in them |
 //! | `elsewhere` | functions of what this FMU is not or has not |
 //! | `exports` | the table of the exported names |

@@ -2,8 +2,9 @@
 
 use libc::size_t;
 
-use super::boundary::{NULL_ARRAY, NULL_RESULT, array, text, with};
+use super::boundary::{NULL_RESULT, with};
 use super::types::{Boolean, Instance, Text};
+use crate::fmi::c::pointers;
 use crate::fmi::log::Status;
 use crate::fmi::stepping::OwnSteps;
 use crate::fmi::unit::Experiment;
@@ -22,16 +23,12 @@ pub(crate) unsafe fn set_debug_logging<U: OwnSteps>(
     // SAFETY: as the caller grants.
     unsafe {
         with::<U>(c, function, |instance| {
-            let slave = &mut instance.slave;
-            let Some(categories) = array(categories, n_categories) else {
-                return slave.refuse(function, NULL_ARRAY);
-            };
-            let names: Option<Vec<String>> = categories.iter().map(|name| text(*name)).collect();
-            let Some(names) = names else {
-                return slave.refuse(function, "a category is null");
-            };
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            slave.set_debug_logging(logging_on != 0, &names)
+            match pointers::categories(categories, n_categories) {
+                Ok(names) => instance
+                    .slave
+                    .set_debug_logging(logging_on != 0, &names.iter().map(String::as_str).collect::<Vec<_>>()),
+                Err(why) => instance.slave.refuse(function, why),
+            }
         })
     }
 }

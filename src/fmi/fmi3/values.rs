@@ -121,8 +121,8 @@ scalars! {
     set_int32, "fmi3SetInt32", set_int32, array, *const i32, "writes whole numbers";
     get_int64, "fmi3GetInt64", get_int64, array_mut, *mut i64, "reads enumerations";
     set_int64, "fmi3SetInt64", set_int64, array, *const i64, "writes enumerations";
-    get_boolean, "fmi3GetBoolean", get_bytes, array_mut, *mut Boolean, "reads Booleans";
-    set_boolean, "fmi3SetBoolean", set_bytes, array, *const Boolean, "writes Booleans";
+    get_boolean, "fmi3GetBoolean", get_boolean, array_mut, *mut Boolean, "reads Booleans";
+    set_boolean, "fmi3SetBoolean", set_boolean, array, *const Boolean, "writes Booleans";
 }
 
 /// Functions for types that no variable has.

@@ -1,10 +1,7 @@
-//! Variables by the types of FMI 3.0: whole numbers have 32 bits, enumerations 64, and a Boolean is one byte.
+//! Variables by the types of FMI 3.0: whole numbers have 32 bits, enumerations 64.
 
 use super::instance::Slave;
-use super::outcome::refused;
-use super::values::boolean_access;
 use crate::fmi::log::Status;
-use crate::fmi::state::Call;
 use crate::fmi::table::{Access, Inadmissible, Kind, Variable};
 use crate::fmi::unit::Unit;
 
@@ -42,31 +39,6 @@ impl<U: Unit> Slave<U> {
             slave.set(references, values, enumeration_access, admit_choice, |v| {
                 i32::try_from(v).unwrap_or_default()
             })
-        })
-    }
-
-    /// `fmi3GetBoolean`, 0 or 1.
-    pub fn get_bytes(&mut self, references: &[u32], values: &mut [u8]) -> Status {
-        self.call("fmi3GetBoolean", |slave| {
-            slave.get(references, values, boolean_access, u8::from)
-        })
-    }
-
-    /// `fmi3SetBoolean`; what is not 0 is true. Either all values are taken or none.
-    pub fn set_bytes(&mut self, references: &[u32], values: &[u8]) -> Status {
-        self.call("fmi3SetBoolean", |slave| {
-            slave.set(references, values, boolean_access, |_, v| Ok(v), |v| v != 0)
-        })
-    }
-
-    /// Functions for a type that no variable has.
-    pub fn no_such_type(&mut self, function: &'static str, call: Call, references: &[u32], type_name: &str) -> Status {
-        self.call(function, |slave| {
-            slave.allow(call)?;
-            match references.first() {
-                None => Ok(()),
-                Some(reference) => refused(format!("no {type_name} has the value reference {reference}")),
-            }
         })
     }
 }

@@ -30,19 +30,19 @@ impl<U: Unit> Slave<U> {
     }
 
     /// `fmi2GetBoolean`, 0 or 1.
-    pub fn get_boolean(&mut self, references: &[u32], values: &mut [i32]) -> Status {
+    pub fn get_boolean<V: From<bool>>(&mut self, references: &[u32], values: &mut [V]) -> Status {
         self.call("fmi2GetBoolean", |slave| {
-            slave.get(references, values, boolean_access, i32::from)
+            slave.get(references, values, boolean_access, V::from)
         })
     }
 
-    /// `fmi2GetString` and `fmi2SetString`: there are no strings.
-    pub fn no_strings(&mut self, function: &'static str, call: Call, references: &[u32]) -> Status {
+    /// Functions for a type that no variable has.
+    pub fn no_such_type(&mut self, function: &'static str, call: Call, references: &[u32], type_name: &str) -> Status {
         self.call(function, |slave| {
             slave.allow(call)?;
             match references.first() {
                 None => Ok(()),
-                Some(reference) => refused(format!("no string has the value reference {reference}")),
+                Some(reference) => refused(format!("no {type_name} has the value reference {reference}")),
             }
         })
     }
@@ -74,9 +74,10 @@ impl<U: Unit> Slave<U> {
     }
 
     /// `fmi2SetBoolean`; what is not 0 is true. Either all values are taken or none.
-    pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Status {
+    pub fn set_boolean<V: Copy + From<bool> + PartialEq>(&mut self, references: &[u32], values: &[V]) -> Status {
         self.call("fmi2SetBoolean", |slave| {
-            slave.set(references, values, boolean_access, |_, v| Ok(v), |v| v != 0)
+            let is_true = |v| v != V::from(false);
+            slave.set(references, values, boolean_access, |_, v| Ok(v), is_true)
         })
     }
 

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use libc::{c_char, size_t};
 
 /// Runs `body` and answers a panic with `instead`.
-pub(super) fn contain<T>(instead: T, body: impl FnOnce() -> T) -> T {
+pub(in crate::fmi) fn contain<T>(instead: T, body: impl FnOnce() -> T) -> T {
     catch_unwind(AssertUnwindSafe(body)).unwrap_or(instead)
 }
 
@@ -22,7 +22,7 @@ fn is_usable<T>(pointer: *const T, count: size_t) -> bool {
 ///
 /// # Safety
 /// `pointer` is null or points to `count` elements that stay untouched for `'a`.
-pub(super) unsafe fn array<'a, T>(pointer: *const T, count: size_t) -> Option<&'a [T]> {
+pub(in crate::fmi) unsafe fn array<'a, T>(pointer: *const T, count: size_t) -> Option<&'a [T]> {
     if count == 0 {
         return Some(&[]);
     }
@@ -35,7 +35,7 @@ pub(super) unsafe fn array<'a, T>(pointer: *const T, count: size_t) -> Option<&'
 /// # Safety
 /// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are plain numbers
 /// that hold some value or other.
-pub(super) unsafe fn array_mut<'a, T>(pointer: *mut T, count: size_t) -> Option<&'a mut [T]> {
+pub(in crate::fmi) unsafe fn array_mut<'a, T>(pointer: *mut T, count: size_t) -> Option<&'a mut [T]> {
     if count == 0 {
         return Some(&mut []);
     }
@@ -47,12 +47,27 @@ pub(super) unsafe fn array_mut<'a, T>(pointer: *mut T, count: size_t) -> Option<
 ///
 /// # Safety
 /// `pointer` is null or points to a string that ends with a zero.
-pub(super) unsafe fn text(pointer: *const c_char) -> Option<String> {
+pub(in crate::fmi) unsafe fn text(pointer: *const c_char) -> Option<String> {
     // SAFETY: not null; the caller vouches for the zero at the end.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned())
 }
 
+/// Names of log categories, or why they can't be used.
+///
+/// # Safety
+/// `pointer` is null or points to `count` strings, each null or ended by a zero.
+pub(in crate::fmi) unsafe fn categories(
+    pointer: *const *const c_char,
+    count: size_t,
+) -> Result<Vec<String>, &'static str> {
+    // SAFETY: as the caller grants.
+    let names = unsafe { array(pointer, count) }.ok_or(NULL_ARRAY)?;
+    // SAFETY: as above.
+    let names = names.iter().map(|name| unsafe { text(*name) });
+    names.collect::<Option<_>>().ok_or("a category is null")
+}
+
 /// Error text where an array argument cannot be used.
-pub(super) const NULL_ARRAY: &str = "an array argument is null, misaligned or too long";
+pub(in crate::fmi) const NULL_ARRAY: &str = "an array argument is null, misaligned or too long";
 /// Error text where a result has no place.
-pub(super) const NULL_RESULT: &str = "the pointer for the result is null";
+pub(in crate::fmi) const NULL_RESULT: &str = "the pointer for the result is null";
