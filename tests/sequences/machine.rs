@@ -1,4 +1,9 @@
-//! The state machine of the standard, as a master sees it.
+//! The state machine of the standard, as a master sees it; what both versions have in common, and the states of FMI 2.0.
+
+use std::ffi::c_int;
+use std::fmt::Debug;
+
+use pushbelt_lab::shared_library::{DISCARD, ERROR, OK};
 
 /// States of the standard's state machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,19 +32,70 @@ pub const ANY: &[State] = &[
     Error,
 ];
 
+/// A state of the machine of one version.
+pub trait Stage: Copy + PartialEq + Debug {
+    const INSTANTIATED: Self;
+    const ERROR: Self;
+}
+
+impl Stage for State {
+    const INSTANTIATED: Self = Instantiated;
+    const ERROR: Self = Error;
+}
+
 /// What a master knows of the instance.
 #[derive(Clone, Copy, Debug)]
-pub struct Model {
-    pub state: State,
+pub struct Model<S> {
+    pub state: S,
     pub time: f64,
     pub stop: Option<f64>,
 }
 
-pub const FRESH: Model = Model {
-    state: Instantiated,
-    time: 0.0,
-    stop: None,
-};
+impl<S: Stage> Model<S> {
+    pub const FRESH: Self = Self {
+        state: S::INSTANTIATED,
+        time: 0.0,
+        stop: None,
+    };
+
+    /// Compares the status of a call with what it should come to.
+    pub fn expect(&mut self, call: &impl Debug, status: c_int, allowed: &[S], legal: Expected) {
+        // In the error state there are values only if the run had started.
+        let values = allowed.contains(&S::ERROR) && !allowed.contains(&S::INSTANTIATED);
+        if self.state == S::ERROR && values && status == ERROR {
+            return;
+        }
+        let expected = if allowed.contains(&self.state) {
+            legal
+        } else {
+            Expected::Refused
+        };
+        let wanted = match expected {
+            Expected::Done => OK,
+            Expected::Discarded => DISCARD,
+            Expected::Refused | Expected::Failed => ERROR,
+        };
+        assert_eq!(status, wanted, "{call:?} with {self:?}: {expected:?}");
+        if expected == Expected::Failed {
+            self.state = S::ERROR;
+        }
+    }
+
+    /// Follows a call that leads to another state.
+    pub fn moves(&mut self, call: &impl Debug, status: c_int, from: &[S], to: S) {
+        self.expect(call, status, from, Expected::Done);
+        if status == OK {
+            self.state = to;
+        }
+    }
+}
+
+/// Whether an experiment can be set up.
+pub fn is_experiment(tolerance: Option<f64>, start: f64, stop: Option<f64>) -> bool {
+    start.is_finite()
+        && tolerance.is_none_or(|t| t.is_finite() && t > 0.0)
+        && stop.is_none_or(|stop| stop.is_finite() && stop >= start)
+}
 
 /// What a call should come to.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,6 +12,7 @@ mod calls3;
 mod machine;
 mod master;
 mod master3;
+mod slots;
 
 use std::process::{Command, ExitCode, Stdio};
 

@@ -3,35 +3,30 @@
 use std::ffi::{c_char, c_int};
 use std::ptr::null_mut;
 
-use pushbelt::fmi::fmi2::{Component, FmuState};
+use pushbelt::fmi::fmi2::Component;
 use pushbelt_lab::shared_library::{DISCARD, ERROR, Functions, OK, WARNING, reference};
 
 use crate::calls::{Call, Flaw, INPUTS, INTEGERS, PARAMETERS, TUNABLE, UNKNOWN};
 use crate::machine::*;
-
-/// A stored state with what the model knows of it.
-struct Slot {
-    state: FmuState,
-    model: Model,
-}
+use crate::slots::Slots;
 
 pub struct Master<'a> {
     f: &'a Functions,
     c: Component,
     cheap: bool,
-    model: Model,
-    slots: [Option<Slot>; 3],
+    model: Model<State>,
+    slots: Slots<Model<State>>,
     outputs: &'a [u32],
     readings: &'a [u32],
 }
 
 impl Drop for Master<'_> {
     fn drop(&mut self) {
-        for slot in 0..self.slots.len() {
-            self.drop_slot(slot);
-        }
         // SAFETY: the instance is not used any more.
-        unsafe { (self.f.fmi2FreeInstance)(self.c) };
+        unsafe {
+            self.slots.free_all(self.f, self.c);
+            (self.f.fmi2FreeInstance)(self.c);
+        }
     }
 }
 
@@ -43,8 +38,8 @@ impl<'a> Master<'a> {
             f,
             c: f.instantiate(),
             cheap,
-            model: FRESH,
-            slots: [None, None, None],
+            model: Model::FRESH,
+            slots: Slots::empty(),
             outputs,
             readings,
         };
@@ -52,49 +47,30 @@ impl<'a> Master<'a> {
         master
     }
 
-    fn expect(&mut self, call: &Call, status: c_int, allowed: &[State], legal: Expected) {
-        // In the error state there are values only if the run had started.
-        if self.model.state == Error && allowed.contains(&Error) && !allowed.contains(&Instantiated) && status == ERROR
-        {
-            return;
-        }
-        let expected = if allowed.contains(&self.model.state) {
-            legal
-        } else {
-            Expected::Refused
-        };
-        let wanted = match expected {
-            Expected::Done => OK,
-            Expected::Discarded => DISCARD,
-            Expected::Refused | Expected::Failed => ERROR,
-        };
-        assert_eq!(status, wanted, "{call:?} with {:?}: {expected:?}", self.model);
-        if expected == Expected::Failed {
-            self.model.state = Error;
-        }
-    }
-
-    /// Follows a call that leads to another state.
-    fn moves(&mut self, call: &Call, status: c_int, from: &[State], to: State) {
-        self.expect(call, status, from, Expected::Done);
-        if status == OK {
-            self.model.state = to;
-        }
-    }
-
-    fn drop_slot(&mut self, slot: usize) {
-        if let Some(Slot { mut state, .. }) = self.slots[slot].take() {
-            // SAFETY: a state that has not been freed.
-            unsafe {
-                assert_eq!((self.f.fmi2FreeFMUstate)(self.c, &mut state), OK);
-                assert!(state.is_null());
-                assert_eq!((self.f.fmi2FreeFMUstate)(self.c, &mut state), OK, "null is legal");
+    /// Calls with stored states.
+    fn keep(&mut self, call: &Call) {
+        let (f, c, slots) = (self.f, self.c, &mut self.slots);
+        // SAFETY: an instance.
+        let known = unsafe {
+            match *call {
+                Call::Store { slot } => {
+                    slots.store(f, c, slot, self.model);
+                    None
+                }
+                Call::Restore { slot } => slots.restore(f, c, slot),
+                Call::ThroughBytes { slot, damage, cut } => slots.through_bytes(f, c, slot, (damage, cut)),
+                Call::Drop { slot } => {
+                    slots.free(f, c, slot);
+                    None
+                }
+                _ => None,
             }
-        }
+        };
+        self.model = known.unwrap_or(self.model);
     }
 
     fn after_reset(&mut self) {
-        self.model = FRESH;
+        self.model = Model::FRESH;
         if self.cheap {
             // SAFETY: an instance.
             unsafe { self.f.make_cheap(self.c) };
@@ -123,10 +99,9 @@ impl<'a> Master<'a> {
             Call::OutputDerivative { which, order, null } => self.output_derivative(call, which, order, null),
             Call::Directional => self.directional(call),
             Call::Logging { on, name } => self.logging(call, on, name),
-            Call::Store { slot } => self.store(slot),
-            Call::Restore { slot } => self.restore(slot),
-            Call::Drop { slot } => self.drop_slot(slot),
-            Call::ThroughBytes { slot, damage, cut } => self.through_bytes(slot, damage, cut),
+            Call::Store { .. } | Call::Restore { .. } | Call::Drop { .. } | Call::ThroughBytes { .. } => {
+                self.keep(call)
+            }
             Call::Status { function, kind, null } => self.status(call, function, kind, null),
             Call::Cancel => self.cancel(),
             Call::Linearize { frequency, null } => self.linearize(call, frequency, null),
@@ -146,10 +121,9 @@ impl<'a> Master<'a> {
                 stop.unwrap_or(f64::NAN),
             )
         };
-        let good = start.is_finite()
-            && tolerance.is_none_or(|t| t.is_finite() && t > 0.0)
-            && stop.is_none_or(|stop| stop.is_finite() && stop >= start);
-        self.expect(call, status, &[Instantiated], Expected::done_if(good));
+        let good = is_experiment(tolerance, start, stop);
+        self.model
+            .expect(call, status, &[Instantiated], Expected::done_if(good));
         if status == OK {
             (self.model.time, self.model.stop) = (start, stop);
         }
@@ -158,19 +132,19 @@ impl<'a> Master<'a> {
     fn enter_initialization(&mut self, call: &Call) {
         // SAFETY: an instance.
         let status = unsafe { (self.f.fmi2EnterInitializationMode)(self.c) };
-        self.moves(call, status, &[Instantiated], Initialisation);
+        self.model.moves(call, status, &[Instantiated], Initialisation);
     }
 
     fn exit_initialization(&mut self, call: &Call) {
         // SAFETY: an instance.
         let status = unsafe { (self.f.fmi2ExitInitializationMode)(self.c) };
-        self.moves(call, status, &[Initialisation], StepComplete);
+        self.model.moves(call, status, &[Initialisation], StepComplete);
     }
 
     fn terminate(&mut self, call: &Call) {
         // SAFETY: an instance.
         let status = unsafe { (self.f.fmi2Terminate)(self.c) };
-        self.moves(call, status, RUNNING, Terminated);
+        self.model.moves(call, status, RUNNING, Terminated);
     }
 
     fn reset(&mut self) {
@@ -197,7 +171,7 @@ impl<'a> Master<'a> {
             self.model.time = reached;
             return;
         }
-        self.expect(call, status, RUNNING, Expected::done_if(good));
+        self.model.expect(call, status, RUNNING, Expected::done_if(good));
         if status == OK {
             (self.model.state, self.model.time) = (StepComplete, to);
         }
@@ -217,7 +191,7 @@ impl<'a> Master<'a> {
     fn set_output(&mut self, call: &Call) {
         // SAFETY: an instance, one reference, one value.
         let status = unsafe { (self.f.fmi2SetReal)(self.c, &reference("thrustRatio"), 1, &1.0) };
-        self.expect(call, status, ANY, Expected::Refused);
+        self.model.expect(call, status, ANY, Expected::Refused);
     }
 
     fn get_reals(&mut self, call: &Call, which: &[usize], flaw: Flaw) {
@@ -236,7 +210,7 @@ impl<'a> Master<'a> {
         let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
         // SAFETY: an instance; arrays are as long as said, or null.
         let status = unsafe { (self.f.fmi2GetReal)(self.c, from, references.len(), to) };
-        self.expect(call, status, GET, Expected::done_if(good));
+        self.model.expect(call, status, GET, Expected::done_if(good));
         if status == OK {
             assert!(values.iter().all(|value| value.is_finite()), "{call:?}: {values:?}");
         }
@@ -248,7 +222,7 @@ impl<'a> Master<'a> {
         let (from, to) = flaw.pointers(&wanted, &mut value);
         // SAFETY: an instance, one reference and one value, or null.
         let status = unsafe { (self.f.fmi2GetInteger)(self.c, from, 1, to) };
-        self.expect(call, status, GET, Expected::done_if(flaw.harmless()));
+        self.model.expect(call, status, GET, Expected::done_if(flaw.harmless()));
     }
 
     fn set_integer(&mut self, call: &Call, name: &str, value: c_int) {
@@ -264,7 +238,7 @@ impl<'a> Master<'a> {
             _ if (1..3).contains(&value) => Expected::Done,
             _ => Expected::Discarded,
         };
-        self.expect(call, status, BEFORE, legal);
+        self.model.expect(call, status, BEFORE, legal);
     }
 
     fn set_boolean(&mut self, call: &Call, flaw: Flaw) {
@@ -273,7 +247,8 @@ impl<'a> Master<'a> {
         let (from, values) = flaw.pointers(&wanted, &mut value);
         // SAFETY: an instance, one reference and one value, or null.
         let status = unsafe { (self.f.fmi2SetBoolean)(self.c, from, 1, values) };
-        self.expect(call, status, BEFORE, Expected::done_if(flaw.harmless()));
+        self.model
+            .expect(call, status, BEFORE, Expected::done_if(flaw.harmless()));
     }
 
     fn get_boolean(&mut self, call: &Call, flaw: Flaw) {
@@ -282,7 +257,7 @@ impl<'a> Master<'a> {
         let (from, to) = flaw.pointers(&wanted, &mut value);
         // SAFETY: an instance, one reference and one value, or null.
         let status = unsafe { (self.f.fmi2GetBoolean)(self.c, from, 1, to) };
-        self.expect(call, status, GET, Expected::done_if(flaw.harmless()));
+        self.model.expect(call, status, GET, Expected::done_if(flaw.harmless()));
     }
 
     fn string(&mut self, call: &Call, set: bool, length: usize) {
@@ -295,7 +270,7 @@ impl<'a> Master<'a> {
                 ((self.f.fmi2GetString)(self.c, &1, length, &mut value), GET)
             }
         };
-        self.expect(call, status, states, Expected::done_if(length == 0));
+        self.model.expect(call, status, states, Expected::done_if(length == 0));
     }
 
     fn derivative(&mut self, call: &Call, which: usize, order: c_int, value: f64) {
@@ -304,7 +279,7 @@ impl<'a> Master<'a> {
         // SAFETY: an instance, one reference, one order, one value.
         let status = unsafe { (self.f.fmi2SetRealInputDerivatives)(self.c, &wanted, 1, &order, &value) };
         let legal = Expected::done_if(known.is_some() && order == 1 && value.is_finite());
-        self.expect(call, status, SET, legal);
+        self.model.expect(call, status, SET, legal);
     }
 
     fn output_derivative(&mut self, call: &Call, which: usize, order: c_int, null: bool) {
@@ -315,14 +290,15 @@ impl<'a> Master<'a> {
         let status =
             unsafe { (self.f.fmi2GetRealOutputDerivatives)(self.c, &wanted.unwrap_or(UNKNOWN), 1, &order, to) };
         let legal = Expected::done_if(wanted.is_some() && order == 1 && !null);
-        self.expect(call, status, &[StepComplete, StepFailed, Terminated, Error], legal);
+        self.model
+            .expect(call, status, &[StepComplete, StepFailed, Terminated, Error], legal);
         assert!(status != OK || value.is_finite(), "{call:?}: {value}");
     }
 
     fn directional(&mut self, call: &Call) {
         // SAFETY: an instance, one reference each, one value each.
         let status = unsafe { (self.f.fmi2GetDirectionalDerivative)(self.c, &1, 1, &101, 1, &1.0, &mut 0.0) };
-        self.expect(call, status, ANY, Expected::Refused);
+        self.model.expect(call, status, ANY, Expected::Refused);
     }
 
     fn logging(&mut self, call: &Call, on: bool, name: Option<&str>) {
@@ -330,34 +306,8 @@ impl<'a> Master<'a> {
         let pointer: *const c_char = text.as_ptr().cast();
         // SAFETY: an instance, as many strings as said, each with its end.
         let status = unsafe { (self.f.fmi2SetDebugLogging)(self.c, on.into(), name.iter().count(), &pointer) };
-        self.expect(call, status, ANY, Expected::done_if(name != Some("noise")));
-    }
-
-    fn store(&mut self, slot: usize) {
-        let kept = &mut self.slots[slot];
-        let mut state = kept.as_ref().map_or(null_mut(), |slot| slot.state);
-        let before = state;
-        // SAFETY: an instance, and null or a state that has not been freed.
-        assert_eq!(unsafe { (self.f.fmi2GetFMUstate)(self.c, &mut state) }, OK);
-        assert!(
-            before.is_null() || state == before,
-            "a state that is not null is used again"
-        );
-        *kept = Some(Slot {
-            state,
-            model: self.model,
-        });
-    }
-
-    fn restore(&mut self, slot: usize) {
-        let kept = self.slots[slot].as_ref();
-        let state = kept.map_or(null_mut(), |slot| slot.state);
-        // SAFETY: an instance, and null or a state that has not been freed.
-        let status = unsafe { (self.f.fmi2SetFMUstate)(self.c, state) };
-        assert_eq!(status, if kept.is_some() { OK } else { ERROR });
-        if let Some(Slot { model, .. }) = kept {
-            self.model = *model;
-        }
+        self.model
+            .expect(call, status, ANY, Expected::done_if(name != Some("noise")));
     }
 
     fn status(&mut self, call: &Call, function: usize, kind: c_int, null: bool) {
@@ -433,47 +383,6 @@ impl<'a> Master<'a> {
             Flaw::NotFinite => Expected::Discarded,
             _ => Expected::Refused,
         };
-        self.expect(call, status, states, legal);
-    }
-
-    /// To bytes and back; damaged or cut bytes must be refused.
-    fn through_bytes(&mut self, slot: usize, damage: Option<(f64, u8)>, cut: f64) {
-        let (f, c) = (self.f, self.c);
-        let Some(Slot { state, model }) = &self.slots[slot] else {
-            // SAFETY: null is what the function is to stand.
-            unsafe { assert_eq!((f.fmi2SerializedFMUstateSize)(c, null_mut(), &mut 0), ERROR) };
-            return;
-        };
-        let mut size = 0;
-        // SAFETY: an instance, a state that has not been freed, and as many bytes as it asks for.
-        unsafe {
-            assert_eq!((f.fmi2SerializedFMUstateSize)(c, *state, &mut size), OK);
-            let mut bytes = vec![0_u8; size];
-            assert_eq!(
-                (f.fmi2SerializeFMUstate)(c, *state, bytes.as_mut_ptr().cast(), size),
-                OK
-            );
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                clippy::cast_precision_loss,
-                reason = "a place among some thousand bytes"
-            )]
-            let place = |share: f64| (share * size as f64) as usize;
-            if let Some((at, mask)) = damage {
-                bytes[place(at)] ^= mask;
-            }
-            bytes.resize(place(cut), 0);
-            let mut found = null_mut();
-            let status = (f.fmi2DeSerializeFMUstate)(c, bytes.as_ptr().cast(), bytes.len(), &mut found);
-            let whole = damage.is_none_or(|(at, _)| place(at) >= bytes.len()) && bytes.len() == size;
-            assert_eq!(status, if whole { OK } else { ERROR });
-            assert_eq!(found.is_null(), !whole);
-            if whole {
-                assert_eq!((f.fmi2SetFMUstate)(c, found), OK);
-                assert_eq!((f.fmi2FreeFMUstate)(c, &mut found), OK);
-                self.model = *model;
-            }
-        }
+        self.model.expect(call, status, states, legal);
     }
 }

@@ -6,7 +6,7 @@ use std::ffi::{c_char, c_int};
 use std::ptr::{null, null_mut};
 
 use pushbelt::fmi::Unit;
-use pushbelt::fmi::fmi3::{Boolean, Environment, FmuState, Instance};
+use pushbelt::fmi::fmi3::{Boolean, Environment, Instance};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
 use pushbelt_lab::shared_library::{DISCARD, ERROR, OK, reference};
@@ -14,7 +14,8 @@ use pushbelt_lab::shared_library3::{Functions3, Watches};
 
 use crate::calls::{Flaw, INPUTS, INTEGERS, PARAMETERS, TUNABLE, UNKNOWN};
 use crate::calls3::{Answer, Call};
-use crate::machine::Expected;
+use crate::machine::{Expected, Model, Stage, is_experiment};
+use crate::slots::Slots;
 
 /// States of the standard's state machine that last between calls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,24 +39,9 @@ const RUNNING: &[State] = &[Step, Event];
 const DERIVATIVES: &[State] = &[Step, Event, Terminated, Error];
 const ANY: &[State] = GET_SETTING;
 
-/// What the master knows of the instance.
-#[derive(Clone, Copy, Debug)]
-struct Model {
-    state: State,
-    time: f64,
-    stop: Option<f64>,
-}
-
-const FRESH: Model = Model {
-    state: Instantiated,
-    time: 0.0,
-    stop: None,
-};
-
-/// A stored state with what the model knows of it.
-struct Slot {
-    state: FmuState,
-    model: Model,
+impl Stage for State {
+    const INSTANTIATED: Self = Instantiated;
+    const ERROR: Self = Error;
 }
 
 /// A real variable or array: its reference, its number of values, whether it is a setting.
@@ -171,19 +157,17 @@ pub struct Master<'a> {
     watcher: *mut Watcher,
     watches: Watches,
     cheap: bool,
-    model: Model,
-    slots: [Option<Slot>; 3],
+    model: Model<State>,
+    slots: Slots<Model<State>>,
     outputs: &'a [u32],
     reals: &'a [Real],
 }
 
 impl Drop for Master<'_> {
     fn drop(&mut self) {
-        for slot in 0..self.slots.len() {
-            self.drop_slot(slot);
-        }
         // SAFETY: instance and watcher are not used any more.
         unsafe {
+            self.slots.free_all(self.f, self.c);
             (self.f.fmi3FreeInstance)(self.c);
             drop(Box::from_raw(self.watcher));
         }
@@ -223,8 +207,8 @@ impl<'a> Master<'a> {
             watcher,
             watches,
             cheap,
-            model: FRESH,
-            slots: [None, None, None],
+            model: Model::FRESH,
+            slots: Slots::empty(),
             outputs,
             reals,
         };
@@ -232,48 +216,30 @@ impl<'a> Master<'a> {
         master
     }
 
-    fn expect(&mut self, call: &Call, status: c_int, allowed: &[State], legal: Expected) {
-        // In the error state there are values only if the run had started.
-        if self.model.state == Error && allowed.contains(&Error) && allowed != ANY && status == ERROR {
-            return;
-        }
-        let expected = if allowed.contains(&self.model.state) {
-            legal
-        } else {
-            Expected::Refused
-        };
-        let wanted = match expected {
-            Expected::Done => OK,
-            Expected::Discarded => DISCARD,
-            Expected::Refused | Expected::Failed => ERROR,
-        };
-        assert_eq!(status, wanted, "{call:?} with {:?}: {expected:?}", self.model);
-        if expected == Expected::Failed {
-            self.model.state = Error;
-        }
-    }
-
-    /// Follows a call that leads to another state.
-    fn moves(&mut self, call: &Call, status: c_int, from: &[State], to: State) {
-        self.expect(call, status, from, Expected::Done);
-        if status == OK {
-            self.model.state = to;
-        }
-    }
-
-    fn drop_slot(&mut self, slot: usize) {
-        if let Some(Slot { mut state, .. }) = self.slots[slot].take() {
-            // SAFETY: a state that has not been freed.
-            unsafe {
-                assert_eq!((self.f.fmi3FreeFMUState)(self.c, &raw mut state), OK);
-                assert!(state.is_null());
-                assert_eq!((self.f.fmi3FreeFMUState)(self.c, &raw mut state), OK, "null is legal");
+    /// Calls with stored states.
+    fn keep(&mut self, call: &Call) {
+        let (f, c, slots) = (self.f, self.c, &mut self.slots);
+        // SAFETY: an instance.
+        let known = unsafe {
+            match *call {
+                Call::Store { slot } => {
+                    slots.store(f, c, slot, self.model);
+                    None
+                }
+                Call::Restore { slot } => slots.restore(f, c, slot),
+                Call::ThroughBytes { slot, damage, cut } => slots.through_bytes(f, c, slot, (damage, cut)),
+                Call::Drop { slot } => {
+                    slots.free(f, c, slot);
+                    None
+                }
+                _ => None,
             }
-        }
+        };
+        self.model = known.unwrap_or(self.model);
     }
 
     fn after_reset(&mut self) {
-        self.model = FRESH;
+        self.model = Model::FRESH;
         if self.cheap {
             // SAFETY: an instance.
             unsafe { self.f.make_cheap(self.c) };
@@ -290,21 +256,21 @@ impl<'a> Master<'a> {
                 Call::ExitInitialization => {
                     let to = if self.watches.events { Event } else { Step };
                     let status = (f.fmi3ExitInitializationMode)(c);
-                    self.moves(call, status, &[Initialisation], to);
+                    self.model.moves(call, status, &[Initialisation], to);
                 }
                 Call::EnterEvent => {
                     let from: &[State] = if self.watches.events { &[Step] } else { &[] };
                     let status = (f.fmi3EnterEventMode)(c);
-                    self.moves(call, status, from, Event);
+                    self.model.moves(call, status, from, Event);
                 }
                 Call::UpdateDiscrete { null } => self.update_discrete(call, null),
                 Call::EnterStep => {
                     let status = (f.fmi3EnterStepMode)(c);
-                    self.moves(call, status, &[Event], Step);
+                    self.model.moves(call, status, &[Event], Step);
                 }
                 Call::Terminate => {
                     let status = (f.fmi3Terminate)(c);
-                    self.moves(call, status, RUNNING, Terminated);
+                    self.model.moves(call, status, RUNNING, Terminated);
                 }
                 Call::Reset => {
                     assert_eq!((f.fmi3Reset)(c), OK);
@@ -322,7 +288,7 @@ impl<'a> Master<'a> {
                 }
                 Call::SetOutput => {
                     let status = (f.fmi3SetFloat64)(c, &reference("thrustRatio"), 1, &1.0, 1);
-                    self.expect(call, status, ANY, Expected::Refused);
+                    self.model.expect(call, status, ANY, Expected::Refused);
                 }
                 Call::GetReals { ref which, flaw, more } => self.get_reals(call, which, flaw, more),
                 Call::SetInteger { which, value } => self.set_integer(call, INTEGERS[which], value),
@@ -332,10 +298,9 @@ impl<'a> Master<'a> {
                 Call::OutputDerivative { which, order, null } => self.output_derivative(call, which, order, null),
                 Call::NotOffered { function } => self.not_offered(call, function),
                 Call::Logging { on, name } => self.logging(call, on, name),
-                Call::Store { slot } => self.store(slot),
-                Call::Restore { slot } => self.restore(slot),
-                Call::Drop { slot } => self.drop_slot(slot),
-                Call::ThroughBytes { slot, damage, cut } => self.through_bytes(slot, damage, cut),
+                Call::Store { .. } | Call::Restore { .. } | Call::Drop { .. } | Call::ThroughBytes { .. } => {
+                    self.keep(call)
+                }
                 Call::NullInstance => {
                     (f.fmi3FreeInstance)(null_mut());
                     assert_eq!(f.step(null_mut(), 0.0, 1e-3).status, ERROR);
@@ -358,10 +323,9 @@ impl<'a> Master<'a> {
                 stop.unwrap_or(f64::NAN),
             )
         };
-        let good = start.is_finite()
-            && tolerance.is_none_or(|t| t.is_finite() && t > 0.0)
-            && stop.is_none_or(|stop| stop.is_finite() && stop >= start);
-        self.expect(call, status, &[Instantiated], Expected::done_if(good));
+        let good = is_experiment(tolerance, start, stop);
+        self.model
+            .expect(call, status, &[Instantiated], Expected::done_if(good));
         if status == OK {
             self.model = Model {
                 state: Initialisation,
@@ -379,7 +343,7 @@ impl<'a> Master<'a> {
         }
         // SAFETY: an instance, and a place for each result or null.
         let status = unsafe { (self.f.fmi3UpdateDiscreteStates)(self.c, a, b, c, d, e, &raw mut time) };
-        self.expect(call, status, &[Event], Expected::done_if(!null));
+        self.model.expect(call, status, &[Event], Expected::done_if(!null));
         if status == OK {
             assert_eq!((flags, time), ([0; 5], 0.0));
         }
@@ -409,7 +373,7 @@ impl<'a> Master<'a> {
             return;
         }
         count(&self.seen.declined, declined);
-        self.expect(call, ended.status, &[Step], Expected::done_if(good));
+        self.model.expect(call, ended.status, &[Step], Expected::done_if(good));
         if ended.status != OK {
             return;
         }
@@ -451,7 +415,8 @@ impl<'a> Master<'a> {
         };
         let settings = wanted.iter().all(|real| real.setting);
         let states = if settings { GET_SETTING } else { GET };
-        self.expect(call, status, states, Expected::done_if(usable && count == size));
+        self.model
+            .expect(call, status, states, Expected::done_if(usable && count == size));
         if status == OK {
             assert!(values.iter().all(|value| value.is_finite()), "{call:?}: {values:?}");
         }
@@ -474,7 +439,7 @@ impl<'a> Master<'a> {
             Flaw::NotFinite => Expected::Discarded,
             _ => Expected::Refused,
         };
-        self.expect(call, status, states, legal);
+        self.model.expect(call, status, states, legal);
     }
 
     fn set_integer(&mut self, call: &Call, name: &str, value: c_int) {
@@ -486,7 +451,7 @@ impl<'a> Master<'a> {
         // SAFETY: an instance, one reference, one value.
         let status = unsafe { (self.f.fmi3SetInt32)(self.c, &reference(name), 1, &value, 1) };
         let legal = if mesh { Expected::Discarded } else { Expected::Refused };
-        self.expect(call, status, BEFORE, legal);
+        self.model.expect(call, status, BEFORE, legal);
     }
 
     fn choice(&mut self, call: &Call, set: bool, value: i64) {
@@ -497,10 +462,10 @@ impl<'a> Master<'a> {
                 let status = (self.f.fmi3SetInt64)(self.c, &wanted, 1, &value, 1);
                 let known = (1..3).contains(&value);
                 let legal = if known { Expected::Done } else { Expected::Discarded };
-                self.expect(call, status, BEFORE, legal);
+                self.model.expect(call, status, BEFORE, legal);
             } else {
                 let status = (self.f.fmi3GetInt64)(self.c, &wanted, 1, &raw mut found, 1);
-                self.expect(call, status, GET_SETTING, Expected::Done);
+                self.model.expect(call, status, GET_SETTING, Expected::Done);
                 assert!((1..3).contains(&found));
             }
         }
@@ -518,7 +483,8 @@ impl<'a> Master<'a> {
                 ((self.f.fmi3GetBoolean)(self.c, from, 1, to, 1), GET)
             }
         };
-        self.expect(call, status, states, Expected::done_if(flaw.harmless()));
+        self.model
+            .expect(call, status, states, Expected::done_if(flaw.harmless()));
     }
 
     fn no_such_type(&mut self, call: &Call, function: usize, length: usize) {
@@ -535,7 +501,7 @@ impl<'a> Master<'a> {
                 _ => ((f.fmi3GetClock)(c, &vr, length, &raw mut clock), ANY),
             }
         };
-        self.expect(call, status, states, Expected::done_if(length == 0));
+        self.model.expect(call, status, states, Expected::done_if(length == 0));
     }
 
     fn output_derivative(&mut self, call: &Call, which: usize, order: c_int, null: bool) {
@@ -546,7 +512,7 @@ impl<'a> Master<'a> {
         // SAFETY: an instance, one reference and one order, one value or null.
         let status = unsafe { (self.f.fmi3GetOutputDerivatives)(self.c, &vr, 1, &order, to, 1) };
         let legal = Expected::done_if(wanted.is_some() && order == 1 && !null);
-        self.expect(call, status, DERIVATIVES, legal);
+        self.model.expect(call, status, DERIVATIVES, legal);
         assert!(status != OK || value.is_finite(), "{call:?}: {value}");
     }
 
@@ -570,7 +536,7 @@ impl<'a> Master<'a> {
                 _ => (f.fmi3ActivateModelPartition)(c, 1, 0.0),
             }
         };
-        self.expect(call, status, ANY, Expected::Refused);
+        self.model.expect(call, status, ANY, Expected::Refused);
     }
 
     fn logging(&mut self, call: &Call, on: bool, name: Option<&str>) {
@@ -578,67 +544,7 @@ impl<'a> Master<'a> {
         let pointer: *const c_char = text.as_ptr().cast();
         // SAFETY: an instance, as many strings as said, each with its end.
         let status = unsafe { (self.f.fmi3SetDebugLogging)(self.c, on.into(), name.iter().count(), &pointer) };
-        self.expect(call, status, ANY, Expected::done_if(name != Some("noise")));
-    }
-
-    fn store(&mut self, slot: usize) {
-        let kept = &mut self.slots[slot];
-        let mut state = kept.as_ref().map_or(null_mut(), |slot| slot.state);
-        let before = state;
-        // SAFETY: an instance, and null or a state that has not been freed.
-        assert_eq!(unsafe { (self.f.fmi3GetFMUState)(self.c, &raw mut state) }, OK);
-        assert!(
-            before.is_null() || state == before,
-            "a state that is not null is used again"
-        );
-        let model = self.model;
-        *kept = Some(Slot { state, model });
-    }
-
-    fn restore(&mut self, slot: usize) {
-        let kept = self.slots[slot].as_ref();
-        let state = kept.map_or(null_mut(), |slot| slot.state);
-        // SAFETY: an instance, and null or a state that has not been freed.
-        let status = unsafe { (self.f.fmi3SetFMUState)(self.c, state) };
-        assert_eq!(status, if kept.is_some() { OK } else { ERROR });
-        if let Some(Slot { model, .. }) = kept {
-            self.model = *model;
-        }
-    }
-
-    /// To bytes and back; damaged or cut bytes must be refused.
-    fn through_bytes(&mut self, slot: usize, damage: Option<(f64, u8)>, cut: f64) {
-        let (f, c) = (self.f, self.c);
-        let Some(Slot { state, model }) = &self.slots[slot] else {
-            return;
-        };
-        let mut size = 0;
-        // SAFETY: an instance, a state that has not been freed, and as many bytes as it asks for.
-        unsafe {
-            assert_eq!((f.fmi3SerializedFMUStateSize)(c, *state, &raw mut size), OK);
-            let mut bytes = vec![0_u8; size];
-            assert_eq!((f.fmi3SerializeFMUState)(c, *state, bytes.as_mut_ptr(), size), OK);
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                clippy::cast_precision_loss,
-                reason = "a place among some thousand bytes"
-            )]
-            let place = |share: f64| (share * size as f64) as usize;
-            if let Some((at, mask)) = damage {
-                bytes[place(at)] ^= mask;
-            }
-            bytes.resize(place(cut), 0);
-            let mut found = null_mut();
-            let status = (f.fmi3DeserializeFMUState)(c, bytes.as_ptr(), bytes.len(), &raw mut found);
-            let whole = damage.is_none_or(|(at, _)| place(at) >= bytes.len()) && bytes.len() == size;
-            assert_eq!(status, if whole { OK } else { ERROR });
-            assert_eq!(found.is_null(), !whole);
-            if whole {
-                assert_eq!((f.fmi3SetFMUState)(c, found), OK);
-                assert_eq!((f.fmi3FreeFMUState)(c, &raw mut found), OK);
-                self.model = *model;
-            }
-        }
+        self.model
+            .expect(call, status, ANY, Expected::done_if(name != Some("noise")));
     }
 }
