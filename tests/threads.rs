@@ -2,11 +2,26 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
+use std::fmt::Debug;
 use std::thread;
 
 use pushbelt::fmi::fmi3::{Boolean, Environment, Instance};
 use pushbelt_lab::shared_library::{Library, OK, reference};
 use pushbelt_lab::shared_library3::{Functions3, Watches};
+
+/// Sixteen runs, one after the other and two on each of eight threads, give the same; the first two differ.
+fn same_together_as_alone<T: PartialEq + Debug + Send>(run: impl Fn(u32) -> T + Copy + Send + Sync) {
+    let alone: Vec<_> = (0..16).map(run).collect();
+    assert_ne!(alone[0], alone[1], "the instances differ");
+    let together: Vec<_> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..8)
+            .map(|worker| scope.spawn(move || [run(2 * worker), run(2 * worker + 1)]))
+            .collect();
+        let joined = workers.into_iter().map(|worker| worker.join().expect("no panic"));
+        joined.flatten().collect()
+    });
+    assert_eq!(together, alone);
+}
 
 #[test]
 fn sixteen_instances_on_eight_threads_give_the_sequential_bits() {
@@ -23,18 +38,7 @@ fn sixteen_instances_on_eight_threads_give_the_sequential_bits() {
             result
         }
     };
-    let alone: Vec<_> = (0..16).map(run).collect();
-    assert_ne!(alone[0], alone[1], "the instances differ");
-    let together: Vec<_> = thread::scope(|scope| {
-        let workers: Vec<_> = (0..8)
-            .map(|worker| scope.spawn(move || [run(2 * worker), run(2 * worker + 1)]))
-            .collect();
-        workers
-            .into_iter()
-            .flat_map(|worker| worker.join().expect("no panic"))
-            .collect()
-    });
-    assert_eq!(together, alone);
+    same_together_as_alone(run);
 }
 
 /// A master that reads a speed at each of the unit's own steps; its environment is the instance and the functions.
@@ -95,14 +99,5 @@ fn sixteen_watched_instances_of_fmi_3_on_eight_threads_give_the_sequential_bits(
             result
         }
     };
-    let alone: Vec<_> = (0..16).map(run).collect();
-    assert_ne!(alone[0], alone[1], "the instances differ");
-    let together: Vec<_> = thread::scope(|scope| {
-        let workers: Vec<_> = (0..8)
-            .map(|worker| scope.spawn(move || [run(2 * worker), run(2 * worker + 1)]))
-            .collect();
-        let joined = workers.into_iter().map(|worker| worker.join().expect("no panic"));
-        joined.flatten().collect()
-    });
-    assert_eq!(together, alone);
+    same_together_as_alone(run);
 }

@@ -3,6 +3,7 @@
 use std::ffi::c_int;
 
 use pushbelt::fmi::Unit;
+use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
 
 pub const OK: c_int = 0;
@@ -39,4 +40,19 @@ pub fn reference(name: &str) -> u32 {
     let table = VariatorUnit::table();
     let variable = table.by_name(name).unwrap_or_else(|| panic!("{name} is missing"));
     variable.reference
+}
+
+/// Value references of the real variables of a causality that `which` chooses.
+pub fn real_references(which: impl Fn(Causality) -> bool) -> Vec<u32> {
+    let table = VariatorUnit::table();
+    let chosen = table.variables().iter().filter(|v| which(v.causality));
+    chosen
+        .filter(|v| matches!(v.kind, Kind::Real { .. }))
+        .map(|v| v.reference)
+        .collect()
+}
+
+/// Value references of the real outputs.
+pub fn real_outputs() -> Vec<u32> {
+    real_references(|causality| causality == Causality::Output)
 }

@@ -11,7 +11,7 @@ use pushbelt::fmi::fmi2::{CallbackFunctions, Component, FmuState};
 use pushbelt::unit::VariatorUnit;
 
 use crate::c_functions::functions;
-pub use crate::c_functions::{DISCARD, ERROR, OK, WARNING, reference};
+pub use crate::c_functions::{DISCARD, ERROR, OK, WARNING, real_outputs, real_references, reference};
 use crate::shared_library3::Functions3;
 
 type References = *const u32;

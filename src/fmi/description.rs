@@ -5,15 +5,14 @@ use std::io::{self, Write};
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::Writer;
 
-use super::hash::Fnv;
 use super::log::Category;
 use super::said::{
-    default_experiment, enumeration_head, enumeration_items, head, log_categories, typed, unit_definitions,
-    variable_head,
+    default_experiment, enumeration_head, enumeration_items, head, log_categories, text_of, token_of, typed,
+    unit_definitions, variable_head,
 };
 use super::table::{Causality, Enumeration, Kind, Table, Variable};
 use super::unit::{Identity, Unit};
-use super::xml::{Attributes, empty, parent, token};
+use super::xml::{Attributes, empty, parent};
 
 /// The model description of a unit.
 ///
@@ -22,21 +21,14 @@ use super::xml::{Attributes, empty, parent, token};
 #[must_use]
 pub fn model_description<U: Unit>() -> String {
     let table = U::table();
-    let mut bytes = Vec::new();
-    write::<U, _>(&mut bytes, &table, &guid_of::<U>(&table)).expect("memory takes all bytes");
-    String::from_utf8(bytes).expect("the writer is given text only")
+    text_of(|to, guid| write::<U, _>(to, &table, guid))
 }
 
 /// The GUID of a unit: a hash of its description, so that description and binary fit each other.
 #[must_use]
 pub fn guid<U: Unit>() -> String {
-    guid_of::<U>(&U::table())
-}
-
-fn guid_of<U: Unit>(table: &Table<U::Settings, U::Readings>) -> String {
-    let mut hash = Fnv::default();
-    write::<U, _>(&mut hash, table, "").expect("a hash takes all bytes");
-    token(&hash)
+    let table = U::table();
+    token_of(|to, guid| write::<U, _>(to, &table, guid))
 }
 
 fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid: &str) -> io::Result<()> {

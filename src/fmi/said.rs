@@ -4,10 +4,25 @@ use std::io::{self, Write};
 
 use quick_xml::writer::Writer;
 
+use super::hash::Fnv;
 use super::log::Category;
 use super::table::{Access, Causality, Enumeration, Kind, UnitDefinition, Variable};
 use super::unit::Identity;
-use super::xml::{Attributes, empty, number, parent};
+use super::xml::{Attributes, empty, number, parent, token};
+
+/// A description that `write` writes with the token it is given: [`token_of`] it.
+pub(super) fn text_of(write: impl Fn(&mut dyn Write, &str) -> io::Result<()>) -> String {
+    let mut bytes = Vec::new();
+    write(&mut bytes, &token_of(&write)).expect("memory takes all bytes");
+    String::from_utf8(bytes).expect("the writer is given text only")
+}
+
+/// A hash of that description, so that description and binary fit each other.
+pub(super) fn token_of(write: impl Fn(&mut dyn Write, &str) -> io::Result<()>) -> String {
+    let mut hash = Fnv::default();
+    write(&mut hash, "").expect("a hash takes all bytes");
+    token(&hash)
+}
 
 /// Attributes of the whole, for a version of the standard with its token.
 pub(super) fn head(identity: &Identity, version: &str, (token, value): (&'static str, &str)) -> Attributes {

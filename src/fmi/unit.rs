@@ -14,6 +14,18 @@ pub struct Experiment {
     pub stop: Option<f64>,
 }
 
+impl Experiment {
+    /// As a master sets it up: tolerance and stop time count only where they are said to be defined.
+    pub(super) fn given(tolerance: (bool, f64), start: f64, stop: (bool, f64)) -> Self {
+        let defined = |(defined, value): (bool, f64)| defined.then_some(value);
+        Self {
+            tolerance: defined(tolerance),
+            start,
+            stop: defined(stop),
+        }
+    }
+}
+
 impl Default for Experiment {
     fn default() -> Self {
         Self {

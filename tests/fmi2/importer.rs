@@ -6,9 +6,10 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::fmi2::*;
 use pushbelt::fmi::log::Status::{self, Ok};
-use pushbelt::fmi::table::{Causality, Kind};
+use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
 use pushbelt::unit::c_abi::*;
+pub use pushbelt_lab::shared_library::{real_outputs, reference};
 
 /// What a logger was told: instance, status, category, message.
 #[derive(Debug, Default)]
@@ -197,21 +198,4 @@ impl Drop for Importer {
         // SAFETY: the instance is not used any more.
         unsafe { fmi2FreeInstance(self.c) };
     }
-}
-
-pub fn real_outputs() -> Vec<u32> {
-    let table = VariatorUnit::table();
-    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
-    outputs
-        .filter(|v| matches!(v.kind, Kind::Real { .. }))
-        .map(|v| v.reference)
-        .collect()
-}
-
-pub fn reference(name: &str) -> u32 {
-    let table = VariatorUnit::table();
-    table
-        .by_name(name)
-        .unwrap_or_else(|| panic!("{name} is missing"))
-        .reference
 }

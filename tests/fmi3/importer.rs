@@ -7,9 +7,10 @@ use std::ptr::null;
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::fmi3::*;
 use pushbelt::fmi::log::Status::{self, Ok};
-use pushbelt::fmi::table::{Causality, Kind};
+use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
 use pushbelt::unit::c_abi3::*;
+pub use pushbelt_lab::shared_library::real_outputs;
 
 /// What an importer is told in intermediate update mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -289,26 +290,11 @@ pub fn read(c: Instance, name: &str) -> f64 {
     value
 }
 
-pub fn real_outputs() -> Vec<u32> {
-    let table = VariatorUnit::table();
-    let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
-    outputs
-        .filter(|v| matches!(v.kind, Kind::Real { .. }))
-        .map(|v| v.reference)
-        .collect()
-}
-
 /// Value reference of a variable or of an array.
 pub fn reference(name: &str) -> u32 {
     let table = VariatorUnit::table();
     let array = table.arrays().iter().find(|array| array.name == name);
-    array.map_or_else(
-        || {
-            let variable = table.by_name(name).unwrap_or_else(|| panic!("{name} is missing"));
-            variable.reference
-        },
-        |array| array.first,
-    )
+    array.map_or_else(|| pushbelt_lab::shared_library::reference(name), |array| array.first)
 }
 
 /// An instance without callbacks, or null, for these arguments.

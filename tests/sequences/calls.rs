@@ -107,6 +107,23 @@ pub enum Call {
         on: bool,
         name: Option<&'static str>,
     },
+    Keep(Keeping),
+    Status {
+        function: usize,
+        kind: c_int,
+        null: bool,
+    },
+    Cancel,
+    Linearize {
+        frequency: f64,
+        null: bool,
+    },
+    NullInstance,
+}
+
+/// A call with stored states.
+#[derive(Clone, Copy, Debug)]
+pub enum Keeping {
     Store {
         slot: usize,
     },
@@ -121,17 +138,16 @@ pub enum Call {
         damage: Option<(f64, u8)>,
         cut: f64,
     },
-    Status {
-        function: usize,
-        kind: c_int,
-        null: bool,
-    },
-    Cancel,
-    Linearize {
-        frequency: f64,
-        null: bool,
-    },
-    NullInstance,
+}
+
+/// Calls with stored states, each as often as its weight says.
+pub fn keeping() -> impl Strategy<Value = Keeping> {
+    prop_oneof![
+        3 => slot().prop_map(|slot| Keeping::Store { slot }),
+        3 => slot().prop_map(|slot| Keeping::Restore { slot }),
+        1 => slot().prop_map(|slot| Keeping::Drop { slot }),
+        2 => through_bytes().prop_map(|(slot, damage, cut)| Keeping::ThroughBytes { slot, damage, cut }),
+    ]
 }
 
 pub fn flaws() -> impl Strategy<Value = Flaw> {
@@ -177,10 +193,7 @@ pub fn calls() -> impl Strategy<Value = Call> {
         2 => output_derivative().prop_map(|(which, order, null)| Call::OutputDerivative { which, order, null }),
         1 => Just(Call::Directional),
         1 => logging().prop_map(|(on, name)| Call::Logging { on, name }),
-        3 => slot().prop_map(|slot| Call::Store { slot }),
-        3 => slot().prop_map(|slot| Call::Restore { slot }),
-        1 => slot().prop_map(|slot| Call::Drop { slot }),
-        2 => through_bytes().prop_map(|(slot, damage, cut)| Call::ThroughBytes { slot, damage, cut }),
+        9 => keeping().prop_map(Call::Keep),
         2 => (0..5_usize, -1..5, prop::bool::weighted(0.1))
             .prop_map(|(function, kind, null)| Call::Status { function, kind, null }),
         1 => Just(Call::Cancel),
@@ -190,7 +203,7 @@ pub fn calls() -> impl Strategy<Value = Call> {
     ]
 }
 
-pub fn slot() -> impl Strategy<Value = usize> {
+fn slot() -> impl Strategy<Value = usize> {
     0..3_usize
 }
 
@@ -246,7 +259,7 @@ pub fn logging() -> impl Strategy<Value = (bool, Option<&'static str>)> {
 }
 
 /// A slot, what is damaged (where, by which bits) and what is left.
-pub fn through_bytes() -> impl Strategy<Value = (usize, Option<(f64, u8)>, f64)> {
+fn through_bytes() -> impl Strategy<Value = (usize, Option<(f64, u8)>, f64)> {
     (
         slot(),
         prop::option::weighted(0.4, (0.0..1.0, 1..=u8::MAX)),

@@ -5,7 +5,7 @@ use std::ffi::c_int;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use crate::calls::{Flaw, INTEGERS, PARAMETERS, flaws, logging, output_derivative, setup, slot, step, through_bytes};
+use crate::calls::{Flaw, INTEGERS, Keeping, PARAMETERS, flaws, keeping, logging, output_derivative, setup, step};
 
 /// A call.
 #[derive(Clone, Debug)]
@@ -73,20 +73,7 @@ pub enum Call {
         on: bool,
         name: Option<&'static str>,
     },
-    Store {
-        slot: usize,
-    },
-    Restore {
-        slot: usize,
-    },
-    Drop {
-        slot: usize,
-    },
-    ThroughBytes {
-        slot: usize,
-        damage: Option<(f64, u8)>,
-        cut: f64,
-    },
+    Keep(Keeping),
     NullInstance,
 }
 
@@ -150,10 +137,7 @@ pub fn calls() -> impl Strategy<Value = Call> {
         2 => output_derivative().prop_map(|(which, order, null)| Call::OutputDerivative { which, order, null }),
         2 => (0..12_usize).prop_map(|function| Call::NotOffered { function }),
         1 => logging().prop_map(|(on, name)| Call::Logging { on, name }),
-        3 => slot().prop_map(|slot| Call::Store { slot }),
-        3 => slot().prop_map(|slot| Call::Restore { slot }),
-        1 => slot().prop_map(|slot| Call::Drop { slot }),
-        2 => through_bytes().prop_map(|(slot, damage, cut)| Call::ThroughBytes { slot, damage, cut }),
+        9 => keeping().prop_map(Call::Keep),
         1 => Just(Call::NullInstance),
     ]
 }

@@ -20,21 +20,9 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use pushbelt::fmi::Unit;
-use pushbelt::fmi::table::{Causality, Kind};
-use pushbelt::unit::VariatorUnit;
-use pushbelt_lab::shared_library::{Library, count};
+use pushbelt_lab::shared_library::{Library, count, real_outputs, real_references};
 
 use master::Master;
-
-fn references(which: impl Fn(Causality) -> bool) -> Vec<u32> {
-    let table = VariatorUnit::table();
-    let chosen = table.variables().iter().filter(|v| which(v.causality));
-    chosen
-        .filter(|v| matches!(v.kind, Kind::Real { .. }))
-        .map(|v| v.reference)
-        .collect()
-}
 
 /// Runs `cases` sequences of calls.
 fn run<C: std::fmt::Debug>(cases: u32, sequences: &impl Strategy<Value = C>, check: impl Fn(C)) {
@@ -58,8 +46,8 @@ fn run<C: std::fmt::Debug>(cases: u32, sequences: &impl Strategy<Value = C>, che
 /// Sequences of up to `length` calls of FMI 2.0.
 fn check(cases: u32, length: usize, cheap: bool) {
     let library = Library::load();
-    let outputs = references(|causality| causality == Causality::Output);
-    let readings = references(|_| true);
+    let outputs = real_outputs();
+    let readings = real_references(|_| true);
     run(cases, &vec(calls::calls(), 1..length), |calls| {
         let mut master = Master::new(&library.functions, cheap, &outputs, &readings);
         for call in &calls {
@@ -71,7 +59,7 @@ fn check(cases: u32, length: usize, cheap: bool) {
 /// Sequences of up to `length` calls of FMI 3.0.
 fn check3(cases: u32, length: usize, cheap: bool) {
     let library = Library::load();
-    let outputs = references(|causality| causality == Causality::Output);
+    let outputs = real_outputs();
     let reals = master3::reals();
     let seen = master3::Seen::default();
     let sequences = (any::<[bool; 3]>(), vec(calls3::calls(), 1..length));

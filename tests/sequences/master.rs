@@ -47,28 +47,6 @@ impl<'a> Master<'a> {
         master
     }
 
-    /// Calls with stored states.
-    fn keep(&mut self, call: &Call) {
-        let (f, c, slots) = (self.f, self.c, &mut self.slots);
-        // SAFETY: an instance.
-        let known = unsafe {
-            match *call {
-                Call::Store { slot } => {
-                    slots.store(f, c, slot, self.model);
-                    None
-                }
-                Call::Restore { slot } => slots.restore(f, c, slot),
-                Call::ThroughBytes { slot, damage, cut } => slots.through_bytes(f, c, slot, (damage, cut)),
-                Call::Drop { slot } => {
-                    slots.free(f, c, slot);
-                    None
-                }
-                _ => None,
-            }
-        };
-        self.model = known.unwrap_or(self.model);
-    }
-
     fn after_reset(&mut self) {
         self.model = Model::FRESH;
         if self.cheap {
@@ -99,8 +77,9 @@ impl<'a> Master<'a> {
             Call::OutputDerivative { which, order, null } => self.output_derivative(call, which, order, null),
             Call::Directional => self.directional(call),
             Call::Logging { on, name } => self.logging(call, on, name),
-            Call::Store { .. } | Call::Restore { .. } | Call::Drop { .. } | Call::ThroughBytes { .. } => {
-                self.keep(call)
+            Call::Keep(keeping) => {
+                // SAFETY: an instance.
+                self.model = unsafe { self.slots.keep(self.f, self.c, keeping, self.model) };
             }
             Call::Status { function, kind, null } => self.status(call, function, kind, null),
             Call::Cancel => self.cancel(),

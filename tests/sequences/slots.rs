@@ -5,6 +5,8 @@ use std::ptr::null_mut;
 
 use pushbelt_lab::shared_library::{ERROR, OK};
 
+use crate::calls::Keeping;
+
 /// An instance, or a state of one.
 type Pointer = *mut c_void;
 
@@ -35,9 +37,32 @@ impl<M: Copy> Slots<M> {
         Self([None, None, None])
     }
 
+    /// Makes a call with stored states; what the model knows of the instance after it, where it was `model` before.
+    ///
     /// # Safety
     /// `c` is an instance that has not been freed.
-    pub unsafe fn store(&mut self, f: &impl StateCalls, c: Pointer, slot: usize, model: M) {
+    pub unsafe fn keep(&mut self, f: &impl StateCalls, c: Pointer, call: Keeping, model: M) -> M {
+        // SAFETY: as the caller grants.
+        let known = unsafe {
+            match call {
+                Keeping::Store { slot } => {
+                    self.store(f, c, slot, model);
+                    None
+                }
+                Keeping::Restore { slot } => self.restore(f, c, slot),
+                Keeping::Drop { slot } => {
+                    self.free(f, c, slot);
+                    None
+                }
+                Keeping::ThroughBytes { slot, damage, cut } => self.through_bytes(f, c, slot, (damage, cut)),
+            }
+        };
+        known.unwrap_or(model)
+    }
+
+    /// # Safety
+    /// `c` is an instance that has not been freed.
+    unsafe fn store(&mut self, f: &impl StateCalls, c: Pointer, slot: usize, model: M) {
         let kept = &mut self.0[slot];
         let mut state = kept.as_ref().map_or(null_mut(), |slot| slot.state);
         let before = state;
@@ -54,7 +79,7 @@ impl<M: Copy> Slots<M> {
     ///
     /// # Safety
     /// `c` is an instance that has not been freed.
-    pub unsafe fn restore(&self, f: &impl StateCalls, c: Pointer, slot: usize) -> Option<M> {
+    unsafe fn restore(&self, f: &impl StateCalls, c: Pointer, slot: usize) -> Option<M> {
         let kept = self.0[slot].as_ref();
         let state = kept.map_or(null_mut(), |slot| slot.state);
         // SAFETY: an instance, and null or a state that has not been freed.
@@ -65,7 +90,7 @@ impl<M: Copy> Slots<M> {
 
     /// # Safety
     /// `c` is an instance that has not been freed.
-    pub unsafe fn free(&mut self, f: &impl StateCalls, c: Pointer, slot: usize) {
+    unsafe fn free(&mut self, f: &impl StateCalls, c: Pointer, slot: usize) {
         if let Some(Slot { mut state, .. }) = self.0[slot].take() {
             // SAFETY: a state that has not been freed.
             unsafe {
@@ -89,7 +114,7 @@ impl<M: Copy> Slots<M> {
     ///
     /// # Safety
     /// `c` is an instance that has not been freed.
-    pub unsafe fn through_bytes(
+    unsafe fn through_bytes(
         &self,
         f: &impl StateCalls,
         c: Pointer,

@@ -8,15 +8,14 @@ use std::io::{self, Write};
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::Writer;
 
-use crate::fmi::hash::Fnv;
 use crate::fmi::log::Category;
 use crate::fmi::said::{
-    default_experiment, enumeration_head, enumeration_items, head, log_categories, typed, unit_definitions,
-    variable_head,
+    default_experiment, enumeration_head, enumeration_items, head, log_categories, text_of, token_of, typed,
+    unit_definitions, variable_head,
 };
 use crate::fmi::table::{Array, Causality, Enumeration, Kind, Table, Variable};
 use crate::fmi::unit::{Identity, Unit};
-use crate::fmi::xml::{Attributes, empty, parent, token};
+use crate::fmi::xml::{Attributes, empty, parent};
 
 /// Value reference of the time, which no variable of a table has.
 pub(super) const TIME: u32 = 0;
@@ -28,21 +27,14 @@ pub(super) const TIME: u32 = 0;
 #[must_use]
 pub fn model_description<U: Unit>() -> String {
     let table = U::table();
-    let mut bytes = Vec::new();
-    write::<U, _>(&mut bytes, &table, &token_of::<U>(&table)).expect("memory takes all bytes");
-    String::from_utf8(bytes).expect("the writer is given text only")
+    text_of(|to, token| write::<U, _>(to, &table, token))
 }
 
 /// The instantiation token of a unit: a hash of its description, so that description and binary fit each other.
 #[must_use]
 pub fn instantiation_token<U: Unit>() -> String {
-    token_of::<U>(&U::table())
-}
-
-fn token_of<U: Unit>(table: &Table<U::Settings, U::Readings>) -> String {
-    let mut hash = Fnv::default();
-    write::<U, _>(&mut hash, table, "").expect("a hash takes all bytes");
-    token(&hash)
+    let table = U::table();
+    token_of(|to, token| write::<U, _>(to, &table, token))
 }
 
 /// Whether a variable can be set or read in intermediate update mode: real inputs and outputs can.

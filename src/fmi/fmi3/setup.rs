@@ -45,11 +45,11 @@ pub(crate) unsafe fn enter_initialization_mode<U: OwnSteps>(
     stop_time_defined: Boolean,
     stop_time: f64,
 ) -> Status {
-    let experiment = Experiment {
-        tolerance: (tolerance_defined != 0).then_some(tolerance),
-        start: start_time,
-        stop: (stop_time_defined != 0).then_some(stop_time),
-    };
+    let experiment = Experiment::given(
+        (tolerance_defined != 0, tolerance),
+        start_time,
+        (stop_time_defined != 0, stop_time),
+    );
     // SAFETY: as the caller grants.
     unsafe {
         with::<U>(c, "fmi3EnterInitializationMode", |instance| {
