@@ -232,7 +232,8 @@ fn poles_of_ale0_do_not_depend_on_the_cut_off() {
         assert!(few.len() >= 3 && many.len() > few.len(), "{few:?} {many:?}");
         for (one, other) in few.iter().zip(&many) {
             let apart = (one[0] - other[0]).hypot(one[1] - other[1]);
-            assert!(apart < 1e-6 * one[0].hypot(one[1]), "{one:?} {other:?}");
+            // A pole near zero is known to a share of the largest, some 250 1/s.
+            assert!(apart < 1e-6 * (one[0].hypot(one[1]) + 0.1), "{one:?} {other:?}");
         }
     }
 }

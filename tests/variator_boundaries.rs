@@ -346,6 +346,7 @@ fn a_push_strand_in_net_compression_is_told() {
         let mut parameters = coarse(model);
         parameters.initial.primary_speed = 20.0;
         parameters.belt.film_damping = 0.0;
+        parameters.belt.squeeze_damping = 0.0;
         parameters.solver.input_ramp = 0.0;
         let mut run = Run::new(parameters, inputs((40.0, 11e3), (-39.0, 9e3)));
         run.go(5e-3, 1e-3);

@@ -342,8 +342,9 @@ fn parameters(t: &mut Rows) {
     t.set("belt.roughness", 1037, Parameter, "m", "Roughness of the elements' faces: the distance over which neighbouring elements come into contact", set!(parameters.belt.roughness));
     t.set("belt.elementThickness", 1038, Parameter, "m", "Thickness of an element", set!(parameters.belt.element_thickness));
     t.set("belt.filmForce", 1039, Parameter, "N", "Force between elements at their first touch by what reaches further than the roughness: oil, waviness and rocking of the faces", set!(parameters.belt.film_force));
-    t.set("belt.filmThickness", 1040, Parameter, "m", "Distance over which belt.filmForce falls off", set!(parameters.belt.film_thickness));
+    t.set("belt.filmThickness", 1040, Parameter, "m", "Distance over which belt.filmForce and belt.squeezeDamping fall off", set!(parameters.belt.film_thickness));
     t.set("belt.filmDamping", 1057, Parameter, "N.s", "Force between elements per rate of strain by the oil that is squeezed between them, across gaps too", set!(parameters.belt.film_damping));
+    t.set("belt.squeezeDamping", 1085, Parameter, "N.s", "Force between elements per rate of strain by the oil that is squeezed out of a gap as it closes, where the gap is zero; it falls with the cube of the gap, over belt.filmThickness", set!(parameters.belt.squeeze_damping));
     t.set("ring.massPerLength", 1041, Parameter, "kg/m", "Mass of the ring sets per length", set!(parameters.ring.mass_per_length));
     t.set("ring.axialStiffness", 1042, Parameter, "N", "Axial stiffness EA of the ring sets", set!(parameters.ring.axial_stiffness));
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));

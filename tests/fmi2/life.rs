@@ -109,6 +109,9 @@ fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
     assert_eq!(importer.set_real("solver.tolerance", 1e-9), Ok);
     assert_eq!(importer.set_real("friction.velocity", 1e-6), Ok);
     assert_eq!(importer.set_real("inputs.ramp", 0.0), Ok);
+    // Oil that brakes closing elements would carry even this load.
+    assert_eq!(importer.set_real("belt.squeezeDamping", 0.0), Ok);
+    assert_eq!(importer.set_real("belt.filmForce", 10.0), Ok);
     importer.start();
     assert_eq!(importer.step(0.0, 1e-4), Ok, "{:?}", importer.heard);
     let (c, mut stored, mut reached, mut status) = (importer.c, null_mut(), f64::NAN, -1);

@@ -2,8 +2,8 @@
 
 use num_dual::Dual64;
 use pushbelt::chain::{
-    Belt, CLOSING_SMOOTHING, Transport, UPWIND_SMOOTHING, collision_force, energy_density, flux, lag, push_force,
-    upwinding,
+    Belt, CLOSING_SMOOTHING, SQUEEZE_SMOOTHING, Transport, UPWIND_SMOOTHING, collision_force, energy_density, flux,
+    lag, push_force, upwinding,
 };
 use pushbelt_lab::laws::{belt, integral};
 use pushbelt_lab::noise;
@@ -73,8 +73,15 @@ fn damping_of_the_stack_acts_in_contact_and_that_of_the_film_everywhere() {
     let full = belt().push_stiffness * belt().damping;
     for rate in [-3.0, 3.0] {
         let push = push_force(&belt(), 1.005, rate);
-        let both = full + belt().film_damping;
-        assert_near(push.viscous, both * rate, full, 1e-2, "damping in contact");
+        assert_near(
+            push.contact,
+            1.0,
+            1.0,
+            2e-2,
+            "in contact, where the film bears a little more",
+        );
+        let both = (full * push.contact + belt().film_damping) * rate + squeezed(1.0, rate);
+        assert_near(push.viscous, both, full, 1e-2, "damping in contact");
         assert_near(
             push.force - push.viscous,
             elastic(1.005),
@@ -85,12 +92,43 @@ fn damping_of_the_stack_acts_in_contact_and_that_of_the_film_everywhere() {
         let dry = Belt {
             film_force: 0.0,
             film_damping: 0.0,
+            squeeze_damping: 0.0,
             ..belt()
         };
         let touching = push_force(&dry, 1.0, rate);
         assert_near(touching.viscous, 0.5 * full * rate, full, 1e-12, "half at first touch");
         let apart = push_force(&belt(), 0.99, rate).viscous;
-        assert_near(apart, belt().film_damping * rate, full, 1e-3, "the film's across a gap");
+        let film = belt().film_damping * rate + squeezed(1.0 + 0.01 * 1.5e-3 / belt().film_thickness, rate);
+        assert_near(apart, film, belt().film_damping, 1e-3, "the film's across a gap");
+    }
+}
+
+/// Force of oil that is squeezed out of a gap of so many film thicknesses less one, N.
+fn squeezed(wide: f64, rate: f64) -> f64 {
+    let closing = 0.5 * (rate + rate.hypot(SQUEEZE_SMOOTHING) - SQUEEZE_SMOOTHING);
+    belt().squeeze_damping * closing / wide.powi(3)
+}
+
+/// Oil that is squeezed out of a gap takes power at any rate, none at rest, and cavitates where the elements part.
+#[test]
+fn squeezed_oil_dissipates_and_cavitates() {
+    let dry = Belt {
+        damping: 0.0,
+        film_damping: 0.0,
+        ..belt()
+    };
+    for nu in [0.99, 0.999, 1.0, 1.005] {
+        let force = |rate: f64| push_force(&dry, nu, rate).viscous;
+        assert_eq!(force(0.0), 0.0, "at rest");
+        for rate in [1e-3, 0.1, 10.0] {
+            assert!(force(rate) > 0.0 && force(-rate) < 0.0, "ν = {nu}, {rate} 1/s");
+            assert!(
+                force(-rate) > -0.5 * SQUEEZE_SMOOTHING * dry.squeeze_damping,
+                "ν = {nu}: {} N of tension at {rate} 1/s",
+                force(-rate)
+            );
+        }
+        assert!(force(10.0) > 50.0 * -force(-10.0), "closing, not parting");
     }
 }
 

@@ -5,7 +5,7 @@
 //! method, which needs a direction and not a derivative. So each pack of cells keeps the unknowns and the regime at which
 //! it was differentiated.
 
-use crate::chain::{closing_slopes, stack_contact_slopes};
+use crate::chain::{closing_slopes, stack_slopes};
 use crate::contact::{Friction, FrictionSlopes, friction_slopes, touch};
 use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
@@ -74,6 +74,8 @@ struct StackRegime {
     contact: Lanes,
     /// Slope of the damping force by the density, in units of the stiffness.
     bend: Lanes,
+    /// Damping force per rate of strain, in units of the inertia that resists it in the step.
+    damping: Lanes,
     /// Share of closing, from 0 (elements part) to 1.
     closing: Lanes,
     /// Slope of the share of closing, times the difference of V.
@@ -82,8 +84,8 @@ struct StackRegime {
 
 impl StackRegime {
     #[inline(always)]
-    fn figures(&self) -> [Lanes; 4] {
-        [self.contact, self.bend, self.closing, self.closing_bend]
+    fn figures(&self) -> [Lanes; 5] {
+        [self.contact, self.bend, self.damping, self.closing, self.closing_bend]
     }
 }
 
@@ -162,7 +164,9 @@ impl RegimeProbe<'_> {
         station.convection = s.flow / (s.weight * self.alpha);
         station.curvature = s.curvature[0];
         let stack = &mut self.regime.stack;
-        [stack.contact, stack.bend] = stack_contact_slopes(&law.chain, s.density, s.push);
+        let [contact, bend, damping] = stack_slopes(&law.chain, s.density, s.density_rate);
+        (stack.contact, stack.bend) = (contact, bend);
+        stack.damping = damping * inertia / (s.weight * s.weight);
         self.regime.recorded += 1;
     }
 }

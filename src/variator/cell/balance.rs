@@ -144,6 +144,7 @@ fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
         face_radius: from_axis.dot(&from_axis).sqrt() - given.law.chain.pitch_offset,
         lambda: chain.lambda,
         density: cell.density,
+        density_rate: cell.stack_arguments()[1],
         push: push.force,
         tension: forces.tension,
         normal: flanks.loads.normal * 0.5,

@@ -21,6 +21,8 @@ pub struct Sample<L = f64> {
     pub lambda: L,
     /// Density ν of the cell.
     pub density: L,
+    /// Its rate along with the elements Dν/Dt, 1/s.
+    pub density_rate: L,
     /// Push force Q, N.
     pub push: L,
     /// Ring tension T, N.
@@ -71,7 +73,7 @@ pub struct Sample<L = f64> {
 macro_rules! for_each_figure {
     ($with:ident) => {
         $with! {
-            xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, push, tension, normal, axial, torque, resultant[0], resultant[1],
+            xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, density_rate, push, tension, normal, axial, torque, resultant[0], resultant[1],
             sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, damping_loss,
             kinetic, ring_elastic, flank_elastic, outward
         }

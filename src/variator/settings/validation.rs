@@ -116,6 +116,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("belt.filmForce", belt.film_force, 0.0, 1e3),
     limit!("belt.filmThickness", belt.film_thickness, 1e-8, 1e-4),
     limit!("belt.filmDamping", belt.film_damping, 0.0, 1e3),
+    limit!("belt.squeezeDamping", belt.squeeze_damping, 0.0, 1e5),
     limit!("belt.damping", belt.damping, 0.0, 1e-2),
     limit!("ring.massPerLength", ring.mass_per_length, 1e-3, 1e3),
     limit!("ring.axialStiffness", ring.axial_stiffness, 1e3, 1e13),
