@@ -45,17 +45,24 @@ const TOUCH_CASES: [Case; 3] = [
 ];
 /// Roughness of the elements' faces, m.
 const ROUGHNESSES: [f64; 9] = [5e-8, 7e-8, 1e-7, 1.4e-7, 2e-7, 3e-7, 4e-7, 6e-7, 1e-6];
-/// Where slip depends on the roughness without film damping.
+/// Where slip depends on the roughness without damping by oil.
 const DAMPED: [Case; 2] = [
     case("50 N·m", 7.0 / 3.0, 50.0, 10_781.0),
     case("100 N·m", 7.0 / 3.0, 100.0, 21_562.0),
 ];
-/// Film dampings of the third table, N·s.
-const DAMPINGS: [f64; 4] = [0.0, 1.0, 3.0, 10.0];
+/// Dampings by oil of the third table, as shares of the default.
+const DAMPINGS: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
 /// Where the film is needed.
 const FILM_CASES: [Case; 3] = [case("30 N·m", 7.0 / 3.0, 30.0, 6_469.0), DAMPED[0], DAMPED[1]];
-/// Film forces, N, and dampings, N·s, of the fourth table.
-const FILMS: [(f64, f64); 4] = [(0.0, 0.0), (10.0, 0.0), (0.0, 3.0), (10.0, 3.0)];
+/// Film forces, N, and dampings by oil, as shares of the default, of the fourth table.
+const FILMS: [(f64, f64); 6] = [
+    (0.0, 0.0),
+    (10.0, 0.0),
+    (100.0, 0.0),
+    (0.0, 1.0),
+    (10.0, 1.0),
+    (100.0, 1.0),
+];
 /// Ratio and force without torque, –, N.
 const UNLOADED: [(f64, f64); 4] = [(2.25, 10e3), (2.25, 20e3), (1.0 / 2.25, 10e3), (1.0 / 2.25, 20e3)];
 const SLIPS: [f64; 6] = [0.007, 0.01, 0.015, 0.02, 0.03, 0.04];
@@ -75,7 +82,7 @@ const TRACTION_CHANGES: [Change; 3] = [
     ("fall of friction = 0", |p| p.friction.fall = 0.0),
 ];
 
-const CHANGES: [Change; 35] = [
+const CHANGES: [Change; 38] = [
     ("contact stiffness k_c × 0.5", |p| p.contact.stiffness *= 0.5),
     ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
     ("push stiffness k_e × 0.5", |p| p.belt.push_stiffness *= 0.5),
@@ -97,9 +104,12 @@ const CHANGES: [Change; 35] = [
     ("film thickness × 2", |p| p.belt.film_thickness *= 2.0),
     ("film force = 0", |p| p.belt.film_force = 0.0),
     ("film damping = 0", |p| p.belt.film_damping = 0.0),
-    ("film force and damping = 0", |p| {
+    ("squeezed oil = 0", |p| p.belt.squeeze_damping = 0.0),
+    ("squeezed oil × 0.5", |p| p.belt.squeeze_damping *= 0.5),
+    ("squeezed oil × 2", |p| p.belt.squeeze_damping *= 2.0),
+    ("film force and all damping by oil = 0", |p| {
         p.belt.film_force = 0.0;
-        p.belt.film_damping = 0.0;
+        damp(p, 0.0);
     }),
     ("film damping × 0.5", |p| p.belt.film_damping *= 0.5),
     ("film damping × 2", |p| p.belt.film_damping *= 2.0),
@@ -301,12 +311,18 @@ fn roughness(base: &Parameters) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The third table: roughness and film damping.
+/// Takes a share of the damping by oil.
+fn damp(parameters: &mut Parameters, share: f64) {
+    parameters.belt.film_damping *= share;
+    parameters.belt.squeeze_damping *= share;
+}
+
+/// The third table: roughness and damping by oil.
 fn damping(base: &Parameters) -> Result<(), Box<dyn Error>> {
     print!("| roughness, µm |");
     for case in &DAMPED {
         for damping in DAMPINGS {
-            print!(" {}: slip at {damping:.0} N·s |", case.name);
+            print!(" {}: slip at {damping} |", case.name);
         }
     }
     println!("\n|---|{}", "---|".repeat(DAMPED.len() * DAMPINGS.len()));
@@ -316,7 +332,7 @@ fn damping(base: &Parameters) -> Result<(), Box<dyn Error>> {
             for damping in DAMPINGS {
                 let mut parameters = base.clone();
                 parameters.belt.roughness = roughness;
-                parameters.belt.film_damping = damping;
+                damp(&mut parameters, damping);
                 slip(&parameters, case)?;
             }
         }
@@ -327,7 +343,7 @@ fn damping(base: &Parameters) -> Result<(), Box<dyn Error>> {
 
 /// The fourth table: with and without the film.
 fn film(base: &Parameters) -> Result<(), Box<dyn Error>> {
-    print!("| roughness, µm | film force, N | film damping, N·s |");
+    print!("| roughness, µm | film force, N | damping by oil |");
     for case in &FILM_CASES {
         print!(" slip at {} |", case.name);
     }
@@ -337,7 +353,7 @@ fn film(base: &Parameters) -> Result<(), Box<dyn Error>> {
             let mut parameters = base.clone();
             parameters.belt.roughness = roughness;
             parameters.belt.film_force = force;
-            parameters.belt.film_damping = damping;
+            damp(&mut parameters, damping);
             print!("| {:.1} | {force:.0} | {damping:.0} |", 1e6 * roughness);
             for case in &FILM_CASES {
                 slip(&parameters, case)?;

@@ -22,7 +22,7 @@ CHANGES = {
     "belt.pushStiffness": 0.5,
     "belt.play": 2.0,
     "belt.filmForce": 2.0,
-    "belt.filmDamping": 2.0,
+    "belt.squeezeDamping": 2.0,
     "ring.axialStiffness": 0.8,
 }
 """Parameters and the factors by which they are off; a name without a pulley means both."""

@@ -66,8 +66,8 @@ GAP_PARAMETERS = {
     "belt.pushStiffness": 1e7,
     "belt.roughness": 1e-7,
     "belt.elementThickness": 1.5e-3,
-    "belt.filmForce": 10.0,
-    "belt.filmThickness": 6e-6,
+    "belt.filmForce": 100.0,
+    "belt.filmThickness": 1.5e-6,
 }
 """What the gap follows from, with the FMU's defaults: parameter sets name only what differs."""
 

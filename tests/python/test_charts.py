@@ -133,7 +133,7 @@ def test_gaps_are_those_of_the_stack() -> None:
     gap = belt_view.gaps(force, BENCH)
     assert (np.diff(gap[:4]) < 0.0).all()
     # Far from the roughness the film alone bears: q/ln 2 · ln(1 + exp(−g/h)).
-    film = 10.0 / np.log(2.0) * np.log1p(np.exp(-gap[:3] / 6e-6))
+    film = 100.0 / np.log(2.0) * np.log1p(np.exp(-gap[:3] / 1.5e-6))
     assert film == pytest.approx(force[:3], rel=1e-2)
     assert gap[-1] == 0.0
 

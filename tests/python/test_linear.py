@@ -404,10 +404,10 @@ def test_a_c_program_gets_it_by_the_header_in_the_fmu(fmu: Path, tmp_path: Path)
     subprocess.run(["cc", *warnings, f"-I{header}", "-o", program, source, "-ldl"], check=True)
     library = tmp_path / "binaries" / "linux64" / "PushbeltVariator.so"
     run = subprocess.run([program, library, guid[1]], capture_output=True, text=True)
-    # The default clamping force on P is 13 kN where 13.07 kN hold the ratio: within 1 %.
-    assert run.returncode == 0, run.stderr
+    # The default clamping force on P is 13 kN where 13.14 kN hold the ratio. That is more than 1 %, so it is a warning.
+    assert run.returncode == 1, run.stderr
     model = LinearModel.of(json.loads(run.stdout))
-    assert model.held[FORCE] == pytest.approx(13.07e3, rel=2e-3) and len(model.a) >= 2
+    assert model.held[FORCE] == pytest.approx(13.14e3, rel=2e-3) and len(model.a) >= 2
 
 
 def test_the_header_is_c_plus_plus_too(tmp_path: Path) -> None:

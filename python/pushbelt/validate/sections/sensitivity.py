@@ -62,6 +62,7 @@ def changes(bench: Bench) -> list[Change]:
         *pair("film between the elements", "belt.filmForce", factors=off),
         *pair("thickness of that film", "belt.filmThickness"),
         *pair("damping of that film", "belt.filmDamping", factors=off),
+        *pair("oil squeezed out of closing gaps", "belt.squeezeDamping", factors=off),
         *pair("push stiffness", "belt.pushStiffness"),
         *pair("contact stiffness", "contact.stiffness"),
         *pair("roughness of the flanks", "contact.roughness"),
