@@ -18,7 +18,7 @@
 //!
 //! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) + d_f Dν/Dt + d_s ⟨Dν/Dt⟩ / (1 + gap/δ_f)³, H the slope of ⟨·⟩₊. The stack's damping acts
 //! in contact only, that of the oil between the elements across gaps too: d_f both ways, and d_s where elements close up, the less
-//! the wider the gap is ([`squeeze`]). With ε = ν − 1
+//! the wider the gap is (`squeeze`). With ε = ν − 1
 //! k_e⟨ε⟩₊ = k_e δ ln(1 + e^{ε/δ}) + (q/ln 2) ln(1 + e^{ε/δ_f}): across a gap wider than the roughness only the film's few
 //! newtons q act. The play is measured at ε = 0, where the stack has half its stiffness.
 //!
