@@ -18,9 +18,9 @@
 //!
 //! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) + d_f Dν/Dt + d_s ⟨Dν/Dt⟩ / (1 + gap/δ_f)³, H the slope of ⟨·⟩₊. The stack's damping acts
 //! in contact only, that of the oil between the elements across gaps too: d_f both ways, and d_s where elements close up, the less
-//! the wider the gap is (`squeeze`). With ε = ν − 1
-//! k_e⟨ε⟩₊ = k_e δ ln(1 + e^{ε/δ}) + (q/ln 2) ln(1 + e^{ε/δ_f}): across a gap wider than the roughness only the film's few
-//! newtons q act. The play is measured at ε = 0, where the stack has half its stiffness.
+//! the wider the gap is. With ε = ν − 1
+//! k_e⟨ε⟩₊ = k_e δ ln(1 + e^{ε/δ}) + (q/ln 2) ln(1 + e^{ε/δ_f}): across a gap wider than the roughness only the film acts, with q
+//! at the first touch. The play is measured at ε = 0, where the stack has half its stiffness.
 //!
 //! The material shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring
 //! receives Qκ̂ outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
@@ -369,9 +369,10 @@ pub struct Push<T> {
 /// Push force from element density `nu` and its material rate `nu_rate`, 1/s.
 #[inline(always)]
 pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
-    let [strain, contact, _] = stack_contact(belt, nu);
-    let squeezed = squeezing(nu_rate) * squeeze(belt, nu)[0];
-    let viscous = (contact * (belt.push_stiffness * belt.damping) + belt.film_damping) * nu_rate + squeezed;
+    let touch = Touch::new(belt, nu);
+    let [strain, contact, _] = touch.stack(belt);
+    let ([squeeze, _], [squeezing, _]) = (touch.squeeze(belt), squeezing(nu_rate));
+    let viscous = (contact * (belt.push_stiffness * belt.damping) + belt.film_damping) * nu_rate + squeezing * squeeze;
     Push {
         force: strain * belt.push_stiffness + viscous,
         viscous,
@@ -379,49 +380,63 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     }
 }
 
-/// ⟨ν−1⟩₊, its slope H and the slope of H.
-#[inline(always)]
-fn stack_contact<T: Real>(belt: &Belt, nu: T) -> [T; 3] {
-    let strain = nu - 1.0;
-    let (near, far) = (
-        strain.soft_plus(belt.contact_strain()),
-        strain.soft_plus(belt.film_strain()),
-    );
-    let share = belt.film_stiffness() / belt.push_stiffness;
-    std::array::from_fn(|k| near[k] + far[k] * share)
+/// How neighbouring elements touch.
+#[derive(Clone, Copy, Debug)]
+struct Touch<T> {
+    /// ε = ν − 1.
+    strain: T,
+    /// ⟨ε⟩₊ over the roughness, its slope and the slope of that.
+    near: [T; 3],
+}
+
+impl<T: Real> Touch<T> {
+    #[inline(always)]
+    fn new(belt: &Belt, nu: T) -> Self {
+        let strain = nu - 1.0;
+        let near = strain.soft_plus(belt.contact_strain());
+        Self { strain, near }
+    }
+
+    /// ⟨ν−1⟩₊ with the film's share, its slope H and the slope of H.
+    #[inline(always)]
+    fn stack(&self, belt: &Belt) -> [T; 3] {
+        let far = self.strain.soft_plus(belt.film_strain());
+        let share = belt.film_stiffness() / belt.push_stiffness;
+        std::array::from_fn(|k| self.near[k] + far[k] * share)
+    }
+
+    /// Force per rate of strain by which oil is squeezed out, d_s/(1 + gap/δ_f)³, N·s, and its slope by ν.
+    ///
+    /// Between flat faces it falls with the cube of their distance (Reynolds): oil of 10 mPa·s between faces of 8 by 24 mm would
+    /// bear 2 kN·s at 4.5 µm if it filled the gap. The distance of two rough faces that touch takes the place of a gap of zero.
+    #[inline(always)]
+    fn squeeze(&self, belt: &Belt) -> [T; 2] {
+        let [closed, slope, _] = self.near;
+        let per_gap = belt.film_strain().recip();
+        let share = ((closed - self.strain) * per_gap + 1.0).recip();
+        let damping = share * share * share * belt.squeeze_damping;
+        [damping, damping * share * (-slope + 1.0) * (3.0 * per_gap)]
+    }
 }
 
 /// Rate of strain that squeezes oil: `nu_rate` where elements close up, little where they part; zero at rest, 1/s. It has the
-/// sign of `nu_rate`, so it dissipates.
+/// sign of `nu_rate`, so it dissipates. And its slope.
 #[inline(always)]
-fn squeezing<T: Real>(nu_rate: T) -> T {
-    nu_rate.smooth_plus(SQUEEZE_SMOOTHING)[0] - 0.5 * SQUEEZE_SMOOTHING
-}
-
-/// Force per rate of strain by which oil is squeezed out at the density `nu`, d_s/(1 + gap/δ_f)³, N·s, and its slope.
-///
-/// Between flat faces it falls with the cube of their distance (Reynolds): oil of 10 mPa·s between faces of 8 by 24 mm would bear
-/// 2 kN·s at 4.5 µm if it filled the gap. The distance of two rough faces that touch takes the place of a gap of zero.
-#[inline(always)]
-fn squeeze<T: Real>(belt: &Belt, nu: T) -> [T; 2] {
-    let strain = nu - 1.0;
-    let [closed, slope, _] = strain.soft_plus(belt.contact_strain());
-    let per_gap = belt.film_strain().recip();
-    let share = ((closed - strain) * per_gap + 1.0).recip();
-    let damping = share * share * share * belt.squeeze_damping;
-    [damping, damping * share * (-slope + 1.0) * (3.0 * per_gap)]
+fn squeezing<T: Real>(nu_rate: T) -> [T; 2] {
+    let [plus, slope, _] = nu_rate.smooth_plus(SQUEEZE_SMOOTHING);
+    [plus - 0.5 * SQUEEZE_SMOOTHING, slope]
 }
 
 /// H; the slope of the damping forces by ν, in units of k_e; and the damping force per rate of strain, N·s: at the density `nu`, its
 /// material rate `nu_rate`, 1/s.
 #[inline(always)]
 pub(crate) fn stack_slopes<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> [T; 3] {
-    let [_, contact, bend] = stack_contact(belt, nu);
-    let [squeeze, slope] = squeeze(belt, nu);
-    let [_, closing, _] = nu_rate.smooth_plus(SQUEEZE_SMOOTHING);
+    let touch = Touch::new(belt, nu);
+    let [_, contact, bend] = touch.stack(belt);
+    let ([squeeze, slope], [squeezing, closing]) = (touch.squeeze(belt), squeezing(nu_rate));
     [
         contact,
-        bend * nu_rate * belt.damping + slope * squeezing(nu_rate) * (1.0 / belt.push_stiffness),
+        bend * nu_rate * belt.damping + slope * squeezing * (1.0 / belt.push_stiffness),
         contact * (belt.push_stiffness * belt.damping) + squeeze * closing + belt.film_damping,
     ]
 }
