@@ -121,6 +121,8 @@ const CHANGES: [Change; 38] = [
     ("fall of friction × 2", |p| p.friction.fall *= 2.0),
     ("friction velocity v_0 × 0.5", |p| p.friction.velocity *= 0.5),
     ("friction velocity v_0 × 2", |p| p.friction.velocity *= 2.0),
+    ("that of the ring × 0.1", |p| p.friction.ring_velocity *= 0.1),
+    ("that of the ring × 2", |p| p.friction.ring_velocity *= 2.0),
     ("mesh × 0.5", |p| mesh(p, 1, 2)),
     ("mesh × 2", |p| mesh(p, 2, 1)),
     ("mesh × 4", |p| mesh(p, 4, 1)),

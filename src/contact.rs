@@ -45,6 +45,8 @@ pub struct Friction {
     pub ring: f64,
     /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
     pub velocity: f64,
+    /// Regularisation speed of the ring's friction on the elements, m/s. In both end ratios the ring slides at some 0.1 m/s.
+    pub ring_velocity: f64,
     /// Share f of μ that is lost in fast sliding; 0 is Coulomb's law.
     pub fall: f64,
     /// Sliding speed v_c at which half of f is lost, m/s.
@@ -220,6 +222,7 @@ mod tests {
             pulley: 0.09,
             ring: 0.05,
             velocity: 5.0e-4,
+            ring_velocity: 5.0e-3,
             fall: 0.3,
             fall_speed: 2.0e-2,
             secant: false,

@@ -29,7 +29,7 @@ fn the_defaults_are_legal() {
 #[test]
 fn every_real_parameter_refuses_what_is_not_finite() {
     type Field = fn(&mut Parameters) -> &mut f64;
-    let fields: [(&str, Field); 27] = [
+    let fields: [(&str, Field); 28] = [
         ("geometry.centerDistance", |p| &mut p.geometry.center_distance),
         ("geometry.beltLength", |p| &mut p.geometry.belt_length),
         ("geometry.wedgeAngle", |p| &mut p.geometry.wedge_angle),
@@ -45,6 +45,7 @@ fn every_real_parameter_refuses_what_is_not_finite() {
         ("friction.pulley", |p| &mut p.friction.pulley),
         ("friction.ring", |p| &mut p.friction.ring),
         ("friction.velocity", |p| &mut p.friction.velocity),
+        ("friction.ringVelocity", |p| &mut p.friction.ring_velocity),
         ("contact.stiffness", |p| &mut p.contact.stiffness),
         ("contact.damping", |p| &mut p.contact.damping),
         ("primary.inertia", |p| &mut p.primary.inertia),

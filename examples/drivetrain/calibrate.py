@@ -16,6 +16,7 @@ CHANGES = {
     "friction.pulley": 1.1,
     "friction.ring": 1.5,
     "friction.velocity": 0.5,
+    "friction.ringVelocity": 0.5,
     "tiltStiffness": 0.8,
     "tiltClearance": 0.8,
     "contact.stiffness": 0.5,

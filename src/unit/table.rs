@@ -360,6 +360,7 @@ fn parameters(t: &mut Rows) {
     t.set("friction.fall", 1054, Parameter, "1", "Share of friction.pulley that is lost in fast sliding: mu(v) = friction.pulley (1 - fall v2/(v2 + fallSpeed2)); 0 is Coulomb's law", set!(parameters.friction.fall));
     t.set("friction.fallSpeed", 1055, Parameter, "m/s", "Sliding speed at which half of friction.fall is lost", set!(parameters.friction.fall_speed));
     t.set("friction.velocity", 1053, Parameter, "m/s", "Regularisation speed of the friction between element and sheave, at most 1e-3 for accurate micro-slip", set!(parameters.friction.velocity));
+    t.set("friction.ringVelocity", 1059, Parameter, "m/s", "Regularisation speed of the friction between ring and element", set!(parameters.friction.ring_velocity));
     t.set("friction.layers", 1056, Parameter, "1", "Friction coefficient between the layers of the ring sets", set!(parameters.layers.friction));
     t.set("contact.stiffness", 1061, Parameter, "N/m2", "Contact stiffness per flank and pitch-line length", set!(parameters.contact.stiffness));
     t.set("contact.roughness", 1063, Parameter, "m", "Roughness of flank and sheave: the distance over which they come into contact", set!(parameters.contact.roughness));

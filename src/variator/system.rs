@@ -114,10 +114,17 @@ impl VariatorSystem {
     /// Friction in force.
     #[must_use]
     pub fn friction(&self) -> Friction {
+        let own = &self.parameters.friction;
+        let softened = self.friction_velocity > own.velocity;
         Friction {
             velocity: self.friction_velocity,
+            ring_velocity: if softened {
+                own.ring_velocity.max(self.friction_velocity)
+            } else {
+                own.ring_velocity
+            },
             secant: self.secant,
-            ..self.parameters.friction
+            ..*own
         }
     }
 

@@ -44,6 +44,6 @@ pub(crate) fn layer_drag<T: Real>(share: T, pressing: T, kappa: T, speed: T) -> 
 /// v² + v₀², m²/s².
 #[inline(always)]
 fn square_of_speed<T: Real>(friction: &Friction, sliding: T) -> T {
-    let v0 = friction.velocity;
+    let v0 = friction.ring_velocity;
     sliding * sliding + v0 * v0
 }

@@ -225,7 +225,14 @@ impl Parameters {
     #[must_use]
     pub fn in_force(mut self) -> Self {
         if self.solver.mode == Mode::RealTime {
-            self.friction.velocity = self.friction.velocity.max(REAL_TIME_VELOCITY);
+            let Friction {
+                velocity,
+                ring_velocity,
+                ..
+            } = &mut self.friction;
+            for velocity in [velocity, ring_velocity] {
+                *velocity = velocity.max(REAL_TIME_VELOCITY);
+            }
             self.contact.roughness = self.contact.roughness.max(REAL_TIME_ROUGHNESS);
         }
         self
@@ -325,6 +332,7 @@ impl Default for Parameters {
                 pulley: 0.09,
                 ring: 0.05,
                 velocity: 5.0e-4,
+                ring_velocity: 5.0e-3,
                 fall: 0.1,
                 fall_speed: 0.5,
                 secant: false,

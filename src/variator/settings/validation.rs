@@ -135,6 +135,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("friction.fall", friction.fall, 0.0, 0.9),
     limit!("friction.fallSpeed", friction.fall_speed, 1e-3, 1e3),
     limit!("friction.velocity", friction.velocity, 1e-6, 0.1),
+    limit!("friction.ringVelocity", friction.ring_velocity, 1e-6, 0.1),
     limit!("friction.layers", layers.friction, 0.0, 1.0),
     limit!("contact.stiffness", contact.stiffness, 1e6, 1e15),
     limit!("contact.roughness", contact.roughness, 1e-10, 1e-5),

@@ -57,6 +57,7 @@ def changes(bench: Bench) -> list[Change]:
         *pair("fall of the friction", "friction.fall", factors=off),
         *pair("speed of that fall", "friction.fallSpeed"),
         *pair("friction velocity v_0", "friction.velocity"),
+        *pair("friction velocity of the ring", "friction.ringVelocity"),
         *pair("play", "belt.play", factors=off),
         *pair("roughness of the elements", "belt.roughness"),
         *pair("film between the elements", "belt.filmForce", factors=off),
