@@ -82,7 +82,7 @@ const TRACTION_CHANGES: [Change; 3] = [
     ("fall of friction = 0", |p| p.friction.fall = 0.0),
 ];
 
-const CHANGES: [Change; 38] = [
+const CHANGES: [Change; 40] = [
     ("contact stiffness k_c × 0.5", |p| p.contact.stiffness *= 0.5),
     ("contact stiffness k_c × 2", |p| p.contact.stiffness *= 2.0),
     ("push stiffness k_e × 0.5", |p| p.belt.push_stiffness *= 0.5),

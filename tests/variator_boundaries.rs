@@ -563,11 +563,15 @@ fn what_a_run_starts_from_is_told() {
         };
         let steady = start(&|_| {}, 10e3);
         let standstill = start(&|p| p.initial.primary_speed = 0.0, 10e3);
+        let slack = start(&|p| p.initial.primary_speed = 0.0, 0.0);
         let unloaded = start(&|p| p.initial.steady = false, 10e3);
         let no_force = start(&|_| {}, 0.0);
-        println!("{model:?}: {steady:?} {standstill:?} {unloaded:?} {no_force:?}");
+        println!("{model:?}: {steady:?} {standstill:?} {slack:?} {unloaded:?} {no_force:?}");
         assert_eq!(steady, StartState::Steady);
-        assert_eq!([standstill, unloaded], [StartState::Unloaded; 2]);
+        assert_eq!(
+            [standstill, slack, unloaded],
+            [StartState::Clamped, StartState::Unloaded, StartState::Unloaded]
+        );
         assert_eq!(no_force, StartState::NotFound);
     }
 }

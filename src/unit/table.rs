@@ -327,7 +327,7 @@ fn outputs(t: &mut Rows) {
 fn parameters(t: &mut Rows) {
     t.choice("ring.model", 1001, &RING_MODEL, "Level of detail of the ring", choose!(parameters.ring_model, 1 => RingModel::Ale0, 3 => RingModel::Rcm, 4 => RingModel::Ancf; RingModel::Ale));
     t.set("initial.ratio", 1011, Parameter, "1", "Geometric ratio secondary radius / primary radius at the start, between the end stops. A loaded belt rests up to some 5 % beyond them; up to 6 % beyond is taken for the stop", set!(parameters.initial.ratio));
-    t.set("initial.primarySpeed", 1012, Parameter, "rad/s", "Speed of the primary pulley at the start; 0 is a standstill. A shaft with drive = Speed starts at its set point instead", set!(parameters.initial.primary_speed));
+    t.set("initial.primarySpeed", 1012, Parameter, "rad/s", "Speed of the primary pulley at the start; 0 is a standstill, where the belt starts clamped. A shaft with drive = Speed starts at its set point instead", set!(parameters.initial.primary_speed));
     t.switch("initial.steady", 1013, "Start from the steady state at this ratio and speed (RCM, ANCF: laid on that of ALE), with the primary sheave held there and unbalanced torque taken up by the inertias; if false, from the unloaded kinematic state", set!(parameters.initial.steady));
     t.switch("initial.equilibrium", 1014, "With initial.steady: the ratio too is solved for, from the two clamping forces", set!(parameters.initial.equilibrium));
     t.set("geometry.centerDistance", 1021, Parameter, "m", "Distance of the pulley axes", set!(parameters.geometry.center_distance));

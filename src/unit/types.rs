@@ -145,7 +145,7 @@ pub(super) static START_STATE: Enumeration = Enumeration {
         item(
             "Unloaded",
             StartState::Unloaded as i32,
-            "The unloaded kinematic state that was asked for, or a standstill",
+            "The unloaded kinematic state that was asked for, or a standstill without clamping forces",
         ),
         item(
             "Steady",
@@ -166,6 +166,11 @@ pub(super) static START_STATE: Enumeration = Enumeration {
             "NotFound",
             StartState::NotFound as i32,
             "The unloaded kinematic state, because no steady state was found",
+        ),
+        item(
+            "Clamped",
+            StartState::Clamped as i32,
+            "The clamped belt at a standstill, before torques act",
         ),
     ],
 };

@@ -36,3 +36,4 @@ class StartState(IntEnum):
     REDUCED_TORQUE = 3
     NO_EQUILIBRIUM = 4
     NOT_FOUND = 5
+    CLAMPED = 6

@@ -4,9 +4,10 @@ use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::Settled;
 use crate::solver::newton::{Counts, Newton};
+use crate::solver::sdirk::Stalled;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::run::course::{Course, Held};
-use crate::variator::run::soft_start::{LOAD_RAMP, SHARPENING, SoftStart};
+use crate::variator::run::course::Held;
+use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::run::variator::{InitialisationError, Variator, integrator};
 use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
 use crate::variator::settings::signals::{Inputs, StartState, Work};
@@ -55,7 +56,10 @@ impl Variator {
         self.warn_of_held_sheaves();
         self.state.y_dot.fill(0.0);
         if self.ticks.is_some() && self.soft_start.from == time {
-            self.clamp_before(time, inputs);
+            // A ring without tension is a mechanism, too rough for ticks of bounded work.
+            if let Err(stalled) = self.clamp_softly(inputs) {
+                self.warn_of_no_clamping(&stalled);
+            }
         }
         self.held = Held::constant(time, inputs);
         self.integrator.newton.counts = Counts::default();
@@ -72,25 +76,6 @@ impl Variator {
             self.ledger.last.belt_energy(&self.system.belt) + self.system.pulleys.energy(self.state.view());
         self.stale = true;
         Ok(())
-    }
-
-    /// Lets the clamping forces come in before a start without load in real time: a ring without tension is a mechanism, too rough
-    /// for ticks of bounded work. Torques come with the run.
-    fn clamp_before(&mut self, time: f64, inputs: &Inputs) {
-        let mut quiet = *inputs;
-        (quiet.primary.torque, quiet.secondary.torque) = (0.0, 0.0);
-        self.time = time - SHARPENING;
-        self.soft_start.from = self.time;
-        let course = Course::new(0.0, [self.time, time], &quiet, &quiet, &Inputs::ZERO);
-        if let Err(stalled) = self.integrate_along(&course, time) {
-            self.log(true, format!("the belt was not clamped before the start: {stalled}"));
-        }
-        self.time = time;
-        self.soft_start = SoftStart::NONE;
-        self.soften();
-        self.system.forget_derivatives();
-        // Its last stages are not those of the run.
-        self.integrator = integrator(&self.system);
     }
 
     /// Moves an initial ratio beyond an end stop to the stop.
@@ -154,6 +139,10 @@ impl Variator {
         self.log(true, text.into());
     }
 
+    fn warn_of_no_clamping(&mut self, stalled: &Stalled) {
+        self.log(true, format!("the belt was not clamped before the start: {stalled}"));
+    }
+
     /// Warns where the belt slips through from the start.
     fn warn_of_slip(&mut self) {
         if !self.macro_slip {
@@ -182,12 +171,23 @@ impl Variator {
         self.system.forget_derivatives();
         if self.system.parameters.ring_model.travels() {
             self.start_on_ale(inputs, start)
-        } else if self.system.parameters.initial.steady && start.primary_speed.abs() > STANDSTILL {
+        } else if !self.system.parameters.initial.steady {
+            self.start_unloaded(inputs, start)?;
+            Ok(StartState::Unloaded)
+        } else if start.primary_speed.abs() > STANDSTILL {
             self.start_cold(inputs, start)?;
             self.solve_steady(inputs, start)
         } else {
             self.start_unloaded(inputs, start)?;
-            Ok(StartState::Unloaded)
+            match self.clamp_at_rest(inputs) {
+                Ok(true) => Ok(StartState::Clamped),
+                Ok(false) => Ok(StartState::Unloaded),
+                Err(stalled) => {
+                    self.warn_of_no_clamping(&stalled);
+                    self.start_unloaded(inputs, start)?;
+                    Ok(StartState::Unloaded)
+                }
+            }
         }
     }
 

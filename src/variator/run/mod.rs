@@ -1,5 +1,6 @@
 //! A run of a variator: start, steps, outputs, stored states.
 
+mod at_rest;
 mod course;
 mod initial;
 mod pace;

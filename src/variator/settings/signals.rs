@@ -183,7 +183,8 @@ impl Default for Profile {
 /// State that a run started from. The numbers are those of the FMU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StartState {
-    /// The unloaded kinematic state, as wanted: `initial.steady` is false, or the primary pulley stands still.
+    /// The unloaded kinematic state, as wanted: `initial.steady` is false, or the primary pulley stands still and nothing clamps
+    /// the belt.
     #[default]
     Unloaded = 1,
     /// The steady state, as wanted; with `initial.equilibrium` its ratio was solved for too, or it is at an end stop.
@@ -194,6 +195,8 @@ pub enum StartState {
     NoEquilibrium = 4,
     /// The unloaded kinematic state: no steady state was found.
     NotFound = 5,
+    /// The clamped belt at a standstill, before torques act.
+    Clamped = 6,
 }
 
 impl StartState {
@@ -206,6 +209,7 @@ impl StartState {
             Self::ReducedTorque,
             Self::NoEquilibrium,
             Self::NotFound,
+            Self::Clamped,
         ]
         .into_iter()
         .find(|item| *item as i32 == number)
