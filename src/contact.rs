@@ -222,7 +222,7 @@ mod tests {
             pulley: 0.09,
             ring: 0.05,
             velocity: 5.0e-4,
-            ring_velocity: 5.0e-3,
+            ring_velocity: 2.0e-3,
             fall: 0.3,
             fall_speed: 2.0e-2,
             secant: false,

@@ -332,7 +332,7 @@ impl Default for Parameters {
                 pulley: 0.09,
                 ring: 0.05,
                 velocity: 5.0e-4,
-                ring_velocity: 5.0e-3,
+                ring_velocity: 2.0e-3,
                 fall: 0.1,
                 fall_speed: 0.5,
                 secant: false,
