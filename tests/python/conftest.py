@@ -15,8 +15,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
+from pushbelt.drive.cosim.masters import leave  # noqa: E402
 from pushbelt.fmu.enumerations import RingModel  # noqa: E402
 from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
+
+STATUS = pytest.StashKey[int]()
 
 CHEAP = {
     "ring.model": RingModel.ALE0,
@@ -84,3 +87,16 @@ def run(unit: Variator, steps: range = range(20)) -> list[list[float]]:
         unit.step_to((k + 1) * 1e-3)
         rows.append(readings(unit))
     return rows
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    """Keeps the status for the end."""
+    session.config.stash[STATUS] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Where units of PythonFMU ran, handlers of an exit may abort."""
+    if "ecospy" in sys.modules or "libcosimpy" in sys.modules:
+        leave(config.stash.get(STATUS, 1))

@@ -53,7 +53,7 @@ def test_the_car_launches_shifts_and_stops(car: ModuleType, outside: Path) -> No
     run = car.main()
     time, torque, ratio = run["time"], run["primary.torque"], run["ratio.geometric"]
     speed = 3.6 * car.LEVER * run["secondary.speed"]
-    assert speed[0] == 0.0 and 45.0 < speed.max() < 60.0
+    assert abs(speed[0]) < 1e-3 and 45.0 < speed.max() < 60.0
     assert np.abs(speed[time > 21.5]).max() < 0.01
     # Driving, overrun after the tip-out, driving again after the tip-in, overrun while braking.
     at = lambda moment: float(np.interp(moment, time, torque))  # noqa: E731

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pushbelt.fmu.unit import UnitError
 
-from . import report, study
+from . import masters, report, study
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -33,4 +33,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    masters.leave(main())
