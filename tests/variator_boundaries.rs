@@ -212,6 +212,36 @@ fn at_standstill_the_clamped_belt_holds_the_torque() {
     }
 }
 
+/// A run from a standstill starts with the belt clamped: its forces are there, it hardly moves, and a torque that acts at once takes
+/// no more work in the first millisecond than a jump does elsewhere.
+#[test]
+fn a_standstill_starts_clamped() {
+    for model in MODELS {
+        let mut run = Run::new(at_rest(model, 1.3), inputs((20.0, 11e3), (-20.0, 9e3)));
+        let o = run.variator.outputs().clone();
+        println!(
+            "{model:?}: {:?}, {:.0} and {:.0} N, speeds {:.1e} and {:.1e} rad/s, ratio {:.4}",
+            o.start_state,
+            o.primary.axial_force,
+            o.secondary.axial_force,
+            o.primary.speed,
+            o.secondary.speed,
+            o.ratio_geometric
+        );
+        assert_eq!(o.start_state, StartState::Clamped);
+        assert_close(o.primary.axial_force, 11e3, 0.02, "primary force");
+        assert_close(o.secondary.axial_force, 9e3, 0.02, "secondary force");
+        assert_close(o.ratio_geometric, 1.3, 0.02, "ratio");
+        assert!(o.primary.speed.abs() < 0.1 && o.secondary.speed.abs() < 0.1);
+        run.go(1e-3, 1e-3);
+        let counts = run.variator.counts();
+        println!("{model:?}: {counts:?}");
+        assert!(counts.factorizations <= 20 && counts.residuals <= 200);
+        run.go(0.1, 1e-3);
+        run.assert_books();
+    }
+}
+
 /// Regularised friction creeps where a real belt sticks: under forces that don't balance the ratio drifts at a
 /// standstill, nearly in proportion to the friction velocity.
 #[test]
