@@ -12,6 +12,8 @@ use crate::variator::survey::belt_survey::NO_FORCE;
 /// Time in which a clamped belt settles at a standstill, s, and the tolerance of the way there: only its end counts.
 const SETTLING: f64 = 0.2;
 const SETTLING_TOLERANCE: f64 = 1.0e-2;
+/// The same in real time, where rounded friction settles, and lets the ratio creep, four times as fast.
+const REAL_TIME_SETTLING: f64 = 0.25 * SETTLING;
 
 impl Variator {
     /// Clamps and settles an unloaded belt at a standstill. Whether there is something to clamp it with.
@@ -25,7 +27,13 @@ impl Variator {
         if Pulley::BOTH.into_iter().all(held) || !Pulley::BOTH.into_iter().all(clamped) {
             return Ok(false);
         }
-        self.clamp_before(SETTLING, p.solver.tolerance.max(SETTLING_TOLERANCE), inputs)?;
+        let tolerance = p.solver.tolerance.max(SETTLING_TOLERANCE);
+        let span = if self.ticks.is_some() {
+            REAL_TIME_SETTLING
+        } else {
+            SETTLING
+        };
+        self.clamp_before(span, tolerance, inputs)?;
         Ok(true)
     }
 
