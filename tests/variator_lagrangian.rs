@@ -75,7 +75,7 @@ fn three_ratios_near_ale() {
 const RCM_THRUST: f64 = 0.05;
 const ANCF_THRUST: f64 = 0.15;
 
-/// From standstill: unloaded on the reference curve, loads ramp in. What the laid elements stretch relaxes in
+/// From standstill: laid on the clamped ring of `ALE`, torques act at once. What the laid elements stretch relaxes in
 /// microseconds; with the oil between the elements some of it is lost so fast that the books want shorter steps.
 #[test]
 fn a_run_may_start_at_a_standstill() {

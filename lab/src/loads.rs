@@ -139,12 +139,7 @@ impl Driven {
         let torque = load.mean_torque();
         let start = inputs((torque, 1.3 * clamping), (-torque * ratio, clamping));
         variator.initialise(0.0, &start).expect("a start");
-        // At a standstill the forces given hold the ratio.
-        let primary = if load.start_speed() > 0.0 {
-            variator.outputs().primary.axial_force
-        } else {
-            1.3 * clamping
-        };
+        let primary = variator.outputs().primary.axial_force;
         Self {
             variator,
             load,

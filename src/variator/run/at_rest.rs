@@ -3,7 +3,7 @@
 use crate::pulley::Pulley;
 use crate::solver::sdirk::Stalled;
 use crate::variator::run::course::Course;
-use crate::variator::run::soft_start::{SHARPENING, SoftStart};
+use crate::variator::run::soft_start::SHARPENING;
 use crate::variator::run::variator::{Variator, integrator};
 use crate::variator::settings::parameters::Axial;
 use crate::variator::settings::signals::Inputs;
@@ -22,9 +22,9 @@ impl Variator {
     /// The time at which it stalled; the belt is then clamped in part.
     pub(super) fn clamp_at_rest(&mut self, inputs: &Inputs) -> Result<bool, Stalled> {
         let p = &self.system.parameters;
-        let held = |pulley: Pulley| p.pulley(pulley).axial == Axial::Held;
-        let clamped = |pulley: Pulley| held(pulley) || inputs.pulley(pulley).clamping_force >= NO_FORCE;
-        if Pulley::BOTH.into_iter().all(held) || !Pulley::BOTH.into_iter().all(clamped) {
+        let loose =
+            |pulley: Pulley| p.pulley(pulley).axial == Axial::Force && inputs.pulley(pulley).clamping_force < NO_FORCE;
+        if p.holds_both_sheaves() || Pulley::BOTH.into_iter().any(loose) {
             return Ok(false);
         }
         let tolerance = p.solver.tolerance.max(SETTLING_TOLERANCE);
@@ -58,12 +58,7 @@ impl Variator {
         let outcome = self.integrate_along(&course, start);
         self.system.parameters.solver.tolerance = own;
         self.time = start;
-        self.soft_start = SoftStart::NONE;
-        self.soften();
-        self.system.forget_derivatives();
-        // Its last stages are not those of the run.
-        self.integrator = integrator(&self.system);
-        self.state.y_dot.fill(0.0);
+        self.forget_history();
         outcome
     }
 }

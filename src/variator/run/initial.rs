@@ -8,7 +8,7 @@ use crate::solver::sdirk::Stalled;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::course::Held;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
-use crate::variator::run::variator::{InitialisationError, Variator, integrator};
+use crate::variator::run::variator::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
 use crate::variator::settings::signals::{Inputs, StartState, Work};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
@@ -54,13 +54,13 @@ impl Variator {
         let start = self.start_point(inputs);
         self.start_state = self.find_state(time, inputs, &start)?;
         self.warn_of_held_sheaves();
-        self.state.y_dot.fill(0.0);
         if self.ticks.is_some() && self.soft_start.from == time {
             // A ring without tension is a mechanism, too rough for ticks of bounded work.
             if let Err(stalled) = self.clamp_softly(inputs) {
                 self.warn_of_no_clamping(&stalled);
             }
         }
+        self.state.y_dot.fill(0.0);
         self.held = Held::constant(time, inputs);
         self.integrator.newton.counts = Counts::default();
         if let Some(ticks) = &mut self.ticks {
@@ -125,8 +125,7 @@ impl Variator {
 
     /// Warns where both sheaves are held: clamping forces have no effect in the run.
     fn warn_of_held_sheaves(&mut self) {
-        let p = &self.system.parameters;
-        if p.primary.axial != Axial::Held || p.secondary.axial != Axial::Held {
+        if !self.system.parameters.holds_both_sheaves() {
             return;
         }
         let text = if matches!(self.start_state, StartState::Steady | StartState::ReducedTorque) {
@@ -165,10 +164,7 @@ impl Variator {
     fn find_state(&mut self, time: f64, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
         self.time = time;
         (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        self.soft_start = SoftStart::NONE;
-        self.soften();
-        self.integrator = integrator(&self.system);
-        self.system.forget_derivatives();
+        self.forget_history();
         if self.system.parameters.ring_model.travels() {
             self.start_on_ale(inputs, start)
         } else if !self.system.parameters.initial.steady {

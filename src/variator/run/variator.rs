@@ -183,6 +183,14 @@ impl Variator {
         }
     }
 
+    /// Begins anew from the present state: sharp friction, a new integrator, no kept derivatives.
+    pub(super) fn forget_history(&mut self) {
+        self.soft_start = SoftStart::NONE;
+        self.soften();
+        self.integrator = integrator(&self.system);
+        self.system.forget_derivatives();
+    }
+
     /// Sets the boundary conditions that follow from the inputs, and friction.
     pub(super) fn apply(&mut self) {
         self.soften();

@@ -220,19 +220,20 @@ impl Parameters {
         }
     }
 
+    /// Whether no sheave moves.
+    #[must_use]
+    pub fn holds_both_sheaves(&self) -> bool {
+        self.primary.axial == Axial::Held && self.secondary.axial == Axial::Held
+    }
+
     /// The parameters of a run: in real time with rounded laws, so that a tick with one Jacobian gets near its solution. Friction
     /// sets in over at least [`REAL_TIME_VELOCITY`], flanks touch over at least [`REAL_TIME_ROUGHNESS`].
     #[must_use]
     pub fn in_force(mut self) -> Self {
         if self.solver.mode == Mode::RealTime {
-            let Friction {
-                velocity,
-                ring_velocity,
-                ..
-            } = &mut self.friction;
-            for velocity in [velocity, ring_velocity] {
-                *velocity = velocity.max(REAL_TIME_VELOCITY);
-            }
+            let friction = &mut self.friction;
+            friction.velocity = friction.velocity.max(REAL_TIME_VELOCITY);
+            friction.ring_velocity = friction.ring_velocity.max(REAL_TIME_VELOCITY);
             self.contact.roughness = self.contact.roughness.max(REAL_TIME_ROUGHNESS);
         }
         self
