@@ -12,6 +12,7 @@ pub mod continuation;
 #[cfg(test)]
 pub(crate) mod differences;
 mod kernels;
+mod line_search;
 pub mod newton;
 pub mod sdirk;
 #[cfg(test)]

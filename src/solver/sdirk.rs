@@ -87,6 +87,8 @@ pub struct Sdirk {
     pub newton_tolerance: f64,
     /// Size of the step whose stages are kept; none after an attempt that failed, s.
     kept: Option<f64>,
+    /// Roughness of the way, from 0 to 1.
+    rough: f64,
     stages: [State; 2],
     /// ẏ at the end of the last step, before loads jumped: the first stage is guessed with it. An unknown may follow its
     /// load in less than a step, so the slope after a jump would lead far off.
@@ -139,6 +141,12 @@ const MIN_STEP: f64 = 1.0e-10;
 const EXPONENT: f64 = 1.0 / 3.0;
 /// Safety after a step that was accepted. Hairer, Nørsett and Wanner give 0.8 and 0.9 as usual.
 const SAFETY: f64 = 0.85;
+/// The same where the way is rough, as it shows by steps that are rejected: friction turns and gaps close, so the error jumps from
+/// one step to the next, and longer steps cost more Jacobians.
+const SAFETY_ROUGH: f64 = 0.55;
+/// What a step that is rejected adds to the roughness, of 1 at most, and how that fades with each one that is accepted.
+const ROUGHER: f64 = 0.5;
+const FADING: f64 = 0.97;
 /// Safety after a step that was rejected: less, for another rejection costs a whole step.
 const SAFETY_REJECTED: f64 = 0.8;
 /// Limits of the change after a step that was accepted; usual is a growth of 1.5 to 5.
@@ -173,6 +181,7 @@ impl Sdirk {
             max_step,
             newton_tolerance: 1.0,
             kept: None,
+            rough: 0.0,
             stages: [State::zero(n), State::zero(n)],
             slope: vec![0.0; n],
             base: vec![0.0; n],
@@ -197,6 +206,7 @@ impl Sdirk {
         self.newton.pass(tape);
         tape.real(&mut self.step);
         tape.option(&mut self.kept);
+        tape.real(&mut self.rough);
         tape.reals(&mut self.slope);
         for stage in &mut self.stages {
             tape.reals(&mut stage.y_dot);
@@ -345,7 +355,9 @@ impl Sdirk {
     /// Sets the next step after one of size `h` that was accepted with this `error`.
     fn lengthen(&mut self, h: f64, error: f64, preferred: f64, longest: f64) {
         let [least, most] = CHANGE;
-        let factor = (SAFETY * error.max(LEAST_ERROR).powf(-EXPONENT)).clamp(least, most);
+        let safety = SAFETY + (SAFETY_ROUGH - SAFETY) * self.rough;
+        self.rough *= FADING;
+        let factor = (safety * error.max(LEAST_ERROR).powf(-EXPONENT)).clamp(least, most);
         // A step shortened to meet the end says nothing against the longer one.
         let next = h * factor;
         if next > self.step || h >= UNSHORTENED * preferred || factor < 1.0 {
@@ -358,6 +370,7 @@ impl Sdirk {
         let [least, most] = CHANGE_REJECTED;
         let factor = if let Some(error) = error {
             self.newton.counts.rejected += 1;
+            self.rough = (self.rough + ROUGHER).min(1.0);
             (SAFETY_REJECTED * error.powf(-EXPONENT)).clamp(least, most)
         } else {
             self.newton.counts.failed += 1;

@@ -141,8 +141,9 @@ fn an_early_return_can_be_rolled_back() {
         );
         assert_eq!(fmi3SetFMUState(importer.c, state), Ok);
         assert_eq!(importer.real("time"), 0.02);
-        // In one step that ends a little before the event there is none.
-        let ended = importer.step(0.02, first.time - 0.02 - 1e-4);
+        // In one step that ends before the event there is none. Slip is seen at the end of a step of the integrator, so it began up
+        // to 1 ms before.
+        let ended = importer.step(0.02, first.time - 0.02 - 1e-3);
         assert_eq!((ended.status, ended.event, ended.early), (Ok, false, false));
         assert_eq!(importer.boolean("macroSlip"), 0);
         assert_eq!(fmi3FreeFMUState(importer.c, &raw mut state), Ok);
