@@ -578,6 +578,23 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
     }
 }
 
+/// Beyond capacity a pulley whose speed is free runs away until drag holds it, at four times the speed that was asked for. That
+/// is a steady state, and no start.
+#[test]
+fn a_pulley_that_ran_away_is_no_start() {
+    let mut parameters = variator(RingModel::Ale);
+    parameters.initial.ratio = 0.671;
+    parameters.initial.primary_speed = 418.88;
+    parameters.secondary.drive = Drive::Speed;
+    let mut inputs = inputs((150.33, 18e3), (0.0, 12e3));
+    inputs.secondary.speed_setpoint = 418.88 / 0.671;
+    let mut run = Run::new(parameters, inputs);
+    let o = run.variator.outputs().clone();
+    println!("{:?}: {} rad/s, slip {}", o.start_state, o.primary.speed, o.slip);
+    assert_eq!(o.start_state, StartState::ReducedTorque);
+    assert!(!o.macro_slip && o.slip < 0.03);
+}
+
 /// What a run started from is told: also where nothing steady was asked for, or nothing was found.
 #[test]
 fn what_a_run_starts_from_is_told() {

@@ -6,7 +6,7 @@ use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::RingModel;
 use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
 use pushbelt_lab::manoeuvre::Manoeuvre;
-use pushbelt_lab::variators::variator;
+use pushbelt_lab::variators::{one_cell, variator};
 use serde_json::json;
 
 use crate::{STEP, Table, nine_steady_states};
@@ -15,13 +15,21 @@ const FINER: i32 = 10;
 const FINER_IN_THE_MANOEUVRE: i32 = 2;
 const TIGHTER: f64 = 0.1;
 
-/// Largest error of the thrust ratios that were `found`.
+/// Largest error of the thrust ratios that were `found`; of `ALE` also with one cell in each element.
 pub fn of_steady_states(table: &mut Table, model: RingModel, found: &[Option<f64>]) {
-    let (_, (_, fine)) = nine_steady_states(model, FINER);
-    let both = found.iter().zip(&fine).filter_map(|(a, b)| Some((*a)? / (*b)? - 1.0));
+    let (_, (_, fine)) = nine_steady_states(variator(model), FINER);
+    thrust_ratio_row(table, &format!("{model:?}"), (found, &fine));
+    if model == RingModel::Ale {
+        let (_, (_, coarser)) = nine_steady_states(one_cell(model), 1);
+        thrust_ratio_row(table, &format!("{model:?}, one cell"), (&coarser, &fine));
+    }
+}
+
+fn thrust_ratio_row(table: &mut Table, ring: &str, (found, fine): (&[Option<f64>], &[Option<f64>])) {
+    let both = found.iter().zip(fine).filter_map(|(a, b)| Some((*a)? / (*b)? - 1.0));
     let (count, largest) = both.fold((0, 0.0_f64), |(n, most), error| (n + 1, most.max(error.abs())));
     table.row(
-        &format!("  their largest error of the thrust ratio, {model:?}"),
+        &format!("  their largest error of the thrust ratio, {ring}"),
         format!("{:.2} %, {count} states", 100.0 * largest),
         json!({"thrust_ratio": largest, "states": count}),
     );

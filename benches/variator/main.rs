@@ -202,7 +202,7 @@ fn quantiles<const N: usize>(values: &[f64], shares: [f64; N]) -> [f64; N] {
 fn steady_states(table: &mut Table, options: &Options) {
     let quick = options.quick;
     for model in MODELS {
-        let (time, (counts, ratios)) = best(if quick { 1 } else { 5 }, || nine_steady_states(model, 1));
+        let (time, (counts, ratios)) = best(if quick { 1 } else { 5 }, || nine_steady_states(variator(model), 1));
         let solved = ratios.iter().flatten().count();
         table.row(
             &format!("nine steady states, cold, {model:?}"),
@@ -343,8 +343,7 @@ fn manoeuvre(parameters: Parameters, trace: &[Inputs], mut around: impl FnMut(&m
 
 /// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P, primary speed
 /// given, belt torque 30, 50, 100 N·m. Time, work, and the thrust ratios that were found.
-fn nine_steady_states(model: RingModel, refinement: i32) -> (f64, (Counts, Vec<Option<f64>>)) {
-    let mut parameters = variator(model);
+fn nine_steady_states(mut parameters: Parameters, refinement: i32) -> (f64, (Counts, Vec<Option<f64>>)) {
     parameters.mesh = parameters.mesh.refined(refinement);
     let start = ThreadTime::now();
     let mut total = Counts::default();

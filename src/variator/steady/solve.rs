@@ -41,6 +41,10 @@ pub struct SteadyTask {
 const LARGEST_SPEED_CHANGE: f64 = 0.02;
 const LARGEST_THETA_CHANGE: f64 = 0.02;
 
+/// Slip of a shaft whose speed is solved for, beyond which its pulley has run away: only drag would hold it, at many times the
+/// speed that was asked for.
+const RUN_AWAY: f64 = 0.3;
+
 /// Time from which the state counts as steady, s: a belt revolution lasts 0.05 s, a ratio change some seconds.
 pub(super) const LAST_STEP: f64 = 200.0;
 
@@ -219,6 +223,8 @@ struct Control<'a> {
     gripping: bool,
     /// The friction velocity to end with, m/s.
     sharp: f64,
+    /// Whether the speed of a shaft is solved for.
+    free: bool,
 }
 
 impl<'a> Control<'a> {
@@ -241,6 +247,7 @@ impl<'a> Control<'a> {
             theta: system.belt.theta(state.view()),
             gripping: free.is_none() || task.warm,
             sharp: system.parameters.friction.velocity,
+            free: free.is_some(),
         }
     }
 
@@ -275,6 +282,9 @@ impl<'a> Control<'a> {
             .holding_force(reaction, trial.after, loads[reaction].axial);
         self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
         let present = geometric_ratio(system, trial.after);
+        if self.free && self.gripping && slip(&system.belt, trial.after, present).abs() > RUN_AWAY {
+            return None;
+        }
         self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
         let was_gripping = self.gripping;
@@ -300,6 +310,12 @@ pub(super) fn leaps(belt: &Belt, trial: &Trial<'_>) -> bool {
     };
     let theta = belt.layout.theta();
     Pulley::BOTH.into_iter().any(fast) || (trial.after.q[theta] - trial.before.q[theta]).abs() > LARGEST_THETA_CHANGE
+}
+
+/// Slip of a state at the geometric ratio `ratio`.
+fn slip(belt: &Belt, view: View<'_>, ratio: f64) -> f64 {
+    let speeds = belt.shaft_speeds(view);
+    1.0 - ratio * speeds.secondary / speeds.primary
 }
 
 /// Clamping force on a pulley that would hold its sheave where it is, N.
