@@ -89,7 +89,7 @@ mod tests {
     fn an_arc_that_turns_is_found_in_a_few_residuals() {
         for turn in [0.02, 0.1, 0.3, 0.5, 0.8, 0.95] {
             for jump in [2.0, 10.0, 50.0] {
-                let steep = 0.1 * turn;
+                let steep = 0.02 * turn;
                 let phi = |share: f64| 1.0 - share - 0.5 * jump * (1.0 + ((share - turn) / steep).tanh());
                 let mut line = LineSearch::new();
                 let mut tried = vec![LineSearch::WHOLE];
@@ -102,7 +102,8 @@ mod tests {
                     tried.push(line.next());
                 }
                 let found = tried[tried.len() - 1];
-                assert!((found - turn).abs() < 0.25 * turn, "turn at {turn} by {jump}: {tried:?}");
+                let near = phi(found).abs() <= 0.2 || (found - turn).abs() < 0.1 * turn;
+                assert!(near, "turn at {turn} by {jump}: {tried:?}");
                 assert!(tried.len() <= 12, "turn at {turn} by {jump}: {tried:?}");
             }
         }
