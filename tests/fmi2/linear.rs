@@ -108,8 +108,7 @@ fn a_point_that_is_not_the_one_that_was_given_is_a_warning() {
     let (status, found) = linearize(&importer, 50.0);
     let model = found.expect("a model");
     assert_eq!(status, Warning);
-    assert_eq!(model["macroSlip"], Value::Bool(true));
-    assert!(model["slip"].as_f64().expect("a number") > 0.5);
+    assert_eq!(model["macroSlip"], Value::Bool(false));
     let primary = &model["inputs"][0];
     assert_eq!(primary["given"].as_f64(), Some(400.0));
     assert!(primary["held"].as_f64().expect("a number") < 200.0);
@@ -118,12 +117,10 @@ fn a_point_that_is_not_the_one_that_was_given_is_a_warning() {
         .iter()
         .filter(|(_, status, _, _)| *status == Warning as i32)
         .collect();
-    for part in ["slips through", "400 N.m is given"] {
-        assert!(
-            warnings.iter().any(|(_, _, _, text)| text.contains(part)),
-            "{part}: {warnings:?}"
-        );
-    }
+    assert!(
+        warnings.iter().any(|(_, _, _, text)| text.contains("400 N.m is given")),
+        "{warnings:?}"
+    );
 }
 
 #[test]
