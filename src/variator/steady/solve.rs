@@ -282,8 +282,12 @@ impl<'a> Control<'a> {
             .holding_force(reaction, trial.after, loads[reaction].axial);
         self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
         let present = geometric_ratio(system, trial.after);
-        if self.free && self.gripping && slip(&system.belt, trial.after, present).abs() > RUN_AWAY {
-            return None;
+        if self.free && self.gripping {
+            // A poor first guess of a speed may slip as much, but less and less.
+            let [before, after] = [trial.before, trial.after].map(|view| slip(&system.belt, view, present).abs());
+            if after > RUN_AWAY.max(before) {
+                return None;
+            }
         }
         self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
