@@ -36,6 +36,15 @@ pub struct SteadyTask {
     pub warm: bool,
 }
 
+impl SteadyTask {
+    /// The pulley whose speed is solved for, if any.
+    fn free(&self) -> Option<Pulley> {
+        Pulley::BOTH
+            .into_iter()
+            .find(|&pulley| self.shaft[pulley] != ShaftMode::Fixed)
+    }
+}
+
 /// Largest relative change of a speed, and change of Θ, in one pseudo-time step: beyond lies another branch (a pulley
 /// that slips for ever).
 const LARGEST_SPEED_CHANGE: f64 = 0.02;
@@ -223,8 +232,6 @@ struct Control<'a> {
     gripping: bool,
     /// The friction velocity to end with, m/s.
     sharp: f64,
-    /// Whether the speed of a shaft is solved for.
-    free: bool,
 }
 
 impl<'a> Control<'a> {
@@ -234,9 +241,7 @@ impl<'a> Control<'a> {
         if task.warm {
             clamping[task.reaction] = reaction(system, state.view(), task.reaction);
         }
-        let free = Pulley::BOTH
-            .into_iter()
-            .find(|&pulley| task.shaft[pulley] != ShaftMode::Fixed);
+        let free = task.free();
         if let (Some(pulley), false) = (free, task.warm) {
             let sign = if pulley == Pulley::Secondary { 1.0 } else { -1.0 };
             state.y[system.belt.layout.shaft_speed(pulley)] *= 1.0 - task.slip * sign;
@@ -247,7 +252,6 @@ impl<'a> Control<'a> {
             theta: system.belt.theta(state.view()),
             gripping: free.is_none() || task.warm,
             sharp: system.parameters.friction.velocity,
-            free: free.is_some(),
         }
     }
 
@@ -274,6 +278,11 @@ impl<'a> Control<'a> {
         if leaps(&system.belt, trial) {
             return None;
         }
+        let present = geometric_ratio(system, trial.after);
+        let free = self.gripping && self.task.free().is_some();
+        if free && runs_away(&system.belt, trial, present) {
+            return None;
+        }
         // Slower than the belt settles, or the two integrators would swing up against it.
         let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
@@ -281,14 +290,6 @@ impl<'a> Control<'a> {
             .pulleys
             .holding_force(reaction, trial.after, loads[reaction].axial);
         self.clamping[reaction] += (holding - self.clamping[reaction]) * gain(FORCE_TIME);
-        let present = geometric_ratio(system, trial.after);
-        if self.free && self.gripping {
-            // A poor first guess of a speed may slip as much, but less and less.
-            let [before, after] = [trial.before, trial.after].map(|view| slip(&system.belt, view, present).abs());
-            if after > RUN_AWAY.max(before) {
-                return None;
-            }
-        }
         self.theta += (ratio_of_theta(self.task.ratio) - ratio_of_theta(present)) * gain(RATIO_TIME);
         let soft = trial.step >= SOFT_STEP;
         let was_gripping = self.gripping;
@@ -316,10 +317,14 @@ pub(super) fn leaps(belt: &Belt, trial: &Trial<'_>) -> bool {
     Pulley::BOTH.into_iter().any(fast) || (trial.after.q[theta] - trial.before.q[theta]).abs() > LARGEST_THETA_CHANGE
 }
 
-/// Slip of a state at the geometric ratio `ratio`.
-fn slip(belt: &Belt, view: View<'_>, ratio: f64) -> f64 {
-    let speeds = belt.shaft_speeds(view);
-    1.0 - ratio * speeds.secondary / speeds.primary
+/// Whether the slip at the geometric ratio `ratio` grows beyond that of a pulley that has run away. A poor first guess of a speed may
+/// slip as much, but less and less.
+fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
+    let slip = |view| {
+        let speeds = belt.shaft_speeds(view);
+        (1.0 - ratio * speeds.secondary / speeds.primary).abs()
+    };
+    slip(trial.after) > RUN_AWAY.max(slip(trial.before))
 }
 
 /// Clamping force on a pulley that would hold its sheave where it is, N.
