@@ -37,6 +37,13 @@ fn steady(inputs: &[(&str, f64)]) -> Importer {
     importer
 }
 
+/// The log has a warning with this text.
+fn assert_warned(importer: &Importer, part: &str) {
+    let heard = importer.heard.0.borrow();
+    let mut warnings = heard.iter().filter(|(_, status, _, _)| *status == Warning as i32);
+    assert!(warnings.any(|(_, _, _, text)| text.contains(part)), "{part}: {heard:?}");
+}
+
 fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().expect("a list");
     list.iter().map(|x| x.as_f64().expect("a number")).collect()
@@ -109,18 +116,33 @@ fn a_point_that_is_not_the_one_that_was_given_is_a_warning() {
     let model = found.expect("a model");
     assert_eq!(status, Warning);
     assert_eq!(model["macroSlip"], Value::Bool(false));
+    assert!(model["slip"].as_f64().expect("a number") < 0.05);
     let primary = &model["inputs"][0];
     assert_eq!(primary["given"].as_f64(), Some(400.0));
     assert!(primary["held"].as_f64().expect("a number") < 200.0);
-    let heard = importer.heard.0.borrow();
-    let warnings: Vec<_> = heard
-        .iter()
-        .filter(|(_, status, _, _)| *status == Warning as i32)
-        .collect();
-    assert!(
-        warnings.iter().any(|(_, _, _, text)| text.contains("400 N.m is given")),
-        "{warnings:?}"
-    );
+    assert_warned(&importer, "400 N.m is given");
+}
+
+/// Between given speeds the belt may slip through for ever.
+#[test]
+fn a_belt_that_slips_through_is_a_warning() {
+    let importer = Importer::new(c"slipping");
+    importer.make_cheap();
+    assert_eq!(importer.set_boolean("initial.steady", 1), Ok);
+    for (drive, setpoint, speed) in [
+        ("primary.drive", "primary.speedSetpoint", 200.0),
+        ("secondary.drive", "secondary.speedSetpoint", 100.0),
+    ] {
+        assert_eq!(importer.set_integer(drive, 2), Ok);
+        assert_eq!(importer.set_real(setpoint, speed), Ok);
+    }
+    importer.start();
+    let (status, found) = linearize(&importer, 50.0);
+    let model = found.expect("a model");
+    assert_eq!(status, Warning);
+    assert_eq!(model["macroSlip"], Value::Bool(true));
+    assert!(model["slip"].as_f64().expect("a number") > 0.4);
+    assert_warned(&importer, "slips through (macroSlip)");
 }
 
 #[test]
