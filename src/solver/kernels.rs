@@ -4,23 +4,48 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-/// y += α·A·x, A of R rows and C columns.
+/// What becomes of y by a product.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// It is replaced.
+    Set,
+    /// The product is added.
+    Add,
+    /// The product is subtracted.
+    Subtract,
+}
+
+impl Update {
+    #[inline(always)]
+    fn apply(self, y: &mut f64, product: f64) {
+        *y = match self {
+            Self::Set => product,
+            Self::Add => *y + product,
+            Self::Subtract => *y - product,
+        };
+    }
+}
+
+/// Updates y by A·x, A of R rows and C columns.
 #[inline(always)]
-pub fn gemv<const R: usize, const C: usize>(alpha: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
+pub fn gemv<const R: usize, const C: usize>(update: Update, a: &[f64], x: &[f64], y: &mut [f64]) {
     if R > 0 {
-        fixed::<R, C>(alpha, a, x, y);
+        fixed::<R, C>(update, a, x, y);
     } else if !y.is_empty() {
+        if update == Update::Set {
+            y.fill(0.0);
+        }
+        let sign = if update == Update::Subtract { -1.0 } else { 1.0 };
         for (column, &xj) in a.chunks_exact(y.len()).zip(x) {
-            let s = alpha * xj;
             for (yi, &aij) in y.iter_mut().zip(column) {
-                *yi += s * aij;
+                *yi += sign * xj * aij;
             }
         }
     }
 }
 
 #[inline(always)]
-fn fixed<const R: usize, const C: usize>(alpha: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
+fn fixed<const R: usize, const C: usize>(update: Update, a: &[f64], x: &[f64], y: &mut [f64]) {
     let (a, x, y) = (&a[..R * C], &x[..C], &mut y[..R]);
     // Two sums: one waits for its addition while the other takes the next column.
     let (mut even, mut odd) = ([0.0; R], [0.0; R]);
@@ -37,34 +62,67 @@ fn fixed<const R: usize, const C: usize>(alpha: f64, a: &[f64], x: &[f64], y: &m
         }
     }
     for i in 0..R {
-        y[i] += alpha * (even[i] + odd[i]);
+        update.apply(&mut y[i], even[i] + odd[i]);
     }
 }
 
-/// Y += α·A·X, A of `rows` rows (R) and `inner` columns (C).
+/// Updates Y by A·X, A of `rows` rows (R) and `inner` columns (C).
 #[inline(always)]
 pub fn gemm<const R: usize, const C: usize>(
+    update: Update,
     [rows, inner]: [usize; 2],
-    alpha: f64,
     a: &[f64],
     x: &[f64],
     y: &mut [f64],
 ) {
-    if R > 0 {
-        for (x, y) in x.chunks_exact(C).zip(y.chunks_exact_mut(R)) {
-            fixed::<R, C>(alpha, a, x, y);
-        }
+    if R > 8 {
+        beside::<R, C, 2>(update, a, x, y);
+    } else if R > 0 {
+        beside::<R, C, 4>(update, a, x, y);
     } else if let Some(columns) = y.len().checked_div(rows) {
         matmul(
             MatMut::from_column_major_slice_mut(y, rows, columns),
-            Accum::Add,
+            if update == Update::Set {
+                Accum::Replace
+            } else {
+                Accum::Add
+            },
             MatRef::from_column_major_slice(a, rows, inner),
             MatRef::from_column_major_slice(x, inner, columns),
-            alpha,
+            if update == Update::Subtract { -1.0 } else { 1.0 },
             Par::Seq,
         );
     }
 }
+
+/// [`gemm`] for N columns of Y at a time: as many sums as the registers hold, so that each entry of A is read once for
+/// all of them.
+#[inline(always)]
+fn beside<const R: usize, const C: usize, const N: usize>(update: Update, a: &[f64], x: &[f64], y: &mut [f64]) {
+    let a = &a[..R * C];
+    let (x, y) = (x.as_chunks::<C>().0, y.as_chunks_mut::<R>().0);
+    let ((x, x_rest), (y, y_rest)) = (x.as_chunks::<N>(), y.as_chunks_mut::<N>());
+    for (x, y) in x.iter().zip(y) {
+        let mut sums = [[0.0; R]; N];
+        for j in 0..C {
+            for (sums, x) in sums.iter_mut().zip(x) {
+                for i in 0..R {
+                    sums[i] += a[j * R + i] * x[j];
+                }
+            }
+        }
+        for (y, sums) in y.as_flattened_mut().iter_mut().zip(sums.as_flattened()) {
+            update.apply(y, *sums);
+        }
+    }
+    for (x, y) in x_rest.iter().zip(y_rest) {
+        fixed::<R, C>(update, a, x, y);
+    }
+}
+
+/// Least size of a pivot, as a share of the largest entry that could take its place: threshold pivoting (Duff, Erisman,
+/// Reid 1986).
+const PIVOT: f64 = 0.1;
 
 /// Replaces A, of R rows, by its inverse: Gauss and Jordan's elimination with row pivoting. False if A is singular or
 /// not finite.
@@ -73,14 +131,13 @@ pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
     let a = &mut a.as_chunks_mut::<R>().0[..R];
     let mut swaps = [0; R];
     for k in 0..R {
+        let largest = a[k][k..].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let mut row = k;
-        for i in k + 1..R {
-            if a[k][i].abs() > a[k][row].abs() {
-                row = i;
-            }
+        if a[k][k].abs() < PIVOT * largest {
+            row = (k..R).find(|&i| a[k][i].abs() == largest).unwrap_or(k);
+            a.iter_mut().for_each(|column| column.swap(k, row));
         }
         swaps[k] = row;
-        a.iter_mut().for_each(|column| column.swap(k, row));
         let inverse = a[k][k].recip();
         if !inverse.is_finite() {
             return false;
@@ -97,7 +154,9 @@ pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
         a[k] = pivots.map(|x| -x * inverse);
     }
     for (k, &column) in swaps.iter().enumerate().rev() {
-        a.swap(k, column);
+        if column != k {
+            a.swap(k, column);
+        }
     }
     a.as_flattened().iter().all(|x| x.is_finite())
 }
@@ -112,7 +171,7 @@ mod tests {
         let a = numbers(64, 4);
         let (mut inverse, mut product) = (a.clone(), [0.0; 64]);
         assert!(invert::<8>(&mut inverse));
-        gemm::<8, 8>([8, 8], 1.0, &a, &inverse, &mut product);
+        gemm::<8, 8>(Update::Set, [8, 8], &a, &inverse, &mut product);
         for (k, entry) in product.iter().enumerate() {
             let unit = if k % 9 == 0 { 1.0 } else { 0.0 };
             assert!((entry - unit).abs() < 1e-12);
@@ -123,22 +182,31 @@ mod tests {
 
     #[test]
     fn products_are_those_of_any_size() {
-        let (a, x, y) = (numbers(20 * 8, 1), numbers(8 * 3, 2), numbers(20 * 3, 3));
-        let (mut fixed, mut any, mut single) = (y.clone(), y.clone(), y);
-        gemm::<20, 8>([20, 8], -0.7, &a, &x, &mut fixed);
-        gemm::<0, 0>([20, 8], -0.7, &a, &x, &mut any);
-        for (x, y) in x.chunks_exact(8).zip(single.chunks_exact_mut(20)) {
-            gemv::<0, 0>(-0.7, &a, x, y);
+        fn compare<const R: usize, const C: usize>(columns: usize) {
+            let (a, x, y) = (numbers(R * C, 1), numbers(C * columns, 2), numbers(R * columns, 3));
+            for update in [Update::Set, Update::Add, Update::Subtract] {
+                let (mut fixed, mut any, mut single) = (y.clone(), y.clone(), [y.clone(), y.clone()]);
+                gemm::<R, C>(update, [R, C], &a, &x, &mut fixed);
+                gemm::<0, 0>(update, [R, C], &a, &x, &mut any);
+                for (k, x) in x.chunks_exact(C).enumerate() {
+                    gemv::<R, C>(update, &a, x, &mut single[0][k * R..(k + 1) * R]);
+                    gemv::<0, 0>(update, &a, x, &mut single[1][k * R..(k + 1) * R]);
+                }
+                for other in [any, single[0].clone(), single[1].clone()] {
+                    for (fixed, other) in fixed.iter().zip(&other) {
+                        assert!(
+                            (fixed - other).abs() < 1e-14,
+                            "{R} rows, {C} inner, {columns} columns, {update:?}"
+                        );
+                    }
+                }
+            }
         }
-        for ((fixed, any), single) in fixed.iter().zip(&any).zip(&single) {
-            assert!((fixed - any).abs() < 1e-14 && (fixed - single).abs() < 1e-14);
-        }
-        // An odd number of columns.
-        let (mut fixed, mut any) = (vec![0.0; 3], vec![0.0; 3]);
-        gemv::<3, 5>(1.0, &a[..15], &x[..5], &mut fixed);
-        gemv::<0, 0>(1.0, &a[..15], &x[..5], &mut any);
-        for (fixed, any) in fixed.iter().zip(&any) {
-            assert!((fixed - any).abs() < 1e-14);
+        for columns in [1, 2, 3, 5, 8] {
+            compare::<20, 8>(columns);
+            compare::<8, 8>(columns);
+            compare::<3, 5>(columns);
+            compare::<1, 1>(columns);
         }
     }
 }

@@ -4,7 +4,7 @@
 //! in n: O(n (b+g)² b). Pivoting is inside a block; faer inverts the border, and blocks whose size the compiler doesn't
 //! know.
 
-use super::super::kernels::{self, gemm, gemv};
+use super::super::kernels::{self, Update, gemm, gemv};
 use super::dense::Inverter;
 use super::{Arrow, Parts, Shape};
 use crate::tape::Tape;
@@ -115,20 +115,31 @@ impl ArrowLu {
         for_size!(self, factor_sized(a))
     }
 
+    /// Sizes of a block, and of block 0 together with the border: constants where the compiler knows them.
+    #[inline(always)]
+    fn sizes<const B: usize, const W: usize>(&self) -> [usize; 2] {
+        if B > 0 {
+            [B, W]
+        } else {
+            [self.shape.block, self.shape.block + self.shape.border]
+        }
+    }
+
     /// [`ArrowLu::factor`] for one size.
     fn factor_sized<const B: usize, const W: usize>(&mut self, a: &Arrow) -> Result<(), Singular> {
-        let (n, b) = (self.shape.blocks, self.shape.block);
+        let n = self.shape.blocks;
+        let [b, _] = self.sizes::<B, W>();
         self.order.clone_from(&a.order);
         self.ordered.resize(a.order.len(), 0.0);
         let a = a.parts();
         self.copy_border(&a);
-        self.copy_border_rows(&a);
         self.inverses[b * b..2 * b * b].copy_from_slice(&a.diagonal[b * b..2 * b * b]);
-        copy_border_columns(self.shape, &a, 1, &mut self.next_border);
+        self.copy_border_rows::<B, W>(&a, 1);
+        self.copy_border_columns::<B, W>(&a, 1);
         for k in 1..n {
             self.eliminate::<B, W>(&a, k)?;
         }
-        if self.corner.invert(&mut self.border) {
+        if invert::<W>(&mut self.corner, &mut self.border) {
             Ok(())
         } else {
             Err(Singular { block: n })
@@ -151,69 +162,79 @@ impl ArrowLu {
         }
     }
 
-    /// Copies the rows of block 0 and of the border at each other block.
-    fn copy_border_rows(&mut self, a: &Parts<'_>) {
-        let Shape {
-            blocks: n,
-            block: b,
-            border: g,
-        } = self.shape;
-        let w = b + g;
-        self.rows.fill(0.0);
-        for k in 1..n {
-            for j in 0..b {
-                let column = &mut self.rows[k * b * w + j * w..k * b * w + (j + 1) * w];
-                if k == 1 {
-                    add(&mut column[..b], &a.upper[j * b..(j + 1) * b]);
+    /// Copies the rows of block 0 and of the border at block k.
+    #[inline(always)]
+    fn copy_border_rows<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) {
+        let [b, w] = self.sizes::<B, W>();
+        let (n, g) = (self.shape.blocks, w - b);
+        let rows = &mut self.rows[k * b * w..(k + 1) * b * w];
+        for (j, column) in rows.chunks_exact_mut(w).enumerate() {
+            column[..b].fill(0.0);
+            column[b..].copy_from_slice(&a.bottom[(k * b + j) * g..][..g]);
+        }
+        // Block 0 has neighbours on both sides.
+        for (neighbour, part) in [(1, a.upper), (n - 1, a.lower)] {
+            if k == neighbour {
+                for (column, part) in rows.chunks_exact_mut(w).zip(part.chunks_exact(b)) {
+                    add(&mut column[..b], part);
                 }
-                if k == n - 1 {
-                    add(&mut column[..b], &a.lower[j * b..(j + 1) * b]);
-                }
-                column[b..].copy_from_slice(&a.bottom[k * b * g + j * g..k * b * g + (j + 1) * g]);
             }
         }
+    }
+
+    /// Copies the columns of block 0 and of the border at block k.
+    #[inline(always)]
+    fn copy_border_columns<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) {
+        let [b, w] = self.sizes::<B, W>();
+        let (n, g) = (self.shape.blocks, w - b);
+        let (of_block, of_border) = self.next_border[..b * w].split_at_mut(b * b);
+        of_block.fill(0.0);
+        for (neighbour, part) in [(1, a.lower), (n - 1, a.upper)] {
+            if k == neighbour {
+                add(of_block, &part[k * b * b..(k + 1) * b * b]);
+            }
+        }
+        of_border.copy_from_slice(&a.right[k * b * g..(k + 1) * b * g]);
     }
 
     /// Inverts the pivot of block k, and takes the block's part from block k + 1 and from the border.
     #[inline(always)]
     fn eliminate<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) -> Result<(), Singular> {
-        let (n, b) = (self.shape.blocks, self.shape.block);
-        let w = b + self.shape.border;
+        let n = self.shape.blocks;
+        let [b, w] = self.sizes::<B, W>();
+        let (upper, border) = self.columns[..b * (b + w)].split_at_mut(b * b);
         if k < n - 1 {
-            self.columns[..b * b].copy_from_slice(&a.upper[k * b * b..(k + 1) * b * b]);
+            upper.copy_from_slice(&a.upper[k * b * b..(k + 1) * b * b]);
         } else {
-            self.columns[..b * b].fill(0.0);
+            upper.fill(0.0);
         }
-        self.columns[b * b..].copy_from_slice(&self.next_border);
+        border.copy_from_slice(&self.next_border[..b * w]);
         let (inverses, pivots) = self.inverses.split_at_mut((k + 1) * b * b);
         let inverse = &mut inverses[k * b * b..];
-        let regular = if B > 0 {
-            kernels::invert::<B>(inverse)
-        } else {
-            self.pivot.invert(inverse)
-        };
-        if !regular {
+        if !invert::<B>(&mut self.pivot, inverse) {
             return Err(Singular { block: k });
         }
         let solved = &mut self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
-        solved.fill(0.0);
-        gemm::<B, B>([b, b], 1.0, inverse, &self.columns, solved);
-        let (x_upper, x_border) = solved.split_at(b * b);
-        let (done, rest) = self.rows.split_at_mut((k + 1) * b * w);
-        let row = &done[k * b * w..];
-        gemm::<W, B>([w, b], -1.0, row, x_border, &mut self.border);
+        gemm::<B, B>(Update::Set, [b, b], inverse, &self.columns, solved);
         if k + 1 < n {
-            gemm::<W, B>([w, b], -1.0, row, x_upper, &mut rest[..b * w]);
             let block = (k + 1) * b * b..(k + 2) * b * b;
             let lower = &mut self.lower[block.clone()];
-            lower.fill(0.0);
-            gemm::<B, B>([b, b], 1.0, &a.lower[block.clone()], inverse, lower);
+            gemm::<B, B>(Update::Set, [b, b], &a.lower[block.clone()], inverse, lower);
             let pivot = &mut pivots[..b * b];
-            pivot.copy_from_slice(&a.diagonal[block]);
-            let (upper, border) = self.columns.split_at(b * b);
-            gemm::<B, B>([b, b], -1.0, lower, upper, pivot);
-            copy_border_columns(self.shape, a, k + 1, &mut self.next_border);
-            gemm::<B, B>([b, b], -1.0, lower, border, &mut self.next_border);
+            pivot.copy_from_slice(&a.diagonal[block.clone()]);
+            let (upper, _) = self.columns.split_at(b * b);
+            gemm::<B, B>(Update::Subtract, [b, b], lower, upper, pivot);
+            self.copy_border_columns::<B, W>(a, k + 1);
+            self.copy_border_rows::<B, W>(a, k + 1);
+            let (lower, border) = (&self.lower[block], &self.columns[b * b..]);
+            gemm::<B, B>(Update::Subtract, [b, b], lower, border, &mut self.next_border);
+        }
+        let (x_upper, x_border) = self.solved[k * b * (b + w)..(k + 1) * b * (b + w)].split_at(b * b);
+        let (done, rest) = self.rows.split_at_mut((k + 1) * b * w);
+        let row = &done[k * b * w..];
+        gemm::<W, B>(Update::Subtract, [w, b], row, x_border, &mut self.border);
+        if k + 1 < n {
+            gemm::<W, B>(Update::Subtract, [w, b], row, x_upper, &mut rest[..b * w]);
         }
         Ok(())
     }
@@ -241,31 +262,44 @@ impl ArrowLu {
 
     /// Solves with factors of the same size.
     fn solve_sized<const B: usize, const W: usize>(&mut self, x: &mut [f64]) {
-        let (n, b) = (self.shape.blocks, self.shape.block);
-        let w = b + self.shape.border;
+        let n = self.shape.blocks;
+        let [b, w] = self.sizes::<B, W>();
         self.tail[..b].copy_from_slice(&x[..b]);
         self.tail[b..].copy_from_slice(&x[n * b..]);
         for k in 1..n {
             let (head, rest) = x.split_at_mut((k + 1) * b);
             let y = &mut head[k * b..];
             if k + 1 < n {
-                gemv::<B, B>(-1.0, &self.lower[(k + 1) * b * b..(k + 2) * b * b], y, &mut rest[..b]);
+                gemv::<B, B>(
+                    Update::Subtract,
+                    &self.lower[(k + 1) * b * b..(k + 2) * b * b],
+                    y,
+                    &mut rest[..b],
+                );
             }
             self.work[..b].copy_from_slice(y);
-            y.fill(0.0);
-            gemv::<B, B>(1.0, &self.inverses[k * b * b..(k + 1) * b * b], &self.work[..b], y);
-            gemv::<W, B>(-1.0, &self.rows[k * b * w..(k + 1) * b * w], y, &mut self.tail);
+            gemv::<B, B>(
+                Update::Set,
+                &self.inverses[k * b * b..(k + 1) * b * b],
+                &self.work[..b],
+                y,
+            );
+            gemv::<W, B>(
+                Update::Subtract,
+                &self.rows[k * b * w..(k + 1) * b * w],
+                y,
+                &mut self.tail,
+            );
         }
         self.work.copy_from_slice(&self.tail);
-        self.tail.fill(0.0);
-        gemv::<W, W>(1.0, &self.border, &self.work, &mut self.tail);
+        gemv::<W, W>(Update::Set, &self.border, &self.work, &mut self.tail);
         for k in (1..n).rev() {
             let (head, rest) = x.split_at_mut((k + 1) * b);
             let y = &mut head[k * b..];
             let solved = &self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
-            gemv::<B, W>(-1.0, &solved[b * b..], &self.tail, y);
+            gemv::<B, W>(Update::Subtract, &solved[b * b..], &self.tail, y);
             if k + 1 < n {
-                gemv::<B, B>(-1.0, &solved[..b * b], &rest[..b], y);
+                gemv::<B, B>(Update::Subtract, &solved[..b * b], &rest[..b], y);
             }
         }
         x[..b].copy_from_slice(&self.tail[..b]);
@@ -273,24 +307,14 @@ impl ArrowLu {
     }
 }
 
-/// Copies the columns of block 0 and of the border at block k.
-fn copy_border_columns(shape: Shape, a: &Parts<'_>, k: usize, out: &mut [f64]) {
-    let Shape {
-        blocks: n,
-        block: b,
-        border: g,
-    } = shape;
-    out[..b * b].fill(0.0);
-    let block = k * b * b..(k + 1) * b * b;
-    if k == 1 {
-        add(&mut out[..b * b], &a.lower[block.clone()]);
-    }
-    if k == n - 1 {
-        add(&mut out[..b * b], &a.upper[block]);
-    }
-    out[b * b..].copy_from_slice(&a.right[k * b * g..(k + 1) * b * g]);
+/// Replaces a matrix of R rows by its inverse; `any` is for those whose size the compiler doesn't know. False if it is
+/// singular or not finite.
+#[inline(always)]
+fn invert<const R: usize>(any: &mut Inverter, a: &mut [f64]) -> bool {
+    if R > 0 { kernels::invert::<R>(a) } else { any.invert(a) }
 }
 
+#[inline(always)]
 fn add(into: &mut [f64], from: &[f64]) {
     for (x, y) in into.iter_mut().zip(from) {
         *x += y;

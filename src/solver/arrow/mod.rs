@@ -14,7 +14,7 @@
 mod dense;
 mod lu;
 
-use super::kernels::gemv;
+use super::kernels::{Update, gemv};
 
 pub use lu::{ArrowLu, Singular};
 
@@ -235,12 +235,12 @@ impl Arrow {
             let blocks = k * b * b..(k + 1) * b * b;
             let strip = k * b * g..(k + 1) * b * g;
             let y = &mut out[row.clone()];
-            gemv::<0, 0>(1.0, &diagonal[blocks.clone()], &x[row.clone()], y);
-            gemv::<0, 0>(1.0, &upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
-            gemv::<0, 0>(1.0, &lower[blocks], &x[previous * b..(previous + 1) * b], y);
-            gemv::<0, 0>(1.0, &right[strip.clone()], &x[split..], y);
-            gemv::<0, 0>(1.0, &bottom[strip], &x[row], &mut out[split..]);
+            gemv::<0, 0>(Update::Add, &diagonal[blocks.clone()], &x[row.clone()], y);
+            gemv::<0, 0>(Update::Add, &upper[blocks.clone()], &x[next * b..(next + 1) * b], y);
+            gemv::<0, 0>(Update::Add, &lower[blocks], &x[previous * b..(previous + 1) * b], y);
+            gemv::<0, 0>(Update::Add, &right[strip.clone()], &x[split..], y);
+            gemv::<0, 0>(Update::Add, &bottom[strip], &x[row], &mut out[split..]);
         }
-        gemv::<0, 0>(1.0, corner, &x[split..], &mut out[split..]);
+        gemv::<0, 0>(Update::Add, corner, &x[split..], &mut out[split..]);
     }
 }
