@@ -9,7 +9,8 @@ use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
 use crate::variator::belt::Belt;
 use crate::variator::cell::balance::balance;
-use crate::variator::cell::sample::{Probe, Sample, Sampler};
+use crate::variator::cell::probe::{Probe, Sampler};
+use crate::variator::cell::sample::Sample;
 use crate::variator::cell::state::CellInput;
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{EulerianRing, RingForces};
@@ -28,14 +29,20 @@ pub(crate) fn sampled_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     frame: &C::Frame<Lanes>,
     unknowns: &impl ReadUnknowns<Lanes>,
     record: &mut dyn FnMut(Sample<Lanes>),
-) -> CellBalance<Lanes> {
+) {
     let seed = |value, _, _| value;
-    pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, [0.0; 2], seed, &mut Sampler(record)).0
+    pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, [0.0; 2], seed, &mut Sampler(record));
 }
 
 /// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
 #[inline(always)]
-pub(crate) fn pack_balance<T: Real<Constant = Lanes>, S: Probe<T>, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
+pub(crate) fn pack_balance<
+    T: Real<Constant = Lanes>,
+    S: Probe<T, D>,
+    K: RingKind<D, C>,
+    const D: usize,
+    C: MeshCurve,
+>(
     InForce { belt, friction }: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<T>,

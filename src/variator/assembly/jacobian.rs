@@ -4,20 +4,21 @@ use crate::chain::Transport;
 use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::equations::InForce;
-use crate::variator::assembly::evaluate::{pack_balance, sampled_balance};
+use crate::variator::assembly::evaluate::pack_balance;
 use crate::variator::assembly::kept::{Kept, Regime, RegimeProbe};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
-use crate::variator::cell::balance::balance;
+use crate::variator::cell::balance::balance_in;
 use crate::variator::cell::directions::{
     DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RESULTANT, RotatingRing,
 };
-use crate::variator::cell::sample::NoProbe;
-use crate::variator::cell::state::CellInput;
-use crate::variator::cell::variation::Linearised;
+use crate::variator::cell::probe::{AtStation, NoProbe, Probe};
+use crate::variator::cell::state::{CellInput, Slots, StationForces};
+use crate::variator::cell::variation::{Evaluated, Linearised};
 use crate::variator::law::place::CellBalance;
-use crate::variator::rings::ring::VaryingRing;
+use crate::variator::mesh::belt_mesh::STATIONS;
+use crate::variator::rings::ring::{CellRing, VaryingRing};
 use num_traits::Zero;
 
 /// Directions differentiated in one pass over a pack of cells.
@@ -31,21 +32,19 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
     /// Frames at one place of a path of the coordinates; `slopes` are the factors of acceleration and position.
     fn frames(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self::Frames;
 
-    /// The curve without derivatives.
-    fn plain(frames: &Self::Frames) -> &C::Frame<Lanes>;
-
     /// Shape of the curve.
     #[cfg(test)]
     fn shape(frames: &Self::Frames) -> &C::Shape;
 
-    /// Differentiates a pack at the unknowns of `kept`: by hand if the ring has such derivatives.
-    fn differentiate(
+    /// The balance of a pack at `unknowns`. If the derivatives of `kept` are not good there, it is differentiated: by hand if
+    /// the ring has such derivatives. Says whether it was.
+    fn renew(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
-        kept: &mut Kept,
-        transports: &mut [Transport<[f64; MOST]>],
-    );
+        at: (&Unknowns<Lanes>, [f64; 2]),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
+    ) -> (CellBalance<Lanes>, bool);
 }
 
 /// How a ring makes its frames with derivatives in so many coordinates of the curve.
@@ -55,10 +54,6 @@ macro_rules! frames_along {
 
         fn frames(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self::Frames {
             Frames::new(curve, path, slopes)
-        }
-
-        fn plain(frames: &Self::Frames) -> &C::Frame<Lanes> {
-            &frames.plain
         }
 
         #[cfg(test)]
@@ -71,59 +66,112 @@ macro_rules! frames_along {
 impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
     frames_along!(COORDINATES);
 
-    fn differentiate(
+    fn renew(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
-        kept: &mut Kept,
-        transports: &mut [Transport<[f64; MOST]>],
-    ) {
-        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, kept, transports);
+        at: (&Unknowns<Lanes>, [f64; 2]),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
+    ) -> (CellBalance<Lanes>, bool) {
+        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, kept)
     }
 }
 
 impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
     frames_along!(1);
 
-    fn differentiate(
+    fn renew(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
-        kept: &mut Kept,
-        transports: &mut [Transport<[f64; MOST]>],
-    ) {
-        by_hand::<Self, D, C, 1>(acting, pack, frames, kept, transports);
+        at: (&Unknowns<Lanes>, [f64; 2]),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
+    ) -> (CellBalance<Lanes>, bool) {
+        by_hand::<Self, D, C, 1>(acting, pack, frames, at, kept)
     }
 }
 
 impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
     frames_along!(1);
 
-    fn differentiate(
+    fn renew(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
-        kept: &mut Kept,
-        transports: &mut [Transport<[f64; MOST]>],
-    ) {
-        forward::<Self, D, C>(acting, pack, &frames.shape, kept, transports);
+        at: (&Unknowns<Lanes>, [f64; 2]),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
+    ) -> (CellBalance<Lanes>, bool) {
+        let (unknowns, slopes) = at;
+        let (kept, transports) = kept;
+        let mut regime = Regime::default();
+        let mut probe = RegimeProbe {
+            alpha: slopes[0],
+            regime: &mut regime,
+        };
+        let plain = |value, _, _| value;
+        let (b, _) = pack_balance::<_, _, Self, D, C>(acting, pack, &frames.plain, unknowns, slopes, plain, &mut probe);
+        let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
+        let renewed = kept.renew::<Self>(regime, at, length);
+        if renewed {
+            forward::<Self, D, C>(acting, pack, &frames.shape, kept, transports);
+        }
+        (b, renewed)
     }
 }
 
-/// Differentiates a pack by hand, and along N coordinates of the curve by forward differentiation.
+/// [`Differentiate::renew`] by hand, and along N coordinates of the curve by forward differentiation.
+#[inline(never)]
 fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     acting: InForce<'_>,
     pack: &Pack,
     frames: &Frames<C, N>,
-    kept: &mut Kept,
-    transports: &mut [Transport<[f64; MOST]>],
-) where
+    at: (&Unknowns<Lanes>, [f64; 2]),
+    (kept, transports): (&mut Kept, &mut [Transport<[f64; MOST]>]),
+) -> (CellBalance<Lanes>, bool)
+where
     for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
 {
-    let (unknowns, slopes, mut columns) = Columns::of::<K>(pack, kept, transports);
-    vary_pack::<K, D, C>(acting, pack, &frames.plain, unknowns, slopes, |k, rows, transport| {
-        columns.record(k, rows, transport);
-    });
+    let (InForce { belt, friction }, frame, (unknowns, slopes)) = (acting, &frames.plain, at);
+    let plain = |value, _, _| value;
+    let motion = motion::<Lanes, K>(unknowns, slopes, plain);
+    let place = pack.place::<Lanes, C>(&belt.law, frame);
+    let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
+    let on_curve = (frame, pack.segment);
+    let mut ring = K::ring::<Lanes>(
+        &belt.law.ring,
+        (&place, &motion.reference),
+        on_curve,
+        unknowns,
+        slopes,
+        plain,
+    );
+    let given = CellInput {
+        law: &belt.law,
+        friction,
+        place: &place,
+        motion: &motion,
+    };
+    let (mut slots, mut forces, mut regime) = (Slots::empty(), [None; STATIONS], Regime::default());
+    let mut probe = Keeper {
+        regime: RegimeProbe {
+            alpha: slopes[0],
+            regime: &mut regime,
+        },
+        forces: &mut forces,
+    };
+    let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut probe);
+    if !kept.renew::<K>(regime, at, place.length.v) {
+        return (b, false);
+    }
+    let evaluated = Evaluated { cell, slots, forces };
+    let linear = Linearised::new(given, &ring, &evaluated, slopes);
+    let mut columns = Columns::of::<K>(pack, kept, transports);
+    for k in 0..K::COUNT {
+        if let Some(direction) = K::direction(k) {
+            let (b, ring) = linear.vary(direction);
+            columns.record(k, &rows::<_, K, D>(&b, &ring), &b.transport);
+        }
+    }
     let (rows, transport) = pack_pass::<N, K, D, C>(acting, pack, &frames.moving, unknowns, slopes, K::THETA);
     for i in 0..N {
         columns.record(
@@ -131,6 +179,21 @@ fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
             &rows.map(|row| row.eps[i]),
             &transport.map(|of| of.eps[i]),
         );
+    }
+    (b, true)
+}
+
+/// Keeps the forces at the stations, and records the regime.
+struct Keeper<'a, const D: usize> {
+    regime: RegimeProbe<'a>,
+    forces: &'a mut [Option<StationForces<Lanes, D>>; STATIONS],
+}
+
+impl<const D: usize> Probe<Lanes, D> for Keeper<'_, D> {
+    #[inline(always)]
+    fn look<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
+        self.regime.look(at);
+        self.forces[at.index] = Some(*at.forces);
     }
 }
 
@@ -142,10 +205,11 @@ fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     kept: &mut Kept,
     transports: &mut [Transport<[f64; MOST]>],
 ) {
-    let (unknowns, slopes, mut columns) = Columns::of::<K>(pack, kept, transports);
+    let (unknowns, slopes) = (kept.unknowns.clone(), kept.slopes);
+    let mut columns = Columns::of::<K>(pack, kept, transports);
     for first in (0..K::COUNT).step_by(PASS) {
         let frame = C::mesh_frame(shape, |k| moving((K::THETA + k).wrapping_sub(first), slopes));
-        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, unknowns, slopes, first);
+        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, &unknowns, slopes, first);
         for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
             columns.record(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
         }
@@ -167,66 +231,6 @@ fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     (rows::<_, K, D>(&b, &ring), b.transport)
 }
 
-/// Hands `record` the derivatives of a pack in all directions but Θ: rows of the balance, and the figures of the
-/// transport.
-#[inline(never)]
-fn vary_pack<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
-    InForce { belt, friction }: InForce<'_>,
-    pack: &Pack,
-    frame: &C::Frame<Lanes>,
-    unknowns: &Unknowns<Lanes>,
-    slopes: [f64; 2],
-    mut record: impl FnMut(usize, &[Lanes; MOST_ROWS], &Transport<Lanes>),
-) where
-    for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
-{
-    let plain = |value, _, _| value;
-    let motion = motion::<Lanes, K>(unknowns, slopes, plain);
-    let place = pack.place::<Lanes, C>(&belt.law, frame);
-    let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
-    let at = (frame, pack.segment);
-    let mut ring = K::ring::<Lanes>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, plain);
-    let given = CellInput {
-        law: &belt.law,
-        friction,
-        place: &place,
-        motion: &motion,
-    };
-    if <K::Ring<'_, Lanes> as VaryingRing<Lanes, D>>::MOVES {
-        balance(&given, &mut ring, reference, &mut NoProbe);
-    }
-    let linear = Linearised::new(given, &ring, reference, slopes);
-    for k in 0..K::COUNT {
-        if let Some(direction) = K::direction(k) {
-            let (b, ring) = linear.vary(direction);
-            record(k, &rows::<_, K, D>(&b, &ring), &b.transport);
-        }
-    }
-}
-
-/// The regime of a pack, and its balance.
-pub(crate) fn regime_and_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
-    acting: InForce<'_>,
-    pack: &Pack,
-    frame: &C::Frame<Lanes>,
-    unknowns: &Unknowns<Lanes>,
-    alpha: f64,
-) -> (Regime, CellBalance<Lanes>) {
-    let mut regime = Regime::default();
-    let mut probe = RegimeProbe {
-        law: &acting.belt.law,
-        friction: acting.friction,
-        alpha,
-        spatial: D == 3,
-        ring_speed: unknowns.value[K::DRIFT],
-        regime: &mut regime,
-    };
-    let b = sampled_balance::<K, D, C>(acting, pack, frame, unknowns, &mut |sample| probe.record(&sample));
-    let [left, right] = [unknowns.value[K::NODES], unknowns.value[K::NODES + 1]];
-    regime.record_difference(right - left);
-    (regime, b)
-}
-
 /// Largest difference between the derivatives of a pack by hand and by forward differentiation, as a share of the largest
 /// entry of its column, and of all figures of the transport (at least 1e-6: they are of the order of 1).
 #[cfg(test)]
@@ -241,7 +245,15 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
     let mut worst = 0.0_f64;
     let mut kept = [kept.clone(), kept.clone()];
     let mut transports = [transports.to_vec(), transports.to_vec()];
-    K::differentiate(acting, pack, frames, &mut kept[0], &mut transports[0]);
+    let (unknowns, slopes) = (kept[0].unknowns.clone(), kept[0].slopes);
+    kept[0].forget();
+    K::renew(
+        acting,
+        pack,
+        frames,
+        (&unknowns, slopes),
+        (&mut kept[0], &mut transports[0]),
+    );
     forward::<K, D, C>(acting, pack, K::shape(frames), &mut kept[1], &mut transports[1]);
     for lane in 0..pack.group.used {
         let [hand, forward] = kept.each_ref().map(|kept| {
@@ -278,21 +290,16 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
-    /// The unknowns and slopes at which a pack is differentiated, and its columns.
+    /// The columns of a pack.
     #[inline(always)]
-    fn of<K: Directions>(
-        pack: &'a Pack,
-        kept: &'a mut Kept,
-        transports: &'a mut [Transport<[f64; MOST]>],
-    ) -> (&'a Unknowns<Lanes>, [f64; 2], Self) {
-        let columns = Self {
+    fn of<K: Directions>(pack: &'a Pack, kept: &'a mut Kept, transports: &'a mut [Transport<[f64; MOST]>]) -> Self {
+        Self {
             pack,
             count: K::COUNT,
             amount: K::AMOUNT,
             block: &mut kept.block,
             transports,
-        };
-        (&kept.unknowns, kept.slopes, columns)
+        }
     }
 
     /// Records the derivatives in a direction: rows of the balance, and figures of the transport.

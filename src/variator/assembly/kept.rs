@@ -6,15 +6,15 @@
 //! it was differentiated.
 
 use crate::chain::{closing_slopes, stack_slopes};
-use crate::contact::{Friction, FrictionSlopes, friction_slopes, touch};
+use crate::contact::{FrictionSlopes, friction_slopes, touch};
 use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
 use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::cell::directions::{Directions, MOST};
-use crate::variator::cell::sample::Sample;
-use crate::variator::law::place::CellLaw;
-use crate::variator::law::ring_friction::{pressing, ring_friction_slope};
+use crate::variator::cell::probe::{AtStation, Probe};
+use crate::variator::law::ring_friction::ring_friction_slope;
 use crate::variator::mesh::belt_mesh::STATIONS;
+use crate::variator::rings::ring::CellRing;
 
 /// Change of a figure at which the derivatives are no longer good, relative to its size and that of the inertia.
 const CHANGED: f64 = 0.03;
@@ -94,7 +94,6 @@ impl StackRegime {
 pub(crate) struct Regime {
     stations: [StationRegime; STATIONS],
     stack: StackRegime,
-    recorded: usize,
 }
 
 /// Whether each of these figures has hardly changed, in every lane.
@@ -110,12 +109,6 @@ fn alike<const N: usize>(now: [Lanes; N], then: [Lanes; N]) -> bool {
 }
 
 impl Regime {
-    /// Records the share of closing where V has this `difference` across a cell, m/s.
-    #[inline(always)]
-    pub(crate) fn record_difference(&mut self, difference: Lanes) {
-        [self.stack.closing, self.stack.closing_bend] = closing_slopes(difference);
-    }
-
     /// Whether derivatives in the regime `earlier` are good in this one.
     #[inline(always)]
     fn is_like(&self, earlier: &Self) -> bool {
@@ -127,47 +120,47 @@ impl Regime {
     }
 }
 
-/// Records the regime at the stations of a pack.
+/// Records the regime of a pack.
 pub(crate) struct RegimeProbe<'a> {
-    pub law: &'a CellLaw,
-    pub friction: &'a Friction,
     /// Factor 1/(hγ) of ẏ in the derivatives, 1/s.
     pub alpha: f64,
-    /// Whether the ring deflects in space: there one flank is deeper in than the other.
-    pub spatial: bool,
-    /// Drift rate ṡ of the ring, m/s.
-    pub ring_speed: Lanes,
     pub regime: &'a mut Regime,
 }
 
-impl RegimeProbe<'_> {
-    /// Records a station, and the stack of the cell.
-    pub(crate) fn record(&mut self, s: &Sample<Lanes>) {
-        let Self { law, friction, .. } = *self;
+impl<const D: usize> Probe<Lanes, D> for RegimeProbe<'_> {
+    #[inline(always)]
+    fn look<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
+        let AtStation {
+            given, station, forces, ..
+        } = at;
+        let (law, friction) = (given.law, given.friction);
         let inertia = 1.0 / (law.chain.mass_per_length * self.alpha);
-        let station = &mut self.regime.stations[self.regime.recorded];
-        let movable @ [deep, touching] = touch(&law.contact, s.penetration + s.offset);
-        let [flat, other_touching] = if self.spatial {
-            touch(&law.contact, s.penetration - s.offset)
+        let regime = &mut self.regime.stations[at.index];
+        let (flank, offset) = (&forces.approach.flank, forces.flanks.offset);
+        let movable @ [deep, touching] = touch(&law.contact, flank.penetration + offset);
+        // In space one flank is deeper in than the other.
+        let [flat, other_touching] = if D == 3 {
+            touch(&law.contact, flank.penetration - offset)
         } else {
             movable
         };
-        let sliding = [s.sliding, s.flank_sliding];
+        let sliding = [flank.tangential, flank.along_flank];
         let FrictionSlopes { direction, slopes } =
             friction_slopes(&law.contact, friction, deep + flat, sliding, inertia);
-        station.touching = touching;
-        station.other_touching = other_touching;
-        station.direction = direction.map(|along| touching * along);
-        station.friction = slopes;
-        let pressing = pressing(&law.ring, s.tension, self.ring_speed);
-        station.ring_friction = ring_friction_slope(friction, pressing, s.curvature[0], s.ring_sliding, inertia);
-        station.convection = s.flow / (s.weight * self.alpha);
-        station.curvature = s.curvature[0];
+        regime.touching = touching;
+        regime.other_touching = other_touching;
+        regime.direction = direction.map(|along| touching * along);
+        regime.friction = slopes;
+        let kappa = station.ring.reference.kappa;
+        regime.ring_friction = ring_friction_slope(friction, forces.pressing, kappa, forces.sliding, inertia);
+        regime.convection = station.chain.flow / (station.weight * self.alpha);
+        regime.curvature = kappa;
         let stack = &mut self.regime.stack;
-        let [contact, bend, damping] = stack_slopes(&law.chain, s.density, s.density_rate);
+        let [density, density_rate, ..] = at.cell.stack_arguments();
+        let [contact, bend, damping] = stack_slopes(&law.chain, density, density_rate);
         (stack.contact, stack.bend) = (contact, bend);
-        stack.damping = damping * inertia / (s.weight * s.weight);
-        self.regime.recorded += 1;
+        stack.damping = damping * inertia / (station.weight * station.weight);
+        [stack.closing, stack.closing_bend] = closing_slopes(at.cell.difference);
     }
 }
 
@@ -203,19 +196,23 @@ impl Kept {
         self.slopes = [f64::NAN; 2];
     }
 
-    /// Whether the derivatives are good in `regime`, where the element of the ring has this `length`.
+    /// Takes unknowns and regime as those of new derivatives, unless the derivatives at hand are still good there; says
+    /// whether it did. The element of the ring has this `length`.
     #[inline(always)]
-    pub(crate) fn holds<K: Directions>(
-        &self,
-        regime: &Regime,
-        unknowns: &Unknowns<Lanes>,
+    pub(crate) fn renew<K: Directions>(
+        &mut self,
+        regime: Regime,
+        (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
-        alpha: f64,
     ) -> bool {
-        let ratio = alpha / self.slopes[0];
-        (1.0 / RESCALED..RESCALED).contains(&ratio)
+        let ratio = slopes[0] / self.slopes[0];
+        let good = (1.0 / RESCALED..RESCALED).contains(&ratio)
             && self.turned::<K>(unknowns, length) < TURNED
-            && regime.is_like(&self.regime)
+            && regime.is_like(&self.regime);
+        if !good {
+            (self.unknowns, self.regime, self.slopes) = (unknowns.clone(), regime, slopes);
+        }
+        !good
     }
 
     /// Largest angle by which the ring has turned, or change of Θ or of the centres.

@@ -9,9 +9,9 @@ use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
 use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
+use crate::variator::assembly::jacobian::Differentiate;
 #[cfg(test)]
 use crate::variator::assembly::jacobian::worst_of_pack;
-use crate::variator::assembly::jacobian::{Differentiate, regime_and_balance};
 use crate::variator::assembly::kept::Kept;
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
@@ -20,7 +20,8 @@ use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::{path, rows};
 use crate::variator::belt::Belt;
 use crate::variator::cell::directions::{MOST, RESULTANT};
-use crate::variator::cell::sample::{NoProbe, Sample};
+use crate::variator::cell::probe::NoProbe;
+use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
 use std::marker::PhantomData;
@@ -132,17 +133,12 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
         let frames = K::frames(&belt.curve, &belt.path(view), slopes);
-        let plain = K::plain(&frames);
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             let unknowns = InPlace { pack, view }.gather(K::COUNT);
-            let (regime, b) = regime_and_balance::<K, D, C>(acting, pack, plain, &unknowns, alpha);
-            let length = C::segment_length(plain, pack.segment).v * pack.of_segment[1];
-            if !kept.holds::<K>(&regime, &unknowns, length, alpha) {
-                self.differentiations += 1;
-                (kept.unknowns, kept.regime, kept.slopes) = (unknowns, regime, slopes);
-                K::differentiate(acting, pack, &frames, kept, &mut self.transport_slopes);
-            }
+            let of_pack = (&mut *kept, &mut *self.transport_slopes);
+            let (b, renewed) = K::renew(acting, pack, &frames, (&unknowns, slopes), of_pack);
+            self.differentiations += u64::from(renewed);
             for (entry, value) in pack.entries.iter().zip(&kept.block) {
                 let value = value.to_array();
                 for lane in 0..pack.group.used {
@@ -182,10 +178,16 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     fn restore_derivatives(&mut self, acting: InForce<'_>) {
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             if !kept.slopes[0].is_nan() {
-                let frames = K::frames(&acting.belt.curve, &path::<K>(&kept.unknowns), kept.slopes);
-                (kept.regime, _) =
-                    regime_and_balance::<K, D, C>(acting, pack, K::plain(&frames), &kept.unknowns, kept.slopes[0]);
-                K::differentiate(acting, pack, &frames, kept, &mut self.transport_slopes);
+                let (unknowns, slopes) = (kept.unknowns.clone(), kept.slopes);
+                kept.forget();
+                let frames = K::frames(&acting.belt.curve, &path::<K>(&unknowns), slopes);
+                K::renew(
+                    acting,
+                    pack,
+                    &frames,
+                    (&unknowns, slopes),
+                    (kept, &mut self.transport_slopes),
+                );
             }
         }
     }

@@ -8,30 +8,40 @@
 //! layers on the ring alone, the push force on the shortening of the stack. So no power is lost between ring, chain and pulleys, and no moment on the arcs.
 
 use crate::chain::{Stack, Transport};
-use crate::contact::energy_density_at;
 use crate::reference_curve::ReferencePoint;
-use crate::ring::kinematics::{RingPoint, in_plane};
+use crate::ring::kinematics::in_plane;
 use crate::scalar::Real;
-use crate::variator::cell::sample::{Probe, Sample};
+use crate::variator::cell::probe::{AtStation, Probe};
 use crate::variator::cell::state::{CellInput, CellState, Slots, Station, StationForces, chain_at_face};
-use crate::variator::law::flanks::BothFlanks;
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{Action, CellRing};
-use nalgebra::Vector2;
 
 /// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference
-/// curve at the face (0) and at the stations (1 and on); `probe` records every station.
+/// curve at the face (0) and at the stations (1 and on); `probe` looks on at every station.
 #[inline(always)]
-pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
+pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
-    probe: &mut S,
+    probe: &mut P,
 ) -> CellBalance<T> {
     let mut slots = Slots::empty();
-    let cell = CellState::new(given, ring, reference, &mut slots);
+    balance_in(given, ring, reference, &mut slots, probe).0
+}
+
+/// [`balance`] with the state of the cell; `slots`, which were empty, are filled.
+#[inline(always)]
+pub(crate) fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>>(
+    given: &CellInput<'_, T>,
+    ring: &mut R,
+    reference: impl Fn(usize) -> ReferencePoint<T>,
+    slots: &mut Slots<T, D>,
+    probe: &mut P,
+) -> (CellBalance<T>, CellState<T>) {
+    let cell = CellState::new(given, ring, reference, slots);
     let stack = cell.stack(given.law);
     let Stack { push, collision, lag } = stack;
+    let face = slots.face();
     let mut out = CellBalance {
         speed: [push.force - collision, collision - push.force],
         axial: T::zero(),
@@ -39,7 +49,7 @@ pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         torque: T::zero(),
         resultant: [T::zero(); 2],
         transport: Transport {
-            flow: chain_at_face(given, slots.face()).flow,
+            flow: chain_at_face(given, face).flow,
             density: cell.density,
             lag: if given.law.has_lag { lag } else { T::zero() },
         },
@@ -48,11 +58,18 @@ pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, S: Probe<T>>(
         let Some(station) = station else { continue };
         let forces = StationForces::new(given, &cell, (i, station), ring, push.force);
         apply(given, (i, station), &forces, ring, &mut out);
-        if S::ACTIVE {
-            probe.record(sample(given, (&cell, slots.face()), station, &forces, &stack, ring));
-        }
+        probe.look(&AtStation {
+            given,
+            cell: &cell,
+            stack: &stack,
+            face,
+            index: i,
+            station,
+            forces: &forces,
+            ring,
+        });
     }
-    out
+    (out, cell)
 }
 
 /// Adds what happens at station `i`: to the ring, to the elements, and to the pulley.
@@ -106,70 +123,4 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     let force = approach.e_r * flanks.loads.radial + approach.e_t * flanks.loads.around;
     out.resultant[0] += force.x * weight;
     out.resultant[1] += force.y * weight;
-}
-
-/// Elastic energy of both flanks of an element per pitch-line length, J/m.
-#[inline(always)]
-fn flank_energy<T: Real>(given: &CellInput<'_, T>, flanks: &BothFlanks<T>) -> T {
-    let (contact, cos_beta) = (&given.law.contact, given.law.wedge[1]);
-    let of = |k: usize| energy_density_at(contact, cos_beta, flanks.motions[k].penetration, flanks.depths[k]);
-    of(0) + of(1)
-}
-
-/// The values at a station that outputs, losses and energies need.
-#[inline(always)]
-fn sample<T: Real, const D: usize, R: CellRing<T, D>>(
-    given: &CellInput<'_, T>,
-    (cell, face): (&CellState<T>, &RingPoint<T, D>),
-    station: &Station<T, D>,
-    forces: &StationForces<T, D>,
-    Stack { push, collision, .. }: &Stack<T>,
-    ring: &R,
-) -> Sample<T> {
-    let Station {
-        ring: point,
-        chain,
-        weight,
-    } = station;
-    let (flanks, approach) = (&forces.flanks, &forces.approach);
-    let of_ring = ring.density(point);
-    let stack_loss = (*collision * cell.difference - push.viscous * cell.lengthening) * cell.inverse_length;
-    let from_axis = in_plane(&face.r) - Vector2::new(T::constant(given.place.axis), T::zero());
-    Sample {
-        xi: point.reference.xi.v,
-        curvature: [point.reference.kappa, face.reference.kappa],
-        weight: *weight,
-        r: [point.r[0], point.r[1]],
-        pitch_radius: approach.rho,
-        face_radius: from_axis.dot(&from_axis).sqrt() - given.law.chain.pitch_offset,
-        lambda: chain.lambda,
-        density: cell.density,
-        density_rate: cell.stack_arguments()[1],
-        push: push.force,
-        tension: forces.tension,
-        normal: flanks.loads.normal * 0.5,
-        axial: flanks.on_movable,
-        torque: flanks.loads.torque,
-        resultant: (approach.e_r * flanks.loads.radial + approach.e_t * flanks.loads.around).into(),
-        sliding: approach.flank.tangential,
-        flank_sliding: approach.flank.along_flank,
-        ring_sliding: forces.sliding,
-        penetration: approach.flank.penetration,
-        offset: flanks.offset,
-        lateral: if D == 2 {
-            [T::zero(); 2]
-        } else {
-            [point.r[D - 1], point.slope[D - 1]]
-        },
-        flow: chain.flow,
-        speed: chain.speed,
-        sheave_loss: flanks.loads.loss,
-        ring_loss: forces.ring_friction * forces.sliding,
-        layer_loss: forces.layer_drag * forces.ring_speed,
-        damping_loss: of_ring.viscous + stack_loss + flanks.loads.viscous,
-        kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
-        ring_elastic: of_ring.elastic,
-        flank_elastic: flank_energy(given, flanks) * chain.lambda,
-        outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
-    }
 }

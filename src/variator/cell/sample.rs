@@ -1,4 +1,4 @@
-//! Values at a station for outputs, losses and energies, and the probes that record them.
+//! Values at a station for outputs, losses and energies.
 
 use crate::scalar::{Lanes, Real};
 
@@ -107,32 +107,5 @@ impl Sample {
     #[must_use]
     pub fn on_arc(&self) -> bool {
         self.curvature[0] > 0.0
-    }
-}
-
-/// Records every station of a cell as it is evaluated.
-pub(crate) trait Probe<T> {
-    /// Whether samples are needed: if not, they are not evaluated.
-    const ACTIVE: bool;
-    /// Records the values at a station.
-    fn record(&mut self, sample: Sample<T>);
-}
-
-/// A probe that needs no samples.
-#[derive(Debug)]
-pub(crate) struct NoProbe;
-
-impl<T> Probe<T> for NoProbe {
-    const ACTIVE: bool = false;
-    fn record(&mut self, _sample: Sample<T>) {}
-}
-
-/// A probe that hands samples to a closure.
-pub(crate) struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
-
-impl<T> Probe<T> for Sampler<'_, T> {
-    const ACTIVE: bool = true;
-    fn record(&mut self, sample: Sample<T>) {
-        (self.0)(sample);
     }
 }

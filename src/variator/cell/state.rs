@@ -66,9 +66,7 @@ pub(crate) fn chain_at_face<T: Real, const D: usize>(
 /// Arguments of the laws of a cell's stack.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellState<T: Real> {
-    /// Length of the pitch line, m.
-    pub pitch_length: T,
-    /// One by it, and by the length of the cell, 1/m.
+    /// One by the length of the pitch line, and by that of the cell, 1/m.
     pub inverse_pitch_length: T,
     pub inverse_length: T,
     /// Density ν.
@@ -137,7 +135,6 @@ impl<T: Real> CellState<T> {
             .fold(T::zero(), |sum, s| sum + place.length.d * s.weight);
         let widening = lengthened * theta_dot * inverse_length;
         Self {
-            pitch_length,
             inverse_pitch_length,
             inverse_length,
             density,

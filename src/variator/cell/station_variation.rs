@@ -12,15 +12,15 @@ use nalgebra::{SVector, Vector2};
 
 /// A station, and the coefficients of its variations.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LinearisedStation<const D: usize> {
-    pub ring: RingPoint<Lanes, D>,
-    pub chain: ChainPoint<Lanes, D>,
+pub(crate) struct LinearisedStation<'a, const D: usize> {
+    pub ring: &'a RingPoint<Lanes, D>,
+    pub chain: &'a ChainPoint<Lanes, D>,
     terms: AccelerationTerms<Lanes>,
     /// Length dξ that the station stands for, m.
     pub weight: Lanes,
     /// Share of the right face in what is linear between the faces.
     pub right: Lanes,
-    pub forces: StationForces<Lanes, D>,
+    pub forces: &'a StationForces<Lanes, D>,
     /// v_e·e_t and v_p·e_r, m/s.
     crosswise: [Lanes; 2],
     /// Flank on the movable sheave; in space also that on the fixed one.
@@ -66,16 +66,16 @@ pub(crate) struct StackForce {
     pub gradient: [Lanes; 2],
 }
 
-impl<const D: usize> LinearisedStation<D> {
+impl<'a, const D: usize> LinearisedStation<'a, D> {
     /// Station `i` of a cell, under `forces`.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
-        (i, station): (usize, &Station<Lanes, D>),
-        forces: StationForces<Lanes, D>,
+        (i, station): (usize, &'a Station<Lanes, D>),
+        forces: &'a StationForces<Lanes, D>,
     ) -> Self {
-        let Station { ring, chain, weight } = *station;
-        let StationForces { v_e, v_p, approach, .. } = &forces;
+        let Station { ring, chain, weight } = station;
+        let StationForces { v_e, v_p, approach, .. } = forces;
         let friction = ring_friction(
             given.friction,
             Tangent::<2>::seed(forces.pressing, 0, 1.0),
@@ -89,8 +89,8 @@ impl<const D: usize> LinearisedStation<D> {
             Tangent::seed(forces.ring_speed, 1, 1.0),
         );
         Self {
-            terms: chain.acceleration_terms(&ring),
-            weight,
+            terms: chain.acceleration_terms(ring),
+            weight: *weight,
             right: given.place.stations[i].right,
             crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
             flanks: forces
@@ -115,12 +115,12 @@ impl<const D: usize> LinearisedStation<D> {
         (by, chain_by): (&RingVariation<Lanes, D>, &ChainVariation<Lanes>),
         stack: &StackForce,
     ) -> (Lanes, [Lanes; 2]) {
-        let chain = &self.chain;
+        let chain = self.chain;
         let [density, density_by] = stack.density;
         let [push, push_by] = stack.push;
         let mass = (density_by * chain.lambda + density * by.stretch) * law.chain.mass_per_length;
         let speed_dot = chain_by.speed * alpha;
-        let (a_t, a_n) = chain.vary_acceleration(&self.ring, &self.terms, (by, chain_by), speed_dot, stack.gradient);
+        let (a_t, a_n) = chain.vary_acceleration(self.ring, &self.terms, (by, chain_by), speed_dot, stack.gradient);
         let (base_t, base_n) = self.forces.acceleration;
         let mut inward = [Lanes::from(0.0); 2];
         for k in 0..D - 1 {
@@ -139,7 +139,7 @@ impl<const D: usize> LinearisedStation<D> {
         by: &RingVariation<Lanes, D>,
         chain: &ChainVariation<Lanes>,
     ) -> [SVector<Lanes, D>; 2] {
-        let (ring, base) = (&self.ring, &self.chain);
+        let (ring, base) = (self.ring, self.chain);
         let mut v_e = ring.t * (chain.speed * base.lead);
         let mut v_p = ring.t * chain.speed;
         if MOVES {
@@ -230,7 +230,7 @@ impl<const D: usize> LinearisedStation<D> {
         flanks: &BothFlanksVariation,
         load: &mut Load<Lanes, D>,
     ) -> ([Lanes; 2], Vector2<Lanes>) {
-        let (ring, chain, at) = (&self.ring, &self.chain, &self.forces.approach);
+        let (ring, chain, at) = (self.ring, self.chain, &self.forces.approach);
         let StationVariation { by, flank, .. } = *change;
         let (base, loads) = (&self.forces.flanks.loads, &flanks.loads);
         let mut at_ring_line: SVector<Lanes, D> = zero_vector();
@@ -289,7 +289,7 @@ impl<const D: usize> LinearisedStation<D> {
     /// Variation of the friction between ring and elements, and of the drag of the ring's layers, N/m.
     #[inline(always)]
     pub fn vary_ring_friction<const MOVES: bool>(&self, change: &StationVariation<'_, D>) -> [Lanes; 2] {
-        let (ring, chain, by) = (&self.ring, &self.chain, change.by);
+        let (ring, chain, by) = (self.ring, self.chain, change.by);
         let mut speed = by.w * ring.stretch;
         let mut sliding = speed - change.chain.speed * chain.lead;
         if MOVES {

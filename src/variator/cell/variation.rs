@@ -8,7 +8,6 @@
 //! differentiation.
 
 use crate::chain::{ChainPoint, ChainVariation, Stack, Transport};
-use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation};
 use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::cell::directions::Direction;
@@ -26,13 +25,22 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     given: CellInput<'a, Lanes>,
     ring: &'a R,
     cell: CellState<Lanes>,
-    face: (RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
-    stations: [Option<LinearisedStation<D>>; STATIONS],
+    face: (&'a RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
+    stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
     /// Push force, collision force and lag: by density, its rate, flow and difference of V.
     stack: [[Lanes; 4]; 3],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
+}
+
+/// A pack of cells as it was evaluated.
+#[derive(Debug)]
+pub(crate) struct Evaluated<const D: usize> {
+    pub cell: CellState<Lanes>,
+    pub slots: Slots<Lanes, D>,
+    /// At the stations.
+    pub forces: [Option<StationForces<Lanes, D>>; STATIONS],
 }
 
 /// Variations of ring and chain at the stations: kilobytes, written in place.
@@ -64,19 +72,10 @@ struct StackVariation {
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Linearises cells. If their `ring` moves, the loads of [`balance`](crate::variator::cell::balance::balance) at the same
-    /// motion must have been applied to it. `slopes` are the factors of acceleration and position.
+    /// Linearises cells that were `evaluated` on a `ring`. `slopes` are the factors of acceleration and position.
     #[inline(always)]
-    pub fn new(
-        given: CellInput<'a, Lanes>,
-        ring: &'a R,
-        reference: impl Fn(usize) -> ReferencePoint<Lanes>,
-        slopes: [f64; 2],
-    ) -> Self {
-        let mut slots = Slots::empty();
-        let mut cell = CellState::new(&given, ring, reference, &mut slots);
-        // By division: the last bit of a Jacobian decides which cells a step in macro-slip finds sticking.
-        cell.density = given.motion.amount / cell.pitch_length;
+    pub fn new(given: CellInput<'a, Lanes>, ring: &'a R, evaluated: &'a Evaluated<D>, slopes: [f64; 2]) -> Self {
+        let Evaluated { cell, slots, forces } = evaluated;
         let arguments = cell.stack_arguments();
         let seeded = std::array::from_fn(|k| Tangent::<4>::seed(arguments[k], k, 1.0));
         let Stack {
@@ -86,24 +85,23 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         } = Stack::new(&given.law.chain, seeded);
         push.force += Tangent::constant(cell.settling(given.law));
         let lag = if given.law.has_lag { lag.eps } else { [Lanes::zero(); 4] };
-        let face = *slots.face();
-        let mut this = Self {
-            face: (face, chain_at_face(&given, &face)),
+        let face = slots.face();
+        let mut stations = [None; STATIONS];
+        for (i, (to, at)) in stations.iter_mut().zip(slots.stations.iter().zip(forces)).enumerate() {
+            if let (Some(station), Some(forces)) = at {
+                *to = Some(LinearisedStation::new(&given, (i, station), forces));
+            }
+        }
+        Self {
+            face: (face, chain_at_face(&given, face)),
             given,
             ring,
-            cell,
-            stations: [None; STATIONS],
+            cell: *cell,
+            stations,
             push: push.force.re,
             stack: [push.force.eps, collision.eps, lag],
             slopes,
-        };
-        for (i, station) in slots.stations.iter().enumerate() {
-            if let Some(station) = station {
-                let forces = StationForces::new(&this.given, &this.cell, (i, station), ring, this.push);
-                this.stations[i] = Some(LinearisedStation::new(&this.given, (i, station), forces));
-            }
         }
-        this
     }
 
     /// Variation of balance and ring forces in a direction.
@@ -151,7 +149,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 continue;
             };
             let mut load = Load::zero();
-            let tension = self.ring.vary_own_load(i + 1, &station.ring, by, own, &mut load);
+            let tension = self.ring.vary_own_load(i + 1, station.ring, by, own, &mut load);
             let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &on_stations);
             let change = StationVariation {
                 by,
@@ -210,8 +208,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let (mut pitch_length, mut carried, mut through, mut steepness) = (zero, zero, zero, zero);
         for (i, (varied, station)) in stations.iter_mut().zip(&self.stations).enumerate() {
             let Some(station) = station else { continue };
-            let (chain, weight) = (&station.chain, station.weight);
-            let slot = (i + 1, &station.ring, chain);
+            let (chain, weight) = (station.chain, station.weight);
+            let slot = (i + 1, station.ring, chain);
             let (by, chain_by) = self.vary_slot::<MOVES>(slot, own, between(&speed, station.right));
             pitch_length += weight * by.stretch;
             if MOVES {
@@ -304,13 +302,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     #[inline(always)]
     fn add_station<const MOVES: bool>(
         &self,
-        (i, station): (usize, &LinearisedStation<D>),
+        (i, station): (usize, &LinearisedStation<'_, D>),
         change: &StationVariation<'_, D>,
         mut load: Load<Lanes, D>,
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
-        let (ring, by, weight) = (&station.ring, change.by, station.weight);
+        let (ring, by, weight) = (station.ring, change.by, station.weight);
         let ring_along = load.position.dot(&ring.t);
         let flanks = station.vary_flanks(&self.given, change.flank);
         let ([mut along, tangential], force) = station.add_flank_forces::<MOVES>(change, &flanks, &mut load);

@@ -12,7 +12,8 @@ use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::belt::Belt;
-use crate::variator::cell::sample::{NoProbe, Sample, Sampler};
+use crate::variator::cell::probe::{NoProbe, Sampler};
+use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::Layout;
 use crate::variator::mesh::order::Order;
 use crate::variator::travelling::evaluation::{

@@ -10,7 +10,7 @@ use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::variator::assembly::equations::InForce;
 use crate::variator::cell::balance::balance;
-use crate::variator::cell::sample::Probe;
+use crate::variator::cell::probe::Probe;
 use crate::variator::cell::state::CellInput;
 use crate::variator::law::place::{CellMotion, Place};
 use crate::variator::mesh::belt_mesh::SLOTS;
@@ -246,7 +246,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
     /// state at hand.
     #[inline(always)]
     fn mean_tension<S: Scalars, P: Probe<S::T>>(&self, element: usize, first: usize, scalars: S) -> S::T {
-        if P::ACTIVE {
+        if P::SAMPLES {
             let values = values(&self.acting.belt.layout, self.view, element);
             return S::T::from(self.ring.mean_tension(&values));
         }
