@@ -163,8 +163,12 @@ where
     if !kept.renew::<K>(regime, at, place.length.v) {
         return (b, false);
     }
-    let evaluated = Evaluated { cell, slots, forces };
-    let linear = Linearised::new(given, &ring, &evaluated, slopes);
+    let evaluated = Evaluated {
+        cell,
+        slots: &slots,
+        forces: &forces,
+    };
+    let linear = Linearised::new(given, &ring, evaluated, slopes);
     let mut columns = Columns::of::<K>(pack, kept, transports);
     for k in 0..K::COUNT {
         if let Some(direction) = K::direction(k) {

@@ -60,14 +60,14 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
         }
     }
 
-    /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
+    /// Adds the derivatives of the balance of the amounts: fluxes through the left faces, which no pulley moves.
     fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         for face in self.transports.faces(belt) {
             let [before, cell] = face.cells;
             let row = face.amounts[1];
             out.add(row, row, alpha);
             let [own, other] = &self.flux_entries[cell];
-            for k in 0..K::COUNT {
+            for k in 0..K::SHEAVE {
                 let of_own = face.slopes(1, &self.transport_slopes[cell], k);
                 let of_before = face.slopes(0, &self.transport_slopes[before], k);
                 for (entries, slopes) in [(own[k], of_own), (other[k], of_before)] {

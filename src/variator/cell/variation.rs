@@ -35,12 +35,12 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
 }
 
 /// A pack of cells as it was evaluated.
-#[derive(Debug)]
-pub(crate) struct Evaluated<const D: usize> {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Evaluated<'a, const D: usize> {
     pub cell: CellState<Lanes>,
-    pub slots: Slots<Lanes, D>,
+    pub slots: &'a Slots<Lanes, D>,
     /// At the stations.
-    pub forces: [Option<StationForces<Lanes, D>>; STATIONS],
+    pub forces: &'a [Option<StationForces<Lanes, D>>; STATIONS],
 }
 
 /// Variations of ring and chain at the stations: kilobytes, written in place.
@@ -74,7 +74,7 @@ struct StackVariation {
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// Linearises cells that were `evaluated` on a `ring`. `slopes` are the factors of acceleration and position.
     #[inline(always)]
-    pub fn new(given: CellInput<'a, Lanes>, ring: &'a R, evaluated: &'a Evaluated<D>, slopes: [f64; 2]) -> Self {
+    pub fn new(given: CellInput<'a, Lanes>, ring: &'a R, evaluated: Evaluated<'a, D>, slopes: [f64; 2]) -> Self {
         let Evaluated { cell, slots, forces } = evaluated;
         let arguments = cell.stack_arguments();
         let seeded = std::array::from_fn(|k| Tangent::<4>::seed(arguments[k], k, 1.0));
@@ -96,7 +96,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             face: (face, chain_at_face(&given, face)),
             given,
             ring,
-            cell: *cell,
+            cell,
             stations,
             push: push.force.re,
             stack: [push.force.eps, collision.eps, lag],
