@@ -135,11 +135,16 @@ impl Driven {
         parameters.initial.ratio = ratio;
         parameters.initial.primary_speed = load.start_speed();
         let clamping = clamping(&parameters, ratio, load.capacity());
-        let mut variator = Variator::new(parameters).expect("valid parameters");
         let torque = load.mean_torque();
-        let start = inputs((torque, 1.3 * clamping), (-torque * ratio, clamping));
-        variator.initialise(0.0, &start).expect("a start");
-        let primary = variator.outputs().primary.axial_force;
+        let started = |primary: f64| {
+            let mut variator = Variator::new(parameters.clone()).expect("valid parameters");
+            let start = inputs((torque, primary), (-torque * ratio, clamping));
+            variator.initialise(0.0, &start).expect("a start");
+            variator
+        };
+        // The start holds the ratio. A run begins with the force that the belt wants there: another would be a jump.
+        let primary = started(clamping).outputs().primary.axial_force;
+        let variator = started(primary);
         Self {
             variator,
             load,
