@@ -8,7 +8,7 @@ use crate::tape::Tape;
 
 /// Most Jacobians in a stage.
 const FRESH_ITERATIONS: usize = 15;
-/// Most iterations of Broyden's method with the same factors. An iteration costs a thirteenth of a Jacobian, and the best
+/// Most iterations of Broyden's method with the same factors. An iteration costs a fifteenth of a Jacobian, and the best
 /// point of those that fail is where Newton's method begins.
 const QUASI_ITERATIONS: usize = 24;
 /// Bounds of α over that of the factored matrix, within which the factors are tried. CVODE (Hindmarsh et al. 2005)
