@@ -199,15 +199,17 @@ impl ArrowLu {
     /// Inverts the pivot of block k, and takes the block's part from block k + 1 and from the border.
     #[inline(always)]
     fn eliminate<const B: usize, const W: usize>(&mut self, a: &Parts<'_>, k: usize) -> Result<(), Singular> {
-        let n = self.shape.blocks;
         let [b, w] = self.sizes::<B, W>();
+        let has_next = k + 1 < self.shape.blocks;
         let (upper, border) = self.columns[..b * (b + w)].split_at_mut(b * b);
-        if k < n - 1 {
+        border.copy_from_slice(&self.next_border[..b * w]);
+        if has_next {
             upper.copy_from_slice(&a.upper[k * b * b..(k + 1) * b * b]);
+            self.copy_border_columns::<B, W>(a, k + 1);
+            self.copy_border_rows::<B, W>(a, k + 1);
         } else {
             upper.fill(0.0);
         }
-        border.copy_from_slice(&self.next_border[..b * w]);
         let (inverses, pivots) = self.inverses.split_at_mut((k + 1) * b * b);
         let inverse = &mut inverses[k * b * b..];
         if !invert::<B>(&mut self.pivot, inverse) {
@@ -215,25 +217,20 @@ impl ArrowLu {
         }
         let solved = &mut self.solved[k * b * (b + w)..(k + 1) * b * (b + w)];
         gemm::<B, B>(Update::Set, [b, b], inverse, &self.columns, solved);
-        if k + 1 < n {
+        let (x_upper, x_border) = solved.split_at(b * b);
+        let (done, rest) = self.rows.split_at_mut((k + 1) * b * w);
+        let row = &done[k * b * w..];
+        gemm::<W, B>(Update::Subtract, [w, b], row, x_border, &mut self.border);
+        if has_next {
+            gemm::<W, B>(Update::Subtract, [w, b], row, x_upper, &mut rest[..b * w]);
             let block = (k + 1) * b * b..(k + 2) * b * b;
             let lower = &mut self.lower[block.clone()];
             gemm::<B, B>(Update::Set, [b, b], &a.lower[block.clone()], inverse, lower);
             let pivot = &mut pivots[..b * b];
-            pivot.copy_from_slice(&a.diagonal[block.clone()]);
-            let (upper, _) = self.columns.split_at(b * b);
+            pivot.copy_from_slice(&a.diagonal[block]);
+            let (upper, border) = self.columns.split_at(b * b);
             gemm::<B, B>(Update::Subtract, [b, b], lower, upper, pivot);
-            self.copy_border_columns::<B, W>(a, k + 1);
-            self.copy_border_rows::<B, W>(a, k + 1);
-            let (lower, border) = (&self.lower[block], &self.columns[b * b..]);
             gemm::<B, B>(Update::Subtract, [b, b], lower, border, &mut self.next_border);
-        }
-        let (x_upper, x_border) = self.solved[k * b * (b + w)..(k + 1) * b * (b + w)].split_at(b * b);
-        let (done, rest) = self.rows.split_at_mut((k + 1) * b * w);
-        let row = &done[k * b * w..];
-        gemm::<W, B>(Update::Subtract, [w, b], row, x_border, &mut self.border);
-        if k + 1 < n {
-            gemm::<W, B>(Update::Subtract, [w, b], row, x_upper, &mut rest[..b * w]);
         }
         Ok(())
     }

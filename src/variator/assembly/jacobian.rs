@@ -102,7 +102,6 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
         kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, bool) {
         let (unknowns, slopes) = at;
-        let (kept, transports) = kept;
         let mut regime = Regime::default();
         let mut probe = RegimeProbe {
             alpha: slopes[0],
@@ -111,9 +110,9 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
         let plain = |value, _, _| value;
         let (b, _) = pack_balance::<_, _, Self, D, C>(acting, pack, &frames.plain, unknowns, slopes, plain, &mut probe);
         let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
-        let renewed = kept.renew::<Self>(regime, at, length);
+        let renewed = kept.0.renew::<Self>(regime, at, length);
         if renewed {
-            forward::<Self, D, C>(acting, pack, &frames.shape, kept, transports);
+            forward::<Self, D, C>(acting, pack, &frames.shape, at, kept);
         }
         (b, renewed)
     }
@@ -206,14 +205,13 @@ fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     shape: &C::Shape,
-    kept: &mut Kept,
-    transports: &mut [Transport<[f64; MOST]>],
+    (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
+    (kept, transports): (&mut Kept, &mut [Transport<[f64; MOST]>]),
 ) {
-    let (unknowns, slopes) = (kept.unknowns.clone(), kept.slopes);
     let mut columns = Columns::of::<K>(pack, kept, transports);
     for first in (0..K::COUNT).step_by(PASS) {
         let frame = C::mesh_frame(shape, |k| moving((K::THETA + k).wrapping_sub(first), slopes));
-        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, &unknowns, slopes, first);
+        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, unknowns, slopes, first);
         for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
             columns.record(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
         }
@@ -242,6 +240,7 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
     acting: InForce<'_>,
     pack: &Pack,
     frames: &K::Frames,
+    at: (&Unknowns<Lanes>, [f64; 2]),
     kept: &Kept,
     transports: &[Transport<[f64; MOST]>],
 ) -> f64 {
@@ -249,16 +248,9 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
     let mut worst = 0.0_f64;
     let mut kept = [kept.clone(), kept.clone()];
     let mut transports = [transports.to_vec(), transports.to_vec()];
-    let (unknowns, slopes) = (kept[0].unknowns.clone(), kept[0].slopes);
     kept[0].forget();
-    K::renew(
-        acting,
-        pack,
-        frames,
-        (&unknowns, slopes),
-        (&mut kept[0], &mut transports[0]),
-    );
-    forward::<K, D, C>(acting, pack, K::shape(frames), &mut kept[1], &mut transports[1]);
+    K::renew(acting, pack, frames, at, (&mut kept[0], &mut transports[0]));
+    forward::<K, D, C>(acting, pack, K::shape(frames), at, (&mut kept[1], &mut transports[1]));
     for lane in 0..pack.group.used {
         let [hand, forward] = kept.each_ref().map(|kept| {
             let entry = |row: usize, column: usize| kept.block[row * count + column].to_array()[lane];

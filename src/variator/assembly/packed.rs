@@ -206,10 +206,9 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     fn worst_derivative(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
         let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
         let of_pack = |(pack, kept): (&Pack, &Kept)| {
-            let mut kept = kept.clone();
-            kept.unknowns = InPlace { pack, view }.gather(K::COUNT);
-            kept.slopes = [alpha, 1.0 / alpha];
-            worst_of_pack::<K, D, C>(acting, pack, &frames, &kept, &self.transport_slopes)
+            let unknowns = InPlace { pack, view }.gather(K::COUNT);
+            let at = (&unknowns, [alpha, 1.0 / alpha]);
+            worst_of_pack::<K, D, C>(acting, pack, &frames, at, kept, &self.transport_slopes)
         };
         self.packs.iter().zip(&self.kept).map(of_pack).fold(0.0, f64::max)
     }
