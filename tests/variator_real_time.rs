@@ -95,7 +95,7 @@ fn a_slam_is_followed() {
     }
 }
 
-/// Under smooth loads, ripple and noise: in units that a controller sees. The thrust ratio and the slip differ by the rounded laws.
+/// Under smooth loads, ripple and noise: in units that a controller sees. Only an engine's firing leaves ticks that round the laws.
 #[test]
 fn smooth_and_rippling_loads_are_followed() {
     for model in MODELS {
@@ -107,7 +107,9 @@ fn smooth_and_rippling_loads_are_followed() {
                 "{model:?} {load:?}: {primary}, {secondary} rad/s"
             );
             assert!(ratio < 2e-3 && slip < 1e-3, "{model:?} {load:?}: {ratio}, {slip}");
-            assert!(thrust < 0.02, "{model:?} {load:?}: {thrust}");
+            let calm = load != Load::Firing;
+            assert!(thrust < if calm { 2e-4 } else { 0.02 }, "{model:?} {load:?}: {thrust}");
+            assert!(!calm || primary < 5e-3, "{model:?} {load:?}: {primary} rad/s");
         }
     }
 }

@@ -1,23 +1,26 @@
-//! Time integration in ticks of bounded work, for real time: implicit Euler, which is L-stable and one-step, with one
-//! Jacobian, one factorization and a fixed number of residuals in each tick, whatever happens. No tick fails.
+//! Time integration in ticks of bounded work, for real time: with one Jacobian, one factorization and a fixed number of residuals
+//! in each tick, whatever happens. No tick fails. There are two kinds of the same work, both one-step and L-stable:
 //!
-//! The tick from y_n to y solves F(t, y, (y − y_n)/h, q_n + h y) = 0 as far as [`RESIDUALS`] evaluations get:
+//! - A calm tick ([`Tick::Calm`]) is a step of [`Sdirk`](super::sdirk::Sdirk), of order two: two stages share the Jacobian and the
+//!   residuals.
+//! - A rough tick ([`Tick::Rough`]) is implicit Euler, of order one: a swing of 70 Hz lags by 0.2 rad in ticks of 1 ms. Its Jacobian is
+//!   that of the secants ([`Evolution::secant_jacobian`]): where a law saturates, as friction does, its tangent underestimates the
+//!   slopes ahead, and iterations jump from one sliding direction to the other. The secant from rest never does, so each
+//!   iteration dissipates.
 //!
-//! - The Jacobian is that of the secants ([`Evolution::secant_jacobian`]): where a law saturates, as friction does, its
-//!   tangent underestimates the slopes ahead, and iterations jump from one sliding direction to the other. The secant from
-//!   rest never does, so each iteration dissipates.
+//! A stage solves F(t, y, (y − y_0)/τ, q_0 + τ y) = 0 as far as its residuals get:
+//!
 //! - A step is accepted when the simplified correction after it is smaller, else halved: the restricted monotonicity test
 //!   of Deuflhard, Newton Methods for Nonlinear Problems (2011), section 3.3. After a whole step Broyden's update goes on.
-//! - The tick ends at the last point that was accepted. What the next correction would change is its defect.
+//! - The stage ends at the last point that was accepted. What the next correction would change is its defect.
 //!
 //! What a tick leaves unsolved acts in the next one as a force out of balance. A tick that ends very far from its solution is not
-//! taken: the state stays, and the next one tries again. The order is one: with ticks of 1 ms a swing of
-//! 70 Hz lags by 0.2 rad.
+//! taken: the state stays, and the next one tries again.
 
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::Broyden;
 use super::newton::Counts;
-use super::sdirk::{Evolution, Interval, Quadrature};
+use super::sdirk::{Evolution, GAMMA, Interval, Quadrature, move_by};
 use super::{State, System};
 use crate::tape::Tape;
 
@@ -38,6 +41,23 @@ const HOLDING: f64 = 1.0e5;
 /// Defect that stands for an evaluation that was no number.
 const WORST: f64 = 1.0e9;
 
+/// How a tick is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tick {
+    /// Two stages of order two with tangents: where a few iterations find the solution.
+    Calm,
+    /// One stage of order one with secants: where they don't.
+    Rough,
+}
+
+/// Where a stage stands: it ends at `time` and is τ = `length` long, s.
+#[derive(Clone, Copy, Debug)]
+struct Stage {
+    time: f64,
+    length: f64,
+    residuals: usize,
+}
+
 /// Ticks of bounded work.
 #[derive(Clone, Debug)]
 pub struct Bounded {
@@ -51,6 +71,8 @@ pub struct Bounded {
     broyden: Broyden,
     /// State at the start of the tick.
     start: State,
+    /// y_0 and q_0 of a stage.
+    base: State,
     /// Work counts.
     pub counts: Counts,
     /// Largest defect of the ticks since it was set to zero: root mean square of the correction that is left, in units of
@@ -73,6 +95,7 @@ impl Bounded {
             step: zeros,
             broyden: Broyden::new(RESIDUALS, shape.len()),
             start: State::zero(shape.len()),
+            base: State::zero(shape.len()),
             counts: Counts::default(),
             defect: 0.0,
         }
@@ -91,32 +114,73 @@ impl Bounded {
         }
     }
 
-    /// Advances a state by a tick of `length` ≤ [`TICK`] that ends at `end`, s.
-    pub fn tick<S: Evolution>(&mut self, system: &mut S, state: &mut State, end: f64, length: f64) {
-        let alpha = 1.0 / length;
+    /// Advances a state by a tick from one time to another, s, not more than [`TICK`] later. Returns its defect.
+    pub fn tick<S: Evolution>(&mut self, system: &mut S, state: &mut State, [from, to]: [f64; 2], kind: Tick) -> f64 {
+        let length = to - from;
+        let part = match kind {
+            Tick::Calm => GAMMA * length,
+            Tick::Rough => length,
+        };
         self.start.copy_from(state);
-        system.newton_scale(length, &mut self.scale);
-        system.secant_jacobian(end, state.view(), alpha, length, &mut self.matrix);
+        self.base.copy_from(state);
+        system.newton_scale(part, &mut self.scale);
+        let (first, alpha) = (from + part, 1.0 / part);
+        match kind {
+            Tick::Calm => system.jacobian(first, state.view(), alpha, part, &mut self.matrix),
+            Tick::Rough => system.secant_jacobian(first, state.view(), alpha, part, &mut self.matrix),
+        }
         self.counts.factorizations += 1;
         let regular = self.factors.factor(&self.matrix).is_ok();
-        self.iterate(system, state, end, length, regular);
-        let interval = Interval {
-            end,
-            length,
-            rule: Quadrature::End,
+        let stage = |time, residuals| Stage {
+            time,
+            length: part,
+            residuals,
         };
+        let (defect, rule) = match kind {
+            Tick::Calm => {
+                let of_first = self.iterate(system, state, stage(first, RESIDUALS / 2), regular);
+                self.move_on(state, length - part, part);
+                let of_second = self.iterate(system, state, stage(to, RESIDUALS - RESIDUALS / 2), regular);
+                (of_first.max(of_second), Quadrature::Trapezoid)
+            }
+            Tick::Rough => (
+                self.iterate(system, state, stage(to, RESIDUALS), regular),
+                Quadrature::End,
+            ),
+        };
+        if defect > HOLDING {
+            state.copy_from(&self.start);
+            state.y_dot.fill(0.0);
+        }
+        let defect = defect.min(WORST);
+        self.defect = self.defect.max(defect);
+        let interval = Interval { end: to, length, rule };
         system.accumulate(self.start.view(), state.view(), interval);
         self.counts.steps += 1;
+        defect
     }
 
-    /// Iterates with the factors at hand. Without any (`regular`), y stays, and positions move on with it.
-    fn iterate<S: Evolution>(&mut self, system: &mut S, state: &mut State, end: f64, length: f64, regular: bool) {
+    /// From the first stage to the second: its base lies by `rest` along the slopes of the first, and its first guess by `part` more.
+    fn move_on(&mut self, state: &mut State, rest: f64, part: f64) {
+        move_by(rest, &mut self.base.y, &self.start.y, &state.y_dot);
+        move_by(rest, &mut self.base.q, &self.start.q, &state.y);
+        move_by(part, &mut state.y, &self.base.y, &state.y_dot);
+    }
+
+    /// Iterates on a stage with the factors at hand; returns its defect. Without any (`regular`), y stays, and positions move on
+    /// with it.
+    fn iterate<S: Evolution>(&mut self, system: &mut S, state: &mut State, stage: Stage, regular: bool) -> f64 {
+        let Stage {
+            time,
+            length,
+            residuals,
+        } = stage;
         let mut damping = 1.0_f64;
         let mut norm = f64::INFINITY;
         self.accepted.copy_from_slice(&state.y);
         self.step.fill(0.0);
         self.broyden.restart();
-        for iteration in 0..RESIDUALS {
+        for iteration in 0..residuals {
             for ((y, from), (u, s)) in state
                 .y
                 .iter_mut()
@@ -126,7 +190,7 @@ impl Bounded {
                 *y = from + damping * (u * s);
             }
             self.complete(system, state, length);
-            system.residual(end, state.view(), &mut self.correction);
+            system.residual(time, state.view(), &mut self.correction);
             self.counts.residuals += 1;
             let after = if regular { self.correct() } else { f64::INFINITY };
             let allowed = if damping > LEAST {
@@ -146,11 +210,7 @@ impl Bounded {
         }
         state.y.copy_from_slice(&self.accepted);
         self.complete(system, state, length);
-        if norm > HOLDING {
-            state.copy_from(&self.start);
-            state.y_dot.fill(0.0);
-        }
-        self.defect = self.defect.max(norm.min(WORST));
+        norm
     }
 
     /// The correction at the present point; its root mean square in units of Newton's scale.
@@ -175,13 +235,13 @@ impl Bounded {
         }
     }
 
-    /// Sets ẏ and q of a state to those that follow from y.
+    /// Sets ẏ and q of a state to those that follow from y in a stage of this length.
     fn complete(&self, system: &impl System, state: &mut State, length: f64) {
         let alpha = 1.0 / length;
-        for ((rate, y), base) in state.y_dot.iter_mut().zip(&state.y).zip(&self.start.y) {
+        for ((rate, y), base) in state.y_dot.iter_mut().zip(&state.y).zip(&self.base.y) {
             *rate = alpha * (y - base);
         }
-        let moved = self.start.q.iter().zip(&state.y).map(|(q, y)| q + length * y);
+        let moved = self.base.q.iter().zip(&state.y).map(|(q, y)| q + length * y);
         for ((q, has), moved) in state.q.iter_mut().zip(system.has_position()).zip(moved) {
             *q = if *has { moved } else { *q };
         }

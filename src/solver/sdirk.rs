@@ -164,7 +164,7 @@ const ROUNDING: f64 = 1.0e-9;
 const UNSHORTENED: f64 = 0.99;
 
 /// `out` = `from` + `time`·`rate`.
-fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
+pub(super) fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
     for ((out, from), rate) in out.iter_mut().zip(from).zip(rate) {
         *out = from + time * rate;
     }

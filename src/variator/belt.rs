@@ -68,7 +68,7 @@ impl Belt {
                     primary: geometry.center_distance,
                 },
                 planes: SheavePlane::pair(geometry.pulley_offset),
-                settling: parameters.settling(),
+                settling: 0.0,
                 has_lag: mesh.cells_per_element > 1,
             },
             cells_at: (0..mesh.cells.len())

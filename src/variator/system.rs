@@ -22,7 +22,7 @@ use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, RingUnknowns, TURN};
 use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
 use crate::variator::pulleys::rows::Pulleys;
-use crate::variator::settings::parameters::{Parameters, RingModel};
+use crate::variator::settings::parameters::{Parameters, RingModel, Rounded};
 use crate::variator::travelling::assembly::TravellingCells;
 use crate::variator::travelling::start::state_on_ale;
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub struct VariatorSystem {
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
+    /// Share by which laws are rounded, from 0 to 1.
+    rounding: f64,
     /// Whether the derivatives of friction are those of secants: while such a Jacobian is formed.
     secant: bool,
     assembly: Box<dyn Assembly>,
@@ -104,6 +106,7 @@ impl VariatorSystem {
             loads: Loads::constant(Boundary::HELD),
             parameters: parameters.clone(),
             friction_velocity: parameters.friction.velocity,
+            rounding: 0.0,
             secant: false,
             assembly: assembly(parameters, &belt),
             resultants: ResultantSlopes::new(belt.layout.len()),
@@ -116,16 +119,31 @@ impl VariatorSystem {
     pub fn friction(&self) -> Friction {
         let own = &self.parameters.friction;
         let softened = self.friction_velocity > own.velocity;
+        let ring_velocity = if softened {
+            own.ring_velocity.max(self.friction_velocity)
+        } else {
+            own.ring_velocity
+        };
+        let rounded = |velocity| Rounded::width(velocity, Rounded::VELOCITY, self.rounding);
         Friction {
-            velocity: self.friction_velocity,
-            ring_velocity: if softened {
-                own.ring_velocity.max(self.friction_velocity)
-            } else {
-                own.ring_velocity
-            },
+            velocity: rounded(self.friction_velocity),
+            ring_velocity: rounded(ring_velocity),
             secant: self.secant,
             ..*own
         }
+    }
+
+    /// Rounds the laws by a share from 0, which leaves them as they are, to 1, as [`Rounded`] says. All kept derivatives are of one law.
+    pub(crate) fn round(&mut self, share: f64) {
+        if share == self.rounding {
+            return;
+        }
+        self.rounding = share;
+        let Parameters { contact, belt, .. } = &self.parameters;
+        let law = &mut Arc::make_mut(&mut self.belt).law;
+        law.contact.roughness = Rounded::width(contact.roughness, Rounded::ROUGHNESS, share);
+        law.settling = Rounded::settling(belt.push_stiffness, share);
+        self.forget_derivatives();
     }
 
     /// The residual, into `out`; returns the loads of the belt on the pulleys.
@@ -191,8 +209,11 @@ impl VariatorSystem {
         self.assembly.restore_derivatives(InForce { belt, friction });
     }
 
-    /// Writes to a tape, or reads from it, the loads and the places of the kept derivatives.
+    /// Writes to a tape, or reads from it, the loads, the rounding and the places of the kept derivatives.
     pub(crate) fn pass(&mut self, tape: &mut Tape<'_>) {
+        let mut rounding = self.rounding;
+        tape.real(&mut rounding);
+        self.round(rounding);
         self.loads.pass(tape);
         self.assembly.pass_derivatives(&self.belt, tape);
     }
@@ -280,7 +301,7 @@ impl System for VariatorSystem {
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {
         let layout = &self.belt.layout;
         let velocity = (PLACE / beta).min(RING_SPEED);
-        let slip = SLIP * self.friction_velocity;
+        let slip = SLIP * self.friction().velocity;
         match &layout.ring {
             RingUnknowns::Tension => {
                 for cell in 0..self.belt.mesh.cells.len() {

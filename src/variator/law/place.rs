@@ -30,7 +30,7 @@ pub struct CellLaw {
     /// Position of the sheaves along z.
     pub planes: PerPulley<SheavePlane>,
     /// Force between elements per rate at which the density changes at fixed mesh points, N·s: it settles a stack over some
-    /// ticks of [`Mode::RealTime`](crate::variator::settings::Mode::RealTime), and vanishes in a steady state. Else zero.
+    /// rough ticks of [`Mode::RealTime`](crate::variator::settings::Mode::RealTime), and vanishes in a steady state. Else zero.
     pub settling: f64,
     /// Whether amounts leave with a lag. Not with one cell an element: what it depends on would leave the band of the
     /// matrix.

@@ -12,8 +12,6 @@ use crate::variator::survey::belt_survey::NO_FORCE;
 /// Time in which a clamped belt settles at a standstill, s, and the tolerance of the way there: only its end counts.
 const SETTLING: f64 = 0.2;
 const SETTLING_TOLERANCE: f64 = 1.0e-2;
-/// The same in real time, where rounded friction settles, and lets the ratio creep, four times as fast.
-const REAL_TIME_SETTLING: f64 = 0.25 * SETTLING;
 
 impl Variator {
     /// Clamps and settles an unloaded belt at a standstill. Whether there is something to clamp it with.
@@ -28,12 +26,7 @@ impl Variator {
             return Ok(false);
         }
         let tolerance = p.solver.tolerance.max(SETTLING_TOLERANCE);
-        let span = if self.ticks.is_some() {
-            REAL_TIME_SETTLING
-        } else {
-            SETTLING
-        };
-        self.clamp_before(span, tolerance, inputs)?;
+        self.clamp_before(SETTLING, tolerance, inputs)?;
         Ok(true)
     }
 

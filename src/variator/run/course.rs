@@ -121,6 +121,17 @@ impl Course {
         ])
     }
 
+    /// The straight line from the inputs at one time to those at another, s, moved so that its mean is theirs.
+    pub fn line(&self, [from, to]: [f64; 2]) -> Held {
+        let [start, end] = [from, to].map(|time| self.held(time).at(time));
+        let mut rates = Inputs::blend([(1.0 / (to - from), end), (-1.0 / (to - from), start)]);
+        let mut inputs = self.mean([from, to]);
+        for (value, rate) in inputs.each_mut().into_iter().zip(rates.each_mut()) {
+            *value -= 0.5 * (to - from) * *rate;
+        }
+        Held { from, inputs, rates }
+    }
+
     /// Until when they change alike, s.
     pub fn until(&self, time: f64) -> f64 {
         if time < self.knee { self.knee } else { f64::INFINITY }

@@ -7,6 +7,7 @@ use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Stalled;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::course::Held;
+use crate::variator::run::rounding::Rounding;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::run::variator::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
@@ -50,6 +51,8 @@ impl Variator {
     /// Inputs out of range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
+        self.rounding = Rounding::default();
+        self.system.round(self.rounding.share());
         self.clamp_initial_ratio();
         let start = self.start_point(inputs);
         self.start_state = self.find_state(time, inputs, &start)?;

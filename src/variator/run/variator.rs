@@ -9,6 +9,7 @@ use crate::tape::Tape;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
 use crate::variator::run::course::Held;
 use crate::variator::run::pace::Pace;
+use crate::variator::run::rounding::Rounding;
 use crate::variator::run::soft_start::SoftStart;
 #[cfg(doc)]
 use crate::variator::settings::parameters::Solver;
@@ -90,6 +91,7 @@ pub struct Variator {
     pub(super) integrator: Sdirk,
     /// Instead of the integrator, in real time.
     pub(super) ticks: Option<Box<Bounded>>,
+    pub(super) rounding: Rounding,
     pub(super) state: State,
     pub(super) time: f64,
     pub(super) soft_start: SoftStart,
@@ -135,17 +137,18 @@ pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
 }
 
 impl Variator {
-    /// A variator with these parameters, not yet initialised. In real time those [in force](Parameters::in_force) differ.
+    /// A variator with these parameters, not yet initialised.
     ///
     /// # Errors
     /// The first parameter that is out of its range.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         parameters.validate()?;
-        let system = VariatorSystem::new(&parameters.in_force());
+        let system = VariatorSystem::new(&parameters);
         let in_real_time = system.parameters.solver.mode == Mode::RealTime;
         Ok(Self {
             integrator: integrator(&system),
             ticks: in_real_time.then(|| Box::new(Bounded::new(&system))),
+            rounding: Rounding::default(),
             state: State::zero(system.belt.layout.len()),
             ledger: Ledger::default(),
             system,
@@ -329,6 +332,7 @@ impl Variator {
         if let Some(ticks) = &mut self.ticks {
             ticks.pass(tape);
         }
+        self.rounding.pass(tape);
         self.system.pass(tape);
         let ledger = &mut self.ledger;
         let [torque_s, torque_p] = self.external_torque.each_mut();

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::solver::bounded::TICK;
+use crate::solver::bounded::{TICK, Tick};
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::{Stalled, Stretch};
 use crate::variator::pulleys::rows::Stop;
@@ -248,7 +248,7 @@ impl Variator {
         Ok(over)
     }
 
-    /// One tick of bounded work, under the mean of its inputs.
+    /// One tick of bounded work. A rough one takes the mean of its inputs, so no impulse is lost; a calm one their straight line.
     fn tick_along(&mut self, way: &mut Way) {
         let Ticks {
             from,
@@ -259,14 +259,22 @@ impl Variator {
         *ended += 1.0;
         let over = *ended >= *count;
         let end = if over { way.to } else { *from + *ended * *length };
-        self.held = Held::constant(self.time, &way.course.mean([self.time, end]));
+        let span = [self.time, end];
+        let share = self.rounding.share();
+        let kind = if share > 0.0 { Tick::Rough } else { Tick::Calm };
+        self.held = match kind {
+            Tick::Rough => Held::constant(self.time, &way.course.mean(span)),
+            Tick::Calm => way.course.line(span),
+        };
+        self.system.round(share);
         self.apply();
         let mut running = Running {
             system: &mut self.system,
             ledger: &mut self.ledger,
         };
         if let Some(ticks) = &mut self.ticks {
-            ticks.tick(&mut running, &mut self.state, end, end - self.time);
+            let defect = ticks.tick(&mut running, &mut self.state, span, kind);
+            self.rounding.follow(defect);
         }
         self.time = end;
         way.over = over;

@@ -58,8 +58,8 @@ pub enum Axial {
 pub enum Mode {
     /// Steps as the error control requires, each solved.
     Accurate = 1,
-    /// A tick each millisecond that always takes the same work ([`bounded`](crate::solver::bounded)), with rounded laws
-    /// ([`Parameters::in_force`]). `ALE0` and `ALE`.
+    /// A tick each millisecond that always takes the same work ([`bounded`](crate::solver::bounded)), with laws that are
+    /// [`Rounded`] where ticks aren't solved. `ALE0` and `ALE`.
     RealTime = 2,
 }
 
@@ -186,16 +186,38 @@ pub struct Solver {
     pub input_ramp: f64,
 }
 
-/// Least regularisation speed of friction in real time, m/s: slip of a belt at 10 m/s grows by 2e-4 or less.
-pub const REAL_TIME_VELOCITY: f64 = 2.0e-3;
+/// Laws that real time rounds after a tick that was not solved, so that the next ones get nearer.
+pub struct Rounded;
 
-/// Least roughness of the flanks in real time, m: as deep as they are pressed in, so that the edges of contact move by a
-/// share of their width in a tick. With 1e-6, ticks in which a torque flips run away at the ratios 2.2 and 0.5.
-pub const REAL_TIME_ROUGHNESS: f64 = 2.0e-6;
+impl Rounded {
+    /// Least regularisation speed of friction, m/s: slip of a belt at 10 m/s grows by 2e-4 or less.
+    pub const VELOCITY: f64 = 2.0e-3;
 
-/// Share of the stack's stiffness that resists a change of density within a tick. With less, elements that close up
-/// overshoot into contact; a torque that flips moves the play over within some five ticks.
-const SETTLING: f64 = 0.2;
+    /// Least roughness of the flanks, m: as deep as they are pressed in, so that the edges of contact move by a share of their
+    /// width in a tick. With 1e-6, ticks in which a torque flips run away at the ratios 2.2 and 0.5.
+    pub const ROUGHNESS: f64 = 2.0e-6;
+
+    /// Share of the stack's stiffness that resists a change of density within a tick. With less, elements that close up
+    /// overshoot into contact; a torque that flips moves the play over within some five ticks.
+    const SETTLING: f64 = 0.2;
+
+    /// A width of a law on the way from the user's to a `least` one: by `share` of the ratio of the two.
+    #[must_use]
+    pub fn width(own: f64, least: f64, share: f64) -> f64 {
+        if share == 0.0 || own >= least {
+            own
+        } else {
+            own * (least / own).powf(share)
+        }
+    }
+
+    /// What settles a stack of elements of this stiffness, N, in N·s: a change of density that lasts for a tick takes a fifth of the
+    /// force that the stack in contact would have.
+    #[must_use]
+    pub fn settling(push_stiffness: f64, share: f64) -> f64 {
+        share * Self::SETTLING * push_stiffness * TICK
+    }
+}
 
 /// State that a run starts from.
 #[derive(Clone, Debug, PartialEq)]
@@ -224,29 +246,6 @@ impl Parameters {
     #[must_use]
     pub fn holds_both_sheaves(&self) -> bool {
         self.primary.axial == Axial::Held && self.secondary.axial == Axial::Held
-    }
-
-    /// The parameters of a run: in real time with rounded laws, so that a tick with one Jacobian gets near its solution. Friction
-    /// sets in over at least [`REAL_TIME_VELOCITY`], flanks touch over at least [`REAL_TIME_ROUGHNESS`].
-    #[must_use]
-    pub fn in_force(mut self) -> Self {
-        if self.solver.mode == Mode::RealTime {
-            let friction = &mut self.friction;
-            friction.velocity = friction.velocity.max(REAL_TIME_VELOCITY);
-            friction.ring_velocity = friction.ring_velocity.max(REAL_TIME_VELOCITY);
-            self.contact.roughness = self.contact.roughness.max(REAL_TIME_ROUGHNESS);
-        }
-        self
-    }
-
-    /// What settles the stack of elements, N·s: zero but in real time, where a change of density that lasts for a tick takes
-    /// a fifth of the force that the stack in contact would have.
-    #[must_use]
-    pub fn settling(&self) -> f64 {
-        match self.solver.mode {
-            Mode::Accurate => 0.0,
-            Mode::RealTime => SETTLING * self.belt.push_stiffness * TICK,
-        }
     }
 
     /// Number of elements of the ring, if it travels with its mesh.

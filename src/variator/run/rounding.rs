@@ -1,0 +1,65 @@
+//! How much the laws are rounded in real time: not at all while ticks find their solution, wholly for some time after one that didn't.
+
+use crate::tape::Tape;
+
+/// Defects (root mean squares of the correction that is left) between which the laws begin to be rounded and are rounded wholly, in units of Newton's scale.
+const DEFECTS: [f64; 2] = [150.0, 800.0];
+/// Level after a defect above those. With 3 and the fading below, the laws stay rounded for ten ticks, so that a torque that
+/// flips each 10 ms finds them so, and are those of the user again after forty.
+const HIGHEST: f64 = 3.0;
+const FADING: f64 = 0.9;
+/// Level below which the laws are those of the user.
+const CALM: f64 = 0.05;
+
+/// A level that rises at once with what a tick leaves unsolved, and fades.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Rounding {
+    level: f64,
+}
+
+impl Rounding {
+    /// From 0, the user's laws, to 1, those of [`Rounded`](crate::variator::settings::parameters::Rounded).
+    pub fn share(self) -> f64 {
+        if self.level < CALM { 0.0 } else { self.level.min(1.0) }
+    }
+
+    /// Follows a tick that left a defect.
+    pub fn follow(&mut self, defect: f64) {
+        let [least, most] = DEFECTS;
+        let rough = ((defect / least).ln() / (most / least).ln()).clamp(0.0, 1.0);
+        self.level = (FADING * self.level).max(HIGHEST * rough);
+    }
+
+    /// Passes it by a tape.
+    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+        tape.real(&mut self.level);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_rises_at_once_stays_and_fades_to_nothing() {
+        let mut rounding = Rounding::default();
+        for calm in [0.0, 1e-300, 149.0] {
+            rounding.follow(calm);
+            assert_eq!(rounding.share(), 0.0);
+        }
+        rounding.follow(1e9);
+        for tick in 0..=10 {
+            assert_eq!(rounding.share(), 1.0, "{tick}");
+            rounding.follow(0.0);
+        }
+        let share = rounding.share();
+        assert!((0.8..1.0).contains(&share), "{share}");
+        for _ in 0..30 {
+            rounding.follow(0.0);
+        }
+        assert_eq!(rounding.share(), 0.0);
+        rounding.follow(175.0);
+        let share = rounding.share();
+        assert!((0.1..0.3).contains(&share), "{share}");
+    }
+}
