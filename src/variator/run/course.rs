@@ -124,12 +124,13 @@ impl Course {
     /// The straight line from the inputs at one time to those at another, s, moved so that its mean is theirs.
     pub fn line(&self, [from, to]: [f64; 2]) -> Held {
         let [start, end] = [from, to].map(|time| self.held(time).at(time));
-        let mut rates = Inputs::blend([(1.0 / (to - from), end), (-1.0 / (to - from), start)]);
-        let mut inputs = self.mean([from, to]);
-        for (value, rate) in inputs.each_mut().into_iter().zip(rates.each_mut()) {
-            *value -= 0.5 * (to - from) * *rate;
+        let length = to - from;
+        let rates = Inputs::blend([(1.0 / length, end), (-1.0 / length, start)]);
+        Held {
+            from,
+            inputs: self.mean([from, to]).after(-0.5 * length, &rates),
+            rates,
         }
-        Held { from, inputs, rates }
     }
 
     /// Until when they change alike, s.

@@ -2,7 +2,8 @@
 
 use crate::tape::Tape;
 
-/// Defects (root mean squares of the correction that is left) between which the laws begin to be rounded and are rounded wholly, in units of Newton's scale.
+/// Defects (root mean squares of the correction that is left, in units of Newton's scale) from which on the laws begin to be rounded
+/// and are rounded wholly.
 const DEFECTS: [f64; 2] = [150.0, 800.0];
 /// Level after a defect above those. With 3 and the fading below, the laws stay rounded for ten ticks, so that a torque that
 /// flips each 10 ms finds them so, and are those of the user again after forty.
