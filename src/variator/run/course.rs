@@ -175,6 +175,24 @@ mod tests {
     }
 
     #[test]
+    fn a_line_has_the_mean_and_the_change_of_the_inputs() {
+        for (time, rate) in [(0.0, 0.0), (4e-3, 0.0), (-1.0, 0.0), (4e-3, 100.0)] {
+            let course = course(time, rate);
+            for [from, to] in [[2.0, 2.001], [2.003, 2.006], [2.0, 2.01]] {
+                let [first, last] = [from, to].map(|time| course.held(time).at(time).primary.torque);
+                let line = course.line([from, to]);
+                let [start, middle, end] = [from, 0.5 * (from + to), to].map(|time| line.at(time).primary.torque);
+                assert!(
+                    (end - start - (last - first)).abs() < 1e-9,
+                    "{time}, {rate}: {start} to {end}"
+                );
+                let mean = course.mean([from, to]).primary.torque;
+                assert!((middle - mean).abs() < 1e-9, "{time}, {rate}: {middle}, not {mean}");
+            }
+        }
+    }
+
+    #[test]
     fn what_is_given_anew_counts_at_once_and_the_rest_goes_on() {
         let mut given = torque(30.0);
         let course = course(4e-3, 0.0);
