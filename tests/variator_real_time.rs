@@ -55,7 +55,7 @@ fn work_of(model: RingModel, seconds: f64) {
 }
 
 /// Shares of the energy that passes; in the first moments of a launch next to none does.
-const UNACCOUNTED: f64 = 0.06;
+const UNACCOUNTED: f64 = 0.02;
 const IN_A_LAUNCH: f64 = 0.1;
 
 #[test]
@@ -162,16 +162,86 @@ fn ticks_are_never_longer_than_a_millisecond() {
     }
 }
 
+/// Ticks that end far from their solutions aren't taken, and the run goes on: it never stands still, keeps its ratio, and its
+/// speeds, once the load is smooth again, are those of an accurate run.
+#[test]
+fn a_run_goes_on_after_ticks_that_are_not_taken() {
+    let mut not_taken = 0;
+    for model in MODELS {
+        for (load, ratio) in [(Load::Flips, 2.2), (Load::Flips, 0.5), (Load::Slam, 0.5)] {
+            let ended = [Mode::Accurate, Mode::RealTime].map(|mode| {
+                let mut parameters = variator(model);
+                parameters.solver.mode = mode;
+                let mut driven = Driven::new(load, parameters, ratio);
+                let (mut before, mut held) = (0.0, 0);
+                while driven.until() < 1.2 {
+                    let inputs = driven.inputs();
+                    driven.variator.advance(driven.until(), &inputs).expect("a step");
+                    let outputs = driven.variator.outputs();
+                    held = if outputs.primary.speed == before { held + 1 } else { 0 };
+                    assert!(held < 4, "{model:?} {load:?} {ratio} stands at {}", driven.until());
+                    before = outputs.primary.speed;
+                    not_taken += i32::from(mode == Mode::RealTime && outputs.work.defect >= 1e3);
+                }
+                driven.variator.outputs().clone()
+            });
+            let [exact, found] = ended
+                .each_ref()
+                .map(|outputs| [outputs.primary.speed, outputs.ratio_geometric]);
+            println!("{model:?} {load:?} {ratio}: {found:.3?} instead of {exact:.3?}");
+            assert!((found[0] - exact[0]).abs() < 0.03 * exact[0], "{model:?} {load:?}");
+            assert!((found[1] - exact[1]).abs() < 0.02 * exact[1], "{model:?} {load:?}");
+        }
+    }
+    println!("{not_taken} steps with ticks that weren't taken");
+    assert!((1..=150).contains(&not_taken), "{not_taken}");
+}
+
+/// Clamping forces far from those that the belt wants let its ratio run off in overdrive: hardly a tick is solved there on the laws
+/// as set. One that isn't taken is tried again, but not for ever.
+#[test]
+fn ticks_that_are_not_taken_are_few() {
+    for parameters in [
+        variator(RingModel::Ale0),
+        one_cell(RingModel::Ale),
+        variator(RingModel::Ale),
+    ] {
+        let mut parameters = in_real_time(parameters);
+        parameters.initial.ratio = 0.5;
+        parameters.secondary.inertia = 4.0;
+        let mut variator = Variator::new(parameters).expect("valid parameters");
+        let given = inputs((50.0, 12e3), (-25.0, 12e3));
+        variator.initialise(0.0, &given).expect("a start");
+        let mut not_taken = 0;
+        for k in 1..=500 {
+            variator.advance(1e-3 * f64::from(k), &given).expect("a step");
+            not_taken += i32::from(variator.outputs().work.defect >= 1e3);
+        }
+        println!("{not_taken} of 500 ticks not taken");
+        assert!(not_taken <= 3, "{not_taken}");
+    }
+}
+
 #[test]
 fn copies_and_stored_states_continue_alike() {
-    for model in MODELS {
-        let parameters = in_real_time(coarse(model));
-        let mut driven = Driven::new(Load::Slam, parameters, 1.0);
-        let mut given = Vec::new();
-        for _ in 0..40 {
-            given.push((driven.inputs(), driven.until()));
-            let (inputs, until) = given[given.len() - 1];
-            driven.variator.advance(until, &inputs).expect("a step");
+    for (load, ratio, parameters) in [
+        (Load::Slam, 1.0, coarse(RingModel::Ale0)),
+        (Load::Slam, 1.0, coarse(RingModel::Ale)),
+        (Load::Flips, 0.5, one_cell(RingModel::Ale)),
+    ] {
+        let mut driven = Driven::new(load, in_real_time(parameters), ratio);
+        // Of a slam until the belt slips, of flips until a tick isn't taken.
+        for step in 0.. {
+            let over = match load {
+                Load::Slam => step == 40,
+                _ => driven.variator.outputs().work.defect >= 1e3,
+            };
+            if over {
+                break;
+            }
+            assert!(step < 200, "all ticks of {load:?} were taken");
+            let inputs = driven.inputs();
+            driven.variator.advance(driven.until(), &inputs).expect("a step");
         }
         let mut tape = Tape::writer();
         driven.variator.pass(&mut tape);
@@ -181,7 +251,7 @@ fn copies_and_stored_states_continue_alike() {
         for _ in 0..20 {
             let inputs = driven.inputs();
             for run in [&mut driven.variator, &mut copy, &mut restored] {
-                run.advance(run.time() + 1e-3, &inputs).expect("a step");
+                run.advance(run.time() + load.step(), &inputs).expect("a step");
             }
             assert_eq!(driven.variator.state(), copy.state());
             assert_eq!(driven.variator.state(), restored.state());

@@ -14,8 +14,7 @@
 //!   of Deuflhard, Newton Methods for Nonlinear Problems (2011), section 3.3. After a whole step Broyden's update goes on.
 //! - The stage ends at the last point that was accepted. What the next correction would change is its defect.
 //!
-//! What a tick leaves unsolved acts in the next one as a force out of balance. A tick that ends very far from its solution is not
-//! taken: the state stays, and the next one tries again.
+//! What a tick leaves unsolved acts in the next one as a force out of balance.
 
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::Broyden;
@@ -24,7 +23,7 @@ use super::sdirk::{Evolution, GAMMA, Interval, Quadrature, move_by};
 use super::{State, System};
 use crate::tape::Tape;
 
-/// Longest tick, s.
+/// Longest tick of a run that keeps up with the clock, s.
 pub const TICK: f64 = 1.0e-3;
 /// Residuals in a tick. With six, ticks in which a torque flips are left with ten times the defect.
 pub const RESIDUALS: usize = 8;
@@ -35,9 +34,6 @@ const DAMPED: f64 = 0.5;
 /// Damping from which on a step may also grow the correction, and by how much: a saddle is left.
 const LEAST: f64 = 0.03;
 const GROWTH: f64 = 2.0;
-/// Defect from which on a tick is not taken: the state stays as it was, and the next tick tries again under its own loads. What
-/// is so far from its solution would only run away.
-const HOLDING: f64 = 1.0e5;
 /// Defect that stands for an evaluation that was no number.
 const WORST: f64 = 1.0e9;
 
@@ -114,7 +110,7 @@ impl Bounded {
         }
     }
 
-    /// Advances a state by a tick from one time to another, s, not more than [`TICK`] later. Returns its defect.
+    /// Advances a state by a tick from one time to another, s. Returns its defect.
     pub fn tick<S: Evolution>(&mut self, system: &mut S, state: &mut State, [from, to]: [f64; 2], kind: Tick) -> f64 {
         let length = to - from;
         let part = match kind {
@@ -148,10 +144,6 @@ impl Bounded {
                 Quadrature::End,
             ),
         };
-        if defect > HOLDING {
-            state.copy_from(&self.start);
-            state.y_dot.fill(0.0);
-        }
         let defect = defect.min(WORST);
         self.defect = self.defect.max(defect);
         let interval = Interval { end: to, length, rule };

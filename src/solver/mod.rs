@@ -18,6 +18,7 @@ pub mod sdirk;
 #[cfg(test)]
 mod tests;
 
+use crate::tape::Tape;
 use arrow::{Arrow, Shape};
 
 /// Arguments of a residual.
@@ -69,6 +70,14 @@ impl State {
         self.y.copy_from_slice(&other.y);
         self.y_dot.copy_from_slice(&other.y_dot);
         self.q.copy_from_slice(&other.q);
+    }
+
+    /// Passes it by a tape.
+    pub(crate) fn pass(&mut self, tape: &mut Tape<'_>) {
+        let Self { y, y_dot, q } = self;
+        for values in [y, y_dot, q] {
+            tape.reals(values);
+        }
     }
 }
 

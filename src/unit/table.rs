@@ -317,7 +317,7 @@ fn outputs(t: &mut Rows) {
     t.work("solver.steps", 27, "Steps of the integrator since the start, those included that were refused", Access::Reading(|readings| readings.outputs.work.steps));
     t.work("solver.jacobians", 28, "Jacobians formed and factored since the start", Access::Reading(|readings| readings.outputs.work.jacobians));
     t.work("solver.residuals", 29, "Residuals evaluated since the start", Access::Reading(|readings| readings.outputs.work.residuals));
-    t.read("solver.defect", 30, (Output, "1", not_negative(1.0)), "What the solutions of the last communication step were left to change by another correction, as a share of what accurate steps tolerate at the default tolerance: below 1 in accurate steps, above 1 in ticks of real time that were not solved", read!(work.defect));
+    t.read("solver.defect", 30, (Output, "1", not_negative(1.0)), "What the solutions of the last communication step were left to change by another correction, as a share of what accurate steps tolerate at the default tolerance: below 1 in accurate steps, above 1 in ticks of real time that were not solved; from 1000 on such a tick was not taken", read!(work.defect));
     t.read("belt.misalignment", 20, (Output, "m", typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves stand on opposite sides", read!(misalignment));
     t.read("belt.lateralMax", 21, (Output, "m", not_negative(1e-3)), "Largest deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", read!(lateral_max));
     t.read("belt.skew", 22, (Output, "rad", typical(1e-2)), "Mean inclination of the strands against the plane of the drive, from secondary to primary; 0 without ring.spatial", read!(skew));
@@ -372,7 +372,7 @@ fn parameters(t: &mut Rows) {
     t.switch("mesh.aligned", 1075, "Whether element borders follow the arc borders; if not, as many elements stand evenly spaced along the belt and arc borders move through them. ring.model ALE0 and ALE", set!(parameters.mesh.aligned));
     t.choice("solver.mode", 1084, &MODE, "Accurate, or the same bounded work in each millisecond, for real time", choose!(parameters.solver.mode, 2 => Mode::RealTime; Mode::Accurate));
     t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; left at its default, a tolerance of the experiment takes its place. Under smooth loads a coarser one is no faster, for steps are as long as the communication steps; under loads that jump it is. Output derivatives of forces and losses want 1e-6", set!(parameters.solver.tolerance));
-    t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step; ticks of real time are 1 ms or shorter", set!(parameters.solver.max_step));
+    t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step; ticks of real time are 1 ms or shorter, 1.5 ms while a run catches up with the clock", set!(parameters.solver.max_step));
     t.set("inputs.ramp", 1083, Parameter, "s", "Time over which an input that is set before a step reaches its new value, no longer than that step; 0: it jumps, -1: the whole step. Inputs whose derivative is set follow that", set!(parameters.solver.input_ramp));
 }
 

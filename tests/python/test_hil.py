@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
+LOADS = ["smooth", "firing", "ripple", "noise", "slam", "launch", "flips", "stairs", "firing-and-noise", "hunting"]
 SOURCE = ROOT / "examples" / "hil" / "hil.c"
 
 
@@ -29,9 +30,12 @@ def test_the_program_runs_the_library_and_counts(fmu: Path, tmp_path: Path) -> N
     run = subprocess.run(
         [program, library, guid[1], "--seconds", "0.3", "--ring", "1", "--free"], check=True, capture_output=True, text=True
     )
-    rows = re.findall(r"^(\w+): mean ([\d.]+) ms, longest [\d.]+ ms, 0 misses of 300, largest defect", run.stdout, re.M)
-    assert [name for name, _ in rows] == ["smooth", "firing", "ripple", "noise", "slam", "flips"], run.stdout
+    rows = re.findall(r"^([\w-]+): mean [\d.]+ ms, .*, 0 misses of 300, largest defect .*, (\d+) ticks not taken", run.stdout, re.M)
+    assert [name for name, _ in rows] == LOADS, run.stdout
+    assert {returns for _, returns in rows} == {"0"}, run.stdout
     counted = [int(count) for count in re.findall(r"up to .* ms: (\d+)", run.stdout)]
     assert sum(counted) == 300 * len(rows)
     unknown = subprocess.run([program, library, guid[1], "--sideways"], capture_output=True, text=True)
     assert unknown.returncode == 2 and "unknown option --sideways" in unknown.stderr
+    nothing = subprocess.run([program, library, guid[1], "--load", "surf"], capture_output=True, text=True)
+    assert nothing.returncode == 1 and "no load is called surf" in nothing.stderr

@@ -7,7 +7,6 @@ use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Stalled;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::course::Held;
-use crate::variator::run::rounding::Rounding;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::run::variator::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
@@ -51,13 +50,12 @@ impl Variator {
     /// Inputs out of range, or no state found.
     pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
         inputs.validate()?;
-        self.rounding = Rounding::default();
-        self.system.round(self.rounding.share());
+        self.system.round(0.0);
         self.clamp_initial_ratio();
         let start = self.start_point(inputs);
         self.start_state = self.find_state(time, inputs, &start)?;
         self.warn_of_held_sheaves();
-        if self.ticks.is_some() && self.soft_start.from == time {
+        if self.real_time.is_some() && self.soft_start.from == time {
             // A ring without tension is a mechanism, too rough for ticks of bounded work.
             if let Err(stalled) = self.clamp_softly(inputs) {
                 self.warn_of_no_clamping(&stalled);
@@ -66,8 +64,8 @@ impl Variator {
         self.state.y_dot.fill(0.0);
         self.held = Held::constant(time, inputs);
         self.integrator.newton.counts = Counts::default();
-        if let Some(ticks) = &mut self.ticks {
-            ticks.counts = Counts::default();
+        if let Some(real_time) = &mut self.real_time {
+            real_time.begin();
         }
         self.work = Work::default();
         self.apply();

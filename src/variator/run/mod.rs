@@ -4,6 +4,7 @@ mod at_rest;
 mod course;
 mod initial;
 mod pace;
+mod real_time;
 mod rounding;
 pub(crate) mod soft_start;
 pub(crate) mod variator;

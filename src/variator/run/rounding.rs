@@ -5,10 +5,11 @@ use crate::tape::Tape;
 /// Defects (root mean squares of the correction that is left, in units of Newton's scale) from which on the laws begin to be rounded
 /// and are rounded wholly.
 const DEFECTS: [f64; 2] = [150.0, 800.0];
-/// Level after a defect above those. With 3 and the fading below, the laws stay rounded for ten ticks, so that a torque that
-/// flips each 10 ms finds them so, and are those of the user again after forty.
-const HIGHEST: f64 = 3.0;
-const FADING: f64 = 0.9;
+/// Level after a defect above those. With it and the fading below, the laws stay rounded for nine ticks, so that a torque that flips each
+/// 10 ms finds them so, and are those of the user again after fifty. A fading by 0.9 lets them sharpen between two flips: more ticks
+/// are left unsolved.
+const HIGHEST: f64 = 2.0;
+const FADING: f64 = 0.93;
 /// Level below which the laws are those of the user.
 const CALM: f64 = 0.05;
 
@@ -49,13 +50,13 @@ mod tests {
             assert_eq!(rounding.share(), 0.0);
         }
         rounding.follow(1e9);
-        for tick in 0..=10 {
+        for tick in 0..=9 {
             assert_eq!(rounding.share(), 1.0, "{tick}");
             rounding.follow(0.0);
         }
         let share = rounding.share();
         assert!((0.8..1.0).contains(&share), "{share}");
-        for _ in 0..30 {
+        for _ in 0..42 {
             rounding.follow(0.0);
         }
         assert_eq!(rounding.share(), 0.0);

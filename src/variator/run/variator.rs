@@ -2,14 +2,13 @@
 
 use crate::pulley::PerPulley;
 use crate::solver::State;
-use crate::solver::bounded::Bounded;
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
 use crate::variator::run::course::Held;
 use crate::variator::run::pace::Pace;
-use crate::variator::run::rounding::Rounding;
+use crate::variator::run::real_time::RealTime;
 use crate::variator::run::soft_start::SoftStart;
 #[cfg(doc)]
 use crate::variator::settings::parameters::Solver;
@@ -90,8 +89,7 @@ pub struct Variator {
     pub(super) ledger: Ledger,
     pub(super) integrator: Sdirk,
     /// Instead of the integrator, in real time.
-    pub(super) ticks: Option<Box<Bounded>>,
-    pub(super) rounding: Rounding,
+    pub(super) real_time: Option<Box<RealTime>>,
     pub(super) state: State,
     pub(super) time: f64,
     pub(super) soft_start: SoftStart,
@@ -147,8 +145,7 @@ impl Variator {
         let in_real_time = system.parameters.solver.mode == Mode::RealTime;
         Ok(Self {
             integrator: integrator(&system),
-            ticks: in_real_time.then(|| Box::new(Bounded::new(&system))),
-            rounding: Rounding::default(),
+            real_time: in_real_time.then(|| Box::new(RealTime::new(&system))),
             state: State::zero(system.belt.layout.len()),
             ledger: Ledger::default(),
             system,
@@ -324,15 +321,11 @@ impl Variator {
             // For the kinds of boundary conditions: the loads themselves are on the tape.
             self.apply();
         }
-        let State { y, y_dot, q } = &mut self.state;
-        for values in [y, y_dot, q] {
-            tape.reals(values);
-        }
+        self.state.pass(tape);
         self.integrator.pass(tape);
-        if let Some(ticks) = &mut self.ticks {
-            ticks.pass(tape);
+        if let Some(real_time) = &mut self.real_time {
+            real_time.pass(tape);
         }
-        self.rounding.pass(tape);
         self.system.pass(tape);
         let ledger = &mut self.ledger;
         let [torque_s, torque_p] = self.external_torque.each_mut();
@@ -419,8 +412,8 @@ impl Variator {
     #[must_use]
     pub fn counts(&self) -> Counts {
         let mut counts = self.integrator.newton.counts;
-        if let Some(ticks) = &self.ticks {
-            counts += ticks.counts;
+        if let Some(real_time) = &self.real_time {
+            counts += real_time.counts();
         }
         counts
     }

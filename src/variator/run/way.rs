@@ -4,11 +4,11 @@
 use std::time::{Duration, Instant};
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::solver::bounded::{TICK, Tick};
+use crate::solver::bounded::TICK;
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::{Stalled, Stretch};
 use crate::variator::pulleys::rows::Stop;
-use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
+use crate::variator::run::course::{Course, SHORTEST_STEP};
 use crate::variator::run::variator::{NEWTON_TOLERANCE, StepError, Variator};
 use crate::variator::settings::signals::{Inputs, Work};
 use crate::variator::survey::ledger::Running;
@@ -116,7 +116,7 @@ impl Variator {
     /// A step that can't be done: the way ends there.
     pub fn step_along(&mut self, way: &mut Way) -> Result<(), StepError> {
         self.stale = true;
-        if self.ticks.is_some() {
+        if self.real_time.is_some() {
             self.tick_along(way);
             return Ok(());
         }
@@ -186,9 +186,9 @@ impl Variator {
         if self.time == way.from {
             return;
         }
-        let defect = match &mut self.ticks {
-            Some(ticks) => {
-                let defect = std::mem::take(&mut ticks.defect) / NEWTON_TOLERANCE;
+        let defect = match &mut self.real_time {
+            Some(real_time) => {
+                let defect = real_time.take_defect() / NEWTON_TOLERANCE;
                 self.held = way.course.held(self.time);
                 self.apply();
                 defect
@@ -248,7 +248,7 @@ impl Variator {
         Ok(over)
     }
 
-    /// One tick of bounded work. A rough one takes the mean of its inputs, so no impulse is lost; a calm one their straight line.
+    /// One tick of bounded work.
     fn tick_along(&mut self, way: &mut Way) {
         let Ticks {
             from,
@@ -259,25 +259,21 @@ impl Variator {
         *ended += 1.0;
         let over = *ended >= *count;
         let end = if over { way.to } else { *from + *ended * *length };
-        let span = [self.time, end];
-        let share = self.rounding.share();
-        let kind = if share > 0.0 { Tick::Rough } else { Tick::Calm };
-        self.held = match kind {
-            Tick::Rough => Held::constant(self.time, &way.course.mean(span)),
-            Tick::Calm => way.course.line(span),
+        way.over = over;
+        let Some(mut real_time) = self.real_time.take() else {
+            return;
         };
-        self.system.round(share);
+        let plan = real_time.plan(&way.course, [self.time, end]);
+        self.held = plan.held;
+        self.system.round(plan.rounding);
         self.apply();
         let mut running = Running {
             system: &mut self.system,
             ledger: &mut self.ledger,
         };
-        if let Some(ticks) = &mut self.ticks {
-            let defect = ticks.tick(&mut running, &mut self.state, span, kind);
-            self.rounding.follow(defect);
-        }
+        real_time.tick(&mut running, &mut self.state, &plan);
+        self.real_time = Some(real_time);
         self.time = end;
-        way.over = over;
     }
 
     /// End stops that the sheaves are at.

@@ -149,6 +149,29 @@ struct SheaveWork {
 }
 
 impl Running<'_> {
+    /// Energies since the start that a run can go back to, J: supplied, lost, moved.
+    pub fn energies(&self) -> [f64; 3] {
+        let Ledger {
+            supplied, lost, moved, ..
+        } = *self.ledger;
+        [supplied, lost, moved]
+    }
+
+    /// Energy that is not accounted for up to a state at which the belt was surveyed last, J, but for a constant.
+    pub fn unaccounted(&self, view: View<'_>) -> f64 {
+        let Ledger {
+            supplied, lost, last, ..
+        } = &*self.ledger;
+        supplied - lost - last.belt_energy(&self.system.belt) - self.system.pulleys.energy(view)
+    }
+
+    /// Goes back to a state and the energies there.
+    pub fn go_back(&mut self, energies: [f64; 3], view: View<'_>) {
+        let ledger = &mut self.ledger;
+        [ledger.supplied, ledger.lost, ledger.moved] = energies;
+        ledger.last.update(self.system, view);
+    }
+
     /// The energies of a step by the powers at its end.
     fn accumulate_at_end(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
         let Interval { end, length: h, .. } = interval;
