@@ -95,6 +95,24 @@ fn a_slam_is_followed() {
     }
 }
 
+#[test]
+fn macro_slip_is_seen_within_5_ms() {
+    for parameters in [
+        variator(RingModel::Ale0),
+        one_cell(RingModel::Ale),
+        variator(RingModel::Ale),
+    ] {
+        for &ratio in Load::Slam.ratios() {
+            let first = |parameters: &Parameters| {
+                let found = trace(Load::Slam, parameters, ratio, 0.03, |_| ());
+                found.first_slip().expect("it slips") as f64
+            };
+            let (exact, found) = (first(&parameters), first(&in_real_time(parameters.clone())));
+            assert_close(found, exact, 5.0, "first step of macro-slip");
+        }
+    }
+}
+
 /// Under smooth loads, ripple and noise: in units that a controller sees. Only an engine's firing leaves ticks that round the laws.
 #[test]
 fn smooth_and_rippling_loads_are_followed() {
