@@ -216,3 +216,41 @@ impl RealTime {
         tape.real(&mut self.share);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn torque(torque: f64) -> Inputs {
+        let mut inputs = Inputs::ZERO;
+        inputs.primary.torque = torque;
+        inputs
+    }
+
+    /// Two milliseconds of 50 N·m and one of −50 N·m are lived through in ticks of other lengths.
+    #[test]
+    fn impulses_are_kept_until_the_run_has_caught_up() {
+        let mut behind = Elapsed::NONE;
+        behind.add(2e-3, &torque(50.0));
+        behind.add(1e-3, &torque(-50.0));
+        let mut impulse = 0.0;
+        for length in [0.25e-3, 1.5e-3, 1.25e-3] {
+            let mean = behind.mean();
+            assert!((mean.primary.torque - 50.0 / 3.0).abs() < 1e-9, "{mean:?}");
+            behind.add(-length, &mean);
+            impulse += length * mean.primary.torque;
+            behind.shorten(BEHIND);
+        }
+        assert!((impulse - 50e-3).abs() < 1e-12, "{impulse}");
+        assert_eq!((behind.time, behind.inputs), (0.0, Inputs::ZERO));
+    }
+
+    #[test]
+    fn what_is_too_far_behind_is_left_out() {
+        let mut behind = Elapsed::NONE;
+        behind.add(2.0 * BEHIND, &torque(50.0));
+        behind.shorten(BEHIND);
+        assert_eq!(behind.time, BEHIND);
+        assert!((behind.mean().primary.torque - 50.0).abs() < 1e-9);
+    }
+}
