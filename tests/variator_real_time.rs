@@ -6,6 +6,7 @@ use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Mode, Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::loads::{Driven, LOADS, Load};
+use pushbelt_lab::noise;
 use pushbelt_lab::tracking::{Trace, trace};
 use pushbelt_lab::variators::{MODELS, coarse, inputs, one_cell, variator};
 
@@ -237,6 +238,59 @@ fn ticks_that_are_not_taken_are_few() {
         }
         println!("{not_taken} of 500 ticks not taken");
         assert!(not_taken <= 3, "{not_taken}");
+    }
+}
+
+/// Torques of 150 N·m and forces of 20 kN that jump at random, each 1 to 200 ms, also to no force: it neither stands still nor runs
+/// away, and takes nine of ten ticks.
+#[test]
+fn random_jumps_never_stop_it() {
+    for parameters in [
+        variator(RingModel::Ale0),
+        one_cell(RingModel::Ale),
+        variator(RingModel::Ale),
+    ] {
+        for seed in 0..4 {
+            let mut next = noise(seed);
+            let mut between = |least: f64, most: f64| least + (most - least) * (next() + 0.5);
+            let mut parameters = in_real_time(parameters.clone());
+            let (ratio, speed) = (between(0.5, 2.2), between(0.0, 400.0));
+            parameters.initial.ratio = ratio;
+            parameters.initial.primary_speed = if seed == 0 { 0.0 } else { speed };
+            parameters.secondary.inertia = between(0.05, 4.0);
+            let cruise = parameters.initial.primary_speed / ratio;
+            let mut variator = Variator::new(parameters).expect("valid parameters");
+            let mut load = (20.0, 15e3, 12e3);
+            variator
+                .initialise(0.0, &inputs((load.0, load.1), (-load.0 * ratio, load.2)))
+                .expect("a start");
+            let (mut until, mut before, mut still, mut not_taken) = (0.0, f64::NAN, 0, 0);
+            for step in 1..=1000 {
+                let time = 1e-3 * f64::from(step);
+                if time > until {
+                    until = time + 10_f64.powf(between(-3.0, -0.7));
+                    let primary = if between(0.0, 1.0) < 0.05 {
+                        0.0
+                    } else {
+                        between(4e3, 22e3)
+                    };
+                    load = (between(-120.0, 150.0), primary, between(4e3, 22e3));
+                }
+                let vehicle = -load.0 * ratio - 2.0 * (variator.outputs().secondary.speed - cruise);
+                let given = inputs((load.0, load.1), (vehicle, load.2));
+                variator.advance(time, &given).expect("a step");
+                let outputs = variator.outputs();
+                let [p, s] = [&outputs.primary, &outputs.secondary];
+                assert!(p.speed.is_finite() && s.speed.abs() < 1e3, "{seed} at {time} s");
+                assert!(p.axial_force.abs().max(s.axial_force.abs()) < 1e5, "{seed} at {time} s");
+                still = if p.speed == before { still + 1 } else { 0 };
+                assert!(still < 4, "{seed} stands at {time} s");
+                before = p.speed;
+                not_taken += i32::from(outputs.work.defect >= 1e3);
+            }
+            println!("{not_taken} of 1000 ticks not taken");
+            assert!(not_taken < 100, "{seed}: {not_taken}");
+        }
     }
 }
 
