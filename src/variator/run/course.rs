@@ -140,10 +140,11 @@ impl Course {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn torque(value: f64) -> Inputs {
+    /// A torque on the primary shaft alone, N·m.
+    pub fn torque(value: f64) -> Inputs {
         let mut inputs = Inputs::ZERO;
         inputs.primary.torque = value;
         inputs

@@ -85,8 +85,7 @@ pub(super) struct Plan {
 pub(super) struct RealTime {
     ticks: Bounded,
     rounding: Rounding,
-    /// Whether a state is known to go back to; the state, the energies there, and what was lived through since.
-    begun: bool,
+    /// The state to go back to, the energies there, and what was lived through since.
     solved: State,
     energies: [f64; 3],
     since: Elapsed,
@@ -102,7 +101,6 @@ impl RealTime {
         Self {
             ticks: Bounded::new(system),
             rounding: Rounding::default(),
-            begun: false,
             solved: State::zero(system.shape().len()),
             energies: [0.0; 3],
             since: Elapsed::NONE,
@@ -111,11 +109,12 @@ impl RealTime {
         }
     }
 
-    /// Begins a run.
-    pub fn begin(&mut self) {
+    /// Begins a run from a state, with no energies yet.
+    pub fn begin(&mut self, state: &State) {
         self.ticks.counts = Counts::default();
         self.rounding = Rounding::default();
-        self.begun = false;
+        self.solved.copy_from(state);
+        self.energies = [0.0; 3];
         (self.since, self.behind) = (Elapsed::NONE, Elapsed::NONE);
         self.share = 1.0;
     }
@@ -153,15 +152,11 @@ impl RealTime {
 
     /// One tick, from a state to the next.
     pub fn tick(&mut self, running: &mut Running<'_>, state: &mut State, plan: &Plan) {
-        if !self.begun {
-            self.keep(running, state);
-        }
-        let books = |running: &Running<'_>, state: &State| (running.unaccounted(state.view()), running.energies()[2]);
-        let before = books(running, state);
+        let before = (running.unaccounted(state.view()), running.ledger.moved);
         let defect = self.ticks.tick(running, state, plan.span, plan.kind);
-        let after = books(running, state);
-        let [least, share] = UNACCOUNTED;
-        let sound = (after.0 - before.0).abs() <= least + share * (after.1 - before.1);
+        let unaccounted = running.unaccounted(state.view()) - before.0;
+        let moved = running.ledger.moved - before.1;
+        let sound = unaccounted.abs() <= UNACCOUNTED[0] + UNACCOUNTED[1] * moved;
         self.rounding.follow(defect);
         let length = plan.span[1] - plan.span[0];
         if defect > BACK || defect > SOLVED && !sound {
@@ -186,7 +181,6 @@ impl RealTime {
     }
 
     fn keep(&mut self, running: &Running<'_>, state: &State) {
-        self.begun = true;
         self.solved.copy_from(state);
         self.energies = running.energies();
         self.since = Elapsed::NONE;
@@ -206,7 +200,6 @@ impl RealTime {
     pub fn pass(&mut self, tape: &mut Tape<'_>) {
         self.ticks.pass(tape);
         self.rounding.pass(tape);
-        tape.flag(&mut self.begun);
         self.solved.pass(tape);
         for energy in &mut self.energies {
             tape.real(energy);
@@ -220,12 +213,7 @@ impl RealTime {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn torque(torque: f64) -> Inputs {
-        let mut inputs = Inputs::ZERO;
-        inputs.primary.torque = torque;
-        inputs
-    }
+    use crate::variator::run::course::tests::torque;
 
     /// Two milliseconds of 50 N·m and one of −50 N·m are lived through in ticks of other lengths.
     #[test]
