@@ -3,7 +3,7 @@
 use pushbelt::solver::bounded::RESIDUALS;
 use pushbelt::tape::Tape;
 use pushbelt::variator::run::Variator;
-use pushbelt::variator::settings::{Mode, Parameters, RingModel};
+use pushbelt::variator::settings::{Inputs, Mode, Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::loads::{Driven, LOADS, Load};
 use pushbelt_lab::noise;
@@ -35,21 +35,13 @@ fn work_of(model: RingModel, seconds: f64) {
     for load in LOADS {
         for &ratio in load.ratios() {
             let parameters = in_real_time(one_cell(model));
-            let mut before = (0, 0, 0);
+            let mut before = (0, 0);
             let found = trace(load, &parameters, ratio, seconds, |driven| {
                 let work = driven.variator.outputs().work;
                 let ticks = (load.step() / 1e-3).round() as i32;
-                let taken = (
-                    work.steps - before.0,
-                    work.jacobians - before.1,
-                    work.residuals - before.2,
-                );
-                assert_eq!(
-                    taken,
-                    (ticks, ticks, ticks * RESIDUALS as i32),
-                    "{load:?} at ratio {ratio}"
-                );
-                before = (work.steps, work.jacobians, work.residuals);
+                let taken = (work.jacobians - before.0, work.residuals - before.1);
+                assert_eq!(taken, (ticks, ticks * RESIDUALS as i32), "{load:?} at ratio {ratio}");
+                before = (work.jacobians, work.residuals);
             });
             println!(
                 "{model:?} {load:?} {ratio}: defect {:.1e}, unaccounted {:.4}",
@@ -83,11 +75,11 @@ fn work_of_ale0_is_the_same_in_every_tick() {
     work_of(RingModel::Ale0, 0.3);
 }
 
-fn beside_accurate(load: Load, model: RingModel, seconds: f64) -> (Trace, Trace) {
-    let exact = trace(load, &one_cell(model), 1.0, seconds, |_| ());
-    let found = trace(load, &in_real_time(one_cell(model)), 1.0, seconds, |_| ());
+fn beside_accurate(load: Load, model: RingModel, ratio: f64, seconds: f64) -> (Trace, Trace) {
+    let exact = trace(load, &one_cell(model), ratio, seconds, |_| ());
+    let found = trace(load, &in_real_time(one_cell(model)), ratio, seconds, |_| ());
     println!(
-        "{model:?} {load:?}: off by {:?} of {:?}",
+        "{model:?} {load:?} {ratio}: off by {:?} of {:?}",
         found.off(&exact),
         exact.ranges()
     );
@@ -98,7 +90,7 @@ fn beside_accurate(load: Load, model: RingModel, seconds: f64) -> (Trace, Trace)
 #[test]
 fn a_slam_is_followed() {
     for model in MODELS {
-        let (found, exact) = beside_accurate(Load::Slam, model, 0.4);
+        let (found, exact) = beside_accurate(Load::Slam, model, 1.0, 0.4);
         let (off, ranges) = (found.off(&exact), exact.ranges());
         for k in [0, 1, 3] {
             assert!(off[k] < 0.02 * ranges[k], "{model:?} {k}: {} of {}", off[k], ranges[k]);
@@ -124,22 +116,39 @@ fn macro_slip_is_seen_within_5_ms() {
     }
 }
 
-/// Under smooth loads, ripple and noise: in units that a controller sees. Only an engine's firing leaves ticks that round the laws.
+/// Under smooth loads, ripple and noise: in units that a controller sees.
 #[test]
 fn smooth_and_rippling_loads_are_followed() {
     for model in MODELS {
-        for load in [Load::Smooth, Load::Firing, Load::Ripple, Load::Noise] {
-            let (found, exact) = beside_accurate(load, model, 0.3);
+        for load in [Load::Smooth, Load::Ripple, Load::Noise] {
+            let (found, exact) = beside_accurate(load, model, 1.0, 0.3);
             let [primary, secondary, ratio, slip, thrust] = found.off(&exact);
             assert!(
-                primary < 0.5 && secondary < 0.2,
+                primary < 5e-3 && secondary < 5e-3,
                 "{model:?} {load:?}: {primary}, {secondary} rad/s"
             );
-            assert!(ratio < 2e-3 && slip < 1e-3, "{model:?} {load:?}: {ratio}, {slip}");
-            let calm = load != Load::Firing;
-            assert!(thrust < if calm { 2e-4 } else { 0.02 }, "{model:?} {load:?}: {thrust}");
-            assert!(!calm || primary < 5e-3, "{model:?} {load:?}: {primary} rad/s");
+            assert!(ratio < 2e-4 && slip < 2e-4, "{model:?} {load:?}: {ratio}, {slip}");
+            assert!(thrust < 2e-4, "{model:?} {load:?}: {thrust}");
         }
+    }
+}
+
+/// An engine's firing: each tick is solved, some of them a millisecond late. In underdrive `ALE` takes more work than there is.
+#[test]
+fn firing_is_followed() {
+    for (model, ratio) in [
+        (RingModel::Ale0, 2.2),
+        (RingModel::Ale0, 1.0),
+        (RingModel::Ale0, 0.5),
+        (RingModel::Ale, 1.0),
+        (RingModel::Ale, 0.5),
+    ] {
+        let (found, exact) = beside_accurate(Load::Firing, model, ratio, 0.3);
+        let (off, ranges) = (found.off(&exact), exact.ranges());
+        for k in 0..4 {
+            assert!(off[k] < 0.03 * ranges[k], "{model:?} {k}: {} of {}", off[k], ranges[k]);
+        }
+        assert!(off[4] < 5e-3, "{model:?}: {}", off[4]);
     }
 }
 
@@ -176,12 +185,12 @@ fn ticks_are_never_longer_than_a_millisecond() {
     variator.initialise(0.0, &given).expect("a start");
     let mut time = 0.0;
     for (step, ticks) in [(0.4e-3, 1), (1e-3, 1), (1.0000001e-3, 2), (2.5e-3, 3), (10e-3, 10)] {
-        let before = variator.outputs().work.steps;
+        let before = variator.outputs().work.jacobians;
         time += step;
         variator
             .advance(time, &inputs((60.0, 13e3), (-49.0, 10e3)))
             .expect("a step");
-        assert_eq!(variator.outputs().work.steps - before, ticks, "{step} s");
+        assert_eq!(variator.outputs().work.jacobians - before, ticks, "{step} s");
         assert_close(
             variator.outputs().primary.external_torque,
             60.0,
@@ -223,7 +232,7 @@ fn a_run_goes_on_after_ticks_that_are_not_taken() {
         }
     }
     println!("{not_taken} steps with ticks that weren't taken");
-    assert!((1..=150).contains(&not_taken), "{not_taken}");
+    assert!(not_taken <= 20, "{not_taken}");
 }
 
 /// Clamping forces far from those that the belt wants let its ratio run off in overdrive: hardly a tick is solved there on the laws
@@ -247,91 +256,160 @@ fn ticks_that_are_not_taken_are_few() {
     }
 }
 
-/// Torques of 150 N·m and forces of 20 kN that jump at random, each 1 to 200 ms, also to no force: it neither stands still nor runs
-/// away, and takes nine of ten ticks.
+/// Torques of 150 N·m and forces of 20 kN that jump at random, each 1 to 200 ms, also to no force.
+struct Jumps {
+    variator: Variator,
+    noise: Box<dyn FnMut() -> f64>,
+    ratio: f64,
+    cruise: f64,
+    /// Torque on P, forces on P and S, and until when.
+    load: (f64, f64, f64),
+    until: f64,
+    step: u32,
+}
+
+impl Jumps {
+    fn new(parameters: &Parameters, seed: u64) -> Self {
+        let mut next = noise(seed);
+        let mut between = |least: f64, most: f64| least + (most - least) * (next() + 0.5);
+        let mut parameters = in_real_time(parameters.clone());
+        let (ratio, speed) = (between(0.5, 2.2), between(0.0, 400.0));
+        parameters.initial.ratio = ratio;
+        parameters.initial.primary_speed = if seed == 0 { 0.0 } else { speed };
+        parameters.secondary.inertia = between(0.05, 4.0);
+        let cruise = parameters.initial.primary_speed / ratio;
+        let mut variator = Variator::new(parameters).expect("valid parameters");
+        let load = (20.0, 15e3, 12e3);
+        variator
+            .initialise(0.0, &inputs((load.0, load.1), (-load.0 * ratio, load.2)))
+            .expect("a start");
+        Self {
+            variator,
+            noise: Box::new(next),
+            ratio,
+            cruise,
+            load,
+            until: 0.0,
+            step: 0,
+        }
+    }
+
+    /// Time of the next step, s, and its inputs.
+    fn next(&mut self) -> (f64, Inputs) {
+        self.step += 1;
+        let time = 1e-3 * f64::from(self.step);
+        let mut between = |least: f64, most: f64| least + (most - least) * ((self.noise)() + 0.5);
+        if time > self.until {
+            self.until = time + 10_f64.powf(between(-3.0, -0.7));
+            let primary = if between(0.0, 1.0) < 0.05 {
+                0.0
+            } else {
+                between(4e3, 22e3)
+            };
+            self.load = (between(-120.0, 150.0), primary, between(4e3, 22e3));
+        }
+        let (torque, primary, secondary) = self.load;
+        let vehicle = -torque * self.ratio - 2.0 * (self.variator.outputs().secondary.speed - self.cruise);
+        (time, inputs((torque, primary), (vehicle, secondary)))
+    }
+}
+
+/// It neither stands still nor runs away, keeps near the clock, and takes nine of ten ticks.
 #[test]
 fn random_jumps_never_stop_it() {
     for parameters in meshes() {
         for seed in 0..4 {
-            let mut next = noise(seed);
-            let mut between = |least: f64, most: f64| least + (most - least) * (next() + 0.5);
-            let mut parameters = in_real_time(parameters.clone());
-            let (ratio, speed) = (between(0.5, 2.2), between(0.0, 400.0));
-            parameters.initial.ratio = ratio;
-            parameters.initial.primary_speed = if seed == 0 { 0.0 } else { speed };
-            parameters.secondary.inertia = between(0.05, 4.0);
-            let cruise = parameters.initial.primary_speed / ratio;
-            let mut variator = Variator::new(parameters).expect("valid parameters");
-            let mut load = (20.0, 15e3, 12e3);
-            variator
-                .initialise(0.0, &inputs((load.0, load.1), (-load.0 * ratio, load.2)))
-                .expect("a start");
-            let (mut until, mut before, mut still, mut not_taken) = (0.0, f64::NAN, 0, 0);
-            for step in 1..=1000 {
-                let time = 1e-3 * f64::from(step);
-                if time > until {
-                    until = time + 10_f64.powf(between(-3.0, -0.7));
-                    let primary = if between(0.0, 1.0) < 0.05 {
-                        0.0
-                    } else {
-                        between(4e3, 22e3)
-                    };
-                    load = (between(-120.0, 150.0), primary, between(4e3, 22e3));
-                }
-                let vehicle = -load.0 * ratio - 2.0 * (variator.outputs().secondary.speed - cruise);
-                let given = inputs((load.0, load.1), (vehicle, load.2));
-                variator.advance(time, &given).expect("a step");
-                let outputs = variator.outputs();
+            let mut jumps = Jumps::new(&parameters, seed);
+            let (mut before, mut still, mut not_taken) = (f64::NAN, 0, 0);
+            let (mut latest, mut behind) = (0.0_f64, 0.0);
+            for _ in 1..=1000 {
+                let (time, given) = jumps.next();
+                jumps.variator.advance(time, &given).expect("a step");
+                let outputs = jumps.variator.outputs();
                 let [p, s] = [&outputs.primary, &outputs.secondary];
                 assert!(p.speed.is_finite() && s.speed.abs() < 1e3, "{seed} at {time} s");
                 assert!(p.axial_force.abs().max(s.axial_force.abs()) < 1e5, "{seed} at {time} s");
                 still = if p.speed == before { still + 1 } else { 0 };
                 assert!(still < 4, "{seed} stands at {time} s");
                 before = p.speed;
-                not_taken += i32::from(returned(&mut variator));
+                latest = latest.max(outputs.work.behind);
+                behind += outputs.work.behind / 1000.0;
+                not_taken += i32::from(returned(&mut jumps.variator));
             }
-            println!("{not_taken} of 1000 ticks not taken");
+            println!(
+                "{not_taken} of 1000 ticks not taken; behind by {behind:.1e} s in the mean, {latest:.1e} s at most"
+            );
             assert!(not_taken < 100, "{seed}: {not_taken}");
+            assert!(latest < 0.02 + 1e-9, "{seed}: {latest} s");
         }
     }
 }
 
+/// Copies of a run and states that it stored continue as it does.
+fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (f64, Inputs)) {
+    let mut tape = Tape::writer();
+    variator.pass(&mut tape);
+    let mut restored = Variator::new(variator.parameters().clone()).expect("valid parameters");
+    let bytes = tape.into_bytes();
+    let mut tape = Tape::reader(&bytes);
+    restored.pass(&mut tape);
+    assert_eq!(tape.finish(), Ok(()));
+    let mut copy = variator.clone();
+    for _ in 0..20 {
+        let (time, inputs) = given(variator);
+        for run in [&mut *variator, &mut copy, &mut restored] {
+            run.advance(time, &inputs).expect("a step");
+        }
+        assert_eq!(variator.state(), copy.state());
+        assert_eq!(variator.state(), restored.state());
+        assert_eq!(variator.outputs(), restored.outputs());
+    }
+}
+
+/// In a slam while the belt slips; under firing while a tick is open.
 #[test]
 fn copies_and_stored_states_continue_alike() {
-    for (load, ratio, parameters) in [
-        (Load::Slam, 1.0, coarse(RingModel::Ale0)),
-        (Load::Slam, 1.0, coarse(RingModel::Ale)),
-        (Load::Flips, 0.5, one_cell(RingModel::Ale)),
+    for (load, parameters) in [
+        (Load::Slam, coarse(RingModel::Ale0)),
+        (Load::Slam, coarse(RingModel::Ale)),
+        (Load::Firing, one_cell(RingModel::Ale)),
     ] {
-        let mut driven = Driven::new(load, in_real_time(parameters), ratio);
-        // Of a slam until the belt slips, of flips until a tick isn't taken.
+        let mut driven = Driven::new(load, in_real_time(parameters), 1.0);
         for step in 0.. {
             let over = match load {
                 Load::Slam => step == 40,
-                _ => returned(&mut driven.variator),
+                _ => driven.variator.outputs().work.behind > 0.0,
             };
             if over {
                 break;
             }
-            assert!(step < 200, "all ticks of {load:?} were taken");
+            assert!(step < 300, "no tick of {load:?} was open");
             let inputs = driven.inputs();
             driven.variator.advance(driven.until(), &inputs).expect("a step");
         }
-        let mut tape = Tape::writer();
-        driven.variator.pass(&mut tape);
-        let mut restored = Variator::new(driven.variator.parameters().clone()).expect("valid parameters");
-        restored.pass(&mut Tape::reader(&tape.into_bytes()));
-        let mut copy = driven.variator.clone();
-        for _ in 0..20 {
+        let mut variator = driven.variator.clone();
+        continue_alike(&mut variator, |variator| {
+            driven.variator = variator.clone();
             let inputs = driven.inputs();
-            for run in [&mut driven.variator, &mut copy, &mut restored] {
-                run.advance(run.time() + load.step(), &inputs).expect("a step");
-            }
-            assert_eq!(driven.variator.state(), copy.state());
-            assert_eq!(driven.variator.state(), restored.state());
-            assert_eq!(driven.variator.outputs(), restored.outputs());
-        }
+            (driven.until(), inputs)
+        });
     }
+}
+
+/// So do states right after a tick that was not taken.
+#[test]
+fn states_after_a_return_continue_alike() {
+    let mut jumps = Jumps::new(&one_cell(RingModel::Ale), 2);
+    while !returned(&mut jumps.variator) {
+        let (time, given) = jumps.next();
+        assert!(time < 1.0, "all ticks were taken");
+        jumps.variator.advance(time, &given).expect("a step");
+    }
+    let mut variator = jumps.variator.clone();
+    continue_alike(&mut variator, |variator| {
+        jumps.variator = variator.clone();
+        jumps.next()
+    });
 }
 
 #[test]

@@ -1,8 +1,9 @@
-//! Time integration in ticks of bounded work, for real time: with one Jacobian, one factorization and a fixed number of residuals
-//! in each tick, whatever happens. No tick fails. There are two kinds of the same work, both one-step and L-stable:
+//! Time integration with bounded work, for real time: one Jacobian, one factorization and a fixed number of residuals
+//! ([`Budget`]) in each millisecond, whatever happens. A tick that isn't solved when the work is used up stays open, and the next
+//! millisecond goes on with it from the best point so far, with a new Jacobian there. There are two kinds of ticks, both one-step and
+//! L-stable:
 //!
-//! - A calm tick ([`Tick::Calm`]) is a step of [`Sdirk`](super::sdirk::Sdirk), of order two: two stages share the Jacobian and the
-//!   residuals.
+//! - A calm tick ([`Tick::Calm`]) is a step of [`Sdirk`](super::sdirk::Sdirk), of order two, in two stages.
 //! - A rough tick ([`Tick::Rough`]) is implicit Euler, of order one: a swing of 70 Hz lags by 0.2 rad in ticks of 1 ms. Its Jacobian is
 //!   that of the secants ([`Evolution::secant_jacobian`]): where a law saturates, as friction does, its tangent underestimates the
 //!   slopes ahead, and iterations jump from one sliding direction to the other. The secant from rest never does, so each
@@ -25,11 +26,23 @@ use crate::tape::Tape;
 
 /// Longest tick of a run that keeps up with the clock, s.
 pub const TICK: f64 = 1.0e-3;
-/// Residuals in a tick. With six, ticks in which a torque flips are left with ten times the defect.
-pub const RESIDUALS: usize = 8;
+/// Residuals in a millisecond. With twelve, `ALE` under an engine's firing stays open for too long; twenty solve little more.
+pub const RESIDUALS: usize = 16;
+/// Share of them that the first stage of a tick may take at once: the second one needs some.
+const OF_FIRST: f64 = 0.75;
+/// A stage that more work follows is solved where its correction is such a share of the first one, within limits. With an absolute
+/// limit alone, a slow drift of smooth loads is lost.
+const SOLVED: f64 = 3.0e-3;
+const LIMITS: [f64; 2] = [1.0e-3, 10.0];
+/// Defects up to which a stage is good enough once the work is used up, of calm and of rough ticks.
+const GOOD: [f64; 2] = [150.0, 1000.0];
+/// So many refused steps in a row end a stage that is good enough.
+const REFUSED: u32 = 3;
+/// So many steps in a row have to be accepted before the damping changes back: with one, every second step is refused.
+const ACCEPTED: u32 = 2;
 /// By how much the correction after a step must be below the one before: 1 − λ/4 at damping λ.
 const RESTRICTION: f64 = 0.25;
-/// Change of the damping after a step that was refused; one that was accepted changes it back.
+/// Change of the damping after a step that was refused.
 const DAMPED: f64 = 0.5;
 /// Damping from which on a step may also grow the correction, and by how much: a saddle is left.
 const LEAST: f64 = 0.03;
@@ -37,21 +50,115 @@ const GROWTH: f64 = 2.0;
 /// Defect that stands for an evaluation that was no number.
 const WORST: f64 = 1.0e9;
 
+/// Work that is left of a millisecond.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    jacobian: bool,
+    residuals: usize,
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self::of(RESIDUALS)
+    }
+}
+
+impl Budget {
+    /// One Jacobian and so many residuals.
+    #[must_use]
+    pub fn of(residuals: usize) -> Self {
+        Self {
+            jacobian: true,
+            residuals,
+        }
+    }
+
+    /// Whether nothing is left of it.
+    #[must_use]
+    pub fn is_used_up(&self) -> bool {
+        self.residuals == 0
+    }
+}
+
 /// How a tick is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tick {
-    /// Two stages of order two with tangents: where a few iterations find the solution.
+    /// Two stages of order two with tangents: where some iterations find the solution.
     Calm,
     /// One stage of order one with secants: where they don't.
     Rough,
 }
 
-/// Where a stage stands: it ends at `time` and is τ = `length` long, s.
+impl Tick {
+    /// Its stages.
+    fn stages(self) -> usize {
+        match self {
+            Self::Calm => 2,
+            Self::Rough => 1,
+        }
+    }
+
+    /// Length of a stage, as a share of that of the tick.
+    fn part(self) -> f64 {
+        match self {
+            Self::Calm => GAMMA,
+            Self::Rough => 1.0,
+        }
+    }
+
+    fn good(self) -> f64 {
+        match self {
+            Self::Calm => GOOD[0],
+            Self::Rough => GOOD[1],
+        }
+    }
+}
+
+/// A tick to solve.
+#[derive(Clone, Copy, Debug)]
+pub struct Task {
+    /// From when to when, s.
+    pub span: [f64; 2],
+    /// How.
+    pub kind: Tick,
+    /// Whether it is the last one for now: it takes all work that is left.
+    pub is_last: bool,
+    /// Whether it ends when the work is used up, however far it got.
+    pub is_forced: bool,
+}
+
+/// What became of a tick, with its defect: root mean square of the correction that is left, in units of Newton's scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// The state is at its end.
+    Over(f64),
+    /// The work is used up, or the stage's share of it. The state is still at its start.
+    Open(f64),
+}
+
+/// Where an open tick goes on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mark {
+    /// Stage under way.
+    stage: usize,
+    /// Whether it has a point already.
+    begun: bool,
+    /// Largest defect of the stages before.
+    defect: f64,
+}
+
+/// How far a stage is to be solved.
 #[derive(Clone, Copy, Debug)]
 struct Stage {
+    /// It ends at this time and is so long, s.
     time: f64,
     length: f64,
+    /// Residuals that it may take.
     residuals: usize,
+    /// Defect from which on it may end before; without it all residuals are used.
+    good: Option<f64>,
+    /// Whether the residual at the present point is known.
+    known: bool,
 }
 
 /// Ticks of bounded work.
@@ -59,20 +166,27 @@ struct Stage {
 pub struct Bounded {
     matrix: Arrow,
     factors: ArrowLu,
+    /// Whether there are factors.
+    regular: bool,
     scale: Vec<f64>,
     correction: Vec<f64>,
-    /// The point that was accepted last, and the step from it, scaled.
+    /// The point that was accepted last, its residual, and the step from it, scaled.
     accepted: Vec<f64>,
+    residual: Vec<f64>,
     step: Vec<f64>,
+    trial: Vec<f64>,
     broyden: Broyden,
     /// State at the start of the tick.
     start: State,
     /// y_0 and q_0 of a stage.
     base: State,
+    /// Of an open tick: where it stands, y of its first stage, and y of the stage under way.
+    open: Option<Mark>,
+    first: Vec<f64>,
+    point: Vec<f64>,
     /// Work counts.
     pub counts: Counts,
-    /// Largest defect of the ticks since it was set to zero: root mean square of the correction that is left, in units of
-    /// Newton's scale.
+    /// Largest defect of the ticks that ended since it was set to zero.
     pub defect: f64,
 }
 
@@ -81,23 +195,29 @@ impl Bounded {
     #[must_use]
     pub fn new(system: &impl System) -> Self {
         let shape = system.shape();
-        let zeros = vec![0.0; shape.len()];
+        let zeros = || vec![0.0; shape.len()];
         Self {
             matrix: Arrow::new(shape),
             factors: ArrowLu::new(shape),
-            scale: zeros.clone(),
-            correction: zeros.clone(),
-            accepted: zeros.clone(),
-            step: zeros,
-            broyden: Broyden::new(RESIDUALS, shape.len()),
+            regular: false,
+            scale: zeros(),
+            correction: zeros(),
+            accepted: zeros(),
+            residual: zeros(),
+            step: zeros(),
+            trial: zeros(),
+            broyden: Broyden::new(RESIDUALS + 1, shape.len()),
             start: State::zero(shape.len()),
             base: State::zero(shape.len()),
+            open: None,
+            first: zeros(),
+            point: zeros(),
             counts: Counts::default(),
             defect: 0.0,
         }
     }
 
-    /// Passes by a tape all that later ticks depend on beside the state: nothing but the counts.
+    /// Passes by a tape all that later ticks depend on beside the state. A millisecond begins with a new Jacobian.
     pub fn pass(&mut self, tape: &mut Tape<'_>) {
         let Counts {
             steps,
@@ -108,48 +228,126 @@ impl Bounded {
         for count in [steps, residuals, factorizations] {
             tape.counter(count);
         }
+        let mut is_open = self.open.is_some();
+        let mut mark = self.open.unwrap_or_default();
+        let mut is_second = mark.stage > 0;
+        for flag in [&mut is_open, &mut is_second, &mut mark.begun] {
+            tape.flag(flag);
+        }
+        tape.real(&mut mark.defect);
+        mark.stage = usize::from(is_second);
+        self.open = is_open.then_some(mark);
+        for values in [&mut self.first, &mut self.point, &mut self.residual] {
+            tape.reals(values);
+        }
     }
 
-    /// Advances a state by a tick from one time to another, s. Returns its defect.
-    pub fn tick<S: Evolution>(&mut self, system: &mut S, state: &mut State, [from, to]: [f64; 2], kind: Tick) -> f64 {
+    /// Whether a tick is open.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.open.is_some()
+    }
+
+    /// Gives up an open tick.
+    pub fn give_up(&mut self) {
+        self.open = None;
+    }
+
+    /// Begins a tick, or goes on with the open one, as far as the budget leads.
+    pub fn tick<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &mut State,
+        task: &Task,
+        budget: &mut Budget,
+    ) -> Outcome {
+        let Task { span, kind, .. } = *task;
+        let [from, to] = span;
         let length = to - from;
-        let part = match kind {
-            Tick::Calm => GAMMA * length,
-            Tick::Rough => length,
-        };
+        let part = kind.part() * length;
         self.start.copy_from(state);
         self.base.copy_from(state);
         system.newton_scale(part, &mut self.scale);
-        let (first, alpha) = (from + part, 1.0 / part);
-        match kind {
-            Tick::Calm => system.jacobian(first, state.view(), alpha, part, &mut self.matrix),
-            Tick::Rough => system.secant_jacobian(first, state.view(), alpha, part, &mut self.matrix),
+        let mut mark = self.open.take().unwrap_or_default();
+        if mark.stage > 0 {
+            state.y.copy_from_slice(&self.first);
+            self.complete(system, state, part);
+            self.move_on(state, length - part, part);
         }
-        self.counts.factorizations += 1;
-        let regular = self.factors.factor(&self.matrix).is_ok();
-        let stage = |time, residuals| Stage {
-            time,
-            length: part,
-            residuals,
-        };
-        let (defect, rule) = match kind {
-            Tick::Calm => {
-                let of_first = self.iterate(system, state, stage(first, RESIDUALS / 2), regular);
-                self.move_on(state, length - part, part);
-                let of_second = self.iterate(system, state, stage(to, RESIDUALS - RESIDUALS / 2), regular);
-                (of_first.max(of_second), Quadrature::Trapezoid)
+        loop {
+            let is_last = mark.stage + 1 >= kind.stages();
+            let time = if is_last { to } else { from + part };
+            if mark.begun {
+                state.y.copy_from_slice(&self.point);
             }
-            Tick::Rough => (
-                self.iterate(system, state, stage(to, RESIDUALS), regular),
-                Quadrature::End,
-            ),
+            if mark.begun || mark.stage > 0 {
+                self.complete(system, state, part);
+            }
+            self.renew(system, state, (time, part), kind, budget);
+            let share = if is_last || mark.begun { 1.0 } else { OF_FIRST };
+            let stage = Stage {
+                time,
+                length: part,
+                residuals: (share * budget.residuals as f64).ceil() as usize,
+                good: (!is_last || kind == Tick::Calm && !task.is_last).then_some(kind.good()),
+                known: mark.begun,
+            };
+            let defect = self.iterate(system, state, stage, budget);
+            let is_good = defect <= kind.good();
+            if !(is_good || is_last && task.is_forced) {
+                mark.begun = defect.is_finite();
+                self.point.copy_from_slice(&state.y);
+                return self.leave_open(state, mark, defect);
+            }
+            mark.defect = mark.defect.max(defect);
+            if is_last {
+                break;
+            }
+            self.first.copy_from_slice(&state.y);
+            mark.begun = false;
+            mark.stage += 1;
+            if budget.is_used_up() {
+                return self.leave_open(state, mark, defect);
+            }
+            self.move_on(state, length - part, part);
+        }
+        let rule = match kind {
+            Tick::Calm => Quadrature::Trapezoid,
+            Tick::Rough => Quadrature::End,
         };
-        let defect = defect.min(WORST);
+        let defect = mark.defect.min(WORST);
         self.defect = self.defect.max(defect);
         let interval = Interval { end: to, length, rule };
         system.accumulate(self.start.view(), state.view(), interval);
         self.counts.steps += 1;
-        defect
+        Outcome::Over(defect)
+    }
+
+    fn leave_open(&mut self, state: &mut State, mark: Mark, defect: f64) -> Outcome {
+        self.open = Some(mark);
+        state.copy_from(&self.start);
+        Outcome::Open(defect.min(WORST))
+    }
+
+    /// Spends the Jacobian, if it is left, at the present point of a stage that ends at `time` and is `length` long, s.
+    fn renew<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &State,
+        (time, length): (f64, f64),
+        kind: Tick,
+        budget: &mut Budget,
+    ) {
+        if !std::mem::take(&mut budget.jacobian) {
+            return;
+        }
+        let alpha = 1.0 / length;
+        match kind {
+            Tick::Calm => system.jacobian(time, state.view(), alpha, length, &mut self.matrix),
+            Tick::Rough => system.secant_jacobian(time, state.view(), alpha, length, &mut self.matrix),
+        }
+        self.counts.factorizations += 1;
+        self.regular = self.factors.factor(&self.matrix).is_ok();
     }
 
     /// From the first stage to the second: its base lies by `rest` along the slopes of the first, and its first guess by `part` more.
@@ -159,45 +357,61 @@ impl Bounded {
         move_by(part, &mut state.y, &self.base.y, &state.y_dot);
     }
 
-    /// Iterates on a stage with the factors at hand; returns its defect. Without any (`regular`), y stays, and positions move on
-    /// with it.
-    fn iterate<S: Evolution>(&mut self, system: &mut S, state: &mut State, stage: Stage, regular: bool) -> f64 {
-        let Stage {
-            time,
-            length,
-            residuals,
-        } = stage;
+    /// Iterates on a stage with the factors at hand; returns its defect. Without any, y stays, and positions move on with it.
+    fn iterate<S: Evolution>(&mut self, system: &mut S, state: &mut State, stage: Stage, budget: &mut Budget) -> f64 {
+        let Stage { time, length, .. } = stage;
         let mut damping = 1.0_f64;
         let mut norm = f64::INFINITY;
+        let mut solved = 0.0;
+        let (mut accepted, mut refused) = (0, 0);
+        let mut known = stage.known;
+        let mut left = stage.residuals;
         self.accepted.copy_from_slice(&state.y);
         self.step.fill(0.0);
         self.broyden.restart();
-        for iteration in 0..residuals {
-            for ((y, from), (u, s)) in state
-                .y
-                .iter_mut()
-                .zip(&self.accepted)
-                .zip(self.step.iter().zip(&self.scale))
-            {
+        while known || left > 0 {
+            let moved = self.accepted.iter().zip(self.step.iter().zip(&self.scale));
+            for (y, (from, (u, s))) in state.y.iter_mut().zip(moved) {
                 *y = from + damping * (u * s);
             }
             self.complete(system, state, length);
-            system.residual(time, state.view(), &mut self.correction);
-            self.counts.residuals += 1;
-            let after = if regular { self.correct() } else { f64::INFINITY };
+            if known {
+                self.trial.copy_from_slice(&self.residual);
+            } else {
+                system.residual(time, state.view(), &mut self.trial);
+                self.counts.residuals += 1;
+                budget.residuals -= 1;
+                left -= 1;
+            }
+            known = false;
+            let after = if self.regular { self.correct() } else { f64::INFINITY };
+            let is_first = norm.is_infinite();
             let allowed = if damping > LEAST {
                 (1.0 - RESTRICTION * damping) * norm
             } else {
                 GROWTH * norm
             };
-            if after.is_finite() && (iteration == 0 || after <= allowed) {
+            if after.is_finite() && (is_first || after <= allowed) {
+                accepted = if after < norm { accepted + 1 } else { 0 };
                 norm = after;
                 self.accept(state, damping);
-                if iteration > 0 {
+                if is_first {
+                    solved = (SOLVED * norm).clamp(LIMITS[0], LIMITS[1]);
+                }
+                if stage.good.is_some() && norm < solved {
+                    break;
+                }
+                refused = 0;
+                if accepted >= ACCEPTED {
                     damping = (damping / DAMPED).min(1.0);
                 }
             } else {
                 damping = (damping * DAMPED).max(LEAST);
+                accepted = 0;
+                refused += 1;
+                if refused >= REFUSED && stage.good.is_some_and(|good| norm <= good) {
+                    break;
+                }
             }
         }
         state.y.copy_from_slice(&self.accepted);
@@ -207,6 +421,7 @@ impl Bounded {
 
     /// The correction at the present point; its root mean square in units of Newton's scale.
     fn correct(&mut self) -> f64 {
+        self.correction.copy_from_slice(&self.trial);
         self.factors.solve(&mut self.correction);
         let squares = self.correction.iter().zip(&self.scale).map(|(d, s)| (d / s) * (d / s));
         (squares.sum::<f64>() / self.scale.len() as f64).sqrt()
@@ -215,6 +430,7 @@ impl Bounded {
     /// Accepts the present point, which the damped step led to, and makes the step from it.
     fn accept(&mut self, state: &State, damping: f64) {
         self.accepted.copy_from_slice(&state.y);
+        std::mem::swap(&mut self.residual, &mut self.trial);
         if damping < 1.0 {
             self.broyden.restart();
         }

@@ -318,6 +318,7 @@ fn outputs(t: &mut Rows) {
     t.work("solver.jacobians", 28, "Jacobians formed and factored since the start", Access::Reading(|readings| readings.outputs.work.jacobians));
     t.work("solver.residuals", 29, "Residuals evaluated since the start", Access::Reading(|readings| readings.outputs.work.residuals));
     t.read("solver.defect", 30, (Output, "1", not_negative(1.0)), "What the solutions of the last communication step were left to change by another correction, as a share of what accurate steps tolerate at the default tolerance: below 1 in accurate steps, above 1 in ticks of real time that were not solved; from 1000 on such a tick was not taken", read!(work.defect));
+    t.read("solver.behind", 31, (Output, "s", not_negative(1e-3)), "How far outputs are behind the clock in real time, while a tick that isn't solved yet goes on; 0 in accurate steps", read!(work.behind));
     t.read("belt.misalignment", 20, (Output, "m", typical(1e-3)), "Axial offset of the primary belt plane from the secondary's; it changes with the ratio, because the movable sheaves stand on opposite sides", read!(misalignment));
     t.read("belt.lateralMax", 21, (Output, "m", not_negative(1e-3)), "Largest deflection of the ring from the middle between the two belt planes; 0 without ring.spatial", read!(lateral_max));
     t.read("belt.skew", 22, (Output, "rad", typical(1e-2)), "Mean inclination of the strands against the plane of the drive, from secondary to primary; 0 without ring.spatial", read!(skew));

@@ -1,8 +1,11 @@
-//! Ticks of bounded work: order two and one, the same work in each, damping without bound, and no failure.
+//! Ticks of bounded work: order two and one, the same work in each, and going on where the work ended.
 
-use super::super::bounded::{Bounded, RESIDUALS, Tick};
+use super::super::bounded::{Bounded, Budget, Outcome, RESIDUALS, Task, Tick};
+use super::super::{State, System};
+
 use super::super::newton::Counts;
-use super::problems::{Decay, ProtheroRobinson, Quadrature, Solved, Test};
+use super::problems::{Decay, ProtheroRobinson, Quadrature, Solved, Test, VanDerPol};
+use crate::tape::Tape;
 
 /// Numbers of ticks of a ladder over 1 s.
 const LADDER: [u32; 4] = [20, 40, 80, 160];
@@ -14,10 +17,20 @@ fn run<E: Solved<N>, const N: usize>(equations: E, kind: Tick, ticks: u32) -> ([
     let mut bounded = Bounded::new(&system);
     let length = 1.0 / f64::from(ticks);
     for k in 1..=ticks {
-        let [from, to] = [k - 1, k].map(|k| f64::from(k) * length);
-        bounded.tick(&mut system, &mut state, [from, to], kind);
+        let span = [k - 1, k].map(|k| f64::from(k) * length);
+        let outcome = bounded.tick(&mut system, &mut state, &task(span, kind), &mut Budget::default());
+        assert!(matches!(outcome, Outcome::Over(_)), "{kind:?} {k}: {outcome:?}");
     }
     (system.error(&state, 1.0), bounded.counts)
+}
+
+fn task(span: [f64; 2], kind: Tick) -> Task {
+    Task {
+        span,
+        kind,
+        is_last: true,
+        is_forced: false,
+    }
 }
 
 const KINDS: [Tick; 2] = [Tick::Calm, Tick::Rough];
@@ -58,4 +71,69 @@ fn each_tick_takes_the_same_work() {
         };
         assert_eq!(counts, expected, "{kind:?}");
     }
+}
+
+/// An oscillator that is far from its limit cycle.
+fn oscillator() -> (Test<VanDerPol, 1>, State) {
+    let mut system = Test::new(VanDerPol { damping: 1.0 });
+    system.newton_scale = [1e-5];
+    let mut state = State::zero(system.shape().len());
+    state.y = system.unknowns([30.0]);
+    state.q = system.unknowns([2.0]);
+    (system, state)
+}
+
+/// Where a tick of an oscillator leads with so many residuals at a time, how often it was open, and the work.
+fn in_parts(kind: Tick, residuals: usize, stored: bool) -> (f64, u32, Counts) {
+    let (mut system, mut state) = oscillator();
+    let mut bounded = Bounded::new(&system);
+    let start = state.clone();
+    for open in 0..100 {
+        let mut budget = Budget::of(residuals);
+        while !budget.is_used_up() {
+            let outcome = bounded.tick(&mut system, &mut state, &task([0.0, 0.05], kind), &mut budget);
+            if let Outcome::Over(_) = outcome {
+                assert!(!bounded.is_open());
+                return (system.values(&state.y)[0], open, bounded.counts);
+            }
+            assert!(bounded.is_open());
+            assert_eq!(state, start, "an open tick leaves the state");
+        }
+        if stored {
+            let mut tape = Tape::writer();
+            bounded.pass(&mut tape);
+            bounded = Bounded::new(&system);
+            bounded.pass(&mut Tape::reader(&tape.into_bytes()));
+        }
+    }
+    panic!("{kind:?}: never over");
+}
+
+/// One residual at a time leads where sixteen lead, by way of states that are stored.
+#[test]
+fn a_tick_goes_on_where_its_work_ended() {
+    for kind in KINDS {
+        let (whole, ..) = in_parts(kind, 16, false);
+        let (parts, open, counts) = in_parts(kind, 1, false);
+        assert!(open > 0, "{kind:?}");
+        assert_eq!(counts.residuals, u64::from(open) + 1, "{kind:?}");
+        assert_eq!(
+            counts.factorizations, counts.residuals,
+            "{kind:?}: a Jacobian each time"
+        );
+        assert!((parts - whole).abs() < 1e-3 * whole.abs(), "{kind:?}: {parts}, {whole}");
+        assert_eq!(in_parts(kind, 1, true).0, parts, "{kind:?}");
+    }
+}
+
+#[test]
+fn a_tick_that_is_forced_ends_with_its_work() {
+    let (mut system, mut state) = oscillator();
+    let forced = Task {
+        is_forced: true,
+        ..task([0.0, 0.05], Tick::Rough)
+    };
+    let mut bounded = Bounded::new(&system);
+    let outcome = bounded.tick(&mut system, &mut state, &forced, &mut Budget::of(1));
+    assert!(matches!(outcome, Outcome::Over(_)), "{outcome:?}");
 }

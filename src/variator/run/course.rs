@@ -1,5 +1,6 @@
 //! How inputs that a master gives come into force: at once, over a ramp, or with the rates that it gives.
 
+use crate::tape::Tape;
 use crate::variator::settings::signals::Inputs;
 
 /// Shortest time to advance by, s: rates over less are rounding errors.
@@ -17,6 +18,21 @@ pub(super) struct Held {
 }
 
 impl Held {
+    /// No inputs at all.
+    pub const NONE: Self = Self {
+        from: 0.0,
+        inputs: Inputs::ZERO,
+        rates: Inputs::ZERO,
+    };
+
+    /// Passes them by a tape.
+    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+        tape.real(&mut self.from);
+        for value in self.inputs.each_mut().into_iter().chain(self.rates.each_mut()) {
+            tape.real(value);
+        }
+    }
+
     /// Inputs that do not change.
     pub fn constant(from: f64, inputs: &Inputs) -> Self {
         Self {
@@ -111,28 +127,6 @@ impl Course {
         if time < self.knee { self.ramp } else { self.rest }
     }
 
-    /// Mean of the inputs from one time to another, s.
-    pub fn mean(&self, [from, to]: [f64; 2]) -> Inputs {
-        let knee = self.knee.clamp(from, to);
-        let share = (knee - from) / (to - from);
-        Inputs::blend([
-            (share, self.ramp.at(0.5 * (from + knee))),
-            (1.0 - share, self.rest.at(0.5 * (knee + to))),
-        ])
-    }
-
-    /// The straight line from the inputs at one time to those at another, s, moved so that its mean is theirs.
-    pub fn line(&self, [from, to]: [f64; 2]) -> Held {
-        let [start, end] = [from, to].map(|time| self.held(time).at(time));
-        let length = to - from;
-        let rates = Inputs::blend([(1.0 / length, end), (-1.0 / length, start)]);
-        Held {
-            from,
-            inputs: self.mean([from, to]).after(-0.5 * length, &rates),
-            rates,
-        }
-    }
-
     /// Until when they change alike, s.
     pub fn until(&self, time: f64) -> f64 {
         if time < self.knee { self.knee } else { f64::INFINITY }
@@ -167,30 +161,9 @@ pub(super) mod tests {
             assert!((whole.knee - 2.01).abs() < 1e-12);
             assert!((whole.held(2.0).at(2.01).primary.torque - 30.0).abs() < 1e-9);
         }
-        let mean = |course: &Course| course.mean([2.0, 2.01]).primary.torque;
-        assert!((mean(&jump) - 30.0).abs() < 1e-9);
-        assert!((mean(&short) - 26.0).abs() < 1e-9);
         let given = course(4e-3, 100.0);
         assert_eq!((at(&given, 2.0), given.knee), (30.0, 2.0));
         assert!((at(&given, 2.01) - 31.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_line_has_the_mean_and_the_change_of_the_inputs() {
-        for (time, rate) in [(0.0, 0.0), (4e-3, 0.0), (-1.0, 0.0), (4e-3, 100.0)] {
-            let course = course(time, rate);
-            for [from, to] in [[2.0, 2.001], [2.003, 2.006], [2.0, 2.01]] {
-                let [first, last] = [from, to].map(|time| course.held(time).at(time).primary.torque);
-                let line = course.line([from, to]);
-                let [start, middle, end] = [from, 0.5 * (from + to), to].map(|time| line.at(time).primary.torque);
-                assert!(
-                    (end - start - (last - first)).abs() < 1e-9,
-                    "{time}, {rate}: {start} to {end}"
-                );
-                let mean = course.mean([from, to]).primary.torque;
-                assert!((middle - mean).abs() < 1e-9, "{time}, {rate}: {middle}, not {mean}");
-            }
-        }
     }
 
     #[test]

@@ -65,7 +65,7 @@ impl Variator {
         self.held = Held::constant(time, inputs);
         self.integrator.newton.counts = Counts::default();
         if let Some(real_time) = &mut self.real_time {
-            real_time.begin(&self.state);
+            real_time.begin(&self.state, time);
         }
         self.work = Work::default();
         self.apply();

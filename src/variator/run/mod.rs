@@ -1,6 +1,7 @@
 //! A run of a variator: start, steps, outputs, stored states.
 
 mod at_rest;
+mod backlog;
 mod course;
 mod initial;
 mod pace;

@@ -1,15 +1,26 @@
-//! Real time: from tick to tick of bounded work. A tick that ends very far from its solution is not taken: the run goes back to the
-//! last state that was solved and on from there in shorter ticks, behind the clock, until longer ones have caught up with it.
+//! Real time: a run that does the same work in each millisecond of the clock ([`Budget`]), whatever happens.
+//!
+//! - While ticks find their solution they are calm, on the laws that the user has set, one each millisecond.
+//! - A tick that is still open when the work is used up goes on in the next millisecond: the run is behind the clock, and catches up
+//!   where ticks need less work than there is. Its inputs wait ([`Backlog`]).
+//! - A tick that stays open for too long is given up. Ticks are rough then, on rounded laws ([`Rounding`]), and not solved any more
+//!   than the work allows.
+//! - A rough tick that ends very far from its solution is not taken: the run goes back to the last state that was solved and on from
+//!   there in shorter ticks.
 
-use crate::solver::bounded::{Bounded, Tick};
+use crate::solver::bounded::{Bounded, Budget, Outcome, Task, Tick};
 use crate::solver::newton::Counts;
 use crate::solver::{State, System};
 use crate::tape::Tape;
+use crate::variator::run::backlog::Backlog;
 use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
 use crate::variator::run::rounding::Rounding;
-use crate::variator::settings::signals::Inputs;
 use crate::variator::survey::ledger::Running;
 
+/// Milliseconds that a tick may wait to be solved. With three, slams err by a quarter more; with one, firing rounds the laws.
+const PATIENCE: u64 = 2;
+/// Time behind the clock from which on rough ticks don't wait, s.
+const LATE: f64 = 0.004;
 /// Defect up to which a state counts as solved.
 const SOLVED: f64 = 400.0;
 /// Defect from which on a tick is not taken: the next ones would be further off.
@@ -21,55 +32,13 @@ const UNACCOUNTED: [f64; 2] = [2.0, 0.2];
 const SHORTER: f64 = 0.25;
 const LONGER: f64 = 1.5;
 const SHORTEST: f64 = 0.01;
-/// Share by which ticks are longer until the run has caught up with the clock.
+/// Share by which rough ticks are longer until the run has caught up with the clock. Calm ones are as long as ever: several may fit
+/// into a millisecond.
 const CATCHING_UP: f64 = 0.5;
+/// A rest that is shorter than such a share of a tick of the clock belongs to the tick before.
+const REST: f64 = 0.4;
 /// Longest time that a run is behind the clock, s. What is beyond it is never made up for.
 const BEHIND: f64 = 0.02;
-
-/// A stretch of time, s, and the integral of the inputs over it.
-#[derive(Clone, Copy, Debug)]
-struct Elapsed {
-    time: f64,
-    inputs: Inputs,
-}
-
-impl Elapsed {
-    const NONE: Self = Self {
-        time: 0.0,
-        inputs: Inputs::ZERO,
-    };
-
-    /// Adds a time, s, under inputs; a negative one takes it away.
-    fn add(&mut self, time: f64, inputs: &Inputs) {
-        self.time += time;
-        self.inputs = self.inputs.after(time, inputs);
-    }
-
-    fn mean(&self) -> Inputs {
-        if self.time == 0.0 {
-            return Inputs::ZERO;
-        }
-        Inputs::ZERO.after(1.0 / self.time, &self.inputs)
-    }
-
-    /// Drops what is beyond a longest time, s.
-    fn shorten(&mut self, longest: f64) {
-        if self.time < SHORTEST_STEP {
-            *self = Self::NONE;
-        } else if self.time > longest {
-            let mean = self.mean();
-            *self = Self::NONE;
-            self.add(longest, &mean);
-        }
-    }
-
-    fn pass(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.time);
-        for value in self.inputs.each_mut() {
-            tape.real(value);
-        }
-    }
-}
 
 /// A tick to come: from when to when, how, by what share the laws are rounded, and the inputs over it.
 #[derive(Clone, Copy, Debug)]
@@ -80,19 +49,47 @@ pub(super) struct Plan {
     pub held: Held,
 }
 
+impl Plan {
+    /// No time at all.
+    const NONE: Self = Self {
+        span: [0.0; 2],
+        kind: Tick::Calm,
+        rounding: 0.0,
+        held: Held::NONE,
+    };
+
+    fn pass(&mut self, tape: &mut Tape<'_>) {
+        for time in &mut self.span {
+            tape.real(time);
+        }
+        let mut is_rough = self.kind == Tick::Rough;
+        tape.flag(&mut is_rough);
+        self.kind = if is_rough { Tick::Rough } else { Tick::Calm };
+        tape.real(&mut self.rounding);
+        self.held.pass(tape);
+    }
+}
+
 /// A run in real time.
 #[derive(Clone, Debug)]
 pub(super) struct RealTime {
     ticks: Bounded,
     rounding: Rounding,
-    /// The state to go back to, the energies there, and what was lived through since.
+    /// Time of the clock, and length of a tick of the clock, s.
+    clock: f64,
+    length: f64,
+    /// Time of the state, s, and the inputs from there to the clock's time.
+    reached: f64,
+    backlog: Backlog,
+    /// The state to go back to, its time, s, and the energies there.
     solved: State,
+    solved_at: f64,
     energies: [f64; 3],
-    since: Elapsed,
-    /// What is still to be lived through, up to the clock's time.
-    behind: Elapsed,
     /// Length of ticks, as a share of the clock's.
     share: f64,
+    /// The tick that is open, if one is, and for how many milliseconds.
+    plan: Plan,
+    waiting: u64,
 }
 
 impl RealTime {
@@ -101,94 +98,147 @@ impl RealTime {
         Self {
             ticks: Bounded::new(system),
             rounding: Rounding::default(),
+            clock: 0.0,
+            length: 0.0,
+            reached: 0.0,
+            backlog: Backlog::new(),
             solved: State::zero(system.shape().len()),
+            solved_at: 0.0,
             energies: [0.0; 3],
-            since: Elapsed::NONE,
-            behind: Elapsed::NONE,
             share: 1.0,
+            plan: Plan::NONE,
+            waiting: 0,
         }
     }
 
-    /// Begins a run from a state, with no energies yet.
-    pub fn begin(&mut self, state: &State) {
+    /// Begins a run from a state at a time, s, with no energies yet.
+    pub fn begin(&mut self, state: &State, time: f64) {
         self.ticks.counts = Counts::default();
+        self.ticks.give_up();
         self.rounding = Rounding::default();
+        (self.clock, self.reached, self.solved_at) = (time, time, time);
+        self.backlog.clear();
         self.solved.copy_from(state);
         self.energies = [0.0; 3];
-        (self.since, self.behind) = (Elapsed::NONE, Elapsed::NONE);
         self.share = 1.0;
+        self.waiting = 0;
     }
 
-    /// The tick for a stretch of the clock's time, s. A rough one takes the mean of its inputs, so no impulse is lost; a calm one
-    /// their straight line; one behind the clock the mean of all that it is behind.
-    pub fn plan(&mut self, course: &Course, [from, to]: [f64; 2]) -> Plan {
-        let rounding = self.rounding.share();
-        let kind = if rounding > 0.0 { Tick::Rough } else { Tick::Calm };
-        let clock = to - from;
-        let mean = course.mean([from, to]);
-        let behind = self.behind.time;
-        self.behind.add(clock, &mean);
-        let length = if self.share < 1.0 {
-            self.share * clock
-        } else if self.since.time > 0.0 {
-            clock
-        } else {
-            clock + behind.min(CATCHING_UP * clock)
-        };
-        let held = if self.behind.time > clock {
-            Held::constant(from, &self.behind.mean())
-        } else if kind == Tick::Calm {
-            course.line([from, to])
-        } else {
-            Held::constant(from, &mean)
-        };
-        Plan {
-            span: [to - length, to],
-            kind,
-            rounding,
-            held,
+    /// Begins a stretch of the clock's time, s, with its inputs.
+    pub fn live(&mut self, course: &Course, [from, to]: [f64; 2]) {
+        self.backlog.add(course, [from, to]);
+        (self.clock, self.length) = (to, to - from);
+        if !self.ticks.is_open() {
+            return;
+        }
+        self.waiting += 1;
+        if self.plan.kind == Tick::Calm && self.waiting >= PATIENCE {
+            self.ticks.give_up();
+            self.waiting = 0;
+            self.rounding.rise();
+            self.backlog.level(self.reached);
         }
     }
 
-    /// One tick, from a state to the next.
-    pub fn tick(&mut self, running: &mut Running<'_>, state: &mut State, plan: &Plan) {
+    /// The next tick until the clock's time, as long as the budget lasts: the open one, or another. A rough one takes the mean of its
+    /// inputs, so no impulse is lost; a calm one their straight line.
+    pub fn plan(&mut self, budget: &Budget) -> Option<Plan> {
+        if budget.is_used_up() || self.clock - self.reached < SHORTEST_STEP {
+            return None;
+        }
+        if !self.ticks.is_open() {
+            let rounding = self.rounding.share();
+            let kind = if rounding > 0.0 { Tick::Rough } else { Tick::Calm };
+            let length = if self.share < 1.0 {
+                self.share * self.length
+            } else if kind == Tick::Rough && self.reached == self.solved_at {
+                (1.0 + CATCHING_UP) * self.length
+            } else {
+                self.length
+            };
+            let end = self.reached + length;
+            let end = if end > self.clock - REST * self.length {
+                self.clock
+            } else {
+                end
+            };
+            let span = [self.reached, end];
+            let held = match kind {
+                Tick::Calm => self.backlog.line(span),
+                Tick::Rough => Held::constant(self.reached, &self.backlog.mean(span)),
+            };
+            self.plan = Plan {
+                span,
+                kind,
+                rounding,
+                held,
+            };
+        }
+        Some(self.plan)
+    }
+
+    /// Goes on with the tick that was planned, from a state to the next.
+    pub fn tick(&mut self, running: &mut Running<'_>, state: &mut State, budget: &mut Budget) {
+        let Plan { span, kind, .. } = self.plan;
         let before = (running.unaccounted(state.view()), running.ledger.moved);
-        let defect = self.ticks.tick(running, state, plan.span, plan.kind);
+        let task = Task {
+            span,
+            kind,
+            is_last: span[1] == self.clock,
+            is_forced: kind == Tick::Rough && (self.waiting >= PATIENCE || self.behind() > LATE),
+        };
+        let Outcome::Over(defect) = self.ticks.tick(running, state, &task, budget) else {
+            return;
+        };
+        self.waiting = 0;
         let unaccounted = running.unaccounted(state.view()) - before.0;
         let moved = running.ledger.moved - before.1;
         let sound = unaccounted.abs() <= UNACCOUNTED[0] + UNACCOUNTED[1] * moved;
-        self.rounding.follow(defect);
-        let length = plan.span[1] - plan.span[0];
+        if kind == Tick::Rough {
+            self.rounding.follow(defect);
+        }
         if defect > BACK || defect > SOLVED && !sound {
-            state.copy_from(&self.solved);
-            state.y_dot.fill(0.0);
-            running.go_back(self.energies, state.view());
-            // What outputs say of a tick that wasn't taken.
-            self.ticks.defect = self.ticks.defect.max(BACK);
-            self.behind.add(self.since.time, &self.since.mean());
-            self.since = Elapsed::NONE;
-            self.share = (SHORTER * self.share).max(SHORTEST);
+            self.go_back(running, state);
         } else {
-            let inputs = &plan.held.at(0.5 * (plan.span[0] + plan.span[1]));
-            self.behind.add(-length, inputs);
-            self.since.add(length, inputs);
+            self.reached = span[1];
             if defect < SOLVED {
                 self.keep(running, state);
-                self.share = (LONGER * self.share).min(1.0);
             }
         }
-        self.behind.shorten(BEHIND);
+        if self.clock - self.reached > BEHIND {
+            self.backlog.level(self.reached);
+            self.reached = self.clock - BEHIND;
+            self.solved_at = self.reached;
+        }
     }
 
     fn keep(&mut self, running: &Running<'_>, state: &State) {
         self.solved.copy_from(state);
+        self.solved_at = self.reached;
         self.energies = running.energies();
-        self.since = Elapsed::NONE;
+        self.backlog.forget(self.reached);
+        self.share = (LONGER * self.share).min(1.0);
+    }
+
+    fn go_back(&mut self, running: &mut Running<'_>, state: &mut State) {
+        state.copy_from(&self.solved);
+        state.y_dot.fill(0.0);
+        running.go_back(self.energies, state.view());
+        self.reached = self.solved_at;
+        self.backlog.level(self.reached);
+        self.share = (SHORTER * self.share).max(SHORTEST);
+        // What outputs say of a tick that wasn't taken.
+        self.ticks.defect = self.ticks.defect.max(BACK);
     }
 
     /// Largest defect since it was asked for.
     pub fn take_defect(&mut self) -> f64 {
         std::mem::take(&mut self.ticks.defect)
+    }
+
+    /// How far the state is behind the clock, s.
+    pub fn behind(&self) -> f64 {
+        self.clock - self.reached
     }
 
     /// Work done since the run began.
@@ -200,45 +250,21 @@ impl RealTime {
     pub fn pass(&mut self, tape: &mut Tape<'_>) {
         self.ticks.pass(tape);
         self.rounding.pass(tape);
+        self.backlog.pass(tape);
         self.solved.pass(tape);
-        for energy in &mut self.energies {
-            tape.real(energy);
+        self.plan.pass(tape);
+        tape.counter(&mut self.waiting);
+        let [supplied, lost, moved] = &mut self.energies;
+        for value in [
+            &mut self.clock,
+            &mut self.reached,
+            &mut self.solved_at,
+            supplied,
+            lost,
+            moved,
+            &mut self.share,
+        ] {
+            tape.real(value);
         }
-        self.since.pass(tape);
-        self.behind.pass(tape);
-        tape.real(&mut self.share);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::variator::run::course::tests::torque;
-
-    /// Two milliseconds of 50 N·m and one of −50 N·m are lived through in ticks of other lengths.
-    #[test]
-    fn impulses_are_kept_until_the_run_has_caught_up() {
-        let mut behind = Elapsed::NONE;
-        behind.add(2e-3, &torque(50.0));
-        behind.add(1e-3, &torque(-50.0));
-        let mut impulse = 0.0;
-        for length in [0.25e-3, 1.5e-3, 1.25e-3] {
-            let mean = behind.mean();
-            assert!((mean.primary.torque - 50.0 / 3.0).abs() < 1e-9, "{mean:?}");
-            behind.add(-length, &mean);
-            impulse += length * mean.primary.torque;
-            behind.shorten(BEHIND);
-        }
-        assert!((impulse - 50e-3).abs() < 1e-12, "{impulse}");
-        assert_eq!((behind.time, behind.inputs), (0.0, Inputs::ZERO));
-    }
-
-    #[test]
-    fn what_is_too_far_behind_is_left_out() {
-        let mut behind = Elapsed::NONE;
-        behind.add(2.0 * BEHIND, &torque(50.0));
-        behind.shorten(BEHIND);
-        assert_eq!(behind.time, BEHIND);
-        assert!((behind.mean().primary.torque - 50.0).abs() < 1e-9);
     }
 }

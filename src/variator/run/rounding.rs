@@ -25,6 +25,11 @@ impl Rounding {
         if self.level < CALM { 0.0 } else { self.level.min(1.0) }
     }
 
+    /// Rises: a tick was given up.
+    pub fn rise(&mut self) {
+        self.level = HIGHEST;
+    }
+
     /// Follows a tick that left a defect.
     pub fn follow(&mut self, defect: f64) {
         let [least, most] = DEFECTS;

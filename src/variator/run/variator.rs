@@ -359,11 +359,13 @@ impl Variator {
             jacobians,
             residuals,
             defect,
+            behind,
         } = &mut self.work;
         for count in [steps, jacobians, residuals] {
             tape.integer(count);
         }
         tape.real(defect);
+        tape.real(behind);
         tape.flag(&mut self.macro_slip);
         let mut start = self.start_state as i32;
         tape.integer(&mut start);

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use crate::pulley::{PerPulley, Pulley};
-use crate::solver::bounded::TICK;
+use crate::solver::bounded::{Budget, TICK};
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::{Stalled, Stretch};
 use crate::variator::pulleys::rows::Stop;
@@ -186,19 +186,19 @@ impl Variator {
         if self.time == way.from {
             return;
         }
-        let defect = match &mut self.real_time {
+        let (defect, behind) = match &mut self.real_time {
             Some(real_time) => {
-                let defect = real_time.take_defect() / NEWTON_TOLERANCE;
+                let left = (real_time.take_defect() / NEWTON_TOLERANCE, real_time.behind());
                 self.held = way.course.held(self.time);
                 self.apply();
-                defect
+                left
             }
             None => {
                 self.count_pace(way);
-                self.integrator.newton.left
+                (self.integrator.newton.left, 0.0)
             }
         };
-        self.work = work(self.counts(), defect);
+        self.work = work(self.counts(), defect, behind);
         self.report_slip();
         self.report_buckling();
         self.hold_external();
@@ -248,7 +248,7 @@ impl Variator {
         Ok(over)
     }
 
-    /// One tick of bounded work.
+    /// Bounded work for a tick of the clock.
     fn tick_along(&mut self, way: &mut Way) {
         let Ticks {
             from,
@@ -263,15 +263,18 @@ impl Variator {
         let Some(mut real_time) = self.real_time.take() else {
             return;
         };
-        let plan = real_time.plan(&way.course, [self.time, end]);
-        self.held = plan.held;
-        self.system.round(plan.rounding);
-        self.apply();
-        let mut running = Running {
-            system: &mut self.system,
-            ledger: &mut self.ledger,
-        };
-        real_time.tick(&mut running, &mut self.state, &plan);
+        real_time.live(&way.course, [self.time, end]);
+        let mut budget = Budget::default();
+        while let Some(plan) = real_time.plan(&budget) {
+            self.held = plan.held;
+            self.system.round(plan.rounding);
+            self.apply();
+            let mut running = Running {
+                system: &mut self.system,
+                ledger: &mut self.ledger,
+            };
+            real_time.tick(&mut running, &mut self.state, &mut budget);
+        }
         self.real_time = Some(real_time);
         self.time = end;
     }
@@ -289,13 +292,14 @@ impl Variator {
     }
 }
 
-/// Counts as outputs, with a defect in units of Newton's scale.
-fn work(counts: Counts, defect: f64) -> Work {
+/// Counts as outputs, with a defect in units of Newton's scale and the time behind the clock, s.
+fn work(counts: Counts, defect: f64, behind: f64) -> Work {
     let output = |count: u64| i32::try_from(count).unwrap_or(i32::MAX);
     Work {
         steps: output(counts.steps + counts.rejected + counts.failed),
         jacobians: output(counts.factorizations),
         residuals: output(counts.residuals),
         defect,
+        behind,
     }
 }

@@ -227,6 +227,8 @@ pub struct Work {
     pub residuals: i32,
     /// What solutions were left to change by the next correction, as a share of what accurate steps tolerate.
     pub defect: f64,
+    /// How far outputs are behind the clock, s: 0 in accurate steps.
+    pub behind: f64,
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs
