@@ -5,7 +5,7 @@
  *
  * docs/real-time.md has the whole of it. --free runs without waiting for the clock. The program asks for SCHED_FIFO and says
  * whether it got it. It prints the histogram of step times, the misses (steps that ended after their millisecond), the
- * largest defect that the unit reports, and how many ticks were not taken. Needs Linux and a C11 compiler; it has its own
+ * largest defect that the unit reports, how many ticks were not taken, and how far it was behind. Needs Linux and a C11 compiler; it has its own
  * declarations of the few fmi2 functions it calls.
  */
 #define _GNU_SOURCE
@@ -47,7 +47,7 @@ static struct {
 /* Value references: docs/variables.md. */
 enum { TORQUE_P = 101, FORCE_P = 102, TORQUE_S = 201, FORCE_S = 202 };
 enum { RING_MODEL = 1001, CELLS = 1074, MODE = 1084, RATIO_0 = 1011, SPEED_0 = 1012, INERTIA_S = 233 };
-enum { DEFECT = 30, SPEED_P = 111, SPEED_S = 211, RATIO = 5 };
+enum { DEFECT = 30, BEHIND = 31, SPEED_P = 111, SPEED_S = 211, RATIO = 5 };
 
 #define STEP 1e-3
 #define NOT_TAKEN 1000.0
@@ -119,7 +119,7 @@ static const double FORCE = 12000.0, HIGHEST = 6000.0, PROPORTIONAL = 2e4, INTEG
 
 /* What the unit said last, and what the controller of the ratio remembers. */
 typedef struct {
-    double speed_p, speed_s, ratio, defect, integral;
+    double speed_p, speed_s, ratio, defect, behind, integral;
 } Seen;
 
 static int is(const Load *load, const char *name) { return !strcmp(load->name, name); }
@@ -200,7 +200,7 @@ int main(int count, char **arguments) {
         const int chosen[] = {ring, cells, 2};
         const double begun[] = {wanted, load->speed, INERTIA};
         double values[4];
-        Seen seen = {load->speed, load->speed / wanted, wanted, 0.0, 0.0};
+        Seen seen = {load->speed, load->speed / wanted, wanted, 0.0, 0.0, 0.0};
         check(fmi2.SetupExperiment(unit, 0, 0.0, 0.0, 0, 0.0), "fmi2SetupExperiment");
         check(fmi2.SetInteger(unit, choices, 3, chosen), "fmi2SetInteger");
         check(fmi2.SetReal(unit, start, 3, begun), "fmi2SetReal");
@@ -209,8 +209,8 @@ int main(int count, char **arguments) {
         check(fmi2.EnterInitializationMode(unit), "fmi2EnterInitializationMode");
         check(fmi2.ExitInitializationMode(unit), "fmi2ExitInitializationMode");
 
-        long steps = (long)(seconds / STEP), misses = 0, returns = 0, histogram[BINS] = {0};
-        double longest = 0.0, sum = 0.0, worst = 0.0, begin = now() + 0.01;
+        long steps = (long)(seconds / STEP), misses = 0, returns = 0, late = 0, histogram[BINS] = {0};
+        double longest = 0.0, sum = 0.0, worst = 0.0, latest = 0.0, begin = now() + 0.01;
         for (long k = 0; k < steps; k++) {
             double due = begin + (double)k * STEP;
             if (waits) wait_until(due);
@@ -218,22 +218,25 @@ int main(int count, char **arguments) {
             inputs_of(load, wanted, k, &seen, values);
             check(fmi2.SetReal(unit, inputs, 4, values), "fmi2SetReal");
             check(fmi2.DoStep(unit, (double)k * STEP, STEP, 1), "fmi2DoStep");
-            const fmi2ValueReference outputs[] = {SPEED_P, SPEED_S, RATIO, DEFECT};
-            double read[4];
-            check(fmi2.GetReal(unit, outputs, 4, read), "fmi2GetReal");
-            seen.speed_p = read[0], seen.speed_s = read[1], seen.ratio = read[2], seen.defect = read[3];
+            const fmi2ValueReference outputs[] = {SPEED_P, SPEED_S, RATIO, DEFECT, BEHIND};
+            double read[5];
+            check(fmi2.GetReal(unit, outputs, 5, read), "fmi2GetReal");
+            seen.speed_p = read[0], seen.speed_s = read[1], seen.ratio = read[2], seen.defect = read[3], seen.behind = read[4];
             double to = now(), took = to - from;
             if (waits && to > due + STEP) misses++;
             if (seen.defect > worst) worst = seen.defect;
             if (seen.defect >= NOT_TAKEN) returns++;
+            if (seen.behind > latest) latest = seen.behind;
+            if (seen.behind > 1e-9) late++;
             sum += took;
             if (took > longest) longest = took;
             int bin = 0;
             while (took * 1e3 > EDGES_MS[bin]) bin++;
             histogram[bin]++;
         }
-        printf("%s: mean %.3f ms, longest %.3f ms, %ld misses of %ld, largest defect %.1e, %ld ticks not taken\n", load->name,
-               1e3 * sum / (double)steps, 1e3 * longest, misses, steps, worst, returns);
+        printf("%s: mean %.3f ms, longest %.3f ms, %ld misses of %ld, largest defect %.1e, %ld ticks not taken, "
+               "%ld steps behind, by %.1f ms at most\n",
+               load->name, 1e3 * sum / (double)steps, 1e3 * longest, misses, steps, worst, returns, late, 1e3 * latest);
         for (int bin = 0; bin < BINS; bin++)
             if (histogram[bin]) printf("  up to %5.2f ms: %ld\n", EDGES_MS[bin], histogram[bin]);
         missed_in_all += misses;

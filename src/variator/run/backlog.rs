@@ -196,8 +196,9 @@ mod tests {
         let memory = backlog.pieces.capacity();
         assert_eq!(memory, PIECES);
         assert!((mean(&backlog, [0.0, 0.1]) - (10.0 - 2.5e-3 / 0.1)).abs() < 1e-9);
-        backlog.level(0.05);
-        assert!((mean(&backlog, [0.05, 0.1]) - 10.0).abs() < 1e-9);
+        backlog.level(0.0);
+        assert_eq!(backlog.pieces.len(), 1);
+        assert!((mean(&backlog, [0.05, 0.1]) - (10.0 - 2.5e-3 / 0.1)).abs() < 1e-9);
     }
 
     #[test]
