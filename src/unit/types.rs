@@ -132,7 +132,7 @@ pub(super) static MODE: Enumeration = Enumeration {
         item(
             "RealTime",
             Mode::RealTime as i32,
-            "One Jacobian and eight residuals a millisecond, whatever happens, with laws rounded where loads are rough; ring.model ALE0 or ALE",
+            "One Jacobian and sixteen residuals a millisecond, whatever happens, with laws rounded where loads are rough; ring.model ALE0 or ALE",
         ),
     ],
 };
