@@ -147,9 +147,9 @@ struct Mark {
     defect: f64,
 }
 
-/// How far a stage is to be solved.
+/// What is asked of a stage.
 #[derive(Clone, Copy, Debug)]
-struct Stage {
+struct Aim {
     /// It ends at this time and is so long, s.
     time: f64,
     length: f64,
@@ -285,14 +285,14 @@ impl Bounded {
             }
             self.renew(system, state, (time, part), kind, budget);
             let share = if is_last || mark.begun { 1.0 } else { OF_FIRST };
-            let stage = Stage {
+            let aim = Aim {
                 time,
                 length: part,
                 residuals: (share * budget.residuals as f64).ceil() as usize,
                 good: (!is_last || kind == Tick::Calm && !task.is_last).then_some(kind.good()),
                 known: mark.begun,
             };
-            let defect = self.iterate(system, state, stage, budget);
+            let defect = self.iterate(system, state, aim, budget);
             let is_good = defect <= kind.good();
             if !(is_good || is_last && task.is_forced) {
                 mark.begun = defect.is_finite();
@@ -358,14 +358,14 @@ impl Bounded {
     }
 
     /// Iterates on a stage with the factors at hand; returns its defect. Without any, y stays, and positions move on with it.
-    fn iterate<S: Evolution>(&mut self, system: &mut S, state: &mut State, stage: Stage, budget: &mut Budget) -> f64 {
-        let Stage { time, length, .. } = stage;
+    fn iterate<S: Evolution>(&mut self, system: &mut S, state: &mut State, aim: Aim, budget: &mut Budget) -> f64 {
+        let Aim { time, length, .. } = aim;
         let mut damping = 1.0_f64;
         let mut norm = f64::INFINITY;
         let mut solved = 0.0;
         let (mut accepted, mut refused) = (0, 0);
-        let mut known = stage.known;
-        let mut left = stage.residuals;
+        let mut known = aim.known;
+        let mut left = aim.residuals;
         self.accepted.copy_from_slice(&state.y);
         self.step.fill(0.0);
         self.broyden.restart();
@@ -398,7 +398,7 @@ impl Bounded {
                 if is_first {
                     solved = (SOLVED * norm).clamp(LIMITS[0], LIMITS[1]);
                 }
-                if stage.good.is_some() && norm < solved {
+                if aim.good.is_some() && norm < solved {
                     break;
                 }
                 refused = 0;
@@ -409,7 +409,7 @@ impl Bounded {
                 damping = (damping * DAMPED).max(LEAST);
                 accepted = 0;
                 refused += 1;
-                if refused >= REFUSED && stage.good.is_some_and(|good| norm <= good) {
+                if refused >= REFUSED && aim.good.is_some_and(|good| norm <= good) {
                     break;
                 }
             }
