@@ -17,7 +17,7 @@ use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
 use crate::variator::run::rounding::Rounding;
 use crate::variator::survey::ledger::Running;
 
-/// Milliseconds that a tick may wait to be solved. With three, slams err by a quarter more; with one, firing rounds the laws.
+/// Milliseconds that a tick may wait to be solved. With three, slams and hunting err by a quarter more.
 const PATIENCE: u64 = 2;
 /// Time behind the clock from which on rough ticks don't wait, s.
 const LATE: f64 = 0.004;
