@@ -106,6 +106,7 @@ impl Tick {
         }
     }
 
+    /// Defect up to which a stage is good enough.
     fn good(self) -> f64 {
         match self {
             Self::Calm => GOOD[0],
@@ -125,15 +126,6 @@ pub struct Task {
     pub is_last: bool,
     /// Whether it ends when the work is used up, however far it got.
     pub is_forced: bool,
-}
-
-/// What became of a tick, with its defect: root mean square of the correction that is left, in units of Newton's scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
-    /// The state is at its end.
-    Over(f64),
-    /// The work is used up, or the stage's share of it. The state is still at its start.
-    Open(f64),
 }
 
 /// Where an open tick goes on.
@@ -253,14 +245,15 @@ impl Bounded {
         self.open = None;
     }
 
-    /// Begins a tick, or goes on with the open one, as far as the budget leads.
+    /// Begins a tick, or goes on with the open one, as far as the budget leads. Returns its defect once it is over: root mean square
+    /// of the correction that is left, in units of Newton's scale. Until then the state stays at its start.
     pub fn tick<S: Evolution>(
         &mut self,
         system: &mut S,
         state: &mut State,
         task: &Task,
         budget: &mut Budget,
-    ) -> Outcome {
+    ) -> Option<f64> {
         let Task { span, kind, .. } = *task;
         let [from, to] = span;
         let length = to - from;
@@ -269,12 +262,12 @@ impl Bounded {
         self.base.copy_from(state);
         system.newton_scale(part, &mut self.scale);
         let mut mark = self.open.take().unwrap_or_default();
-        if mark.stage > 0 {
-            state.y.copy_from_slice(&self.first);
-            self.complete(system, state, part);
-            self.move_on(state, length - part, part);
-        }
         loop {
+            if mark.stage > 0 {
+                state.y.copy_from_slice(&self.first);
+                self.complete(system, state, part);
+                self.move_on(state, length - part, part);
+            }
             let is_last = mark.stage + 1 >= kind.stages();
             let time = if is_last { to } else { from + part };
             if mark.begun {
@@ -297,7 +290,8 @@ impl Bounded {
             if !(is_good || is_last && task.is_forced) {
                 mark.begun = defect.is_finite();
                 self.point.copy_from_slice(&state.y);
-                return self.leave_open(state, mark, defect);
+                self.leave_open(state, mark);
+                return None;
             }
             mark.defect = mark.defect.max(defect);
             if is_last {
@@ -307,9 +301,9 @@ impl Bounded {
             mark.begun = false;
             mark.stage += 1;
             if budget.is_used_up() {
-                return self.leave_open(state, mark, defect);
+                self.leave_open(state, mark);
+                return None;
             }
-            self.move_on(state, length - part, part);
         }
         let rule = match kind {
             Tick::Calm => Quadrature::Trapezoid,
@@ -320,13 +314,12 @@ impl Bounded {
         let interval = Interval { end: to, length, rule };
         system.accumulate(self.start.view(), state.view(), interval);
         self.counts.steps += 1;
-        Outcome::Over(defect)
+        Some(defect)
     }
 
-    fn leave_open(&mut self, state: &mut State, mark: Mark, defect: f64) -> Outcome {
+    fn leave_open(&mut self, state: &mut State, mark: Mark) {
         self.open = Some(mark);
         state.copy_from(&self.start);
-        Outcome::Open(defect.min(WORST))
     }
 
     /// Spends the Jacobian, if it is left, at the present point of a stage that ends at `time` and is `length` long, s.

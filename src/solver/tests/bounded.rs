@@ -1,6 +1,6 @@
 //! Ticks of bounded work: order two and one, the same work in each, and going on where the work ended.
 
-use super::super::bounded::{Bounded, Budget, Outcome, RESIDUALS, Task, Tick};
+use super::super::bounded::{Bounded, Budget, RESIDUALS, Task, Tick};
 use super::super::{State, System};
 
 use super::super::newton::Counts;
@@ -19,7 +19,7 @@ fn run<E: Solved<N>, const N: usize>(equations: E, kind: Tick, ticks: u32) -> ([
     for k in 1..=ticks {
         let span = [k - 1, k].map(|k| f64::from(k) * length);
         let outcome = bounded.tick(&mut system, &mut state, &task(span, kind), &mut Budget::default());
-        assert!(matches!(outcome, Outcome::Over(_)), "{kind:?} {k}: {outcome:?}");
+        assert!(outcome.is_some(), "{kind:?} {k} is open");
     }
     (system.error(&state, 1.0), bounded.counts)
 }
@@ -92,7 +92,7 @@ fn in_parts(kind: Tick, residuals: usize, stored: bool) -> (f64, u32, Counts) {
         let mut budget = Budget::of(residuals);
         while !budget.is_used_up() {
             let outcome = bounded.tick(&mut system, &mut state, &task([0.0, 0.05], kind), &mut budget);
-            if let Outcome::Over(_) = outcome {
+            if outcome.is_some() {
                 assert!(!bounded.is_open());
                 return (system.values(&state.y)[0], open, bounded.counts);
             }
@@ -135,5 +135,5 @@ fn a_tick_that_is_forced_ends_with_its_work() {
     };
     let mut bounded = Bounded::new(&system);
     let outcome = bounded.tick(&mut system, &mut state, &forced, &mut Budget::of(1));
-    assert!(matches!(outcome, Outcome::Over(_)), "{outcome:?}");
+    assert!(outcome.is_some());
 }

@@ -141,7 +141,7 @@ impl Backlog {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::variator::run::course::tests::torque;
+    use crate::variator::run::course::tests::{course, torque};
 
     /// Inputs of 1 ms each: a ramp of 0.5 ms to a torque, N·m.
     fn backlog(torques: &[f64]) -> Backlog {
@@ -184,19 +184,51 @@ mod tests {
         assert!(backlog.pieces.is_empty());
     }
 
+    fn of_course(time: f64, rate: f64) -> (Course, Backlog) {
+        let course = course(time, rate);
+        let mut backlog = Backlog::new();
+        backlog.add(&course, [2.0, 2.01]);
+        (course, backlog)
+    }
+
+    #[test]
+    fn the_mean_is_that_of_a_jump_or_a_ramp() {
+        for (time, expected) in [(0.0, 30.0), (4e-3, 26.0)] {
+            let (_, backlog) = of_course(time, 0.0);
+            assert!((mean(&backlog, [2.0, 2.01]) - expected).abs() < 1e-9);
+        }
+    }
+
     #[test]
     fn a_line_has_the_mean_and_the_change_of_the_inputs() {
+        for (time, rate) in [(0.0, 0.0), (4e-3, 0.0), (-1.0, 0.0), (4e-3, 100.0)] {
+            let (course, backlog) = of_course(time, rate);
+            for [from, to] in [[2.0, 2.001], [2.003, 2.006], [2.0, 2.01]] {
+                let [first, last] = [from, to].map(|time| course.held(time).at(time).primary.torque);
+                let line = backlog.line([from, to]);
+                let [start, middle, end] = [from, 0.5 * (from + to), to].map(|time| line.at(time).primary.torque);
+                assert!(
+                    (end - start - (last - first)).abs() < 1e-9,
+                    "{time}, {rate}: {start} to {end}"
+                );
+                let mean = mean(&backlog, [from, to]);
+                assert!((middle - mean).abs() < 1e-9, "{time}, {rate}: {middle}, not {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_reaches_over_several_courses() {
         let backlog = backlog(&[50.0, -30.0]);
-        for span in [[0.0, 1e-3], [0.25e-3, 1e-3], [0.75e-3, 1.25e-3], [0.0, 2e-3]] {
+        for (span, change) in [
+            ([0.25e-3, 1e-3], 25.0),
+            ([0.75e-3, 1.25e-3], -40.0),
+            ([0.0, 2e-3], -30.0),
+        ] {
             let line = backlog.line(span);
             let [start, middle, end] = [span[0], 0.5 * (span[0] + span[1]), span[1]].map(|t| line.at(t).primary.torque);
             assert!((middle - mean(&backlog, span)).abs() < 1e-9);
-            let at = |time: f64| mean(&backlog, [time - 1e-9, time + 1e-9]);
-            let change = at(span[1] - 1e-9) - at(span[0] + 1e-9);
-            assert!(
-                (end - start - change).abs() < 1e-3,
-                "{span:?}: {start} to {end}, {change}"
-            );
+            assert!((end - start - change).abs() < 1e-9, "{span:?}: {start} to {end}");
         }
     }
 

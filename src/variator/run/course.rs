@@ -144,7 +144,8 @@ pub(super) mod tests {
         inputs
     }
 
-    fn course(time: f64, rate: f64) -> Course {
+    /// From 10 to 30 N·m within 10 ms from 2 s on: over a time, s, or from 30 N·m at a rate.
+    pub fn course(time: f64, rate: f64) -> Course {
         Course::new(time, [2.0, 2.01], &torque(10.0), &torque(30.0), &torque(rate))
     }
 

@@ -8,7 +8,7 @@
 //! - A rough tick that ends very far from its solution is not taken: the run goes back to the last state that was solved and on from
 //!   there in shorter ticks.
 
-use crate::solver::bounded::{Bounded, Budget, Outcome, Task, Tick};
+use crate::solver::bounded::{Bounded, Budget, Task, Tick};
 use crate::solver::newton::Counts;
 use crate::solver::{State, System};
 use crate::tape::Tape;
@@ -180,24 +180,27 @@ impl RealTime {
     /// Goes on with the tick that was planned, from a state to the next.
     pub fn tick(&mut self, running: &mut Running<'_>, state: &mut State, budget: &mut Budget) {
         let Plan { span, kind, .. } = self.plan;
-        let before = (running.unaccounted(state.view()), running.ledger.moved);
+        // A calm tick that is over is solved: nobody asks what it left unaccounted for.
+        let books = |running: &Running<'_>, state: &State| (running.unaccounted(state.view()), running.ledger.moved);
+        let before = (kind == Tick::Rough).then(|| books(running, state));
         let task = Task {
             span,
             kind,
             is_last: span[1] == self.clock,
             is_forced: kind == Tick::Rough && (self.waiting >= PATIENCE || self.behind() > LATE),
         };
-        let Outcome::Over(defect) = self.ticks.tick(running, state, &task, budget) else {
+        let Some(defect) = self.ticks.tick(running, state, &task, budget) else {
             return;
         };
         self.waiting = 0;
-        let unaccounted = running.unaccounted(state.view()) - before.0;
-        let moved = running.ledger.moved - before.1;
-        let sound = unaccounted.abs() <= UNACCOUNTED[0] + UNACCOUNTED[1] * moved;
         if kind == Tick::Rough {
             self.rounding.follow(defect);
         }
-        if defect > BACK || defect > SOLVED && !sound {
+        let is_sound = before.is_none_or(|before| {
+            let after = books(running, state);
+            (after.0 - before.0).abs() <= UNACCOUNTED[0] + UNACCOUNTED[1] * (after.1 - before.1)
+        });
+        if defect > BACK || defect > SOLVED && !is_sound {
             self.go_back(running, state);
         } else {
             self.reached = span[1];
@@ -254,16 +257,8 @@ impl RealTime {
         self.solved.pass(tape);
         self.plan.pass(tape);
         tape.counter(&mut self.waiting);
-        let [supplied, lost, moved] = &mut self.energies;
-        for value in [
-            &mut self.clock,
-            &mut self.reached,
-            &mut self.solved_at,
-            supplied,
-            lost,
-            moved,
-            &mut self.share,
-        ] {
+        let times = [&mut self.clock, &mut self.reached, &mut self.solved_at, &mut self.share];
+        for value in times.into_iter().chain(&mut self.energies) {
             tape.real(value);
         }
     }
