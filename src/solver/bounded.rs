@@ -1,11 +1,11 @@
-//! Time integration with bounded work, for real time: one Jacobian, one factorization and a fixed number of residuals
-//! ([`Budget`]) in each millisecond, whatever happens. A tick that isn't solved when the work is used up stays open, and the next
-//! millisecond goes on with it from the best point so far, with a new Jacobian there. There are two kinds of ticks, both one-step and
-//! L-stable:
+//! Time integration with bounded work, for real time: in each millisecond a whole Jacobian, some with new slopes of the laws alone,
+//! and a fixed number of residuals after each ([`Budget`]), whatever happens. A tick that isn't solved when the work is used up stays open,
+//! and the next millisecond goes on with it from the best point so far, with a new Jacobian there. There are two kinds of ticks, both
+//! one-step and L-stable:
 //!
 //! - A calm tick ([`Tick::Calm`]) is a step of [`Sdirk`](super::sdirk::Sdirk), of order two, in two stages.
 //! - A rough tick ([`Tick::Rough`]) is implicit Euler, of order one: a swing of 70 Hz lags by 0.2 rad in ticks of 1 ms. Its Jacobian is
-//!   that of the secants ([`Evolution::secant_jacobian`]): where a law saturates, as friction does, its tangent underestimates the
+//!   that of the secants ([`Form::secant`]): where a law saturates, as friction does, its tangent underestimates the
 //!   slopes ahead, and iterations jump from one sliding direction to the other. The secant from rest never does, so each
 //!   iteration dissipates.
 //!
@@ -20,14 +20,17 @@
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::Broyden;
 use super::newton::Counts;
-use super::sdirk::{Evolution, GAMMA, Interval, Quadrature, move_by};
+use super::sdirk::{Evolution, Form, GAMMA, Interval, Quadrature, move_by};
 use super::{State, System};
 use crate::tape::Tape;
 
 /// Longest tick of a run that keeps up with the clock, s.
 pub const TICK: f64 = 1.0e-3;
-/// Residuals in a millisecond. With twelve, `ALE` under an engine's firing stays open for too long; twenty solve little more.
-pub const RESIDUALS: usize = 16;
+/// Jacobians in a millisecond: the first is whole, the others have new slopes of the laws alone ([`Form`]).
+pub const JACOBIANS: usize = 4;
+/// Residuals in a millisecond: as many after each Jacobian.
+pub const RESIDUALS: usize = 32;
+const PART: usize = RESIDUALS / JACOBIANS;
 /// Share of them that the first stage of a tick may take at once: the second one needs some.
 const OF_FIRST: f64 = 0.75;
 /// A stage that more work follows is solved where its correction is such a share of the first one, within limits. With an absolute
@@ -50,27 +53,34 @@ const GROWTH: f64 = 2.0;
 /// Defect that stands for an evaluation that was no number.
 const WORST: f64 = 1.0e9;
 
-/// Work that is left of a millisecond.
+/// Work that is left of a part of a millisecond: a Jacobian and some residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    jacobian: bool,
+    /// The Jacobian, if it is left: whether it has new slopes of the laws alone.
+    jacobian: Option<bool>,
     residuals: usize,
-}
-
-impl Default for Budget {
-    fn default() -> Self {
-        Self::of(RESIDUALS)
-    }
+    /// Whether no other part of the millisecond follows.
+    is_last: bool,
 }
 
 impl Budget {
-    /// One Jacobian and so many residuals.
+    /// A whole Jacobian and so many residuals, and nothing after them.
     #[must_use]
     pub fn of(residuals: usize) -> Self {
         Self {
-            jacobian: true,
+            jacobian: Some(false),
             residuals,
+            is_last: true,
         }
+    }
+
+    /// The parts of a millisecond.
+    pub fn millisecond() -> impl Iterator<Item = Self> {
+        (0..JACOBIANS).map(|part| Self {
+            jacobian: Some(part > 0),
+            residuals: PART,
+            is_last: part + 1 == JACOBIANS,
+        })
     }
 
     /// Whether nothing is left of it.
@@ -198,7 +208,7 @@ impl Bounded {
             residual: zeros(),
             step: zeros(),
             trial: zeros(),
-            broyden: Broyden::new(RESIDUALS + 1, shape.len()),
+            broyden: Broyden::new(PART + 1, shape.len()),
             start: State::zero(shape.len()),
             base: State::zero(shape.len()),
             open: None,
@@ -287,7 +297,9 @@ impl Bounded {
             };
             let defect = self.iterate(system, state, aim, budget);
             let is_good = defect <= kind.good();
-            if !(is_good || is_last && task.is_forced) {
+            // The last tick takes the work of all parts.
+            let more = is_last && task.is_last && !budget.is_last;
+            if more || !(is_good || is_last && task.is_forced) {
                 mark.begun = defect.is_finite();
                 self.point.copy_from_slice(&state.y);
                 self.leave_open(state, mark);
@@ -331,14 +343,13 @@ impl Bounded {
         kind: Tick,
         budget: &mut Budget,
     ) {
-        if !std::mem::take(&mut budget.jacobian) {
+        let Some(laws_alone) = budget.jacobian.take() else {
             return;
-        }
-        let alpha = 1.0 / length;
-        match kind {
-            Tick::Calm => system.jacobian(time, state.view(), alpha, length, &mut self.matrix),
-            Tick::Rough => system.secant_jacobian(time, state.view(), alpha, length, &mut self.matrix),
-        }
+        };
+        let secant = kind == Tick::Rough;
+        let form = Form { secant, laws_alone };
+        let slopes = [1.0 / length, length];
+        system.jacobian_of(form, time, state.view(), slopes, &mut self.matrix);
         self.counts.factorizations += 1;
         self.regular = self.factors.factor(&self.matrix).is_ok();
     }

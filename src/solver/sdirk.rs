@@ -31,14 +31,24 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
-    /// The Jacobian for iterations that are few and must not overshoot: where a law saturates, that of its secant from
-    /// rest. Other slopes as in [`System::jacobian`].
-    fn secant_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
+    /// The Jacobian for iterations that are few, in this form. [`System::jacobian`] if there is no other.
+    fn jacobian_of(&mut self, form: Form, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        let _ = form;
+        let [alpha, beta] = slopes;
         self.jacobian(time, view, alpha, beta, out);
     }
 
     /// Called for each accepted step: to integrate what is not part of the state.
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval);
+}
+
+/// Which Jacobian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Form {
+    /// Whether it must not overshoot: where a law saturates, it is that of its secant from rest.
+    pub secant: bool,
+    /// Whether only the slopes of laws that change much are evaluated, and all else may stay that of the Jacobian before.
+    pub laws_alone: bool,
 }
 
 /// The time that an accepted step took.

@@ -9,9 +9,10 @@ use crate::ring::model::Energy;
 use crate::ring::rcm::RcmElement;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
+use crate::solver::sdirk::Form;
 use crate::solver::{State, System, View};
 use crate::tape::Tape;
-use crate::variator::assembly::equations::{Assembly, InForce};
+use crate::variator::assembly::equations::{Anew, Assembly, InForce};
 use crate::variator::assembly::jacobian::Differentiate;
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::packed::PackedCells;
@@ -133,7 +134,7 @@ impl VariatorSystem {
         }
     }
 
-    /// Rounds the laws by a share from 0, which leaves them as they are, to 1, as [`Rounded`] says. All kept derivatives are of one law.
+    /// Rounds the laws by a share from 0, which leaves them as they are, to 1, as [`Rounded`] says.
     pub(crate) fn round(&mut self, share: f64) {
         if share == self.rounding {
             return;
@@ -143,7 +144,6 @@ impl VariatorSystem {
         let law = &mut Arc::make_mut(&mut self.belt).law;
         law.contact.roughness = Rounded::width(contact.roughness, Rounded::ROUGHNESS, share);
         law.settling = Rounded::settling(belt.push_stiffness, share);
-        self.forget_derivatives();
     }
 
     /// The residual, into `out`; returns the loads of the belt on the pulleys.
@@ -162,12 +162,39 @@ impl VariatorSystem {
         loads
     }
 
-    /// The Jacobian with friction by its secants from rest. Keeps no derivatives.
-    pub(crate) fn secant_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        self.secant = true;
-        self.jacobian(time, view, alpha, beta, out);
+    /// A Jacobian whose friction may be that of secants from rest. The derivatives that are kept after it are good for another one of
+    /// its kind.
+    pub(crate) fn jacobian_of(&mut self, form: Form, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        self.secant = form.secant;
+        let anew = if form.laws_alone {
+            Anew::Laws
+        } else {
+            self.forget_derivatives();
+            Anew::Needed
+        };
+        self.form_jacobian(anew, time, view, slopes, out);
         self.secant = false;
-        self.forget_derivatives();
+    }
+
+    /// The Jacobian, with what of its derivatives is evaluated `anew`.
+    fn form_jacobian(&mut self, anew: Anew, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        out.clear();
+        let friction = &self.friction();
+        let belt = &*self.belt;
+        self.resultants.clear();
+        let of_belt = (&mut *out, &mut self.resultants);
+        let loads = self
+            .assembly
+            .jacobian(InForce { belt, friction }, view, slopes, anew, of_belt);
+        let boundary = self.loads.at(time);
+        self.pulleys
+            .jacobian(&boundary, (&loads, &self.resultants), view, slopes, out);
+        for c in belt.gauge() {
+            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
+                out.add(c.multiplier, node, HOLD * sign);
+                out.add(node, c.multiplier, HOLD * sign);
+            }
+        }
     }
 
     /// Values at the stations of each group of cells.
@@ -279,23 +306,7 @@ impl System for VariatorSystem {
     }
 
     fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        out.clear();
-        let friction = &self.friction();
-        let (belt, slopes) = (&*self.belt, [alpha, beta]);
-        self.resultants.clear();
-        let of_belt = (&mut *out, &mut self.resultants);
-        let loads = self
-            .assembly
-            .jacobian(InForce { belt, friction }, view, slopes, of_belt);
-        let boundary = self.loads.at(time);
-        self.pulleys
-            .jacobian(&boundary, (&loads, &self.resultants), view, slopes, out);
-        for c in belt.gauge() {
-            for (node, sign) in c.nodes.into_iter().zip(c.signs) {
-                out.add(c.multiplier, node, HOLD * sign);
-                out.add(node, c.multiplier, HOLD * sign);
-            }
-        }
+        self.form_jacobian(Anew::Needed, time, view, [alpha, beta], out);
     }
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {

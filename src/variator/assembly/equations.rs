@@ -20,6 +20,15 @@ pub(crate) struct InForce<'a> {
     pub friction: &'a Friction,
 }
 
+/// What of the derivatives is evaluated anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Anew {
+    /// What is not good any more for Newton's method.
+    Needed,
+    /// Slopes of laws that change much, if there are derivatives at all: always the same work.
+    Laws,
+}
+
 /// Equations of ring and elements. It keeps derivatives and working memory. Results depend on the arguments alone; those of
 /// [`Assembly::jacobian`] depend on the kept derivatives too.
 pub(crate) trait Assembly: Debug + Send + Sync {
@@ -30,12 +39,14 @@ pub(crate) trait Assembly: Debug + Send + Sync {
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
     /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the resultants
-    /// of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are used where they are still good for Newton's method.
+    /// of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are used where nothing
+    /// asks for others.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
+        anew: Anew,
         out: (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad>;
 

@@ -5,7 +5,8 @@ use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::pack_balance;
-use crate::variator::assembly::kept::{Kept, Regime, RegimeProbe};
+use crate::variator::assembly::kept::{Kept, Regime, RegimeProbe, Renewal, Wanted};
+use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
@@ -13,9 +14,10 @@ use crate::variator::cell::balance::balance_in;
 use crate::variator::cell::directions::{
     DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RESULTANT, RotatingRing,
 };
+use crate::variator::cell::laws::{Arguing, Arguments, LawSlopes};
 use crate::variator::cell::probe::{AtStation, NoProbe, Probe};
-use crate::variator::cell::state::{CellInput, Slots, StationForces};
-use crate::variator::cell::variation::{Evaluated, Linearised};
+use crate::variator::cell::state::{CellInput, Evaluated, Slots, StationForces};
+use crate::variator::cell::variation::Linearised;
 use crate::variator::law::place::CellBalance;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{CellRing, VaryingRing};
@@ -36,15 +38,21 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
     #[cfg(test)]
     fn shape(frames: &Self::Frames) -> &C::Shape;
 
-    /// The balance of a pack at `unknowns`. If the derivatives of `kept` are not good there, it is differentiated: by hand if
-    /// the ring has such derivatives. Says whether it was.
+    /// The laws' part of derivatives by hand, of a pack with so many stations.
+    fn law_part(stations: usize) -> Option<LawPart> {
+        Some(LawPart::new::<Self, D>(stations))
+    }
+
+    /// The balance of a pack at `unknowns`. What is `wanted` of the derivatives of `kept` is evaluated
+    /// anew: by hand if the ring has such derivatives. Says what was.
     fn renew(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
+        wanted: Wanted,
         kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, bool);
+    ) -> (CellBalance<Lanes>, Renewal);
 }
 
 /// How a ring makes its frames with derivatives in so many coordinates of the curve.
@@ -71,9 +79,10 @@ impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
         pack: &Pack,
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
+        wanted: Wanted,
         kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, bool) {
-        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, kept)
+    ) -> (CellBalance<Lanes>, Renewal) {
+        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, wanted, kept)
     }
 }
 
@@ -85,22 +94,28 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
         pack: &Pack,
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
+        wanted: Wanted,
         kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, bool) {
-        by_hand::<Self, D, C, 1>(acting, pack, frames, at, kept)
+    ) -> (CellBalance<Lanes>, Renewal) {
+        by_hand::<Self, D, C, 1>(acting, pack, frames, at, wanted, kept)
     }
 }
 
 impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
     frames_along!(1);
 
+    fn law_part(_stations: usize) -> Option<LawPart> {
+        None
+    }
+
     fn renew(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
+        wanted: Wanted,
         kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, bool) {
+    ) -> (CellBalance<Lanes>, Renewal) {
         let (unknowns, slopes) = at;
         let mut regime = Regime::default();
         let mut probe = RegimeProbe {
@@ -110,8 +125,8 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
         let plain = |value, _, _| value;
         let (b, _) = pack_balance::<_, _, Self, D, C>(acting, pack, &frames.plain, unknowns, slopes, plain, &mut probe);
         let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
-        let renewed = kept.0.renew::<Self>(regime, at, length);
-        if renewed {
+        let renewed = kept.0.renew::<Self>(wanted, regime, at, length);
+        if renewed == Renewal::All {
             forward::<Self, D, C>(acting, pack, &frames.shape, at, kept);
         }
         (b, renewed)
@@ -125,8 +140,9 @@ fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     pack: &Pack,
     frames: &Frames<C, N>,
     at: (&Unknowns<Lanes>, [f64; 2]),
+    wanted: Wanted,
     (kept, transports): (&mut Kept, &mut [Transport<[f64; MOST]>]),
-) -> (CellBalance<Lanes>, bool)
+) -> (CellBalance<Lanes>, Renewal)
 where
     for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
 {
@@ -159,31 +175,45 @@ where
         forces: &mut forces,
     };
     let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut probe);
-    if !kept.renew::<K>(regime, at, place.length.v) {
-        return (b, false);
-    }
     let evaluated = Evaluated {
         cell,
         slots: &slots,
         forces: &forces,
     };
+    let renewal = kept.renew::<K>(wanted, regime, at, place.length.v);
+    match (renewal, &kept.laws) {
+        (Renewal::Nothing, _) => return (b, renewal),
+        (Renewal::Laws, Some(laws)) => {
+            laws.renew::<K>(&LawSlopes::new(&given, &evaluated), &mut kept.block);
+            return (b, renewal);
+        }
+        _ => {}
+    }
     let linear = Linearised::new(given, &ring, evaluated, slopes);
     let mut columns = Columns::of::<K>(pack, kept, transports);
     for k in 0..K::COUNT {
         if let Some(direction) = K::direction(k) {
-            let (b, ring) = linear.vary(direction);
-            columns.record(k, &rows::<_, K, D>(&b, &ring), &b.transport);
+            let mut arguments = Arguments::zero();
+            let (b, ring) = linear.vary(direction, &mut arguments);
+            columns.record::<K>(k, &rows::<_, K, D>(&b, &ring), &b.transport);
+            columns.record_arguments::<K>(k, &arguments);
         }
     }
-    let (rows, transport) = pack_pass::<N, K, D, C>(acting, pack, &frames.moving, unknowns, slopes, K::THETA);
+    let mut arguments = Arguments::zero();
+    let arguing = &mut Arguing(&mut arguments);
+    let (rows, transport) = pack_pass::<N, K, D, C>(acting, pack, &frames.moving, (unknowns, slopes), K::THETA, arguing);
     for i in 0..N {
-        columns.record(
+        columns.record::<K>(
             K::THETA + i,
             &rows.map(|row| row.eps[i]),
             &transport.map(|of| of.eps[i]),
         );
+        columns.record_arguments::<K>(K::THETA + i, &arguments.map(|of| of.eps[i]));
     }
-    (b, true)
+    if let Some(laws) = &mut kept.laws {
+        laws.keep::<K, _, D>(&linear, &kept.block);
+    }
+    (b, renewal)
 }
 
 /// Keeps the forces at the stations, and records the regime.
@@ -211,9 +241,10 @@ fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     let mut columns = Columns::of::<K>(pack, kept, transports);
     for first in (0..K::COUNT).step_by(PASS) {
         let frame = C::mesh_frame(shape, |k| moving((K::THETA + k).wrapping_sub(first), slopes));
-        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, unknowns, slopes, first);
+        let at = (unknowns, slopes);
+        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, at, first, &mut NoProbe);
         for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
-            columns.record(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
+            columns.record::<K>(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
         }
     }
 }
@@ -224,12 +255,12 @@ fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frame: &C::Frame<Tangent<N>>,
-    unknowns: &Unknowns<Lanes>,
-    slopes: [f64; 2],
+    (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
     first: usize,
+    probe: &mut impl Probe<Tangent<N>, D>,
 ) -> ([Tangent<N>; MOST_ROWS], Transport<Tangent<N>>) {
     let seed = |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, slopes, seed, &mut NoProbe);
+    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, slopes, seed, probe);
     (rows::<_, K, D>(&b, &ring), b.transport)
 }
 
@@ -249,7 +280,8 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
     let mut kept = [kept.clone(), kept.clone()];
     let mut transports = [transports.to_vec(), transports.to_vec()];
     kept[0].forget();
-    K::renew(acting, pack, frames, at, (&mut kept[0], &mut transports[0]));
+    let of_hand = (&mut kept[0], &mut transports[0][..]);
+    K::renew(acting, pack, frames, at, Wanted::Exactly(Renewal::All), of_hand);
     forward::<K, D, C>(acting, pack, K::shape(frames), at, (&mut kept[1], &mut transports[1]));
     for lane in 0..pack.group.used {
         let [hand, forward] = kept.each_ref().map(|kept| {
@@ -278,10 +310,10 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
 /// Memory for the derivatives of a pack: a column for each direction.
 struct Columns<'a> {
     pack: &'a Pack,
-    /// Directions, and the one whose row the fluxes fill.
+    /// Directions.
     count: usize,
-    amount: usize,
     block: &'a mut [Lanes],
+    laws: Option<&'a mut LawPart>,
     transports: &'a mut [Transport<[f64; MOST]>],
 }
 
@@ -292,27 +324,30 @@ impl<'a> Columns<'a> {
         Self {
             pack,
             count: K::COUNT,
-            amount: K::AMOUNT,
             block: &mut kept.block,
+            laws: kept.laws.as_mut(),
             transports,
         }
     }
 
     /// Records the derivatives in a direction: rows of the balance, and figures of the transport.
     #[inline(always)]
-    fn record(&mut self, direction: usize, rows: &[Lanes; MOST_ROWS], transport: &Transport<Lanes>) {
-        let amount = self.amount;
-        let rows = rows[..self.count + RESULTANT]
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| *k != amount);
-        for ((_, row), block) in rows.zip(self.block.chunks_exact_mut(self.count)) {
+    fn record<K: Directions>(&mut self, direction: usize, rows: &[Lanes; MOST_ROWS], transport: &Transport<Lanes>) {
+        for (row, block) in in_block::<K>(rows).zip(self.block.chunks_exact_mut(self.count)) {
             block[direction] = *row;
         }
         for (figure, slope) in transport.each().into_iter().enumerate() {
             for (&cell, slope) in self.pack.cells().iter().zip(slope.to_array()) {
                 self.transports[cell].each_mut()[figure][direction] = slope;
             }
+        }
+    }
+
+    /// Records how the arguments of the laws vary in a direction.
+    #[inline(always)]
+    fn record_arguments<K: Directions>(&mut self, direction: usize, by: &Arguments<Lanes>) {
+        if let Some(laws) = &mut self.laws {
+            laws.record::<K>(direction, by);
         }
     }
 }

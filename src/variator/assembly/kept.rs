@@ -9,6 +9,7 @@ use crate::chain::{closing_slopes, stack_slopes};
 use crate::contact::{FrictionSlopes, friction_slopes, touch};
 use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
+use crate::variator::assembly::law_part::LawPart;
 use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::cell::directions::{Directions, MOST};
 use crate::variator::cell::probe::{AtStation, Probe};
@@ -19,11 +20,11 @@ use crate::variator::rings::ring::CellRing;
 /// Change of a figure at which the derivatives are no longer good, relative to its size and that of the inertia.
 const CHANGED: f64 = 0.03;
 /// Factor by which 1/(hγ) may be off.
-const RESCALED: f64 = 1.05;
+const RESCALED: f64 = 1.5;
 /// Angle per metre, and per radian of turn, that stands for the way of displaced centres.
 const CENTRE: f64 = 10.0;
-/// Angle by which the ring may have turned, rad: EA times this is a fifth of its tension.
-const TURNED: f64 = 1.0e-4;
+/// Angle by which the ring may have turned, rad.
+const TURNED: f64 = 3.0e-3;
 
 /// Slopes of the forces at a station, in units of the inertia that resists them in the step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,8 +45,8 @@ struct StationRegime {
     curvature: Lanes,
 }
 
-/// Figures of a station.
-const OF_STATION: usize = 10;
+/// Figures of the laws at a station.
+const OF_STATION: usize = 8;
 
 impl StationRegime {
     #[inline(always)]
@@ -61,8 +62,6 @@ impl StationRegime {
             across,
             self.other_touching,
             self.ring_friction,
-            self.convection,
-            self.curvature,
         ]
     }
 }
@@ -109,14 +108,39 @@ fn alike<const N: usize>(now: [Lanes; N], then: [Lanes; N]) -> bool {
 }
 
 impl Regime {
-    /// Whether derivatives in the regime `earlier` are good in this one.
+    /// Whether the slopes of the laws in the regime `earlier` are good in this one.
     #[inline(always)]
-    fn is_like(&self, earlier: &Self) -> bool {
+    fn has_laws_of(&self, earlier: &Self) -> bool {
         let stations = self.stations.iter().zip(&earlier.stations);
         stations
             .into_iter()
             .all(|(now, then)| alike(now.figures(), then.figures()))
             && alike(self.stack.figures(), earlier.stack.figures())
+    }
+
+    /// Whether the belt flows and bends as in the regime `earlier`, when 1/(hγ) was a `ratio` smaller.
+    #[inline(always)]
+    fn flows_as(&self, earlier: &Self, ratio: f64) -> bool {
+        let stations = self.stations.iter().zip(&earlier.stations);
+        stations.into_iter().all(|(now, then)| {
+            alike(
+                [now.convection * ratio, now.curvature],
+                [then.convection, then.curvature],
+            )
+        })
+    }
+
+    /// Takes the slopes of the laws of another regime.
+    #[inline(always)]
+    fn take_laws(&mut self, other: &Self) {
+        for (to, from) in self.stations.iter_mut().zip(&other.stations) {
+            *to = StationRegime {
+                convection: to.convection,
+                curvature: to.curvature,
+                ..*from
+            };
+        }
+        self.stack = other.stack;
     }
 }
 
@@ -164,20 +188,33 @@ impl<const D: usize> Probe<Lanes, D> for RegimeProbe<'_> {
     }
 }
 
-/// Derivatives of a pack of cells, and the unknowns and regime at which they were evaluated.
-#[derive(Clone, Debug)]
-pub(crate) struct Kept {
-    /// Factors of ẏ and q in the derivatives; NaN where there are none.
-    pub slopes: [f64; 2],
-    pub unknowns: Unknowns<Lanes>,
-    pub regime: Regime,
-    /// Rows of the balance, the amount's left out, then the resultant of the contact forces; each a direction after the other.
-    pub block: Vec<Lanes>,
+/// What of a pack's derivatives is evaluated anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Renewal {
+    Nothing,
+    /// Slopes of the laws; the geometry around them stays.
+    Laws,
+    All,
 }
 
-impl Kept {
-    /// Memory for a block of so many entries.
-    pub(crate) fn new(entries: usize) -> Self {
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// What is not good any more.
+    Needed,
+    /// This, or all where there are no derivatives yet.
+    Exactly(Renewal),
+}
+
+/// Where derivatives were evaluated: unknowns, and factors of ẏ and q; NaN where there are none.
+#[derive(Clone, Debug)]
+pub(crate) struct Origin {
+    pub slopes: [f64; 2],
+    pub unknowns: Unknowns<Lanes>,
+}
+
+impl Origin {
+    fn none() -> Self {
         let zero = [Lanes::from(0.0); MOST];
         Self {
             slopes: [f64::NAN; 2],
@@ -186,40 +223,116 @@ impl Kept {
                 value: zero,
                 rate: zero,
             },
+        }
+    }
+
+    pub(crate) fn exists(&self) -> bool {
+        !self.slopes[0].is_nan()
+    }
+
+    fn forget(&mut self) {
+        self.slopes = [f64::NAN; 2];
+    }
+
+    fn set(&mut self, (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2])) {
+        self.unknowns.clone_from(unknowns);
+        self.slopes = slopes;
+    }
+}
+
+/// Derivatives of a pack of cells, and the unknowns and regime at which they were evaluated.
+#[derive(Clone, Debug)]
+pub(crate) struct Kept {
+    pub origin: Origin,
+    /// Where the slopes of the laws were evaluated, if that was later.
+    pub laws_origin: Origin,
+    pub regime: Regime,
+    /// Rows of the balance, the amount's left out, then the resultant of the contact forces; each a direction after the other.
+    pub block: Vec<Lanes>,
+    /// The laws' part, of a ring that has derivatives by hand.
+    pub laws: Option<LawPart>,
+}
+
+impl Kept {
+    /// Memory for a block of so many entries.
+    pub(crate) fn new(entries: usize, laws: Option<LawPart>) -> Self {
+        Self {
+            origin: Origin::none(),
+            laws_origin: Origin::none(),
             regime: Regime::default(),
             block: vec![Lanes::from(0.0); entries],
+            laws,
         }
     }
 
     /// Drops the derivatives.
     pub(crate) fn forget(&mut self) {
-        self.slopes = [f64::NAN; 2];
+        self.origin.forget();
+        self.laws_origin.forget();
     }
 
-    /// Takes unknowns and regime as those of new derivatives, unless the derivatives at hand are still good there; says
-    /// whether it did. The element of the ring has this `length`.
+    /// Says what of the derivatives is to be evaluated anew where the pack is in this `regime`, and takes unknowns and regime as those
+    /// where it is. The element of the ring has this `length`.
     #[inline(always)]
     pub(crate) fn renew<K: Directions>(
         &mut self,
+        wanted: Wanted,
         regime: Regime,
+        at: (&Unknowns<Lanes>, [f64; 2]),
+        length: Lanes,
+    ) -> Renewal {
+        let renewal = match wanted {
+            Wanted::Needed => self.needs::<K>(&regime, at, length),
+            Wanted::Exactly(renewal) if self.origin.exists() => renewal,
+            Wanted::Exactly(_) => Renewal::All,
+        };
+        // Without its laws' part a pack has all or nothing.
+        let renewal = if self.laws.is_none() && renewal == Renewal::Laws {
+            Renewal::All
+        } else {
+            renewal
+        };
+        match renewal {
+            Renewal::Nothing => {}
+            Renewal::Laws => {
+                self.laws_origin.set(at);
+                self.regime.take_laws(&regime);
+            }
+            Renewal::All => {
+                self.origin.set(at);
+                self.laws_origin.forget();
+                self.regime = regime;
+            }
+        }
+        renewal
+    }
+
+    /// What of the derivatives is not good any more.
+    #[inline(always)]
+    fn needs<K: Directions>(
+        &self,
+        regime: &Regime,
         (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
-    ) -> bool {
-        let ratio = slopes[0] / self.slopes[0];
-        let good = (1.0 / RESCALED..RESCALED).contains(&ratio)
+    ) -> Renewal {
+        let ratio = slopes[0] / self.origin.slopes[0];
+        let holds = (1.0 / RESCALED..RESCALED).contains(&ratio)
             && self.turned::<K>(unknowns, length) < TURNED
-            && regime.is_like(&self.regime);
-        if !good {
-            (self.unknowns, self.regime, self.slopes) = (unknowns.clone(), regime, slopes);
+            && regime.flows_as(&self.regime, ratio);
+        if !holds {
+            Renewal::All
+        } else if regime.has_laws_of(&self.regime) {
+            Renewal::Nothing
+        } else {
+            Renewal::Laws
         }
-        !good
     }
 
     /// Largest angle by which the ring has turned, or change of Θ or of the centres.
     #[inline(always)]
     fn turned<K: Directions>(&self, now: &Unknowns<Lanes>, length: Lanes) -> f64 {
         let components = K::NODES / 4;
-        let moved = |k: usize| now.position[k] - self.unknowns.position[k];
+        let moved = |k: usize| now.position[k] - self.origin.unknowns.position[k];
         let mut most = 0.0_f64;
         let mut include = |turn: Lanes| most = turn.to_array().into_iter().fold(most, |most, x| most.max(x.abs()));
         for k in 0..components {
@@ -235,10 +348,20 @@ impl Kept {
         most
     }
 
-    /// Writes to a tape, or reads from it, the unknowns at which the derivatives were evaluated, in so many `directions`: cell
+    /// Writes to a tape, or reads from it, where the derivatives were evaluated, in so many `directions`.
+    pub(crate) fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
+        self.origin.pass(tape, directions, used);
+        if self.laws.is_some() {
+            self.laws_origin.pass(tape, directions, used);
+        }
+    }
+}
+
+impl Origin {
+    /// Writes to a tape, or reads from it, the unknowns, in so many `directions`: cell
     /// by cell, for the first `used` lanes, so that another number of lanes reads them too. The derivatives can be evaluated
     /// there again. Lanes beyond `used` repeat the last.
-    pub(crate) fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
+    fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
         let mut slopes = [self.slopes; LANES];
         let Unknowns { position, value, rate } = &mut self.unknowns;
         for (lane, slopes) in slopes[..used].iter_mut().enumerate() {
@@ -278,7 +401,7 @@ mod tests {
         let mut tape = Tape::writer();
         let mut first = 0;
         for &used in widths {
-            let mut kept = Kept::new(0);
+            let mut kept = Origin::none();
             kept.slopes = slopes(first);
             for k in 0..3 {
                 let of = |part: u32| {
@@ -295,9 +418,9 @@ mod tests {
         tape.into_bytes()
     }
 
-    fn read(bytes: &[u8], used: usize) -> Kept {
+    fn read(bytes: &[u8], used: usize) -> Origin {
         let mut tape = Tape::reader(bytes);
-        let mut kept = Kept::new(0);
+        let mut kept = Origin::none();
         kept.pass(&mut tape, 3, used);
         tape.finish().expect("as many as were written");
         kept

@@ -5,6 +5,7 @@ mod evaluate;
 pub(crate) mod jacobian;
 mod kept;
 pub(crate) mod kinds;
+mod law_part;
 mod pack;
 pub(crate) mod packed;
 pub(crate) mod sums;

@@ -7,12 +7,12 @@ use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
-use crate::variator::assembly::equations::{Assembly, InForce};
+use crate::variator::assembly::equations::{Anew, Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::jacobian::Differentiate;
 #[cfg(test)]
 use crate::variator::assembly::jacobian::worst_of_pack;
-use crate::variator::assembly::kept::Kept;
+use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
@@ -49,7 +49,10 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
         Self {
             kept: packs
                 .iter()
-                .map(|pack| Kept::new(pack.entries.len() + RESULTANT * K::COUNT))
+                .map(|pack| {
+                    let entries = pack.entries.len() + RESULTANT * K::COUNT;
+                    Kept::new(entries, K::law_part(belt.mesh.points))
+                })
                 .collect(),
             packs,
             differentiations: 0,
@@ -128,17 +131,23 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
+        anew: Anew,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
+        let wanted = match anew {
+            Anew::Needed => Wanted::Needed,
+            Anew::Laws => Wanted::Exactly(Renewal::Laws),
+        };
         let frames = K::frames(&belt.curve, &belt.path(view), slopes);
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             let unknowns = InPlace { pack, view }.gather(K::COUNT);
             let of_pack = (&mut *kept, &mut *self.transport_slopes);
-            let (b, renewed) = K::renew(acting, pack, &frames, (&unknowns, slopes), of_pack);
-            self.differentiations += u64::from(renewed);
+            let at = (&unknowns, slopes);
+            let (b, renewal) = K::renew(acting, pack, &frames, at, wanted, of_pack);
+            self.differentiations += u64::from(renewal == Renewal::All);
             for (entry, value) in pack.entries.iter().zip(&kept.block) {
                 let value = value.to_array();
                 for lane in 0..pack.group.used {
@@ -177,17 +186,15 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
 
     fn restore_derivatives(&mut self, acting: InForce<'_>) {
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
-            if !kept.slopes[0].is_nan() {
-                let (unknowns, slopes) = (kept.unknowns.clone(), kept.slopes);
-                kept.forget();
-                let frames = K::frames(&acting.belt.curve, &path::<K>(&unknowns), slopes);
-                K::renew(
-                    acting,
-                    pack,
-                    &frames,
-                    (&unknowns, slopes),
-                    (kept, &mut self.transport_slopes),
-                );
+            let origins = [&kept.origin, &kept.laws_origin].map(Clone::clone);
+            kept.forget();
+            for (origin, renewal) in origins.iter().zip([Renewal::All, Renewal::Laws]) {
+                if origin.exists() {
+                    let frames = K::frames(&acting.belt.curve, &path::<K>(&origin.unknowns), origin.slopes);
+                    let at = (&origin.unknowns, origin.slopes);
+                    let of_pack = (&mut *kept, &mut *self.transport_slopes);
+                    K::renew(acting, pack, &frames, at, Wanted::Exactly(renewal), of_pack);
+                }
             }
         }
     }

@@ -7,13 +7,29 @@ use crate::variator::law::flanks::{Approach, FlankLoads};
 use crate::variator::law::place::{CellLaw, PulleyMotion};
 use num_traits::Zero;
 
+/// Forces of a flank: normal, friction around, friction along it.
+pub(crate) const FLANK_FORCES: usize = 3;
+/// What they depend on: penetration, closing, sliding around, sliding along.
+pub(crate) const FLANK_ARGUMENTS: usize = 4;
+
+/// The arguments of a flank's laws in this order.
+#[inline(always)]
+pub(crate) fn of_flank<T: Copy>(motion: &FlankMotion<T>) -> [T; FLANK_ARGUMENTS] {
+    [
+        motion.penetration,
+        motion.closing,
+        motion.tangential,
+        motion.along_flank,
+    ]
+}
+
 /// Forces of a flank with their derivatives with respect to its motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flank {
     force: FlankForce<Lanes>,
     /// Slopes of the normal force, of friction around and of friction along the flank. Each has those by penetration, by
     /// closing, by sliding around and by sliding along.
-    slopes: [[Lanes; 4]; 3],
+    pub slopes: [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES],
 }
 
 impl Flank {
@@ -49,14 +65,26 @@ impl Flank {
         by: &FlankVariation,
         motion: &FlankMotion<Lanes>,
     ) -> FlankLoads<Lanes> {
+        let arguments = of_flank(motion);
+        let forces = self.slopes.each_ref().map(|slopes| {
+            slopes[0] * arguments[0]
+                + slopes[1] * arguments[1]
+                + slopes[2] * arguments[2]
+                + slopes[3] * arguments[3]
+        });
+        self.vary_loads(law, (at, lambda), by, forces)
+    }
+
+    /// Variation of its loads where its forces vary by `forces`.
+    #[inline(always)]
+    pub fn vary_loads(
+        &self,
+        law: &CellLaw,
+        (at, lambda): (&Approach<Lanes>, Lanes),
+        by: &FlankVariation,
+        [normal, tangential, along_flank]: [Lanes; FLANK_FORCES],
+    ) -> FlankLoads<Lanes> {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;
-        let of = |slopes: &[Lanes; 4]| {
-            slopes[0] * motion.penetration
-                + slopes[1] * motion.closing
-                + slopes[2] * motion.tangential
-                + slopes[3] * motion.along_flank
-        };
-        let [normal, tangential, along_flank] = [0, 1, 2].map(|k| of(&self.slopes[k]));
         let force = &self.force;
         // Per ring length: forces times λ.
         let normal_by = normal * lambda + force.normal * by.lambda;

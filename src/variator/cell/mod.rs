@@ -3,6 +3,7 @@
 pub(crate) mod balance;
 pub(crate) mod directions;
 pub(crate) mod flank_variation;
+pub(crate) mod laws;
 pub(crate) mod probe;
 pub mod sample;
 pub(crate) mod state;

@@ -1,13 +1,15 @@
 //! Derivatives at a station of a cell by hand: its variations of ring and chain, and the loads that follow from them.
 
 use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation};
+use crate::contact::FlankMotion;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, zero_vector};
-use crate::variator::cell::flank_variation::{Flank, FlankVariation};
+use crate::variator::cell::flank_variation::{FLANK_FORCES, Flank, FlankVariation, of_flank};
+use crate::variator::cell::laws::{StationArguments, StationSlopes, ring_slopes};
 use crate::variator::cell::state::{CellInput, Station, StationForces};
 use crate::variator::law::flanks::FlankLoads;
 use crate::variator::law::place::{CellBalance, CellLaw};
-use crate::variator::law::ring_friction::{layer_drag, ring_friction};
+use crate::variator::law::ring_friction::layer_drag;
 use nalgebra::{SVector, Vector2};
 
 /// A station, and the coefficients of its variations.
@@ -55,6 +57,37 @@ pub(crate) struct BothFlanksVariation {
     lateral: Lanes,
 }
 
+impl BothFlanksVariation {
+    /// No variation.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = Lanes::from(0.0);
+        Self {
+            loads: FlankLoads {
+                radial: zero,
+                around: zero,
+                torque: zero,
+                axial: zero,
+                normal: zero,
+                loss: zero,
+                viscous: zero,
+            },
+            on_movable: zero,
+            lateral: zero,
+        }
+    }
+
+    /// Of flanks that are alike.
+    #[inline(always)]
+    fn alike(one: &FlankLoads<Lanes>) -> Self {
+        Self {
+            loads: one.plus(one),
+            on_movable: one.axial,
+            lateral: Lanes::from(0.0),
+        }
+    }
+}
+
 /// Density, push force and gradient of V in a cell, with their variations: the forces at its stations depend on them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StackForce {
@@ -76,12 +109,6 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
     ) -> Self {
         let Station { ring, chain, weight } = station;
         let StationForces { v_e, v_p, approach, .. } = forces;
-        let friction = ring_friction(
-            given.friction,
-            Tangent::<2>::seed(forces.pressing, 0, 1.0),
-            Tangent::constant(ring.reference.kappa),
-            Tangent::seed(forces.sliding, 1, 1.0),
-        );
         let drag = layer_drag(
             Tangent::<2>::constant(given.place.layer_drag),
             Tangent::seed(forces.pressing, 0, 1.0),
@@ -97,7 +124,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
                 .flanks
                 .motions
                 .map(|motion| Flank::new(given.law, given.friction, &motion)),
-            friction_by: friction.eps,
+            friction_by: ring_slopes(given, ring, forces),
             drag_by: drag.eps,
             forces,
             ring,
@@ -196,27 +223,62 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         flank
     }
 
-    /// Variation of the loads of both flanks.
+    /// Variation of the motion of the flank on the movable sheave; in space also of that on the fixed one.
     #[inline(always)]
-    pub fn vary_flanks(&self, given: &CellInput<'_, Lanes>, flank: &FlankVariation) -> BothFlanksVariation {
-        let (law, at, lambda) = (given.law, &self.forces.approach, self.chain.lambda);
+    pub fn vary_motions(&self, given: &CellInput<'_, Lanes>, flank: &FlankVariation) -> [FlankMotion<Lanes>; 2] {
         if D == 2 {
-            let one = self.flanks[0].vary(law, at, lambda, flank, &flank.motion);
-            return BothFlanksVariation {
-                loads: one.plus(&one),
-                on_movable: one.axial,
-                lateral: Lanes::from(0.0),
-            };
+            return [flank.motion; 2];
         }
-        let [side, _] = given.place.plane;
         let [offset, speed] = flank.offset;
-        let [movable, fixed] = [1.0, -1.0].map(|sign| flank.motion.shifted(offset * sign, speed * sign, law.wedge[0]));
-        let movable = self.flanks[0].vary(law, at, lambda, flank, &movable);
-        let fixed = self.flanks[1].vary(law, at, lambda, flank, &fixed);
+        [1.0, -1.0].map(|sign| flank.motion.shifted(offset * sign, speed * sign, given.law.wedge[0]))
+    }
+
+    /// Variation of the loads of both flanks, whose `motions` vary.
+    #[inline(always)]
+    pub fn vary_flanks(
+        &self,
+        given: &CellInput<'_, Lanes>,
+        flank: &FlankVariation,
+        motions: &[FlankMotion<Lanes>; 2],
+    ) -> BothFlanksVariation {
+        let (law, at, lambda) = (given.law, &self.forces.approach, self.chain.lambda);
+        let movable = self.flanks[0].vary(law, at, lambda, flank, &motions[0]);
+        if D == 2 {
+            return BothFlanksVariation::alike(&movable);
+        }
+        let fixed = self.flanks[1].vary(law, at, lambda, flank, &motions[1]);
+        let [side, _] = given.place.plane;
         BothFlanksVariation {
             loads: movable.plus(&fixed),
             on_movable: movable.axial,
             lateral: (movable.axial - fixed.axial) * side,
+        }
+    }
+
+    /// Loads of both flanks where a force of one of them is one: of both, in the plane.
+    #[inline(always)]
+    pub fn unit_flanks(&self, given: &CellInput<'_, Lanes>, flank: usize, force: usize) -> BothFlanksVariation {
+        let zero = Lanes::from(0.0);
+        let mut forces = [zero; FLANK_FORCES];
+        forces[force] = Lanes::from(1.0);
+        let (place, still) = ((&self.forces.approach, self.chain.lambda), FlankVariation::of_lambda(zero));
+        let loads = self.flanks[flank].vary_loads(given.law, place, &still, forces);
+        if D == 2 {
+            return BothFlanksVariation::alike(&loads);
+        }
+        let [side, _] = given.place.plane;
+        BothFlanksVariation {
+            loads,
+            on_movable: if flank == 0 { loads.axial } else { zero },
+            lateral: loads.axial * if flank == 0 { side } else { -side },
+        }
+    }
+
+    /// Slopes of its laws.
+    pub fn slopes(&self) -> StationSlopes {
+        StationSlopes {
+            flanks: self.flanks.map(|flank| flank.slopes),
+            ring: self.friction_by,
         }
     }
 
@@ -286,9 +348,14 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         out.resultant[1] += force.y * weight;
     }
 
-    /// Variation of the friction between ring and elements, and of the drag of the ring's layers, N/m.
+    /// Variation of the friction between ring and elements, and of the drag of the ring's layers, N/m, where the flanks' `motions`
+    /// vary too; and of the arguments of its laws.
     #[inline(always)]
-    pub fn vary_ring_friction<const MOVES: bool>(&self, change: &StationVariation<'_, D>) -> [Lanes; 2] {
+    pub fn vary_ring_friction<const MOVES: bool>(
+        &self,
+        change: &StationVariation<'_, D>,
+        motions: &[FlankMotion<Lanes>; 2],
+    ) -> ([Lanes; 2], StationArguments<Lanes>) {
         let (ring, chain, by) = (self.ring, self.chain, change.by);
         let mut speed = by.w * ring.stretch;
         let mut sliding = speed - change.chain.speed * chain.lead;
@@ -298,6 +365,10 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             sliding += more - chain.speed * change.chain.lead;
         }
         let of = |[by_load, by_speed]: [Lanes; 2], speed: Lanes| by_load * change.pressing + by_speed * speed;
-        [of(self.friction_by, sliding), of(self.drag_by, speed)]
+        let arguments = StationArguments {
+            flanks: motions.each_ref().map(of_flank),
+            ring: [change.pressing, sliding],
+        };
+        ([of(self.friction_by, sliding), of(self.drag_by, speed)], arguments)
     }
 }

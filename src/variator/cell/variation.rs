@@ -7,13 +7,16 @@
 //! the time and gives the same digits: a test of `variator` compares the two. Θ moves everything and stays with forward
 //! differentiation.
 
-use crate::chain::{ChainPoint, ChainVariation, Stack, Transport};
+use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{Load, RingPoint, RingVariation};
-use crate::scalar::{Lanes, Real, Tangent};
+use crate::scalar::Lanes;
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
-use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
-use crate::variator::cell::station_variation::{LinearisedStation, StackForce, StationVariation};
+use crate::variator::cell::laws::{Arguments, LawForce, LawSlopes, STACK_ARGUMENTS, StationArguments, stack_slopes};
+use crate::variator::cell::state::{CellInput, CellState, Evaluated, chain_at_face};
+use crate::variator::cell::station_variation::{
+    BothFlanksVariation, LinearisedStation, StackForce, StationVariation,
+};
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
@@ -29,18 +32,9 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
     /// Push force, collision force and lag: by density, its rate, flow and difference of V.
-    stack: [[Lanes; 4]; 3],
+    stack: [[Lanes; STACK_ARGUMENTS]; 3],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
-}
-
-/// A pack of cells as it was evaluated.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Evaluated<'a, const D: usize> {
-    pub cell: CellState<Lanes>,
-    pub slots: &'a Slots<Lanes, D>,
-    /// At the stations.
-    pub forces: &'a [Option<StationForces<Lanes, D>>; STATIONS],
 }
 
 /// Variations of ring and chain at the stations: kilobytes, written in place.
@@ -64,6 +58,7 @@ struct CellVariation {
 /// Variation of the stack in a cell.
 #[derive(Clone, Copy, Debug)]
 struct StackVariation {
+    arguments: [Lanes; STACK_ARGUMENTS],
     density: Lanes,
     /// Push force and collision force, N.
     push: Lanes,
@@ -76,15 +71,12 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     #[inline(always)]
     pub fn new(given: CellInput<'a, Lanes>, ring: &'a R, evaluated: Evaluated<'a, D>, slopes: [f64; 2]) -> Self {
         let Evaluated { cell, slots, forces } = evaluated;
-        let arguments = cell.stack_arguments();
-        let seeded = std::array::from_fn(|k| Tangent::<4>::seed(arguments[k], k, 1.0));
-        let Stack {
-            mut push,
-            collision,
-            lag,
-        } = Stack::new(&given.law.chain, seeded);
-        push.force += Tangent::constant(cell.settling(given.law));
-        let lag = if given.law.has_lag { lag.eps } else { [Lanes::zero(); 4] };
+        let stack = stack_slopes(&given, &cell);
+        let lag = if given.law.has_lag {
+            stack.lag.eps
+        } else {
+            [Lanes::zero(); STACK_ARGUMENTS]
+        };
         let face = slots.face();
         let mut stations = [None; STATIONS];
         for (i, (to, at)) in stations.iter_mut().zip(slots.stations.iter().zip(forces)).enumerate() {
@@ -98,25 +90,29 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             ring,
             cell,
             stations,
-            push: push.force.re,
-            stack: [push.force.eps, collision.eps, lag],
+            push: stack.push.force.re,
+            stack: [stack.push.force.eps, stack.collision.eps, lag],
             slopes,
         }
     }
 
-    /// Variation of balance and ring forces in a direction.
+    /// Variation of balance and ring forces in a direction, and of the `arguments` of the laws, which were zero.
     #[inline(always)]
-    pub fn vary(&self, direction: Direction) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
+    pub fn vary(
+        &self,
+        direction: Direction,
+        arguments: &mut Arguments<Lanes>,
+    ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let own = match direction {
             Direction::Ring(own) => Some(own),
             _ => None,
         };
         if matches!(direction, Direction::Sheave | Direction::Tilt(_) | Direction::Shaft) {
-            self.pulley_column(direction)
+            self.pulley_column(direction, arguments)
         } else if direction == Direction::Drift || R::MOVES && own.is_some() {
-            self.column::<true>(direction, own)
+            self.column::<true>(direction, own, arguments)
         } else {
-            self.column::<false>(direction, own)
+            self.column::<false>(direction, own, arguments)
         }
     }
 
@@ -126,11 +122,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         &self,
         direction: Direction,
         own: Option<usize>,
+        arguments: &mut Arguments<Lanes>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let [alpha, beta] = self.slopes;
         let mut varied = [None; STATIONS];
         let cell = self.vary_cell::<MOVES>(direction, own, &mut varied);
         let stack = self.vary_stack(direction, &cell);
+        arguments.stack = stack.arguments;
         let mut out = nothing();
         out.speed = [stack.push - stack.collision, stack.collision - stack.push];
         out.transport = Transport {
@@ -164,7 +162,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                     tension
                 },
             };
-            self.add_station::<MOVES>((i, station), &change, load, &mut out, &mut sum);
+            arguments.stations[i] = self.add_station::<MOVES>((i, station), &change, load, &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, own, beta))
     }
@@ -254,15 +252,18 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             - density * self.cell.lengthening
             - self.cell.density * lengthening)
             * inverse;
-        let arguments = [density, thinning, by.through * self.cell.inverse_length, by.difference];
-        let [push, collision, lag] = [0, 1, 2].map(|k| {
-            let slopes = &self.stack[k];
-            slopes[0] * arguments[0] + slopes[1] * arguments[1] + slopes[2] * arguments[2] + slopes[3] * arguments[3]
-        });
         let rate = (amount * self.slopes[0] - self.cell.density_rate * by.pitch_length) * inverse;
+        let through = by.through * self.cell.inverse_length;
+        let arguments = [density, thinning, through, by.difference, rate];
+        let [push, collision, lag] = self.stack.each_ref().map(|slopes| {
+            let mut products = slopes.iter().zip(&arguments).map(|(slope, argument)| *slope * *argument);
+            let first = products.next().unwrap_or_else(Lanes::zero);
+            products.fold(first, |sum, product| sum + product)
+        });
         StackVariation {
+            arguments,
             density,
-            push: push + rate * self.given.law.settling,
+            push,
             collision,
             lag,
         }
@@ -270,7 +271,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
 
     /// Variation in a direction that moves the pulley only.
     #[inline(always)]
-    fn pulley_column(&self, direction: Direction) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
+    fn pulley_column(
+        &self,
+        direction: Direction,
+        arguments: &mut Arguments<Lanes>,
+    ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let zero = Lanes::zero();
         let [alpha, beta] = self.slopes;
         let wedge = self.given.law.wedge;
@@ -293,29 +298,99 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 tension: zero,
                 pressing: zero,
             };
-            self.add_station::<false>((i, station), &change, Load::zero(), &mut out, &mut sum);
+            arguments.stations[i] =
+                self.add_station::<false>((i, station), &change, Load::zero(), &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, None, beta))
     }
 
-    /// Adds the variation of contact, ring friction and `load` at station `i`.
+    /// Slopes of the laws.
+    pub fn slopes(&self) -> LawSlopes {
+        let mut slopes = LawSlopes::zero();
+        for (to, station) in slopes.stations.iter_mut().zip(self.stations.iter().flatten()) {
+            *to = station.slopes();
+        }
+        slopes.stack.copy_from_slice(&self.stack[..2]);
+        slopes
+    }
+
+    /// Variation of balance and ring forces where a force of the laws varies by one.
+    #[inline(always)]
+    pub fn vary_law(&self, force: LawForce) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
+        let [zero, one] = [0.0, 1.0].map(Lanes::from);
+        let (mut out, mut sum) = (nothing(), self.ring.empty());
+        let (by, chain, flank) = (
+            RingVariation::none(),
+            ChainVariation::none(),
+            FlankVariation::of_lambda(zero),
+        );
+        match force {
+            LawForce::Push => out.speed = [one, -one],
+            LawForce::Collision => out.speed = [-one, one],
+            LawForce::Flank { .. } | LawForce::Ring { .. } => {}
+        }
+        for (i, station) in self.stations.iter().enumerate() {
+            let Some(station) = station else { continue };
+            let (mut flanks, mut friction, mut inward) = (BothFlanksVariation::none(), zero, [zero; 2]);
+            match force {
+                LawForce::Flank {
+                    station: at,
+                    flank,
+                    force,
+                } if at == i => flanks = station.unit_flanks(&self.given, flank, force),
+                LawForce::Ring { station: at } if at == i => friction = one,
+                LawForce::Push => inward = station.chain.curvature,
+                _ => continue,
+            }
+            let change = StationVariation {
+                by: &by,
+                chain: &chain,
+                flank: &flank,
+                along: zero,
+                inward,
+                tension: zero,
+                pressing: zero,
+            };
+            let loads = (Load::zero(), &flanks, [friction, zero]);
+            self.add_loads::<false>((i, station), &change, loads, &mut out, &mut sum);
+        }
+        (out, self.ring.varied_forces(&sum, None, self.slopes[1]))
+    }
+
+    /// Adds the variation of contact, ring friction and `load` at station `i`; returns that of the arguments of its laws.
     #[inline(always)]
     fn add_station<const MOVES: bool>(
         &self,
         (i, station): (usize, &LinearisedStation<'_, D>),
         change: &StationVariation<'_, D>,
-        mut load: Load<Lanes, D>,
+        load: Load<Lanes, D>,
+        out: &mut CellBalance<Lanes>,
+        sum: &mut R::Sum,
+    ) -> StationArguments<Lanes> {
+        let motions = station.vary_motions(&self.given, change.flank);
+        let flanks = station.vary_flanks(&self.given, change.flank, &motions);
+        let (along_ring, arguments) = station.vary_ring_friction::<MOVES>(change, &motions);
+        self.add_loads::<MOVES>((i, station), change, (load, &flanks, along_ring), out, sum);
+        arguments
+    }
+
+    /// Adds the variation of a load on the ring, of the flanks' loads, of ring friction and of the drag of the ring's layers at
+    /// station `i`.
+    #[inline(always)]
+    fn add_loads<const MOVES: bool>(
+        &self,
+        (i, station): (usize, &LinearisedStation<'_, D>),
+        change: &StationVariation<'_, D>,
+        (mut load, flanks, [friction_by, drag_by]): (Load<Lanes, D>, &BothFlanksVariation, [Lanes; 2]),
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {
         let (ring, by, weight) = (station.ring, change.by, station.weight);
         let ring_along = load.position.dot(&ring.t);
-        let flanks = station.vary_flanks(&self.given, change.flank);
-        let ([mut along, tangential], force) = station.add_flank_forces::<MOVES>(change, &flanks, &mut load);
-        station.add_pulley_loads::<MOVES>(change.flank, &flanks, force, out);
+        let ([mut along, tangential], force) = station.add_flank_forces::<MOVES>(change, flanks, &mut load);
+        station.add_pulley_loads::<MOVES>(change.flank, flanks, force, out);
 
         let along_ring = station.forces.ring_friction + station.forces.layer_drag;
-        let [friction_by, drag_by] = station.vary_ring_friction::<MOVES>(change);
         let along_ring_by = friction_by + drag_by;
         let across = load.position.dot(&ring.n);
         load.position += ring.t * along_ring_by;

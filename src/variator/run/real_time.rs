@@ -18,7 +18,7 @@ use crate::variator::run::rounding::Rounding;
 use crate::variator::survey::ledger::Running;
 
 /// Milliseconds that a tick may wait to be solved. With three, slams and hunting err by a quarter more.
-const PATIENCE: u64 = 2;
+const PATIENCE: u64 = 3;
 /// Time behind the clock from which on rough ticks don't wait, s.
 const LATE: f64 = 0.004;
 /// Defect up to which a state counts as solved.

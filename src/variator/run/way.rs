@@ -264,17 +264,19 @@ impl Variator {
             return;
         };
         real_time.live(&way.course, [self.time, end]);
-        let mut budget = Budget::default();
-        while let Some(plan) = real_time.plan(&budget) {
-            self.held = plan.held;
-            self.system.round(plan.rounding);
-            self.apply();
-            let mut running = Running {
-                system: &mut self.system,
-                ledger: &mut self.ledger,
-            };
-            real_time.tick(&mut running, &mut self.state, &mut budget);
+        for mut budget in Budget::millisecond() {
+            while let Some(plan) = real_time.plan(&budget) {
+                self.held = plan.held;
+                self.system.round(plan.rounding);
+                self.apply();
+                let mut running = Running {
+                    system: &mut self.system,
+                    ledger: &mut self.ledger,
+                };
+                real_time.tick(&mut running, &mut self.state, &mut budget);
+            }
         }
+        self.system.forget_derivatives();
         self.real_time = Some(real_time);
         self.time = end;
     }

@@ -2,7 +2,7 @@
 
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::{Evolution, Interval, Quadrature};
+use crate::solver::sdirk::{Evolution, Form, Interval, Quadrature};
 use crate::solver::{System, View};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::survey::belt_survey::{BeltSums, Survey};
@@ -109,8 +109,8 @@ impl Evolution for Running<'_> {
         way / drift
     }
 
-    fn secant_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        self.system.secant_jacobian(time, view, alpha, beta, out);
+    fn jacobian_of(&mut self, form: Form, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        self.system.jacobian_of(form, time, view, slopes, out);
     }
 
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
