@@ -1,5 +1,5 @@
-//! Time integration with bounded work, for real time: in each millisecond a whole Jacobian, some with new slopes of the laws alone,
-//! and a fixed number of residuals after each ([`Budget`]), whatever happens. A tick that isn't solved when the work is used up stays open,
+//! Time integration with bounded work, for real time: in each millisecond some Jacobians that differ little from
+//! those before ([`Form`]), and a fixed number of residuals after each ([`Budget`]), whatever happens. A tick that isn't solved when the work is used up stays open,
 //! and the next millisecond goes on with it from the best point so far, with a new Jacobian there. There are two kinds of ticks, both
 //! one-step and L-stable:
 //!
@@ -20,14 +20,16 @@
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::Broyden;
 use super::newton::Counts;
-use super::sdirk::{Evolution, Form, GAMMA, Interval, Quadrature, move_by};
+use super::sdirk::{Evolution, Form, GAMMA, Geometry, Interval, Quadrature, move_by};
 use super::{State, System};
 use crate::tape::Tape;
 
 /// Longest tick of a run that keeps up with the clock, s.
 pub const TICK: f64 = 1.0e-3;
-/// Jacobians in a millisecond: the first is whole, the others have new slopes of the laws alone ([`Form`]).
+/// Jacobians in a millisecond. All have new slopes of the laws, and the first one new geometry too ([`Geometry`]): in calm ticks of one of so
+/// many parts of the belt.
 pub const JACOBIANS: usize = 4;
+const PARTS: usize = 4;
 /// Residuals in a millisecond: as many after each Jacobian.
 pub const RESIDUALS: usize = 32;
 const PART: usize = RESIDUALS / JACOBIANS;
@@ -56,8 +58,9 @@ const WORST: f64 = 1.0e9;
 /// Work that is left of a part of a millisecond: a Jacobian and some residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// The Jacobian, if it is left: whether it has new slopes of the laws alone.
-    jacobian: Option<bool>,
+    /// Whether the Jacobian is left, and whether it is the first one of the millisecond.
+    jacobian: bool,
+    is_first: bool,
     residuals: usize,
     /// Whether no other part of the millisecond follows.
     is_last: bool,
@@ -68,7 +71,8 @@ impl Budget {
     #[must_use]
     pub fn of(residuals: usize) -> Self {
         Self {
-            jacobian: Some(false),
+            jacobian: true,
+            is_first: true,
             residuals,
             is_last: true,
         }
@@ -77,7 +81,8 @@ impl Budget {
     /// The parts of a millisecond.
     pub fn millisecond() -> impl Iterator<Item = Self> {
         (0..JACOBIANS).map(|part| Self {
-            jacobian: Some(part > 0),
+            jacobian: true,
+            is_first: part == 0,
             residuals: PART,
             is_last: part + 1 == JACOBIANS,
         })
@@ -343,11 +348,19 @@ impl Bounded {
         kind: Tick,
         budget: &mut Budget,
     ) {
-        let Some(laws_alone) = budget.jacobian.take() else {
+        if !std::mem::take(&mut budget.jacobian) {
             return;
+        }
+        let geometry = match kind {
+            _ if !budget.is_first => Geometry::Kept,
+            Tick::Rough => Geometry::All,
+            Tick::Calm => Geometry::Part {
+                number: self.counts.factorizations as usize / JACOBIANS % PARTS,
+                parts: PARTS,
+            },
         };
         let secant = kind == Tick::Rough;
-        let form = Form { secant, laws_alone };
+        let form = Form { secant, geometry };
         let slopes = [1.0 / length, length];
         system.jacobian_of(form, time, state.view(), slopes, &mut self.matrix);
         self.counts.factorizations += 1;

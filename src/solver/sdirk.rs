@@ -47,8 +47,24 @@ pub trait Evolution: System {
 pub struct Form {
     /// Whether it must not overshoot: where a law saturates, it is that of its secant from rest.
     pub secant: bool,
-    /// Whether only the slopes of laws that change much are evaluated, and all else may stay that of the Jacobian before.
-    pub laws_alone: bool,
+    /// What beside the slopes of laws is evaluated anew.
+    pub geometry: Geometry,
+}
+
+/// What of a Jacobian is evaluated anew beside the slopes of laws that change much, if there is an earlier one of a like step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry {
+    /// Everything.
+    All,
+    /// A part of it.
+    Part {
+        /// Which, from 0.
+        number: usize,
+        /// Of how many.
+        parts: usize,
+    },
+    /// Nothing.
+    Kept,
 }
 
 /// The time that an accepted step took.

@@ -9,7 +9,7 @@ use crate::ring::model::Energy;
 use crate::ring::rcm::RcmElement;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::Form;
+use crate::solver::sdirk::{Form, Geometry};
 use crate::solver::{State, System, View};
 use crate::tape::Tape;
 use crate::variator::assembly::equations::{Anew, Assembly, InForce};
@@ -45,6 +45,8 @@ pub struct VariatorSystem {
     rounding: f64,
     /// Whether the derivatives of friction are those of secants: while such a Jacobian is formed.
     secant: bool,
+    /// Whether the kept derivatives are those of secants.
+    keeps_secants: bool,
     assembly: Box<dyn Assembly>,
     /// Working memory.
     resultants: ResultantSlopes,
@@ -109,6 +111,7 @@ impl VariatorSystem {
             friction_velocity: parameters.friction.velocity,
             rounding: 0.0,
             secant: false,
+            keeps_secants: false,
             assembly: assembly(parameters, &belt),
             resultants: ResultantSlopes::new(belt.layout.len()),
             belt: Arc::new(belt),
@@ -162,18 +165,28 @@ impl VariatorSystem {
         loads
     }
 
-    /// A Jacobian whose friction may be that of secants from rest. The derivatives that are kept after it are good for another one of
-    /// its kind.
+    /// A Jacobian in a form for few iterations. It keeps derivatives for the next ones, until [`VariatorSystem::drop_secants`] if they are
+    /// those of secants.
     pub(crate) fn jacobian_of(&mut self, form: Form, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
-        self.secant = form.secant;
-        let anew = if form.laws_alone {
-            Anew::Laws
-        } else {
+        let Form { secant, geometry } = form;
+        if geometry == Geometry::All || secant != self.keeps_secants {
             self.forget_derivatives();
-            Anew::Needed
+        }
+        let anew = match geometry {
+            Geometry::Part { number, parts } => Anew::Part(number, parts),
+            Geometry::All | Geometry::Kept => Anew::Laws,
         };
+        self.secant = secant;
         self.form_jacobian(anew, time, view, slopes, out);
         self.secant = false;
+        self.keeps_secants = secant;
+    }
+
+    /// Drops derivatives of secants: others that are kept can be evaluated again where they were.
+    pub(crate) fn drop_secants(&mut self) {
+        if std::mem::take(&mut self.keeps_secants) {
+            self.forget_derivatives();
+        }
     }
 
     /// The Jacobian, with what of its derivatives is evaluated `anew`.

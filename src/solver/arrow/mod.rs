@@ -172,12 +172,35 @@ impl Arrow {
 
     /// Replaces a row by a multiple of the unit row: `scale`·x_row.
     pub fn set_unit_row(&mut self, row: usize, scale: f64) {
-        for column in 0..self.shape.len() {
-            if let Some(index) = self.index(row, column) {
-                self.values[index] = 0.0;
+        if let Some(at) = row.checked_sub(self.shape.blocks * self.shape.block) {
+            self.border_row(at).for_each(|value| *value = 0.0);
+        } else {
+            for column in 0..self.shape.len() {
+                if let Some(index) = self.index(row, column) {
+                    self.values[index] = 0.0;
+                }
             }
         }
         self.add(row, row, scale);
+    }
+
+    /// Border row number `at`, in the order of the matrix.
+    fn border_row(&mut self, at: usize) -> impl Iterator<Item = &mut f64> {
+        let bottom = self.shape.starts()[4];
+        self.values[bottom + at..].iter_mut().step_by(self.shape.border)
+    }
+
+    /// Adds to all entries of a border row. Indices are those of the vector.
+    ///
+    /// # Panics
+    /// If `row` is not in the border.
+    pub fn add_to_border_row(&mut self, row: usize, values: impl Iterator<Item = f64>) {
+        let at = row - self.shape.blocks * self.shape.block;
+        if self.order.is_empty() {
+            self.border_row(at).zip(values).for_each(|(entry, value)| *entry += value);
+        } else {
+            values.enumerate().for_each(|(column, value)| self.add(row, column, value));
+        }
     }
 
     /// Adds `factor` times border row `from` to border row `into`. Indices are those of the vector.

@@ -25,8 +25,10 @@ pub(crate) struct InForce<'a> {
 pub(crate) enum Anew {
     /// What is not good any more for Newton's method.
     Needed,
-    /// Slopes of laws that change much, if there are derivatives at all: always the same work.
+    /// Slopes of laws that change much: always the same work. All where there are no derivatives of a like step.
     Laws,
+    /// The same, and all of the pack with this number of so many packs.
+    Part(usize, usize),
 }
 
 /// Equations of ring and elements. It keeps derivatives and working memory. Results depend on the arguments alone; those of

@@ -6,13 +6,13 @@ use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::pack_balance;
 use crate::variator::assembly::kept::{Kept, Regime, RegimeProbe, Renewal, Wanted};
-use crate::variator::assembly::law_part::{LawPart, in_block};
+use crate::variator::assembly::law_part::{LawPart, Through, in_block};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::cell::balance::balance_in;
 use crate::variator::cell::directions::{
-    DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RESULTANT, RotatingRing,
+    DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RotatingRing,
 };
 use crate::variator::cell::laws::{Arguing, Arguments, LawSlopes};
 use crate::variator::cell::probe::{AtStation, NoProbe, Probe};
@@ -51,7 +51,7 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
         wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
     ) -> (CellBalance<Lanes>, Renewal);
 }
 
@@ -80,7 +80,7 @@ impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
         wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
     ) -> (CellBalance<Lanes>, Renewal) {
         by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, wanted, kept)
     }
@@ -95,7 +95,7 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
         wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
     ) -> (CellBalance<Lanes>, Renewal) {
         by_hand::<Self, D, C, 1>(acting, pack, frames, at, wanted, kept)
     }
@@ -114,7 +114,7 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
         wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
     ) -> (CellBalance<Lanes>, Renewal) {
         let (unknowns, slopes) = at;
         let mut regime = Regime::default();
@@ -127,7 +127,7 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
         let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
         let renewed = kept.0.renew::<Self>(wanted, regime, at, length);
         if renewed == Renewal::All {
-            forward::<Self, D, C>(acting, pack, &frames.shape, at, kept);
+            forward::<Self, D, C>(acting, pack, &frames.shape, at, (kept.0, kept.1));
         }
         (b, renewed)
     }
@@ -141,7 +141,7 @@ fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     frames: &Frames<C, N>,
     at: (&Unknowns<Lanes>, [f64; 2]),
     wanted: Wanted,
-    (kept, transports): (&mut Kept, &mut [Transport<[f64; MOST]>]),
+    (kept, transports, through): (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
 ) -> (CellBalance<Lanes>, Renewal)
 where
     for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
@@ -184,7 +184,7 @@ where
     match (renewal, &kept.laws) {
         (Renewal::Nothing, _) => return (b, renewal),
         (Renewal::Laws, Some(laws)) => {
-            laws.renew::<K>(&LawSlopes::new(&given, &evaluated), &mut kept.block);
+            laws.renew::<K>(&LawSlopes::new(&given, &evaluated), &mut kept.block, through);
             return (b, renewal);
         }
         _ => {}
@@ -275,13 +275,16 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
     kept: &Kept,
     transports: &[Transport<[f64; MOST]>],
 ) -> f64 {
+    use crate::variator::assembly::law_part::MOST_FORCES;
+    use crate::variator::cell::directions::RESULTANT;
     let count = K::COUNT;
     let mut worst = 0.0_f64;
     let mut kept = [kept.clone(), kept.clone()];
     let mut transports = [transports.to_vec(), transports.to_vec()];
     kept[0].forget();
-    let of_hand = (&mut kept[0], &mut transports[0][..]);
-    K::renew(acting, pack, frames, at, Wanted::Exactly(Renewal::All), of_hand);
+    let mut through = [[Lanes::zero(); MOST]; MOST_FORCES];
+    let of_hand = (&mut kept[0], &mut transports[0][..], &mut through);
+    K::renew(acting, pack, frames, at, Wanted::All, of_hand);
     forward::<K, D, C>(acting, pack, K::shape(frames), at, (&mut kept[1], &mut transports[1]));
     for lane in 0..pack.group.used {
         let [hand, forward] = kept.each_ref().map(|kept| {

@@ -202,8 +202,9 @@ pub(crate) enum Renewal {
 pub(crate) enum Wanted {
     /// What is not good any more.
     Needed,
-    /// This, or all where there are no derivatives yet.
-    Exactly(Renewal),
+    /// Slopes of the laws, or all where there are no derivatives of a like step.
+    Laws,
+    All,
 }
 
 /// Where derivatives were evaluated: unknowns, and factors of ẏ and q; NaN where there are none.
@@ -283,8 +284,8 @@ impl Kept {
     ) -> Renewal {
         let renewal = match wanted {
             Wanted::Needed => self.needs::<K>(&regime, at, length),
-            Wanted::Exactly(renewal) if self.origin.exists() => renewal,
-            Wanted::Exactly(_) => Renewal::All,
+            Wanted::Laws if self.is_of_like_step(at.1) => Renewal::Laws,
+            Wanted::Laws | Wanted::All => Renewal::All,
         };
         // Without its laws' part a pack has all or nothing.
         let renewal = if self.laws.is_none() && renewal == Renewal::Laws {
@@ -307,6 +308,11 @@ impl Kept {
         renewal
     }
 
+    /// Whether there are derivatives, with nearly these factors.
+    fn is_of_like_step(&self, slopes: [f64; 2]) -> bool {
+        (1.0 / RESCALED..RESCALED).contains(&(slopes[0] / self.origin.slopes[0]))
+    }
+
     /// What of the derivatives is not good any more.
     #[inline(always)]
     fn needs<K: Directions>(
@@ -316,7 +322,7 @@ impl Kept {
         length: Lanes,
     ) -> Renewal {
         let ratio = slopes[0] / self.origin.slopes[0];
-        let holds = (1.0 / RESCALED..RESCALED).contains(&ratio)
+        let holds = self.is_of_like_step(slopes)
             && self.turned::<K>(unknowns, length) < TURNED
             && regime.flows_as(&self.regime, ratio);
         if !holds {

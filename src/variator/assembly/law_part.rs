@@ -4,15 +4,17 @@
 use crate::scalar::Lanes;
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS, RESULTANT};
-use crate::variator::cell::laws::{Arguments, Extent, LawForce, LawSlopes, STACK_FORCES};
-use crate::variator::cell::flank_variation::FLANK_FORCES;
+use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES};
+use crate::variator::cell::laws::{
+    Arguments, Extent, LawForce, LawSlopes, RING_ARGUMENTS, STACK_ARGUMENTS, STACK_FORCES,
+};
 use crate::variator::cell::variation::Linearised;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::VaryingRing;
 use num_traits::Zero;
 
 /// Most forces of a cell's laws: in space, with both flanks at each station.
-const MOST_FORCES: usize = STATIONS * (2 * FLANK_FORCES + 1) + STACK_FORCES;
+pub(crate) const MOST_FORCES: usize = STATIONS * (2 * FLANK_FORCES + 1) + STACK_FORCES;
 
 /// L and R of a pack of cells, and the derivatives that have the slopes S.
 #[derive(Clone, Debug)]
@@ -88,46 +90,75 @@ impl LawPart {
         record(LawForce::Collision);
     }
 
-    /// The derivatives with new slopes, into `block`.
+    /// The derivatives with new slopes, into `block`; `through` is working memory.
     #[inline(never)]
-    pub fn renew<K: Directions>(&self, slopes: &LawSlopes, block: &mut [Lanes]) {
+    pub fn renew<K: Directions>(&self, slopes: &LawSlopes, block: &mut [Lanes], through: &mut Through) {
         let Extent { stations, flanks } = self.extent;
-        // (S_new − S) R, of the forces whose slopes have changed.
-        let mut through = [[Lanes::zero(); MOST]; MOST_FORCES];
-        let mut changed = [0; MOST_FORCES];
-        let (mut count, mut force, mut argument) = (0, 0, 0);
-        let mut add = |now: &[&[Lanes]], then: &[&[Lanes]]| {
-            for (now, then) in now.iter().zip(then) {
-                if now != then {
-                    let to = &mut through[count][..K::COUNT];
-                    for (k, (now, then)) in now.iter().zip(*then).enumerate() {
-                        let by = *now - *then;
-                        let right = &self.right[(argument + k) * K::COUNT..][..K::COUNT];
-                        to.iter_mut().zip(right).for_each(|(to, right)| *to += by * *right);
-                    }
-                    changed[count] = force;
-                    count += 1;
-                }
-                force += 1;
-            }
-            argument += now[0].len();
+        let mut changes = Changes {
+            right: self.right.chunks_exact(K::COUNT),
+            through,
+            forces: [0; MOST_FORCES],
+            count: 0,
+            force: 0,
         };
         for (now, then) in slopes.stations.iter().zip(&self.slopes.stations).take(stations) {
             for (now, then) in now.flanks.iter().zip(&then.flanks).take(flanks) {
-                add(&now.each_ref().map(|of| &of[..]), &then.each_ref().map(|of| &of[..]));
+                changes.add::<K, FLANK_ARGUMENTS>(now, then);
             }
-            add(&[&now.ring], &[&then.ring]);
+            changes.add::<K, RING_ARGUMENTS>(&[now.ring], &[then.ring]);
         }
-        let [now, then] = [&slopes.stack, &self.slopes.stack];
-        add(&now.each_ref().map(|of| &of[..]), &then.each_ref().map(|of| &of[..]));
-        let through = &through[..count];
-        let rows = block.chunks_exact_mut(K::COUNT).zip(self.base.chunks_exact(K::COUNT));
-        for (row, (to, base)) in rows.enumerate() {
-            to.copy_from_slice(base);
-            for (through, &force) in through.iter().zip(&changed) {
-                let left = self.left[force * height::<K>() + row];
-                to.iter_mut().zip(through).for_each(|(to, through)| *to += left * *through);
+        changes.add::<K, STACK_ARGUMENTS>(&slopes.stack, &self.slopes.stack);
+        let Changes { forces, count, .. } = changes;
+        block.copy_from_slice(&self.base);
+        let left = |force: usize, row: usize| self.left[force * height::<K>() + row];
+        // Four at a time, so that an entry is read and written once for all of them.
+        let fours = through[..count].chunks_exact(4).zip(forces.chunks_exact(4));
+        let rest = count - count % 4;
+        for (row, to) in block.chunks_exact_mut(K::COUNT).enumerate() {
+            for (through, forces) in fours.clone() {
+                let by: [Lanes; 4] = std::array::from_fn(|k| left(forces[k], row));
+                let through: [&[Lanes]; 4] = std::array::from_fn(|k| &through[k][..K::COUNT]);
+                for (column, to) in to.iter_mut().enumerate() {
+                    *to += (by[0] * through[0][column] + by[1] * through[1][column])
+                        + (by[2] * through[2][column] + by[3] * through[3][column]);
+                }
             }
+            for (through, &force) in through[rest..count].iter().zip(&forces[rest..]) {
+                let by = left(force, row);
+                to.iter_mut().zip(through).for_each(|(to, through)| *to += by * *through);
+            }
+        }
+    }
+}
+
+/// (S_new − S) R of forces whose slopes have changed.
+pub(crate) type Through = [[Lanes; MOST]; MOST_FORCES];
+
+/// Forces whose slopes have changed, as they are found.
+struct Changes<'a, R> {
+    right: R,
+    through: &'a mut Through,
+    forces: [usize; MOST_FORCES],
+    count: usize,
+    /// Number of the next force.
+    force: usize,
+}
+
+impl<'a, R: Iterator<Item = &'a [Lanes]>> Changes<'_, R> {
+    /// Adds the forces of a law with A arguments.
+    #[inline(always)]
+    fn add<K: Directions, const A: usize>(&mut self, now: &[[Lanes; A]], then: &[[Lanes; A]]) {
+        let right: [&[Lanes]; A] = std::array::from_fn(|_| self.right.next().unwrap_or_default());
+        for (now, then) in now.iter().zip(then) {
+            if now != then {
+                let by: [Lanes; A] = std::array::from_fn(|k| now[k] - then[k]);
+                for (column, to) in self.through[self.count][..K::COUNT].iter_mut().enumerate() {
+                    *to = (1..A).fold(by[0] * right[0][column], |sum, k| sum + by[k] * right[k][column]);
+                }
+                self.forces[self.count] = self.force;
+                self.count += 1;
+            }
+            self.force += 1;
         }
     }
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod equations;
 mod evaluate;
+mod global_slopes;
 pub(crate) mod jacobian;
 mod kept;
 pub(crate) mod kinds;

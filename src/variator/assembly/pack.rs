@@ -6,13 +6,15 @@ use crate::ring::kinematics::Hermite;
 use crate::ring::mesh::{Element, parts};
 use crate::scalar::{LANES, Lanes, Real};
 use crate::solver::View;
-use crate::solver::arrow::Shape;
+use crate::solver::arrow::{Arrow, Shape};
 use crate::variator::assembly::kinds::MeshCurve;
+use crate::variator::assembly::sums::ResultantSlopes;
 use crate::variator::assembly::unknowns::{Part, ReadUnknowns, Unknowns};
 use crate::variator::belt::Belt;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
 use crate::variator::law::place::{CellLaw, Place};
 use crate::variator::mesh::belt_mesh::{Group, Station};
+use crate::variator::mesh::layout::Layout;
 use num_traits::Zero;
 use std::sync::Arc;
 
@@ -72,6 +74,28 @@ impl Pack {
             }
             for k in (K::NODES..K::DRIFT).filter(|k| *k != K::AMOUNT) {
                 out[self.at[k][lane]] += rows[k][lane];
+            }
+        }
+    }
+
+    /// Adds derivatives to the matrix, at places from [`Pack::entries`].
+    #[inline(always)]
+    pub fn add_entries(&self, values: &[Lanes], entries: &[[usize; LANES]], out: &mut Arrow) {
+        for (entry, value) in entries.iter().zip(values) {
+            let value = value.to_array();
+            for lane in 0..self.group.used {
+                out.add_at(entry[lane], value[lane]);
+            }
+        }
+    }
+
+    /// Adds derivatives in its first directions to those of a component of the resultants.
+    #[inline(always)]
+    pub fn add_resultant(&self, values: &[Lanes], axis: usize, belt: &Belt, out: &mut ResultantSlopes) {
+        for (at, value) in self.at.iter().zip(values) {
+            let value = value.to_array();
+            for (lane, &cell) in self.cells().iter().enumerate() {
+                out.add(belt.mesh.cells[cell].pulley, axis, at[lane], value[lane]);
             }
         }
     }
@@ -260,7 +284,12 @@ fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
     for face in 0..K::TENSIONS {
         of_cell[3 + face] = layout.tension(cell + face);
     }
-    let pulley = place.pulley;
+    global_unknowns::<K>(layout, place.pulley, &mut at);
+    at
+}
+
+/// Unknowns of the directions from s on, of a cell on that pulley.
+pub(crate) fn global_unknowns<K: Directions>(layout: &Layout, pulley: Pulley, at: &mut [usize; MOST]) {
     at[K::DRIFT] = layout.drift();
     at[K::THETA] = layout.theta();
     for centre in 1..K::COORDINATES {
@@ -273,5 +302,4 @@ fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
         layout.shaft_speed(pulley),
     ];
     at[K::SHEAVE..K::COUNT].copy_from_slice(&of_pulley);
-    at
 }

@@ -15,6 +15,8 @@ use crate::variator::assembly::jacobian::worst_of_pack;
 use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
+use crate::variator::assembly::global_slopes::GlobalSlopes;
+use crate::variator::assembly::law_part::{MOST_FORCES, Through};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::{path, rows};
@@ -38,6 +40,9 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     /// Slopes of `transports` in the cell's directions, kept as those of the packs are.
     pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
     pub(crate) flux_entries: Vec<FluxEntries>,
+    /// Working memory.
+    globals: GlobalSlopes,
+    through: Box<Through>,
     kind: PhantomData<(K, C)>,
 }
 
@@ -59,6 +64,8 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
             transports: Transports::new(cells),
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             flux_entries: flux_entries::<K>(belt),
+            globals: GlobalSlopes::new::<K>(),
+            through: Box::new([[Lanes::zero(); MOST]; MOST_FORCES]),
             kind: PhantomData,
         }
     }
@@ -136,36 +143,38 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
-        let wanted = match anew {
+        let wanted = |pack: usize| match anew {
             Anew::Needed => Wanted::Needed,
-            Anew::Laws => Wanted::Exactly(Renewal::Laws),
+            Anew::Part(number, of) if pack % of == number => Wanted::All,
+            Anew::Part(..) | Anew::Laws => Wanted::Laws,
         };
         let frames = K::frames(&belt.curve, &belt.path(view), slopes);
+        self.globals.clear();
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
-        for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
+        for (number, (pack, kept)) in self.packs.iter().zip(&mut self.kept).enumerate() {
             let unknowns = InPlace { pack, view }.gather(K::COUNT);
-            let of_pack = (&mut *kept, &mut *self.transport_slopes);
+            let of_pack = (&mut *kept, &mut *self.transport_slopes, &mut *self.through);
             let at = (&unknowns, slopes);
-            let (b, renewal) = K::renew(acting, pack, &frames, at, wanted, of_pack);
+            let (b, renewal) = K::renew(acting, pack, &frames, at, wanted(number), of_pack);
             self.differentiations += u64::from(renewal == Renewal::All);
-            for (entry, value) in pack.entries.iter().zip(&kept.block) {
-                let value = value.to_array();
-                for lane in 0..pack.group.used {
-                    out.add_at(entry[lane], value[lane]);
-                }
+            let mut rows = kept.block.chunks_exact(K::COUNT);
+            let mut entries = pack.entries.chunks_exact(K::COUNT);
+            for (row, entries) in rows.by_ref().zip(entries.by_ref()).take(K::DRIFT - 1) {
+                pack.add_entries(row, entries, out);
             }
-            let of_resultant = kept.block[pack.entries.len()..].chunks_exact(K::COUNT);
-            for (axis, of_axis) in of_resultant.enumerate() {
-                for (at, value) in pack.at.iter().zip(of_axis) {
-                    let value = value.to_array();
-                    for (lane, &cell) in pack.cells().iter().enumerate() {
-                        resultants.add(belt.mesh.cells[cell].pulley, axis, at[lane], value[lane]);
-                    }
+            for (k, row) in rows.enumerate() {
+                let (own, globals) = row.split_at(K::DRIFT);
+                if let Some(entries) = entries.next() {
+                    pack.add_entries(own, entries, out);
+                } else {
+                    pack.add_resultant(own, k + K::DRIFT - K::COUNT, belt, resultants);
                 }
+                self.globals.add(k, globals, &pack.group);
             }
             add_loads(&mut loads, pack, &b);
             self.transports.set_pack(pack.group.cells[0], &b.transport);
         }
+        self.globals.spill::<K>(belt, (out, resultants));
         self.add_flux_slopes(belt, alpha, out);
         loads.map(|of| of.sum())
     }
@@ -188,12 +197,12 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
             let origins = [&kept.origin, &kept.laws_origin].map(Clone::clone);
             kept.forget();
-            for (origin, renewal) in origins.iter().zip([Renewal::All, Renewal::Laws]) {
+            for (origin, wanted) in origins.iter().zip([Wanted::All, Wanted::Laws]) {
                 if origin.exists() {
                     let frames = K::frames(&acting.belt.curve, &path::<K>(&origin.unknowns), origin.slopes);
                     let at = (&origin.unknowns, origin.slopes);
-                    let of_pack = (&mut *kept, &mut *self.transport_slopes);
-                    K::renew(acting, pack, &frames, at, Wanted::Exactly(renewal), of_pack);
+                    let of_pack = (&mut *kept, &mut *self.transport_slopes, &mut *self.through);
+                    K::renew(acting, pack, &frames, at, wanted, of_pack);
                 }
             }
         }

@@ -275,9 +275,7 @@ impl Pulleys {
         let drag = self.drag(pulley, view, loads[pulley].resultant);
         out.add(row, row, drag.by_speed);
         if drag.by_resultant != [0.0; 2] {
-            for (column, slope) in resultants.along(pulley, drag.by_resultant).enumerate() {
-                out.add(row, column, slope);
-            }
+            out.add_to_border_row(row, resultants.along(pulley, drag.by_resultant));
         }
     }
 

@@ -276,7 +276,7 @@ impl Variator {
                 real_time.tick(&mut running, &mut self.state, &mut budget);
             }
         }
-        self.system.forget_derivatives();
+        self.system.drop_secants();
         self.real_time = Some(real_time);
         self.time = end;
     }
