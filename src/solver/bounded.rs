@@ -26,13 +26,10 @@ use crate::tape::Tape;
 
 /// Longest tick of a run that keeps up with the clock, s.
 pub const TICK: f64 = 1.0e-3;
-/// Jacobians in a millisecond. All have new slopes of the laws, and the first one new geometry too ([`Geometry`]): in calm ticks of one of so
-/// many parts of the belt.
-pub const JACOBIANS: usize = 4;
-const PARTS: usize = 4;
-/// Residuals in a millisecond: as many after each Jacobian.
-pub const RESIDUALS: usize = 32;
-const PART: usize = RESIDUALS / JACOBIANS;
+/// Residuals after each Jacobian. All Jacobians have new slopes of the laws, and the first one of a millisecond new geometry too
+/// ([`Geometry`]): in calm ticks of one of so many parts of the belt.
+pub const RESIDUALS: usize = 8;
+const PARTS: usize = 2;
 /// Share of them that the first stage of a tick may take at once: the second one needs some.
 const OF_FIRST: f64 = 0.75;
 /// A stage that more work follows is solved where its correction is such a share of the first one, within limits. With an absolute
@@ -78,13 +75,13 @@ impl Budget {
         }
     }
 
-    /// The parts of a millisecond.
-    pub fn millisecond() -> impl Iterator<Item = Self> {
-        (0..JACOBIANS).map(|part| Self {
+    /// The parts of a millisecond with so many Jacobians.
+    pub fn millisecond(jacobians: usize) -> impl Iterator<Item = Self> {
+        (1..=jacobians).map(move |part| Self {
             jacobian: true,
-            is_first: part == 0,
-            residuals: PART,
-            is_last: part + 1 == JACOBIANS,
+            is_first: part == 1,
+            residuals: RESIDUALS,
+            is_last: part == jacobians,
         })
     }
 
@@ -175,6 +172,8 @@ pub struct Bounded {
     factors: ArrowLu,
     /// Whether there are factors.
     regular: bool,
+    /// Part of the belt whose geometry is next.
+    turn: usize,
     scale: Vec<f64>,
     correction: Vec<f64>,
     /// The point that was accepted last, its residual, and the step from it, scaled.
@@ -207,13 +206,14 @@ impl Bounded {
             matrix: Arrow::new(shape),
             factors: ArrowLu::new(shape),
             regular: false,
+            turn: 0,
             scale: zeros(),
             correction: zeros(),
             accepted: zeros(),
             residual: zeros(),
             step: zeros(),
             trial: zeros(),
-            broyden: Broyden::new(PART + 1, shape.len()),
+            broyden: Broyden::new(RESIDUALS + 1, shape.len()),
             start: State::zero(shape.len()),
             base: State::zero(shape.len()),
             open: None,
@@ -238,11 +238,13 @@ impl Bounded {
         let mut is_open = self.open.is_some();
         let mut mark = self.open.unwrap_or_default();
         let mut is_second = mark.stage > 0;
-        for flag in [&mut is_open, &mut is_second, &mut mark.begun] {
+        let mut is_second_part = self.turn > 0;
+        for flag in [&mut is_open, &mut is_second, &mut mark.begun, &mut is_second_part] {
             tape.flag(flag);
         }
         tape.real(&mut mark.defect);
         mark.stage = usize::from(is_second);
+        self.turn = usize::from(is_second_part);
         self.open = is_open.then_some(mark);
         for values in [&mut self.first, &mut self.point, &mut self.residual] {
             tape.reals(values);
@@ -355,10 +357,13 @@ impl Bounded {
             _ if !budget.is_first => Geometry::Kept,
             Tick::Rough => Geometry::All,
             Tick::Calm => Geometry::Part {
-                number: self.counts.factorizations as usize / JACOBIANS % PARTS,
+                number: self.turn,
                 parts: PARTS,
             },
         };
+        if budget.is_first {
+            self.turn = (self.turn + 1) % PARTS;
+        }
         let secant = kind == Tick::Rough;
         let form = Form { secant, geometry };
         let slopes = [1.0 / length, length];

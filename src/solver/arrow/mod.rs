@@ -197,9 +197,13 @@ impl Arrow {
     pub fn add_to_border_row(&mut self, row: usize, values: impl Iterator<Item = f64>) {
         let at = row - self.shape.blocks * self.shape.block;
         if self.order.is_empty() {
-            self.border_row(at).zip(values).for_each(|(entry, value)| *entry += value);
+            self.border_row(at)
+                .zip(values)
+                .for_each(|(entry, value)| *entry += value);
         } else {
-            values.enumerate().for_each(|(column, value)| self.add(row, column, value));
+            values
+                .enumerate()
+                .for_each(|(column, value)| self.add(row, column, value));
         }
     }
 

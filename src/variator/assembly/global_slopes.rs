@@ -28,7 +28,10 @@ impl GlobalSlopes {
 
     /// Sets all to zero.
     pub fn clear(&mut self) {
-        self.sums.each_mut().into_iter().for_each(|sums| sums.fill(Lanes::zero()));
+        self.sums
+            .each_mut()
+            .into_iter()
+            .for_each(|sums| sums.fill(Lanes::zero()));
     }
 
     /// Adds those of a pack in row `k`.

@@ -6,14 +6,12 @@ use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::pack_balance;
 use crate::variator::assembly::kept::{Kept, Regime, RegimeProbe, Renewal, Wanted};
-use crate::variator::assembly::law_part::{LawPart, Through, in_block};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
+use crate::variator::assembly::law_part::{LawPart, Through, in_block};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::cell::balance::balance_in;
-use crate::variator::cell::directions::{
-    DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RotatingRing,
-};
+use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RotatingRing};
 use crate::variator::cell::laws::{Arguing, Arguments, LawSlopes};
 use crate::variator::cell::probe::{AtStation, NoProbe, Probe};
 use crate::variator::cell::state::{CellInput, Evaluated, Slots, StationForces};
@@ -201,7 +199,8 @@ where
     }
     let mut arguments = Arguments::zero();
     let arguing = &mut Arguing(&mut arguments);
-    let (rows, transport) = pack_pass::<N, K, D, C>(acting, pack, &frames.moving, (unknowns, slopes), K::THETA, arguing);
+    let (rows, transport) =
+        pack_pass::<N, K, D, C>(acting, pack, &frames.moving, (unknowns, slopes), K::THETA, arguing);
     for i in 0..N {
         columns.record::<K>(
             K::THETA + i,

@@ -125,7 +125,9 @@ impl LawPart {
             }
             for (through, &force) in through[rest..count].iter().zip(&forces[rest..]) {
                 let by = left(force, row);
-                to.iter_mut().zip(through).for_each(|(to, through)| *to += by * *through);
+                to.iter_mut()
+                    .zip(through)
+                    .for_each(|(to, through)| *to += by * *through);
             }
         }
     }

@@ -9,14 +9,14 @@ use crate::solver::arrow::Arrow;
 use crate::tape::Tape;
 use crate::variator::assembly::equations::{Anew, Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
+use crate::variator::assembly::global_slopes::GlobalSlopes;
 use crate::variator::assembly::jacobian::Differentiate;
 #[cfg(test)]
 use crate::variator::assembly::jacobian::worst_of_pack;
 use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
 use crate::variator::assembly::kinds::MeshCurve;
-use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
-use crate::variator::assembly::global_slopes::GlobalSlopes;
 use crate::variator::assembly::law_part::{MOST_FORCES, Through};
+use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::{path, rows};

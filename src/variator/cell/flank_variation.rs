@@ -67,10 +67,7 @@ impl Flank {
     ) -> FlankLoads<Lanes> {
         let arguments = of_flank(motion);
         let forces = self.slopes.each_ref().map(|slopes| {
-            slopes[0] * arguments[0]
-                + slopes[1] * arguments[1]
-                + slopes[2] * arguments[2]
-                + slopes[3] * arguments[3]
+            slopes[0] * arguments[0] + slopes[1] * arguments[1] + slopes[2] * arguments[2] + slopes[3] * arguments[3]
         });
         self.vary_loads(law, (at, lambda), by, forces)
     }

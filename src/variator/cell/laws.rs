@@ -102,11 +102,7 @@ impl Extent {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LawForce {
     /// At a station, on the flank 0 or 1: its number among [`FLANK_FORCES`].
-    Flank {
-        station: usize,
-        flank: usize,
-        force: usize,
-    },
+    Flank { station: usize, flank: usize, force: usize },
     /// Friction of the ring at a station.
     Ring { station: usize },
     /// The push force.

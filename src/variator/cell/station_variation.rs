@@ -261,7 +261,10 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         let zero = Lanes::from(0.0);
         let mut forces = [zero; FLANK_FORCES];
         forces[force] = Lanes::from(1.0);
-        let (place, still) = ((&self.forces.approach, self.chain.lambda), FlankVariation::of_lambda(zero));
+        let (place, still) = (
+            (&self.forces.approach, self.chain.lambda),
+            FlankVariation::of_lambda(zero),
+        );
         let loads = self.flanks[flank].vary_loads(given.law, place, &still, forces);
         if D == 2 {
             return BothFlanksVariation::alike(&loads);

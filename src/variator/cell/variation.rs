@@ -14,9 +14,7 @@ use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
 use crate::variator::cell::laws::{Arguments, LawForce, LawSlopes, STACK_ARGUMENTS, StationArguments, stack_slopes};
 use crate::variator::cell::state::{CellInput, CellState, Evaluated, chain_at_face};
-use crate::variator::cell::station_variation::{
-    BothFlanksVariation, LinearisedStation, StackForce, StationVariation,
-};
+use crate::variator::cell::station_variation::{BothFlanksVariation, LinearisedStation, StackForce, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
@@ -256,7 +254,10 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let through = by.through * self.cell.inverse_length;
         let arguments = [density, thinning, through, by.difference, rate];
         let [push, collision, lag] = self.stack.each_ref().map(|slopes| {
-            let mut products = slopes.iter().zip(&arguments).map(|(slope, argument)| *slope * *argument);
+            let mut products = slopes
+                .iter()
+                .zip(&arguments)
+                .map(|(slope, argument)| *slope * *argument);
             let first = products.next().unwrap_or_else(Lanes::zero);
             products.fold(first, |sum, product| sum + product)
         });
@@ -298,8 +299,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 tension: zero,
                 pressing: zero,
             };
-            arguments.stations[i] =
-                self.add_station::<false>((i, station), &change, Load::zero(), &mut out, &mut sum);
+            arguments.stations[i] = self.add_station::<false>((i, station), &change, Load::zero(), &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, None, beta))
     }

@@ -19,8 +19,8 @@ use crate::variator::survey::ledger::Running;
 
 /// Milliseconds that a tick may wait to be solved. With three, slams and hunting err by a quarter more.
 const PATIENCE: u64 = 3;
-/// Time behind the clock from which on rough ticks don't wait, s.
-const LATE: f64 = 0.004;
+/// Time behind the clock from which on no tick waits, s.
+const LATE: f64 = 0.0045;
 /// Defect up to which a state counts as solved.
 const SOLVED: f64 = 400.0;
 /// Defect from which on a tick is not taken: the next ones would be further off.
@@ -132,7 +132,7 @@ impl RealTime {
             return;
         }
         self.waiting += 1;
-        if self.plan.kind == Tick::Calm && self.waiting >= PATIENCE {
+        if self.plan.kind == Tick::Calm && (self.waiting >= PATIENCE || self.behind() > LATE) {
             self.ticks.give_up();
             self.waiting = 0;
             self.rounding.rise();

@@ -10,8 +10,8 @@ const DEFECTS: [f64; 2] = [150.0, 800.0];
 /// are left unsolved.
 const HIGHEST: f64 = 2.0;
 const FADING: f64 = 0.93;
-/// Level below which the laws are those of the user.
-const CALM: f64 = 0.05;
+/// Level below which the laws are those of the user: ticks on laws that are rounded less are solved less often than calm ones.
+const CALM: f64 = 0.3;
 
 /// A level that rises at once with what a tick leaves unsolved, and fades.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

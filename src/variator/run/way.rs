@@ -264,7 +264,8 @@ impl Variator {
             return;
         };
         real_time.live(&way.course, [self.time, end]);
-        for mut budget in Budget::millisecond() {
+        let jacobians = self.system.parameters.solver.effort as usize;
+        for mut budget in Budget::millisecond(jacobians) {
             while let Some(plan) = real_time.plan(&budget) {
                 self.held = plan.held;
                 self.system.round(plan.rounding);

@@ -177,6 +177,8 @@ impl Mesh {
 pub struct Solver {
     /// How a run is integrated.
     pub mode: Mode,
+    /// Jacobians in a millisecond of [`Mode::RealTime`], each with [`RESIDUALS`](crate::solver::bounded::RESIDUALS).
+    pub effort: i32,
     /// Relative tolerance of the error control.
     pub tolerance: f64,
     /// Longest internal step, s.
@@ -354,6 +356,7 @@ impl Default for Parameters {
             },
             solver: Solver {
                 mode: Mode::Accurate,
+                effort: 4,
                 tolerance: 1.0e-4,
                 max_step: 1.0e-2,
                 input_ramp: 1.0e-3,

@@ -145,6 +145,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("mesh.strand", mesh.strand, 1.0, 200.0),
     limit!("mesh.cellsPerElement", mesh.cells_per_element, 1.0, 16.0),
     limit!("ring.elements", ring_elements, 0.0, 400.0),
+    limit!("solver.effort", solver.effort, 1.0, 16.0),
     limit!("solver.tolerance", solver.tolerance, 1e-10, 1e-1),
     limit!("solver.maxStep", solver.max_step, 1e-6, 10.0),
     limit!("inputs.ramp", solver.input_ramp, -1.0, 10.0),
