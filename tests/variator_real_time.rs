@@ -29,18 +29,21 @@ fn returned(variator: &mut Variator) -> bool {
     variator.outputs().work.defect >= 1e3
 }
 
-/// Every load at every ratio: one Jacobian and as many residuals in each millisecond, no step fails, all stays finite, and energy
+/// Every load at every ratio: as many Jacobians and residuals in each millisecond, no step fails, all stays finite, and energy
 /// is accounted for.
-fn work_of(model: RingModel, seconds: f64) {
+fn work_of(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
     for load in LOADS {
         for &ratio in load.ratios() {
-            let parameters = in_real_time(one_cell(model));
+            let mut parameters = in_real_time(one_cell(model));
+            parameters.solver.effort = effort;
             let mut before = (0, 0);
             let found = trace(load, &parameters, ratio, seconds, |driven| {
                 let work = driven.variator.outputs().work;
                 let ticks = (load.step() / 1e-3).round() as i32;
                 let taken = (work.jacobians - before.0, work.residuals - before.1);
-                assert_eq!(taken, (ticks, ticks * RESIDUALS as i32), "{load:?} at ratio {ratio}");
+                let jacobians = effort * ticks;
+                let expected = (jacobians, jacobians * RESIDUALS as i32);
+                assert_eq!(taken, expected, "{load:?} at ratio {ratio}");
                 before = (work.jacobians, work.residuals);
             });
             println!(
@@ -51,7 +54,7 @@ fn work_of(model: RingModel, seconds: f64) {
                 found.rows.iter().flatten().all(|x| x.is_finite()),
                 "{load:?} at ratio {ratio}"
             );
-            let allowed = if load == Load::Launch { IN_A_LAUNCH } else { UNACCOUNTED };
+            let allowed = if load == Load::Launch { IN_A_LAUNCH } else { unaccounted };
             assert!(
                 found.unaccounted.abs() < allowed,
                 "{load:?} at ratio {ratio}: {}",
@@ -64,15 +67,17 @@ fn work_of(model: RingModel, seconds: f64) {
 /// Shares of the energy that passes; in the first moments of a launch next to none does.
 const UNACCOUNTED: f64 = 0.02;
 const IN_A_LAUNCH: f64 = 0.1;
+const WITH_LEAST_EFFORT: f64 = 0.05;
 
 #[test]
 fn work_of_ale_is_the_same_in_every_tick() {
-    work_of(RingModel::Ale, 0.3);
+    work_of(RingModel::Ale, 4, 0.3, UNACCOUNTED);
 }
 
 #[test]
 fn work_of_ale0_is_the_same_in_every_tick() {
-    work_of(RingModel::Ale0, 0.3);
+    work_of(RingModel::Ale0, 4, 0.3, UNACCOUNTED);
+    work_of(RingModel::Ale0, 1, 0.1, WITH_LEAST_EFFORT);
 }
 
 fn beside_accurate(load: Load, model: RingModel, ratio: f64, seconds: f64) -> (Trace, Trace) {
@@ -133,23 +138,37 @@ fn smooth_and_rippling_loads_are_followed() {
     }
 }
 
-/// An engine's firing: each tick is solved, some of them a millisecond late. In underdrive `ALE` takes more work than there is.
+/// Speeds, ratio and slip are followed within a share of their ranges, the thrust ratio within what is allowed.
+fn assert_followed((load, model, ratio): (Load, RingModel, f64), share: f64, thrust_ratio: f64) {
+    let (found, exact) = beside_accurate(load, model, ratio, 0.3);
+    let (off, ranges) = (found.off(&exact), exact.ranges());
+    for k in 0..4 {
+        assert!(off[k] < share * ranges[k], "{model:?} {k}: {} of {}", off[k], ranges[k]);
+    }
+    assert!(off[4] < thrust_ratio, "{model:?}: {}", off[4]);
+}
+
+/// An engine's firing, with noise on the forces too: each tick is solved, some of them a millisecond late.
 #[test]
 fn firing_is_followed() {
-    for (model, ratio) in [
-        (RingModel::Ale0, 2.2),
-        (RingModel::Ale0, 1.0),
-        (RingModel::Ale0, 0.5),
-        (RingModel::Ale, 1.0),
-        (RingModel::Ale, 0.5),
-    ] {
-        let (found, exact) = beside_accurate(Load::Firing, model, ratio, 0.3);
-        let (off, ranges) = (found.off(&exact), exact.ranges());
-        for k in 0..4 {
-            assert!(off[k] < 0.03 * ranges[k], "{model:?} {k}: {} of {}", off[k], ranges[k]);
+    for model in MODELS {
+        for &ratio in Load::Firing.ratios() {
+            assert_followed((Load::Firing, model, ratio), 0.03, 5e-3);
         }
-        assert!(off[4] < 5e-3, "{model:?}: {}", off[4]);
+        assert_followed((Load::FiringAndNoise, model, 2.2), 0.03, 5e-3);
     }
+}
+
+/// A torque that flips from drive to coast. `ALE` at ratio 2.2 and a hunting clutch take more work than there is.
+#[test]
+fn flips_and_hunting_are_followed() {
+    for ratio in [2.2, 1.0, 0.5] {
+        assert_followed((Load::Flips, RingModel::Ale0, ratio), 0.05, 5e-3);
+    }
+    for ratio in [1.0, 0.5] {
+        assert_followed((Load::Flips, RingModel::Ale, ratio), 0.05, 2e-2);
+    }
+    assert_followed((Load::Hunting, RingModel::Ale0, 2.2), 0.03, 2e-2);
 }
 
 /// A standstill, a launch and a stop; clamping forces that come when the belt is slack already.
@@ -190,7 +209,7 @@ fn ticks_are_never_longer_than_a_millisecond() {
         variator
             .advance(time, &inputs((60.0, 13e3), (-49.0, 10e3)))
             .expect("a step");
-        assert_eq!(variator.outputs().work.jacobians - before, ticks, "{step} s");
+        assert_eq!(variator.outputs().work.jacobians - before, 4 * ticks, "{step} s");
         assert_close(
             variator.outputs().primary.external_torque,
             60.0,
@@ -217,7 +236,7 @@ fn a_run_goes_on_after_ticks_that_are_not_taken() {
                     driven.variator.advance(driven.until(), &inputs).expect("a step");
                     let outputs = driven.variator.outputs();
                     held = if outputs.primary.speed == before { held + 1 } else { 0 };
-                    assert!(held < 4, "{model:?} {load:?} {ratio} stands at {}", driven.until());
+                    assert!(held < 6, "{model:?} {load:?} {ratio} stands at {}", driven.until());
                     before = outputs.primary.speed;
                     not_taken += i32::from(mode == Mode::RealTime && returned(&mut driven.variator));
                 }
@@ -314,13 +333,13 @@ impl Jumps {
     }
 }
 
-/// It neither stands still nor runs away, keeps near the clock, and takes nine of ten ticks.
+/// It neither stands still nor runs away, keeps near the clock, and takes seven of eight ticks, mostly more.
 #[test]
 fn random_jumps_never_stop_it() {
     for parameters in meshes() {
         for seed in 0..4 {
             let mut jumps = Jumps::new(&parameters, seed);
-            let (mut before, mut still, mut not_taken) = (f64::NAN, 0, 0);
+            let (mut before, mut still, mut longest, mut not_taken) = (f64::NAN, 0, 0, 0);
             let (mut latest, mut behind) = (0.0_f64, 0.0);
             for _ in 1..=1000 {
                 let (time, given) = jumps.next();
@@ -330,16 +349,17 @@ fn random_jumps_never_stop_it() {
                 assert!(p.speed.is_finite() && s.speed.abs() < 1e3, "{seed} at {time} s");
                 assert!(p.axial_force.abs().max(s.axial_force.abs()) < 1e5, "{seed} at {time} s");
                 still = if p.speed == before { still + 1 } else { 0 };
-                assert!(still < 4, "{seed} stands at {time} s");
+                longest = longest.max(still);
                 before = p.speed;
                 latest = latest.max(outputs.work.behind);
                 behind += outputs.work.behind / 1000.0;
                 not_taken += i32::from(returned(&mut jumps.variator));
             }
             println!(
-                "{not_taken} of 1000 ticks not taken; behind by {behind:.1e} s in the mean, {latest:.1e} s at most"
+                "{not_taken} of 1000 ticks not taken; behind by {behind:.1e} s in the mean, {latest:.1e} s at most; still for {longest} ms"
             );
-            assert!(not_taken < 100, "{seed}: {not_taken}");
+            assert!(longest < 6, "{seed}: still for {longest} ms");
+            assert!(not_taken < 125, "{seed}: {not_taken}");
             assert!(latest < 0.02 + 1e-9, "{seed}: {latest} s");
         }
     }
@@ -374,7 +394,11 @@ fn copies_and_stored_states_continue_alike() {
         (Load::Slam, coarse(RingModel::Ale)),
         (Load::Firing, one_cell(RingModel::Ale)),
     ] {
-        let mut driven = Driven::new(load, in_real_time(parameters), 1.0);
+        let mut parameters = in_real_time(parameters);
+        if load == Load::Firing {
+            parameters.solver.effort = 1;
+        }
+        let mut driven = Driven::new(load, parameters, 1.0);
         for step in 0.. {
             let over = match load {
                 Load::Slam => step == 40,

@@ -11,14 +11,15 @@ use crate::tracked::{errors, exact};
 use crate::{Table, quantiles};
 
 /// Rows of the table: each load at each ratio for `seconds`, with each ring.
-pub fn measure(table: &mut Table, letters: &str, seconds: f64) {
+pub fn measure(table: &mut Table, letters: &str, effort: i32, seconds: f64) {
     for load in LOADS.into_iter().filter(|load| letters.contains(load.letter())) {
         for &ratio in load.ratios() {
-            for (name, parameters) in [
+            for (name, mut parameters) in [
                 ("ALE", variator(RingModel::Ale)),
                 ("ALE, one cell", one_cell(RingModel::Ale)),
                 ("ALE0", variator(RingModel::Ale0)),
             ] {
+                parameters.solver.effort = effort;
                 row(table, (load, ratio), (name, parameters), seconds);
             }
         }

@@ -1,7 +1,7 @@
 /* The FMU's shared library in the loop: one fmi2DoStep each millisecond against the clock, as a rig does it.
  *
- *   cc -O2 -Iinclude -o hil hil.c -ldl -lm && ./hil LIBRARY GUID [--seconds S] [--ring 1|2] [--cells N] [--ratio R]
- *     [--load NAME] [--free]
+ *   cc -O2 -Iinclude -o hil hil.c -ldl -lm && ./hil LIBRARY GUID [--seconds S] [--ring 1|2] [--cells N] [--effort N]
+ *     [--ratio R] [--load NAME] [--free]
  *
  * docs/real-time.md has the whole of it. --free runs without waiting for the clock. The program asks for SCHED_FIFO and says
  * whether it got it. It prints the histogram of step times, the misses (steps that ended after their millisecond), the
@@ -46,7 +46,7 @@ static struct {
 
 /* Value references: docs/variables.md. */
 enum { TORQUE_P = 101, FORCE_P = 102, TORQUE_S = 201, FORCE_S = 202 };
-enum { RING_MODEL = 1001, CELLS = 1074, MODE = 1084, RATIO_0 = 1011, SPEED_0 = 1012, INERTIA_S = 233 };
+enum { RING_MODEL = 1001, CELLS = 1074, MODE = 1084, EFFORT = 1086, RATIO_0 = 1011, SPEED_0 = 1012, INERTIA_S = 233 };
 enum { DEFECT = 30, BEHIND = 31, SPEED_P = 111, SPEED_S = 211, RATIO = 5 };
 
 #define STEP 1e-3
@@ -154,10 +154,10 @@ static void inputs_of(const Load *load, double wanted, long step, Seen *seen, do
 
 int main(int count, char **arguments) {
     double seconds = 5.0, wanted = 1.0;
-    int ring = 2, cells = 1, waits = 1;
+    int ring = 2, cells = 1, effort = 4, waits = 1;
     const char *only = NULL;
     if (count < 3) {
-        fprintf(stderr, "usage: %s LIBRARY GUID [--seconds S] [--ring 1|2] [--cells N] [--ratio R] [--load NAME] [--free]\n", arguments[0]);
+        fprintf(stderr, "usage: %s LIBRARY GUID [--seconds S] [--ring 1|2] [--cells N] [--effort N] [--ratio R] [--load NAME] [--free]\n", arguments[0]);
         return 2;
     }
     for (int i = 3; i < count; i++) {
@@ -166,6 +166,7 @@ int main(int count, char **arguments) {
         else if (!strcmp(arguments[i], "--seconds")) seconds = atof(value), i++;
         else if (!strcmp(arguments[i], "--ring")) ring = atoi(value), i++;
         else if (!strcmp(arguments[i], "--cells")) cells = atoi(value), i++;
+        else if (!strcmp(arguments[i], "--effort")) effort = atoi(value), i++;
         else if (!strcmp(arguments[i], "--ratio")) wanted = atof(value), i++;
         else if (!strcmp(arguments[i], "--load")) only = value, i++;
         else {
@@ -195,14 +196,14 @@ int main(int count, char **arguments) {
         fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
         fmi2Component unit = fmi2.Instantiate("variator", 1, arguments[2], "file:///", &callbacks, 0, 0);
         if (!unit) return 1;
-        const fmi2ValueReference choices[] = {RING_MODEL, CELLS, MODE}, start[] = {RATIO_0, SPEED_0, INERTIA_S};
+        const fmi2ValueReference choices[] = {RING_MODEL, CELLS, MODE, EFFORT}, start[] = {RATIO_0, SPEED_0, INERTIA_S};
         const fmi2ValueReference inputs[] = {TORQUE_P, FORCE_P, TORQUE_S, FORCE_S};
-        const int chosen[] = {ring, cells, 2};
+        const int chosen[] = {ring, cells, 2, effort};
         const double begun[] = {wanted, load->speed, INERTIA};
         double values[4];
         Seen seen = {load->speed, load->speed / wanted, wanted, 0.0, 0.0, 0.0};
         check(fmi2.SetupExperiment(unit, 0, 0.0, 0.0, 0, 0.0), "fmi2SetupExperiment");
-        check(fmi2.SetInteger(unit, choices, 3, chosen), "fmi2SetInteger");
+        check(fmi2.SetInteger(unit, choices, 4, chosen), "fmi2SetInteger");
         check(fmi2.SetReal(unit, start, 3, begun), "fmi2SetReal");
         inputs_of(load, wanted, 0, &seen, values);
         check(fmi2.SetReal(unit, inputs, 4, values), "fmi2SetReal");

@@ -36,8 +36,11 @@ const OF_FIRST: f64 = 0.75;
 /// limit alone, a slow drift of smooth loads is lost.
 const SOLVED: f64 = 3.0e-3;
 const LIMITS: [f64; 2] = [1.0e-3, 10.0];
-/// Defects up to which a stage is good enough once the work is used up, of calm and of rough ticks.
-const GOOD: [f64; 2] = [150.0, 1000.0];
+/// Defects up to which a stage is good enough, of calm and of rough ticks: while work is left, and once that of the millisecond is used up.
+/// From a rough tick that is hardly solved the next ones are no better.
+const GOOD: [[f64; 2]; 2] = [[150.0, 3.0], [150.0, 1000.0]];
+/// Rough ticks that are shorter than this share of [`TICK`] are those after one that was not taken: they get whole Jacobians.
+const SHORT: f64 = 0.5;
 /// So many refused steps in a row end a stage that is good enough.
 const REFUSED: u32 = 3;
 /// So many steps in a row have to be accepted before the damping changes back: with one, every second step is refused.
@@ -118,11 +121,12 @@ impl Tick {
         }
     }
 
-    /// Defect up to which a stage is good enough.
-    fn good(self) -> f64 {
+    /// Defect up to which a stage is good enough, with work left or without.
+    fn good(self, is_used_up: bool) -> f64 {
+        let [calm, rough] = GOOD[usize::from(is_used_up)];
         match self {
-            Self::Calm => GOOD[0],
-            Self::Rough => GOOD[1],
+            Self::Calm => calm,
+            Self::Rough => rough,
         }
     }
 }
@@ -294,19 +298,21 @@ impl Bounded {
                 self.complete(system, state, part);
             }
             self.renew(system, state, (time, part), kind, budget);
+            let good = kind.good(budget.is_last);
             let share = if is_last || mark.begun { 1.0 } else { OF_FIRST };
             let aim = Aim {
                 time,
                 length: part,
                 residuals: (share * budget.residuals as f64).ceil() as usize,
-                good: (!is_last || kind == Tick::Calm && !task.is_last).then_some(kind.good()),
+                good: (!is_last || kind == Tick::Calm && !task.is_last).then_some(good),
                 known: mark.begun,
             };
             let defect = self.iterate(system, state, aim, budget);
-            let is_good = defect <= kind.good();
+            let is_good = defect <= good;
             // The last tick takes the work of all parts.
             let more = is_last && task.is_last && !budget.is_last;
-            if more || !(is_good || is_last && task.is_forced) {
+            let ends = is_good || is_last && task.is_forced && budget.is_last;
+            if more || !ends {
                 mark.begun = defect.is_finite();
                 self.point.copy_from_slice(&state.y);
                 self.leave_open(state, mark);
@@ -354,6 +360,7 @@ impl Bounded {
             return;
         }
         let geometry = match kind {
+            Tick::Rough if length < SHORT * TICK => Geometry::All,
             _ if !budget.is_first => Geometry::Kept,
             Tick::Rough => Geometry::All,
             Tick::Calm => Geometry::Part {

@@ -258,15 +258,29 @@ impl VariatorSystem {
         self.assembly.pass_derivatives(&self.belt, tape);
     }
 
-    /// Number of packs of cells that were differentiated.
+    /// Number of packs of cells that were differentiated, and of those that got new slopes of their laws alone.
     #[must_use]
-    pub fn differentiations(&self) -> u64 {
+    pub fn differentiations(&self) -> [u64; 2] {
         self.assembly.differentiations()
     }
 }
 
 #[cfg(test)]
 impl VariatorSystem {
+    /// The Jacobian whose kept derivatives get new slopes of the laws alone, of tangents or secants.
+    pub(crate) fn jacobian_of_new_laws(
+        &mut self,
+        secant: bool,
+        time: f64,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) {
+        self.secant = secant;
+        self.form_jacobian(Anew::Laws, time, view, slopes, out);
+        self.secant = false;
+    }
+
     /// The variator mirrored in the plane of the drive: sheaves on the other sides.
     pub(crate) fn mirrored(parameters: &Parameters) -> Self {
         let mut belt = Belt::new(parameters);

@@ -74,9 +74,9 @@ pub(crate) trait Assembly: Debug + Send + Sync {
     /// Writes to a tape, or reads from it, the places of the kept derivatives.
     fn pass_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
 
-    /// Number of packs of cells that were differentiated.
-    fn differentiations(&self) -> u64 {
-        0
+    /// Number of packs of cells that were differentiated, and of those that got new slopes of their laws alone.
+    fn differentiations(&self) -> [u64; 2] {
+        [0; 2]
     }
 
     /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry

@@ -34,8 +34,8 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     pub(crate) packs: Vec<Pack>,
     /// Kept derivatives of each pack.
     pub(crate) kept: Vec<Kept>,
-    /// Number of packs that were differentiated.
-    pub(crate) differentiations: u64,
+    /// Number of packs that were differentiated, and that got new slopes of their laws alone.
+    pub(crate) differentiations: [u64; 2],
     pub(crate) transports: Transports,
     /// Slopes of `transports` in the cell's directions, kept as those of the packs are.
     pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
@@ -60,7 +60,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
                 })
                 .collect(),
             packs,
-            differentiations: 0,
+            differentiations: [0; 2],
             transports: Transports::new(cells),
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             flux_entries: flux_entries::<K>(belt),
@@ -156,7 +156,9 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
             let of_pack = (&mut *kept, &mut *self.transport_slopes, &mut *self.through);
             let at = (&unknowns, slopes);
             let (b, renewal) = K::renew(acting, pack, &frames, at, wanted(number), of_pack);
-            self.differentiations += u64::from(renewal == Renewal::All);
+            for (count, of) in self.differentiations.iter_mut().zip([Renewal::All, Renewal::Laws]) {
+                *count += u64::from(renewal == of);
+            }
             let mut rows = kept.block.chunks_exact(K::COUNT);
             let mut entries = pack.entries.chunks_exact(K::COUNT);
             for (row, entries) in rows.by_ref().zip(entries.by_ref()).take(K::DRIFT - 1) {
@@ -214,7 +216,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         }
     }
 
-    fn differentiations(&self) -> u64 {
+    fn differentiations(&self) -> [u64; 2] {
         self.differentiations
     }
 

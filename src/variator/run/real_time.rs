@@ -32,9 +32,6 @@ const UNACCOUNTED: [f64; 2] = [2.0, 0.2];
 const SHORTER: f64 = 0.25;
 const LONGER: f64 = 1.5;
 const SHORTEST: f64 = 0.01;
-/// Share by which rough ticks are longer until the run has caught up with the clock. Calm ones are as long as ever: several may fit
-/// into a millisecond.
-const CATCHING_UP: f64 = 0.5;
 /// A rest that is shorter than such a share of a tick of the clock belongs to the tick before.
 const REST: f64 = 0.4;
 /// Longest time that a run is behind the clock, s. What is beyond it is never made up for.
@@ -149,13 +146,7 @@ impl RealTime {
         if !self.ticks.is_open() {
             let rounding = self.rounding.share();
             let kind = if rounding > 0.0 { Tick::Rough } else { Tick::Calm };
-            let length = if self.share < 1.0 {
-                self.share * self.length
-            } else if kind == Tick::Rough && self.reached == self.solved_at {
-                (1.0 + CATCHING_UP) * self.length
-            } else {
-                self.length
-            };
+            let length = self.share * self.length;
             let end = self.reached + length;
             let end = if end > self.clock - REST * self.length {
                 self.clock

@@ -6,8 +6,8 @@ use crate::tape::Tape;
 /// and are rounded wholly.
 const DEFECTS: [f64; 2] = [150.0, 800.0];
 /// Level after a defect above those. With it and the fading below, the laws stay rounded for nine ticks, so that a torque that flips each
-/// 10 ms finds them so, and are those of the user again after fifty. A fading by 0.9 lets them sharpen between two flips: more ticks
-/// are left unsolved.
+/// 10 ms finds them so, and are those of the user again after twenty-seven. A fading by 0.9 lets them sharpen between two flips: more
+/// ticks are left unsolved.
 const HIGHEST: f64 = 2.0;
 const FADING: f64 = 0.93;
 /// Level below which the laws are those of the user: ticks on laws that are rounded less are solved less often than calm ones.
@@ -61,12 +61,12 @@ mod tests {
         }
         let share = rounding.share();
         assert!((0.8..1.0).contains(&share), "{share}");
-        for _ in 0..42 {
+        for _ in 0..17 {
             rounding.follow(0.0);
         }
         assert_eq!(rounding.share(), 0.0);
-        rounding.follow(175.0);
+        rounding.follow(200.0);
         let share = rounding.share();
-        assert!((0.1..0.3).contains(&share), "{share}");
+        assert!((0.3..0.4).contains(&share), "{share}");
     }
 }
