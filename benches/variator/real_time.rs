@@ -10,8 +10,12 @@ use serde_json::json;
 use crate::tracked::{errors, exact};
 use crate::{Table, quantiles};
 
+/// Shares of their ranges by which speeds, ratio, slip and thrust ratio may be off.
+const LIMITS: [f64; 5] = [0.02, 0.02, 0.02, 0.02, 0.03];
+
 /// Rows of the table: each load at each ratio for `seconds`, with each ring.
 pub fn measure(table: &mut Table, letters: &str, effort: i32, seconds: f64) {
+    let (mut within, mut all) = (0, 0);
     for load in LOADS.into_iter().filter(|load| letters.contains(load.letter())) {
         for &ratio in load.ratios() {
             for (name, mut parameters) in [
@@ -20,13 +24,25 @@ pub fn measure(table: &mut Table, letters: &str, effort: i32, seconds: f64) {
                 ("ALE0", variator(RingModel::Ale0)),
             ] {
                 parameters.solver.effort = effort;
-                row(table, (load, ratio), (name, parameters), seconds);
+                within += row(table, (load, ratio), (name, parameters), seconds);
+                all += LIMITS.len();
             }
         }
     }
+    table.row(
+        &format!("outputs within their limits, effort {effort}"),
+        format!("{within} of {all}"),
+        json!({"effort": effort, "within": within, "all": all}),
+    );
 }
 
-fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, mut parameters): (&str, Parameters), seconds: f64) {
+/// Returns how many outputs are within their limits.
+fn row(
+    table: &mut Table,
+    (load, ratio): (Load, f64),
+    (ring, mut parameters): (&str, Parameters),
+    seconds: f64,
+) -> usize {
     let exact = exact((load, ratio), &parameters, seconds);
     parameters.solver.mode = Mode::RealTime;
     let mut times = Vec::new();
@@ -63,4 +79,9 @@ fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, mut parameters): (&
             "defect": found.defect,
         }),
     );
+    let shares = found.off(&exact).into_iter().zip(exact.ranges());
+    let within = shares
+        .zip(LIMITS)
+        .filter(|((off, range), limit)| *off <= limit * range);
+    within.count()
 }

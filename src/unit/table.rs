@@ -374,7 +374,7 @@ fn parameters(t: &mut Rows) {
     t.choice("solver.mode", 1084, &MODE, "Accurate, or the same bounded work in each millisecond, for real time", choose!(parameters.solver.mode, 2 => Mode::RealTime; Mode::Accurate));
     t.count("solver.effort", 1086, "RealTime: Jacobians in a millisecond, with eight residuals each. Fewer take less time; more follow loads that jump more closely", set!(parameters.solver.effort));
     t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; left at its default, a tolerance of the experiment takes its place. Under smooth loads a coarser one is no faster, for steps are as long as the communication steps; under loads that jump it is. Output derivatives of forces and losses want 1e-6", set!(parameters.solver.tolerance));
-    t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step; ticks of real time are 1 ms or shorter, 1.5 ms while a run catches up with the clock", set!(parameters.solver.max_step));
+    t.set("solver.maxStep", 1082, Parameter, "s", "Longest internal step; ticks of real time are 1 ms or shorter", set!(parameters.solver.max_step));
     t.set("inputs.ramp", 1083, Parameter, "s", "Time over which an input that is set before a step reaches its new value, no longer than that step; 0: it jumps, -1: the whole step. Inputs whose derivative is set follow that", set!(parameters.solver.input_ramp));
 }
 

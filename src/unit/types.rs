@@ -132,7 +132,7 @@ pub(super) static MODE: Enumeration = Enumeration {
         item(
             "RealTime",
             Mode::RealTime as i32,
-            "One Jacobian and sixteen residuals a millisecond, whatever happens, with laws rounded where loads are rough; ring.model ALE0 or ALE",
+            "The same work in each millisecond, solver.effort, whatever happens, with laws rounded where that is too little; ring.model ALE0 or ALE",
         ),
     ],
 };

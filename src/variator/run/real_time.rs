@@ -17,7 +17,7 @@ use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
 use crate::variator::run::rounding::Rounding;
 use crate::variator::survey::ledger::Running;
 
-/// Milliseconds that a tick may wait to be solved. With three, slams and hunting err by a quarter more.
+/// Milliseconds that a tick may wait to be solved. With two, flips err twice as much.
 const PATIENCE: u64 = 3;
 /// Time behind the clock from which on no tick waits, s.
 const LATE: f64 = 0.0045;
