@@ -80,8 +80,6 @@ fn row(
         }),
     );
     let shares = found.off(&exact).into_iter().zip(exact.ranges());
-    let within = shares
-        .zip(LIMITS)
-        .filter(|((off, range), limit)| *off <= limit * range);
+    let within = shares.zip(LIMITS).filter(|((off, range), limit)| *off <= limit * range);
     within.count()
 }
