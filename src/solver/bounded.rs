@@ -1,7 +1,7 @@
-//! Time integration with bounded work, for real time: in each millisecond some Jacobians that differ little from
-//! those before ([`Form`]), and a fixed number of residuals after each ([`Budget`]), whatever happens. A tick that isn't solved when the work is used up stays open,
-//! and the next millisecond goes on with it from the best point so far, with a new Jacobian there. There are two kinds of ticks, both
-//! one-step and L-stable:
+//! Time integration with bounded work, for real time: in each millisecond some Jacobians that differ little from those before
+//! ([`Form`]), and a fixed number of residuals after each ([`Budget`]), whatever happens. A tick that isn't solved when the work is
+//! used up stays open, and the next millisecond goes on with it from the best point so far, with a new Jacobian there. There are two
+//! kinds of ticks, both one-step and L-stable:
 //!
 //! - A calm tick ([`Tick::Calm`]) is a step of [`Sdirk`](super::sdirk::Sdirk), of order two, in two stages.
 //! - A rough tick ([`Tick::Rough`]) is implicit Euler, of order one: a swing of 70 Hz lags by 0.2 rad in ticks of 1 ms. Its Jacobian is
