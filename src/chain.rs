@@ -370,8 +370,8 @@ pub struct Push<T> {
 #[inline(always)]
 pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     let touch = Touch::new(belt, nu);
-    let [strain, contact, _] = touch.stack(belt);
-    let ([squeeze, _], [squeezing, _]) = (touch.squeeze(belt), squeezing(nu_rate));
+    let [strain, contact] = touch.stack(belt);
+    let (squeeze, squeezing) = (touch.squeeze(belt), squeezing(nu_rate));
     let viscous = (contact * (belt.push_stiffness * belt.damping) + belt.film_damping) * nu_rate + squeezing * squeeze;
     Push {
         force: strain * belt.push_stiffness + viscous,
@@ -385,81 +385,62 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
 struct Touch<T> {
     /// ε = ν − 1.
     strain: T,
-    /// ⟨ε⟩₊ over the roughness, its slope and the slope of that.
-    near: [T; 3],
+    /// ⟨ε⟩₊ over the roughness, and its slope.
+    near: [T; 2],
 }
 
 impl<T: Real> Touch<T> {
     #[inline(always)]
     fn new(belt: &Belt, nu: T) -> Self {
         let strain = nu - 1.0;
-        let near = strain.soft_plus(belt.contact_strain());
-        Self { strain, near }
+        let [near, slope, _] = strain.soft_plus(belt.contact_strain());
+        Self {
+            strain,
+            near: [near, slope],
+        }
     }
 
-    /// ⟨ν−1⟩₊ with the film's share, its slope H and the slope of H.
+    /// ⟨ν−1⟩₊ with the film's share, and its slope H.
     #[inline(always)]
-    fn stack(&self, belt: &Belt) -> [T; 3] {
+    fn stack(&self, belt: &Belt) -> [T; 2] {
         let far = self.strain.soft_plus(belt.film_strain());
         let share = belt.film_stiffness() / belt.push_stiffness;
         std::array::from_fn(|k| self.near[k] + far[k] * share)
     }
 
-    /// Force per rate of strain by which oil is squeezed out, d_s/(1 + gap/δ_f)³, N·s, and its slope by ν.
+    /// Force per rate of strain by which oil is squeezed out, d_s/(1 + gap/δ_f)³, N·s.
     ///
     /// Between flat faces it falls with the cube of their distance (Reynolds): oil of 10 mPa·s between faces of 8 by 24 mm would
     /// bear 2 kN·s at 4.5 µm if it filled the gap. The distance of two rough faces that touch takes the place of a gap of zero.
     #[inline(always)]
-    fn squeeze(&self, belt: &Belt) -> [T; 2] {
-        let [closed, slope, _] = self.near;
+    fn squeeze(&self, belt: &Belt) -> T {
+        let [closed, _] = self.near;
         let per_gap = belt.film_strain().recip();
         let share = ((closed - self.strain) * per_gap + 1.0).recip();
-        let damping = share * share * share * belt.squeeze_damping;
-        [damping, damping * share * (-slope + 1.0) * (3.0 * per_gap)]
+        share * share * share * belt.squeeze_damping
     }
 }
 
 /// Rate of strain that squeezes oil: `nu_rate` where elements close up, little where they part; zero at rest, 1/s. It has the
-/// sign of `nu_rate`, so it dissipates. And its slope.
+/// sign of `nu_rate`, so it dissipates.
 #[inline(always)]
-fn squeezing<T: Real>(nu_rate: T) -> [T; 2] {
-    let [plus, slope, _] = nu_rate.smooth_plus(SQUEEZE_SMOOTHING);
-    [plus - 0.5 * SQUEEZE_SMOOTHING, slope]
+fn squeezing<T: Real>(nu_rate: T) -> T {
+    let [plus, ..] = nu_rate.smooth_plus(SQUEEZE_SMOOTHING);
+    plus - 0.5 * SQUEEZE_SMOOTHING
 }
 
-/// H; the slope of the damping forces by ν, in units of k_e; and the damping force per rate of strain, N·s: at the density `nu`, its
-/// material rate `nu_rate`, 1/s.
+/// Share of closing where V has this `difference` across a cell, m/s, from 0 (elements part) to 1.
 #[inline(always)]
-pub(crate) fn stack_slopes<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> [T; 3] {
-    let touch = Touch::new(belt, nu);
-    let [_, contact, bend] = touch.stack(belt);
-    let ([squeeze, slope], [squeezing, closing]) = (touch.squeeze(belt), squeezing(nu_rate));
-    [
-        contact,
-        bend * nu_rate * belt.damping + slope * squeezing * (1.0 / belt.push_stiffness),
-        contact * (belt.push_stiffness * belt.damping) + squeeze * closing + belt.film_damping,
-    ]
-}
-
-/// Share of closing where V has this `difference` across a cell, m/s, from 0 (elements part) to 1, and its slope.
-#[inline(always)]
-fn closing<T: Real>(difference: T) -> [T; 2] {
-    let [_, closing, bend] = (-difference).smooth_plus(CLOSING_SMOOTHING);
-    [closing, bend]
-}
-
-/// Share of closing where V has this `difference` across a cell, m/s, and its slope times the difference.
-#[inline(always)]
-pub(crate) fn closing_slopes<T: Real>(difference: T) -> [T; 2] {
-    let [closing, bend] = closing(difference);
-    [closing, bend * difference]
+fn closing<T: Real>(difference: T) -> T {
+    let [_, closing, _] = (-difference).smooth_plus(CLOSING_SMOOTHING);
+    closing
 }
 
 /// Weight of upwind convection, from 0 to 1: 1 where elements close up and near standstill, 0 where they part in a fast
 /// flow.
 #[inline(always)]
 pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
-    let [closing, _] = closing(difference);
+    let closing = closing(difference);
     let slow = (flow * flow * FREE_FLOW.powi(-2) + 1.0).recip();
     closing + (-closing + 1.0) * slow
 }

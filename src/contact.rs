@@ -142,7 +142,7 @@ pub fn flank_force<T: Real>(
 
 /// ⟨g⟩₊ and H at the penetration g, m.
 #[inline(always)]
-pub(crate) fn touch<T: Real>(contact: &Contact, penetration: T) -> [T; 2] {
+fn touch<T: Real>(contact: &Contact, penetration: T) -> [T; 2] {
     let [depth, touching, _] = penetration.soft_plus(contact.roughness);
     [depth, touching]
 }
@@ -168,40 +168,6 @@ fn coefficient<T: Real>(friction: &Friction, square: T) -> T {
     let corner = friction.fall_speed * friction.fall_speed;
     let lost = square * (square + corner).recip();
     lost * (-friction.pulley * friction.fall) + friction.pulley
-}
-
-/// Slopes of the friction of [`flank_force`] by the sliding speed.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FrictionSlopes<T> {
-    /// (v_t, v_f)/√(v_t² + v_f² + v₀²).
-    pub direction: [T; 2],
-    /// Slope of friction around by v_t, slope of friction along the flank by v_f, and the negative slope of each by the other
-    /// speed.
-    pub slopes: [T; 3],
-}
-
-/// Slopes of friction, less their sign, under the elastic load of the depth ⟨g⟩₊, m, by cos β and times `scale`.
-#[inline(always)]
-pub(crate) fn friction_slopes<T: Real>(
-    contact: &Contact,
-    friction: &Friction,
-    depth: T,
-    sliding: [T; 2],
-    scale: f64,
-) -> FrictionSlopes<T> {
-    let square = square_of_speed(sliding);
-    let speed = (square + friction.velocity * friction.velocity).sqrt();
-    let load = depth * (contact.stiffness * scale) / speed;
-    let drag = load * coefficient(friction, square);
-    let [u, w] = sliding.map(|of| of / speed);
-    // Twice the slope of μ by v², times the square of the speed: what the fall adds.
-    let corner = friction.fall_speed * friction.fall_speed;
-    let falling = speed / (square + corner);
-    let steeper = drag + load * falling * falling * (2.0 * friction.pulley * friction.fall * corner);
-    FrictionSlopes {
-        direction: [u, w],
-        slopes: [drag - steeper * u * u, drag - steeper * w * w, steeper * u * w],
-    }
 }
 
 /// Torque at which a pulley whose sheaves bear the axial force `force`, N, at the pitch radius `radius`, m, slips

@@ -14,4 +14,5 @@ pub use real::Real;
 pub(crate) use smooth::soft_plus_energy_at;
 pub use smooth::{smooth_plus, smooth_plus_energy, soft_plus_energy};
 pub use tangent::Tangent;
+pub(crate) use tangent::along;
 pub use vectors::{turn_right, zero_vector};

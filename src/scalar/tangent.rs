@@ -6,6 +6,12 @@ use num_traits::{One, Zero};
 use std::array::from_fn;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+/// The chain rule: the sum of slopes times the variations of what they are slopes by.
+#[inline(always)]
+pub(crate) fn along<const N: usize, L: Real>(slopes: &[L; N], by: &[L; N]) -> L {
+    (1..N).fold(slopes[0] * by[0], |sum, k| sum + slopes[k] * by[k])
+}
+
 /// Numbers and their slopes in N directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent<const N: usize, L = Lanes> {

@@ -5,18 +5,19 @@ use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
 use crate::scalar::{Lanes, Tangent};
 use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::pack_balance;
-use crate::variator::assembly::kept::{Kept, Regime, RegimeProbe, Renewal, Wanted};
+use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::{LawPart, Through, in_block};
 use crate::variator::assembly::pack::Pack;
+use crate::variator::assembly::regime::{Regime, RegimeProbe, Units};
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
 use crate::variator::cell::balance::balance_in;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RotatingRing};
-use crate::variator::cell::laws::{Arguing, Arguments, LawSlopes};
+use crate::variator::cell::laws::{Arguing, Arguments};
 use crate::variator::cell::probe::{AtStation, NoProbe, Probe};
-use crate::variator::cell::state::{CellInput, Evaluated, Slots, StationForces};
-use crate::variator::cell::variation::Linearised;
-use crate::variator::law::place::CellBalance;
+use crate::variator::cell::state::{CellInput, Slots, StationForces};
+use crate::variator::cell::variation::{Evaluated, Linearised};
+use crate::variator::law::place::{CellBalance, Place};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{CellRing, VaryingRing};
 use num_traits::Zero;
@@ -115,15 +116,16 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
         kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
     ) -> (CellBalance<Lanes>, Renewal) {
         let (unknowns, slopes) = at;
-        let mut regime = Regime::default();
+        let mut regime = Regime::zero();
         let mut probe = RegimeProbe {
             alpha: slopes[0],
             regime: &mut regime,
         };
         let plain = |value, _, _| value;
         let (b, _) = pack_balance::<_, _, Self, D, C>(acting, pack, &frames.plain, unknowns, slopes, plain, &mut probe);
-        let length = C::segment_length(&frames.plain, pack.segment).v * pack.of_segment[1];
-        let renewed = kept.0.renew::<Self>(wanted, regime, at, length);
+        let place = pack.place::<Lanes, C>(&acting.belt.law, &frames.plain);
+        let units = units(acting, &place, slopes[0]);
+        let renewed = kept.0.renew::<Self>(wanted, (&regime, &units), at, place.length.v);
         if renewed == Renewal::All {
             forward::<Self, D, C>(acting, pack, &frames.shape, at, (kept.0, kept.1));
         }
@@ -164,7 +166,7 @@ where
         place: &place,
         motion: &motion,
     };
-    let (mut slots, mut forces, mut regime) = (Slots::empty(), [None; STATIONS], Regime::default());
+    let (mut slots, mut forces, mut regime) = (Slots::empty(), [None; STATIONS], Regime::zero());
     let mut probe = Keeper {
         regime: RegimeProbe {
             alpha: slopes[0],
@@ -173,20 +175,22 @@ where
         forces: &mut forces,
     };
     let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut probe);
-    let evaluated = Evaluated {
-        cell,
-        slots: &slots,
-        forces: &forces,
-    };
-    let renewal = kept.renew::<K>(wanted, regime, at, place.length.v);
+    let units = units(acting, &place, slopes[0]);
+    let renewal = kept.renew::<K>(wanted, (&regime, &units), at, place.length.v);
     match (renewal, &kept.laws) {
         (Renewal::Nothing, _) => return (b, renewal),
         (Renewal::Laws, Some(laws)) => {
-            laws.renew::<K>(&LawSlopes::new(&given, &evaluated), &mut kept.block, through);
+            laws.renew::<K>(&regime.laws, &mut kept.block, through);
             return (b, renewal);
         }
         _ => {}
     }
+    let evaluated = Evaluated {
+        cell,
+        slots: &slots,
+        forces: &forces,
+        laws: &regime.laws,
+    };
     let linear = Linearised::new(given, &ring, evaluated, slopes);
     let mut columns = Columns::of::<K>(pack, kept, transports);
     for k in 0..K::COUNT {
@@ -210,9 +214,15 @@ where
         columns.record_arguments::<K>(K::THETA + i, &arguments.map(|of| of.eps[i]));
     }
     if let Some(laws) = &mut kept.laws {
-        laws.keep::<K, _, D>(&linear, &kept.block);
+        laws.keep::<K, _, D>(&linear, &regime.laws, &kept.block);
     }
     (b, renewal)
+}
+
+/// What slopes of laws are compared with, in a step with this factor 1/(hγ), 1/s.
+#[inline(always)]
+fn units(InForce { belt, friction }: InForce<'_>, place: &Place<'_, Lanes>, alpha: f64) -> Units {
+    Units::new(&belt.law, friction, alpha, place.length.v * place.stations[0].weight)
 }
 
 /// Keeps the forces at the stations, and records the regime.

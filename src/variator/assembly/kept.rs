@@ -5,188 +5,19 @@
 //! method, which needs a direction and not a derivative. So each pack of cells keeps the unknowns and the regime at which
 //! it was differentiated.
 
-use crate::chain::{closing_slopes, stack_slopes};
-use crate::contact::{FrictionSlopes, friction_slopes, touch};
 use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
 use crate::variator::assembly::law_part::LawPart;
+use crate::variator::assembly::regime::{Regime, Units};
 use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::cell::directions::{Directions, MOST};
-use crate::variator::cell::probe::{AtStation, Probe};
-use crate::variator::law::ring_friction::ring_friction_slope;
-use crate::variator::mesh::belt_mesh::STATIONS;
-use crate::variator::rings::ring::CellRing;
 
-/// Change of a figure at which the derivatives are no longer good, relative to its size and that of the inertia.
-const CHANGED: f64 = 0.03;
 /// Factor by which 1/(hγ) may be off.
 const RESCALED: f64 = 1.5;
 /// Angle per metre, and per radian of turn, that stands for the way of displaced centres.
 const CENTRE: f64 = 10.0;
 /// Angle by which the ring may have turned, rad.
 const TURNED: f64 = 3.0e-3;
-
-/// Slopes of the forces at a station, in units of the inertia that resists them in the step.
-#[derive(Clone, Copy, Debug, Default)]
-struct StationRegime {
-    /// Contact of the deeper flank, from 0 (apart) to 1.
-    touching: Lanes,
-    /// Contact of the other flank, from 0 to 1.
-    other_touching: Lanes,
-    /// Direction of sliding where the flank touches.
-    direction: [Lanes; 2],
-    /// Slopes of friction: around, along the flank, and across.
-    friction: [Lanes; 3],
-    /// Slope of the friction between ring and elements.
-    ring_friction: Lanes,
-    /// Cell lengths that pass in the time of the step.
-    convection: Lanes,
-    /// Reference curvature: where arcs move through the mesh it jumps.
-    curvature: Lanes,
-}
-
-/// Figures of the laws at a station.
-const OF_STATION: usize = 8;
-
-impl StationRegime {
-    #[inline(always)]
-    fn figures(&self) -> [Lanes; OF_STATION] {
-        let [around, up] = self.direction;
-        let [by_around, by_up, across] = self.friction;
-        [
-            self.touching,
-            around,
-            up,
-            by_around,
-            by_up,
-            across,
-            self.other_touching,
-            self.ring_friction,
-        ]
-    }
-}
-
-/// Slopes of the forces in the stack of a cell.
-#[derive(Clone, Copy, Debug, Default)]
-struct StackRegime {
-    /// Contact of neighbouring elements, from 0 (apart) to 1.
-    contact: Lanes,
-    /// Slope of the damping force by the density, in units of the stiffness.
-    bend: Lanes,
-    /// Damping force per rate of strain, in units of the inertia that resists it in the step.
-    damping: Lanes,
-    /// Share of closing, from 0 (elements part) to 1.
-    closing: Lanes,
-    /// Slope of the share of closing, times the difference of V.
-    closing_bend: Lanes,
-}
-
-impl StackRegime {
-    #[inline(always)]
-    fn figures(&self) -> [Lanes; 5] {
-        [self.contact, self.bend, self.damping, self.closing, self.closing_bend]
-    }
-}
-
-/// Regime of a pack of cells: the slopes of its forces that change much.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Regime {
-    stations: [StationRegime; STATIONS],
-    stack: StackRegime,
-}
-
-/// Whether each of these figures has hardly changed, in every lane.
-#[inline(always)]
-fn alike<const N: usize>(now: [Lanes; N], then: [Lanes; N]) -> bool {
-    now.iter().zip(&then).all(|(&now, &then)| {
-        let off = now - then;
-        let allowed = then * then + 1.0;
-        // |off| < CHANGED·√(1 + then²), in every lane; not so for NaN.
-        let (off, allowed) = ((off * off).to_array(), (allowed * (CHANGED * CHANGED)).to_array());
-        off.iter().zip(&allowed).all(|(off, allowed)| off < allowed)
-    })
-}
-
-impl Regime {
-    /// Whether the slopes of the laws in the regime `earlier` are good in this one.
-    #[inline(always)]
-    fn has_laws_of(&self, earlier: &Self) -> bool {
-        let stations = self.stations.iter().zip(&earlier.stations);
-        stations
-            .into_iter()
-            .all(|(now, then)| alike(now.figures(), then.figures()))
-            && alike(self.stack.figures(), earlier.stack.figures())
-    }
-
-    /// Whether the belt flows and bends as in the regime `earlier`, when 1/(hγ) was a `ratio` smaller.
-    #[inline(always)]
-    fn flows_as(&self, earlier: &Self, ratio: f64) -> bool {
-        let stations = self.stations.iter().zip(&earlier.stations);
-        stations.into_iter().all(|(now, then)| {
-            alike(
-                [now.convection * ratio, now.curvature],
-                [then.convection, then.curvature],
-            )
-        })
-    }
-
-    /// Takes the slopes of the laws of another regime.
-    #[inline(always)]
-    fn take_laws(&mut self, other: &Self) {
-        for (to, from) in self.stations.iter_mut().zip(&other.stations) {
-            *to = StationRegime {
-                convection: to.convection,
-                curvature: to.curvature,
-                ..*from
-            };
-        }
-        self.stack = other.stack;
-    }
-}
-
-/// Records the regime of a pack.
-pub(crate) struct RegimeProbe<'a> {
-    /// Factor 1/(hγ) of ẏ in the derivatives, 1/s.
-    pub alpha: f64,
-    pub regime: &'a mut Regime,
-}
-
-impl<const D: usize> Probe<Lanes, D> for RegimeProbe<'_> {
-    #[inline(always)]
-    fn look<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
-        let AtStation {
-            given, station, forces, ..
-        } = at;
-        let (law, friction) = (given.law, given.friction);
-        let inertia = 1.0 / (law.chain.mass_per_length * self.alpha);
-        let regime = &mut self.regime.stations[at.index];
-        let (flank, offset) = (&forces.approach.flank, forces.flanks.offset);
-        let movable @ [deep, touching] = touch(&law.contact, flank.penetration + offset);
-        // In space one flank is deeper in than the other.
-        let [flat, other_touching] = if D == 3 {
-            touch(&law.contact, flank.penetration - offset)
-        } else {
-            movable
-        };
-        let sliding = [flank.tangential, flank.along_flank];
-        let FrictionSlopes { direction, slopes } =
-            friction_slopes(&law.contact, friction, deep + flat, sliding, inertia);
-        regime.touching = touching;
-        regime.other_touching = other_touching;
-        regime.direction = direction.map(|along| touching * along);
-        regime.friction = slopes;
-        let kappa = station.ring.reference.kappa;
-        regime.ring_friction = ring_friction_slope(friction, forces.pressing, kappa, forces.sliding, inertia);
-        regime.convection = station.chain.flow / (station.weight * self.alpha);
-        regime.curvature = kappa;
-        let stack = &mut self.regime.stack;
-        let [density, density_rate, ..] = at.cell.stack_arguments();
-        let [contact, bend, damping] = stack_slopes(&law.chain, density, density_rate);
-        (stack.contact, stack.bend) = (contact, bend);
-        stack.damping = damping * inertia / (station.weight * station.weight);
-        [stack.closing, stack.closing_bend] = closing_slopes(at.cell.difference);
-    }
-}
 
 /// What of a pack's derivatives is evaluated anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -260,7 +91,7 @@ impl Kept {
         Self {
             origin: Origin::none(),
             laws_origin: Origin::none(),
-            regime: Regime::default(),
+            regime: Regime::zero(),
             block: vec![Lanes::from(0.0); entries],
             laws,
         }
@@ -278,12 +109,12 @@ impl Kept {
     pub(crate) fn renew<K: Directions>(
         &mut self,
         wanted: Wanted,
-        regime: Regime,
+        (regime, units): (&Regime, &Units),
         at: (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
     ) -> Renewal {
         let renewal = match wanted {
-            Wanted::Needed => self.needs::<K>(&regime, at, length),
+            Wanted::Needed => self.needs::<K>((regime, units), at, length),
             Wanted::Laws if self.is_of_like_step(at.1) => Renewal::Laws,
             Wanted::Laws | Wanted::All => Renewal::All,
         };
@@ -297,12 +128,12 @@ impl Kept {
             Renewal::Nothing => {}
             Renewal::Laws => {
                 self.laws_origin.set(at);
-                self.regime.take_laws(&regime);
+                self.regime.laws = regime.laws;
             }
             Renewal::All => {
                 self.origin.set(at);
                 self.laws_origin.forget();
-                self.regime = regime;
+                self.regime = *regime;
             }
         }
         renewal
@@ -317,7 +148,7 @@ impl Kept {
     #[inline(always)]
     fn needs<K: Directions>(
         &self,
-        regime: &Regime,
+        (regime, units): (&Regime, &Units),
         (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
     ) -> Renewal {
@@ -327,7 +158,7 @@ impl Kept {
             && regime.flows_as(&self.regime, ratio);
         if !holds {
             Renewal::All
-        } else if regime.has_laws_of(&self.regime) {
+        } else if regime.has_laws_of(&self.regime, units) {
             Renewal::Nothing
         } else {
             Renewal::Laws

@@ -1,7 +1,7 @@
 //! The part of the laws in the derivatives of a pack of cells: kept as L, S, R ([`laws`](crate::variator::cell::laws)), so that new
 //! slopes S make derivatives of now from those of before.
 
-use crate::scalar::Lanes;
+use crate::scalar::{Lanes, along};
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS, RESULTANT};
 use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES};
@@ -60,15 +60,16 @@ impl LawPart {
         by.stack.iter().for_each(|value| put(*value));
     }
 
-    /// Records how the forces of the laws act, the slopes, and the derivatives that have them.
+    /// Records how the forces of the laws act, their slopes, and the derivatives that have them.
     #[inline(always)]
     pub fn keep<K: Directions, R: VaryingRing<Lanes, D>, const D: usize>(
         &mut self,
         linear: &Linearised<'_, R, D>,
+        slopes: &LawSlopes,
         block: &[Lanes],
     ) {
         self.base.copy_from_slice(block);
-        self.slopes = linear.slopes();
+        self.slopes = *slopes;
         let Extent { stations, flanks } = self.extent;
         let mut left = self.left.chunks_exact_mut(height::<K>());
         let mut record = |force: LawForce| {
@@ -155,7 +156,7 @@ impl<'a, R: Iterator<Item = &'a [Lanes]>> Changes<'_, R> {
             if now != then {
                 let by: [Lanes; A] = std::array::from_fn(|k| now[k] - then[k]);
                 for (column, to) in self.through[self.count][..K::COUNT].iter_mut().enumerate() {
-                    *to = (1..A).fold(by[0] * right[0][column], |sum, k| sum + by[k] * right[k][column]);
+                    *to = along(&by, &right.map(|right| right[column]));
                 }
                 self.forces[self.count] = self.force;
                 self.count += 1;

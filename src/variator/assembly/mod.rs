@@ -9,6 +9,7 @@ pub(crate) mod kinds;
 mod law_part;
 mod pack;
 pub(crate) mod packed;
+mod regime;
 pub(crate) mod sums;
 pub(crate) mod transports;
 mod unknowns;

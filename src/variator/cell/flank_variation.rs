@@ -2,7 +2,7 @@
 //! they depend on enters through the chain rule.
 
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
-use crate::scalar::{Lanes, Tangent};
+use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::law::flanks::{Approach, FlankLoads};
 use crate::variator::law::place::{CellLaw, PulleyMotion};
 use num_traits::Zero;
@@ -23,38 +23,31 @@ pub(crate) fn of_flank<T: Copy>(motion: &FlankMotion<T>) -> [T; FLANK_ARGUMENTS]
     ]
 }
 
-/// Forces of a flank with their derivatives with respect to its motion.
+/// Slopes of the normal force, of friction around and of friction along the flank. Each has those by penetration, by
+/// closing, by sliding around and by sliding along.
+pub(crate) type FlankSlopes = [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES];
+
+/// Slopes of the forces of a flank that moves by `motion`.
+#[inline(always)]
+pub(crate) fn flank_slopes(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> FlankSlopes {
+    let seeded = FlankMotion {
+        penetration: Tangent::<FLANK_ARGUMENTS>::seed(motion.penetration, 0, 1.0),
+        closing: Tangent::seed(motion.closing, 1, 1.0),
+        tangential: Tangent::seed(motion.tangential, 2, 1.0),
+        along_flank: Tangent::seed(motion.along_flank, 3, 1.0),
+    };
+    let force = flank_force(&law.contact, friction, law.wedge[1], &seeded);
+    [force.normal.eps, force.tangential.eps, force.along_flank.eps]
+}
+
+/// Forces of a flank with their slopes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flank {
-    force: FlankForce<Lanes>,
-    /// Slopes of the normal force, of friction around and of friction along the flank. Each has those by penetration, by
-    /// closing, by sliding around and by sliding along.
-    pub slopes: [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES],
+    pub force: FlankForce<Lanes>,
+    pub slopes: FlankSlopes,
 }
 
 impl Flank {
-    /// The flank that moves by `motion`.
-    #[inline(always)]
-    pub fn new(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> Self {
-        let seeded = FlankMotion {
-            penetration: Tangent::<4>::seed(motion.penetration, 0, 1.0),
-            closing: Tangent::seed(motion.closing, 1, 1.0),
-            tangential: Tangent::seed(motion.tangential, 2, 1.0),
-            along_flank: Tangent::seed(motion.along_flank, 3, 1.0),
-        };
-        let force = flank_force(&law.contact, friction, law.wedge[1], &seeded);
-        Self {
-            force: FlankForce {
-                normal: force.normal.re,
-                viscous: force.viscous.re,
-                tangential: force.tangential.re,
-                along_flank: force.along_flank.re,
-                depth: force.depth.re,
-            },
-            slopes: [force.normal.eps, force.tangential.eps, force.along_flank.eps],
-        }
-    }
-
     /// Variation of its loads where its motion varies by `motion`, and λ and its place on the pulley vary as `by` says.
     #[inline(always)]
     pub fn vary(
@@ -66,9 +59,7 @@ impl Flank {
         motion: &FlankMotion<Lanes>,
     ) -> FlankLoads<Lanes> {
         let arguments = of_flank(motion);
-        let forces = self.slopes.each_ref().map(|slopes| {
-            slopes[0] * arguments[0] + slopes[1] * arguments[1] + slopes[2] * arguments[2] + slopes[3] * arguments[3]
-        });
+        let forces = self.slopes.each_ref().map(|slopes| along(slopes, &arguments));
         self.vary_loads(law, (at, lambda), by, forces)
     }
 

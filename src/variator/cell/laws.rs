@@ -9,11 +9,9 @@
 //! geometry has hardly changed.
 
 use crate::chain::Stack;
-use crate::ring::kinematics::RingPoint;
 use crate::scalar::{Lanes, Real, Tangent};
-use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES, Flank, of_flank};
+use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES, FlankSlopes, flank_slopes, of_flank};
 use crate::variator::cell::probe::{AtStation, Probe};
-use crate::variator::cell::state::{CellInput, CellState, Evaluated, StationForces};
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
@@ -116,12 +114,14 @@ pub(crate) enum LawForce {
 pub(crate) struct LawSlopes {
     pub stations: [StationSlopes; STATIONS],
     pub stack: [[Lanes; STACK_ARGUMENTS]; STACK_FORCES],
+    /// Of the lag, which is no force.
+    pub lag: [Lanes; STACK_ARGUMENTS],
 }
 
 /// Slopes of the laws at a station.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StationSlopes {
-    pub flanks: [[[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES]; 2],
+    pub flanks: [FlankSlopes; 2],
     pub ring: [Lanes; RING_ARGUMENTS],
 }
 
@@ -136,52 +136,38 @@ impl LawSlopes {
         Self {
             stations: [station; STATIONS],
             stack: [[zero; STACK_ARGUMENTS]; STACK_FORCES],
+            lag: [zero; STACK_ARGUMENTS],
         }
     }
+}
 
-    /// Slopes where cells were evaluated.
+/// Finds the slopes of the laws: those of a second flank in space alone.
+pub(crate) struct Sloping<'a>(pub &'a mut LawSlopes);
+
+impl<const D: usize> Probe<Lanes, D> for Sloping<'_> {
     #[inline(always)]
-    pub fn new<const D: usize>(given: &CellInput<'_, Lanes>, evaluated: &Evaluated<'_, D>) -> Self {
-        let Evaluated { cell, slots, forces } = evaluated;
-        let mut slopes = Self::zero();
-        let at = slots.stations.iter().zip(*forces);
-        for (to, at) in slopes.stations.iter_mut().zip(at) {
-            let (Some(station), Some(forces)) = at else { continue };
-            for (to, motion) in to.flanks.iter_mut().zip(&forces.flanks.motions).take(D - 1) {
-                *to = Flank::new(given.law, given.friction, motion).slopes;
-            }
-            to.ring = ring_slopes(given, &station.ring, forces);
+    fn look<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
+        let (given, forces) = (at.given, at.forces);
+        let to = &mut self.0.stations[at.index];
+        for (to, motion) in to.flanks.iter_mut().zip(&forces.flanks.motions).take(D - 1) {
+            *to = flank_slopes(given.law, given.friction, motion);
         }
-        let stack = stack_slopes(given, cell);
-        slopes.stack = [stack.push.force.eps, stack.collision.eps];
-        slopes
+        to.ring = ring_friction(
+            given.friction,
+            Tangent::<RING_ARGUMENTS>::seed(forces.pressing, 0, 1.0),
+            Tangent::constant(at.station.ring.reference.kappa),
+            Tangent::seed(forces.sliding, 1, 1.0),
+        )
+        .eps;
+        if at.index == 0 {
+            let arguments = at.cell.stack_arguments();
+            let seeded = std::array::from_fn(|k| Tangent::<STACK_ARGUMENTS>::seed(arguments[k], k, 1.0));
+            let Stack { push, collision, lag } = Stack::new(&given.law.chain, seeded);
+            self.0.stack = [push.force.eps, collision.eps];
+            self.0.stack[0][STACK_ARGUMENTS - 1] = Lanes::from(given.law.settling);
+            self.0.lag = lag.eps;
+        }
     }
-}
-
-/// Slopes of the friction between ring and elements.
-#[inline(always)]
-pub(crate) fn ring_slopes<const D: usize>(
-    given: &CellInput<'_, Lanes>,
-    ring: &RingPoint<Lanes, D>,
-    forces: &StationForces<Lanes, D>,
-) -> [Lanes; RING_ARGUMENTS] {
-    ring_friction(
-        given.friction,
-        Tangent::<RING_ARGUMENTS>::seed(forces.pressing, 0, 1.0),
-        Tangent::constant(ring.reference.kappa),
-        Tangent::seed(forces.sliding, 1, 1.0),
-    )
-    .eps
-}
-
-/// Forces in the stack with their slopes.
-#[inline(always)]
-pub(crate) fn stack_slopes(given: &CellInput<'_, Lanes>, cell: &CellState<Lanes>) -> Stack<Tangent<STACK_ARGUMENTS>> {
-    let arguments = cell.stack_arguments();
-    let seeded = std::array::from_fn(|k| Tangent::seed(arguments[k], k, 1.0));
-    let mut stack = Stack::new(&given.law.chain, seeded);
-    stack.push.force += Tangent::seed(cell.density_rate, STACK_ARGUMENTS - 1, 1.0) * given.law.settling;
-    stack
 }
 
 /// Keeps the arguments of the laws.

@@ -118,6 +118,6 @@ impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
 #[inline(always)]
 fn flank_energy<T: Real>(given: &CellInput<'_, T>, flanks: &BothFlanks<T>) -> T {
     let (contact, cos_beta) = (&given.law.contact, given.law.wedge[1]);
-    let of = |k: usize| energy_density_at(contact, cos_beta, flanks.motions[k].penetration, flanks.depths[k]);
+    let of = |k: usize| energy_density_at(contact, cos_beta, flanks.motions[k].penetration, flanks.forces[k].depth);
     of(0) + of(1)
 }

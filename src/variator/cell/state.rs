@@ -4,7 +4,7 @@ use crate::chain::{ChainPoint, Stack};
 use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::{Load, RingPoint, embed, in_plane};
-use crate::scalar::{Lanes, Real};
+use crate::scalar::Real;
 use crate::variator::law::flanks::{Approach, BothFlanks};
 use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
@@ -286,13 +286,4 @@ fn flank_forces<T: Real, const D: usize>(
         at_ring_line[D - 1] += flanks.lateral;
     }
     (approach.e_t * -flanks.loads.around, at_ring_line)
-}
-
-/// A pack of cells as it was evaluated.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Evaluated<'a, const D: usize> {
-    pub cell: CellState<Lanes>,
-    pub slots: &'a Slots<Lanes, D>,
-    /// At the stations.
-    pub forces: &'a [Option<StationForces<Lanes, D>>; STATIONS],
 }

@@ -3,9 +3,9 @@
 use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation};
 use crate::contact::FlankMotion;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
-use crate::scalar::{Lanes, Real, Tangent, zero_vector};
+use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
 use crate::variator::cell::flank_variation::{FLANK_FORCES, Flank, FlankVariation, of_flank};
-use crate::variator::cell::laws::{StationArguments, StationSlopes, ring_slopes};
+use crate::variator::cell::laws::{StationArguments, StationSlopes};
 use crate::variator::cell::state::{CellInput, Station, StationForces};
 use crate::variator::law::flanks::FlankLoads;
 use crate::variator::law::place::{CellBalance, CellLaw};
@@ -100,12 +100,13 @@ pub(crate) struct StackForce {
 }
 
 impl<'a, const D: usize> LinearisedStation<'a, D> {
-    /// Station `i` of a cell, under `forces`.
+    /// Station `i` of a cell, under `forces` that have these `slopes`.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
         (i, station): (usize, &'a Station<Lanes, D>),
         forces: &'a StationForces<Lanes, D>,
+        slopes: &StationSlopes,
     ) -> Self {
         let Station { ring, chain, weight } = station;
         let StationForces { v_e, v_p, approach, .. } = forces;
@@ -120,11 +121,11 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             weight: *weight,
             right: given.place.stations[i].right,
             crosswise: [in_plane(v_e).dot(&approach.e_t), in_plane(v_p).dot(&approach.e_r)],
-            flanks: forces
-                .flanks
-                .motions
-                .map(|motion| Flank::new(given.law, given.friction, &motion)),
-            friction_by: ring_slopes(given, ring, forces),
+            flanks: std::array::from_fn(|k| Flank {
+                force: forces.flanks.forces[k],
+                slopes: slopes.flanks[k],
+            }),
+            friction_by: slopes.ring,
             drag_by: drag.eps,
             forces,
             ring,
@@ -277,14 +278,6 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         }
     }
 
-    /// Slopes of its laws.
-    pub fn slopes(&self) -> StationSlopes {
-        StationSlopes {
-            flanks: self.flanks.map(|flank| flank.slopes),
-            ring: self.friction_by,
-        }
-    }
-
     /// Adds the variation of the flanks' forces to the load on the ring. Returns those of the conjugates of V, N/m: of the
     /// part that acts at the pitch line, with inertia, and of the part that acts at the ring centre line; and the variation
     /// of the force of both flanks in the plane, N/m.
@@ -367,11 +360,12 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             speed += more;
             sliding += more - chain.speed * change.chain.lead;
         }
-        let of = |[by_load, by_speed]: [Lanes; 2], speed: Lanes| by_load * change.pressing + by_speed * speed;
         let arguments = StationArguments {
             flanks: motions.each_ref().map(of_flank),
             ring: [change.pressing, sliding],
         };
-        ([of(self.friction_by, sliding), of(self.drag_by, speed)], arguments)
+        let friction = along(&self.friction_by, &arguments.ring);
+        let drag = along(&self.drag_by, &[change.pressing, speed]);
+        ([friction, drag], arguments)
     }
 }

@@ -9,16 +9,25 @@
 
 use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{Load, RingPoint, RingVariation};
-use crate::scalar::Lanes;
+use crate::scalar::{Lanes, along};
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
-use crate::variator::cell::laws::{Arguments, LawForce, LawSlopes, STACK_ARGUMENTS, StationArguments, stack_slopes};
-use crate::variator::cell::state::{CellInput, CellState, Evaluated, chain_at_face};
+use crate::variator::cell::laws::{Arguments, LawForce, LawSlopes, STACK_ARGUMENTS, StationArguments};
+use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
 use crate::variator::cell::station_variation::{BothFlanksVariation, LinearisedStation, StackForce, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
 use num_traits::Zero;
+
+/// A pack of cells as it was evaluated: its state, ring and chain, forces at the stations, slopes of the laws.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Evaluated<'a, const D: usize> {
+    pub cell: CellState<Lanes>,
+    pub slots: &'a Slots<Lanes, D>,
+    pub forces: &'a [Option<StationForces<Lanes, D>>; STATIONS],
+    pub laws: &'a LawSlopes,
+}
 
 /// A pack of cells, and the coefficients of the variations of its balance.
 #[derive(Debug)]
@@ -68,18 +77,23 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// Linearises cells that were `evaluated` on a `ring`. `slopes` are the factors of acceleration and position.
     #[inline(always)]
     pub fn new(given: CellInput<'a, Lanes>, ring: &'a R, evaluated: Evaluated<'a, D>, slopes: [f64; 2]) -> Self {
-        let Evaluated { cell, slots, forces } = evaluated;
-        let stack = stack_slopes(&given, &cell);
+        let Evaluated {
+            cell,
+            slots,
+            forces,
+            laws,
+        } = evaluated;
         let lag = if given.law.has_lag {
-            stack.lag.eps
+            laws.lag
         } else {
             [Lanes::zero(); STACK_ARGUMENTS]
         };
+        let push = cell.stack(given.law).push.force;
         let face = slots.face();
         let mut stations = [None; STATIONS];
         for (i, (to, at)) in stations.iter_mut().zip(slots.stations.iter().zip(forces)).enumerate() {
             if let (Some(station), Some(forces)) = at {
-                *to = Some(LinearisedStation::new(&given, (i, station), forces));
+                *to = Some(LinearisedStation::new(&given, (i, station), forces, &laws.stations[i]));
             }
         }
         Self {
@@ -88,8 +102,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             ring,
             cell,
             stations,
-            push: stack.push.force.re,
-            stack: [stack.push.force.eps, stack.collision.eps, lag],
+            push,
+            stack: [laws.stack[0], laws.stack[1], lag],
             slopes,
         }
     }
@@ -253,14 +267,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let rate = (amount * self.slopes[0] - self.cell.density_rate * by.pitch_length) * inverse;
         let through = by.through * self.cell.inverse_length;
         let arguments = [density, thinning, through, by.difference, rate];
-        let [push, collision, lag] = self.stack.each_ref().map(|slopes| {
-            let mut products = slopes
-                .iter()
-                .zip(&arguments)
-                .map(|(slope, argument)| *slope * *argument);
-            let first = products.next().unwrap_or_else(Lanes::zero);
-            products.fold(first, |sum, product| sum + product)
-        });
+        let [push, collision, lag] = self.stack.each_ref().map(|slopes| along(slopes, &arguments));
         StackVariation {
             arguments,
             density,
@@ -302,16 +309,6 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             arguments.stations[i] = self.add_station::<false>((i, station), &change, Load::zero(), &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, None, beta))
-    }
-
-    /// Slopes of the laws.
-    pub fn slopes(&self) -> LawSlopes {
-        let mut slopes = LawSlopes::zero();
-        for (to, station) in slopes.stations.iter_mut().zip(self.stations.iter().flatten()) {
-            *to = station.slopes();
-        }
-        slopes.stack.copy_from_slice(&self.stack[..2]);
-        slopes
     }
 
     /// Variation of balance and ring forces where a force of the laws varies by one.

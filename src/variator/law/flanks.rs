@@ -46,8 +46,8 @@ impl<T: Real> FlankLoads<T> {
 pub(crate) struct BothFlanks<T> {
     /// Motion of the flank on the movable sheave, and of the other.
     pub motions: [FlankMotion<T>; 2],
-    /// ⟨g⟩₊ of the two, m.
-    pub depths: [T; 2],
+    /// Forces of the two.
+    pub forces: [FlankForce<T>; 2],
     /// Sum of the loads of both flanks.
     pub loads: FlankLoads<T>,
     /// Axial load on the movable sheave, N/m.
@@ -135,24 +135,24 @@ impl<T: Real> Approach<T> {
     ) -> BothFlanks<T> {
         let one = |flank: &FlankMotion<T>| {
             let force = flank_force(&law.contact, friction, law.wedge[1], flank);
-            (self.loads(law, lambda, flank, &force), force.depth)
+            (self.loads(law, lambda, flank, &force), force)
         };
         let (offset, motions) = self.flanks(law, plane, pulley, point, v_e);
-        let (movable, depth) = one(&motions[0]);
+        let (movable, force) = one(&motions[0]);
         if D == 2 {
             return BothFlanks {
                 motions,
-                depths: [depth; 2],
+                forces: [force; 2],
                 loads: movable.plus(&movable),
                 on_movable: movable.axial,
                 offset,
                 lateral: T::zero(),
             };
         }
-        let (fixed, other_depth) = one(&motions[1]);
+        let (fixed, other_force) = one(&motions[1]);
         BothFlanks {
             motions,
-            depths: [depth, other_depth],
+            forces: [force, other_force],
             loads: movable.plus(&fixed),
             on_movable: movable.axial,
             offset,

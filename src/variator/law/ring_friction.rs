@@ -26,14 +26,6 @@ pub(crate) fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T,
     ring_load(pressing) * kappa * friction.ring * sliding * friction.per_speed(inverse_speed)
 }
 
-/// Slope of [`ring_friction`] by the sliding speed, times `scale`.
-#[inline(always)]
-pub(crate) fn ring_friction_slope<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T, scale: f64) -> T {
-    let speed = square_of_speed(friction, sliding).sqrt();
-    let direction = sliding / speed;
-    ring_load(pressing) * kappa * (friction.ring * scale) * (-(direction * direction) + 1.0) / speed
-}
-
 /// Drag of the ring's layers per dξ, N/m, under the tension `pressing`, N, where the ring moves along itself at `speed`, m/s.
 /// `share` is that of [`Layers::drag_shares`](layers::Layers::drag_shares).
 #[inline(always)]
