@@ -12,7 +12,7 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::{Form, Geometry};
 use crate::solver::{State, System, View};
 use crate::tape::Tape;
-use crate::variator::assembly::equations::{Anew, Assembly, InForce};
+use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::jacobian::Differentiate;
 use crate::variator::assembly::kinds::MeshCurve;
 use crate::variator::assembly::packed::PackedCells;
@@ -169,15 +169,11 @@ impl VariatorSystem {
     /// those of secants.
     pub(crate) fn jacobian_of(&mut self, form: Form, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
         let Form { secant, geometry } = form;
-        if geometry == Geometry::All || secant != self.keeps_secants {
+        if secant != self.keeps_secants {
             self.forget_derivatives();
         }
-        let anew = match geometry {
-            Geometry::Part { number, parts } => Anew::Part(number, parts),
-            Geometry::All | Geometry::Kept => Anew::Laws,
-        };
         self.secant = secant;
-        self.form_jacobian(anew, time, view, slopes, out);
+        self.form_jacobian(Some(geometry), time, view, slopes, out);
         self.secant = false;
         self.keeps_secants = secant;
     }
@@ -189,8 +185,15 @@ impl VariatorSystem {
         }
     }
 
-    /// The Jacobian, with what of its derivatives is evaluated `anew`.
-    fn form_jacobian(&mut self, anew: Anew, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+    /// The Jacobian, with derivatives as in [`Assembly::jacobian`].
+    fn form_jacobian(
+        &mut self,
+        geometry: Option<Geometry>,
+        time: f64,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) {
         out.clear();
         let friction = &self.friction();
         let belt = &*self.belt;
@@ -198,7 +201,7 @@ impl VariatorSystem {
         let of_belt = (&mut *out, &mut self.resultants);
         let loads = self
             .assembly
-            .jacobian(InForce { belt, friction }, view, slopes, anew, of_belt);
+            .jacobian(InForce { belt, friction }, view, slopes, geometry, of_belt);
         let boundary = self.loads.at(time);
         self.pulleys
             .jacobian(&boundary, (&loads, &self.resultants), view, slopes, out);
@@ -277,7 +280,7 @@ impl VariatorSystem {
         out: &mut Arrow,
     ) {
         self.secant = secant;
-        self.form_jacobian(Anew::Laws, time, view, slopes, out);
+        self.form_jacobian(Some(Geometry::Kept), time, view, slopes, out);
         self.secant = false;
     }
 
@@ -333,7 +336,7 @@ impl System for VariatorSystem {
     }
 
     fn renew_jacobian(&mut self, time: f64, view: View<'_>, alpha: f64, beta: f64, out: &mut Arrow) {
-        self.form_jacobian(Anew::Needed, time, view, [alpha, beta], out);
+        self.form_jacobian(None, time, view, [alpha, beta], out);
     }
 
     fn newton_scale(&self, beta: f64, out: &mut [f64]) {

@@ -7,6 +7,7 @@ use crate::ring::model::{Energy, Shape};
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
+use crate::solver::sdirk::Geometry;
 use crate::tape::Tape;
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::Belt;
@@ -20,17 +21,6 @@ pub(crate) struct InForce<'a> {
     pub friction: &'a Friction,
 }
 
-/// What of the derivatives is evaluated anew.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Anew {
-    /// What is not good any more for Newton's method.
-    Needed,
-    /// Slopes of laws that change much: always the same work. All where there are no derivatives of a like step.
-    Laws,
-    /// The same, and all of the pack with this number of so many packs.
-    Part(usize, usize),
-}
-
 /// Equations of ring and elements. It keeps derivatives and working memory. Results depend on the arguments alone; those of
 /// [`Assembly::jacobian`] depend on the kept derivatives too.
 pub(crate) trait Assembly: Debug + Send + Sync {
@@ -41,14 +31,14 @@ pub(crate) trait Assembly: Debug + Send + Sync {
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
     /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the resultants
-    /// of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are used where nothing
-    /// asks for others.
+    /// of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are used where they are
+    /// good for Newton's method; if a `geometry` is given, as it says.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        anew: Anew,
+        geometry: Option<Geometry>,
         out: (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad>;
 

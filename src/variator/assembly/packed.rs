@@ -6,8 +6,9 @@ use crate::reference_curve::COORDINATES;
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
+use crate::solver::sdirk::Geometry;
 use crate::tape::Tape;
-use crate::variator::assembly::equations::{Anew, Assembly, InForce};
+use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
 use crate::variator::assembly::jacobian::Differentiate;
@@ -138,15 +139,16 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        anew: Anew,
+        geometry: Option<Geometry>,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
-        let wanted = |pack: usize| match anew {
-            Anew::Needed => Wanted::Needed,
-            Anew::Part(number, of) if pack % of == number => Wanted::All,
-            Anew::Part(..) | Anew::Laws => Wanted::Laws,
+        let wanted = |pack: usize| match geometry {
+            None => Wanted::Needed,
+            Some(Geometry::All) => Wanted::All,
+            Some(Geometry::Part { number, parts }) if pack % parts == number => Wanted::All,
+            Some(Geometry::Part { .. } | Geometry::Kept) => Wanted::Laws,
         };
         let frames = K::frames(&belt.curve, &belt.path(view), slopes);
         self.globals.clear();

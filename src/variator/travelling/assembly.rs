@@ -8,7 +8,8 @@ use crate::ring::model::{DIRECTIONS, Energy, NODAL, RingFormulation as _, Shape}
 use crate::scalar::{Lanes, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::variator::assembly::equations::{Anew, Assembly, InForce};
+use crate::solver::sdirk::Geometry;
+use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::belt::Belt;
@@ -232,7 +233,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        _anew: Anew,
+        _geometry: Option<Geometry>,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;
