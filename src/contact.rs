@@ -25,10 +25,6 @@
 
 use crate::scalar::{Real, soft_plus_energy_at};
 
-/// How much deeper the slope of a flank that has lifted off is taken for secants, in units of its roughness. With 1, the Jacobian is so
-/// stiff that slams run away; with none, three times as many ticks in which a torque flips are nowhere near their solutions.
-const AHEAD: f64 = 0.5;
-
 /// Parameters of the contact between element flank and sheave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
@@ -55,17 +51,6 @@ pub struct Friction {
     pub fall: f64,
     /// Sliding speed v_c at which half of f is lost, m/s.
     pub fall_speed: f64,
-    /// Whether derivatives are those of the secants from rest: μ(v)/√(v² + v₀²) counts as constant, and a flank that has lifted off
-    /// has the slope of one that is pressed in deeper. Values are the same.
-    pub secant: bool,
-}
-
-impl Friction {
-    /// Friction per speed, with derivatives or, for secants, without.
-    #[inline(always)]
-    pub(crate) fn per_speed<T: Real>(&self, value: T) -> T {
-        if self.secant { T::constant(value.value()) } else { value }
-    }
 }
 
 /// Motion of a flank relative to its sheave.
@@ -120,17 +105,12 @@ pub fn flank_force<T: Real>(
     motion: &FlankMotion<T>,
 ) -> FlankForce<T> {
     let [depth, touching] = touch(contact, motion.penetration);
-    let depth = if friction.secant {
-        with_slope_ahead(contact, motion.penetration, [depth, touching])
-    } else {
-        depth
-    };
     let k = contact.stiffness * cos_beta;
     let elastic = depth * k;
     let viscous = touching * motion.closing * (k * contact.damping);
     let square = square_of_speed([motion.tangential, motion.along_flank]);
     let (_, inverse_speed) = (square + friction.velocity * friction.velocity).root_and_inverse();
-    let drag = -(elastic * friction.per_speed(coefficient(friction, square) * inverse_speed));
+    let drag = -(elastic * (coefficient(friction, square) * inverse_speed));
     FlankForce {
         normal: elastic + viscous,
         viscous,
@@ -145,15 +125,6 @@ pub fn flank_force<T: Real>(
 fn touch<T: Real>(contact: &Contact, penetration: T) -> [T; 2] {
     let [depth, touching, _] = penetration.soft_plus(contact.roughness);
     [depth, touching]
-}
-
-/// ⟨g⟩₊ with the slope that it has [`AHEAD`], as far as the flank has lifted off: there the tangent underestimates how it will press.
-#[inline(always)]
-fn with_slope_ahead<T: Real>(contact: &Contact, penetration: T, [depth, touching]: [T; 2]) -> T {
-    let [here, depth, touching] = [penetration, depth, touching].map(|of| T::constant(of.value()));
-    let lifted = -touching + 1.0;
-    let [_, slope] = touch(contact, here + lifted * (AHEAD * contact.roughness));
-    depth + (penetration - here) * slope
 }
 
 /// v² = v_t² + v_f², m²/s².
@@ -210,46 +181,8 @@ mod tests {
             ring_velocity: 2.0e-3,
             fall: 0.3,
             fall_speed: 2.0e-2,
-            secant: false,
         };
         (contact, friction)
-    }
-
-    /// Values stay, friction loses its slope by speed, and a flank that lifts off is stiffer than its tangent.
-    #[test]
-    fn secants_change_slopes_alone() {
-        let (contact, tangents) = setting();
-        let secants = Friction {
-            secant: true,
-            ..tangents.clone()
-        };
-        for penetration in [-2e-6, 0.0, 2e-5] {
-            let force = |friction: &Friction, pressed: f64, slid: f64| {
-                let motion = FlankMotion {
-                    penetration: Dual64::new(penetration, pressed),
-                    closing: Dual64::from_re(0.0),
-                    tangential: Dual64::new(3e-2, slid),
-                    along_flank: Dual64::from_re(0.0),
-                };
-                flank_force(&contact, friction, 0.98, &motion)
-            };
-            let [tangent, secant] = [&tangents, &secants].map(|friction| force(friction, 1.0, 0.0));
-            assert_eq!(
-                [tangent.normal.re, tangent.tangential.re],
-                [secant.normal.re, secant.tangential.re]
-            );
-            let stiffer = secant.normal.eps / tangent.normal.eps;
-            let expected = if penetration > 0.0 { 1.0..1.001 } else { 1.1..1.7 };
-            assert!(expected.contains(&stiffer), "{penetration}: {stiffer}");
-            let [tangent, secant] = [&tangents, &secants].map(|friction| force(friction, 0.0, 1.0).tangential);
-            let from_rest = secant.re / 3e-2;
-            assert!(
-                (secant.eps - from_rest).abs() < 1e-9 * from_rest.abs(),
-                "{} {from_rest}",
-                secant.eps
-            );
-            assert!(tangent.eps / from_rest < 0.1, "{} {from_rest}", tangent.eps);
-        }
     }
 
     /// Sticking, sliding, breaking contact: derivatives in each direction against differences.

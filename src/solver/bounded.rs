@@ -1,13 +1,11 @@
 //! Time integration with bounded work, for real time: in each millisecond some Jacobians that differ little from those before
-//! ([`Form`]), and a fixed number of residuals after each ([`Budget`]), whatever happens. A tick that isn't solved when the work is
+//! ([`Geometry`]), and a fixed number of residuals after each ([`Budget`]), whatever happens. A tick that isn't solved when the work is
 //! used up stays open, and the next millisecond goes on with it from the best point so far, with a new Jacobian there. There are two
 //! kinds of ticks, both one-step and L-stable:
 //!
 //! - A calm tick ([`Tick::Calm`]) is a step of [`Sdirk`](super::sdirk::Sdirk), of order two, in two stages.
-//! - A rough tick ([`Tick::Rough`]) is implicit Euler, of order one: a swing of 70 Hz lags by 0.2 rad in ticks of 1 ms. Its Jacobian is
-//!   that of the secants ([`Form::secant`]): where a law saturates, as friction does, its tangent underestimates the
-//!   slopes ahead, and iterations jump from one sliding direction to the other. The secant from rest never does, so each
-//!   iteration dissipates.
+//! - A rough tick ([`Tick::Rough`]) is implicit Euler, of order one: a swing of 70 Hz lags by 0.2 rad in ticks of 1 ms. It damps more,
+//!   and has one stage to solve.
 //!
 //! A stage solves F(t, y, (y − y_0)/τ, q_0 + τ y) = 0 as far as its residuals get:
 //!
@@ -20,14 +18,14 @@
 use super::arrow::{Arrow, ArrowLu};
 use super::broyden::Broyden;
 use super::newton::Counts;
-use super::sdirk::{Evolution, Form, GAMMA, Geometry, Interval, Quadrature, move_by};
+use super::sdirk::{Evolution, GAMMA, Geometry, Interval, Quadrature, move_by};
 use super::{State, System};
 use crate::tape::Tape;
 
 /// Longest tick of a run that keeps up with the clock, s.
 pub const TICK: f64 = 1.0e-3;
 /// Residuals after each Jacobian. All Jacobians have new slopes of the laws, and the first one of a millisecond new geometry too
-/// ([`Geometry`]): in calm ticks of one of so many parts of the belt.
+/// ([`Geometry`]): of one of so many parts of the belt in a calm tick that begins there, else of all.
 pub const RESIDUALS: usize = 8;
 const PARTS: usize = 2;
 /// Share of them that the first stage of a tick may take at once: the second one needs some.
@@ -49,8 +47,9 @@ const ACCEPTED: u32 = 2;
 const RESTRICTION: f64 = 0.25;
 /// Change of the damping after a step that was refused.
 const DAMPED: f64 = 0.5;
-/// Damping from which on a step may also grow the correction, and by how much: a saddle is left.
-const LEAST: f64 = 0.03;
+/// Damping at which a step may also grow the correction, and by how much: a saddle is left. Where gaps close all along the belt, a step may
+/// lead hundreds of times too far: with 0.03 a run of `ALE` under a clutch that hunts never goes on.
+const LEAST: f64 = 1.0e-3;
 const GROWTH: f64 = 2.0;
 /// Defect that stands for an evaluation that was no number.
 const WORST: f64 = 1.0e9;
@@ -145,14 +144,27 @@ pub struct Task {
 }
 
 /// Where an open tick goes on.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Mark {
     /// Stage under way.
     stage: usize,
     /// Whether it has a point already.
     begun: bool,
+    /// Damping that its last steps were refused with: it goes on from there, since a Jacobian at the same point is the same. Else 1.
+    damping: f64,
     /// Largest defect of the stages before.
     defect: f64,
+}
+
+impl Default for Mark {
+    fn default() -> Self {
+        Self {
+            stage: 0,
+            begun: false,
+            damping: 1.0,
+            defect: 0.0,
+        }
+    }
 }
 
 /// What is asked of a stage.
@@ -167,6 +179,8 @@ struct Aim {
     good: Option<f64>,
     /// Whether the residual at the present point is known.
     known: bool,
+    /// Damping of the first step.
+    damping: f64,
 }
 
 /// Ticks of bounded work.
@@ -246,6 +260,7 @@ impl Bounded {
         for flag in [&mut is_open, &mut is_second, &mut mark.begun, &mut is_second_part] {
             tape.flag(flag);
         }
+        tape.real(&mut mark.damping);
         tape.real(&mut mark.defect);
         mark.stage = usize::from(is_second);
         self.turn = usize::from(is_second_part);
@@ -297,7 +312,7 @@ impl Bounded {
             if mark.begun || mark.stage > 0 {
                 self.complete(system, state, part);
             }
-            self.renew(system, state, (time, part), kind, budget);
+            self.renew(system, state, (time, part), (kind, mark.begun), budget);
             let good = kind.good(budget.is_last);
             let share = if is_last || mark.begun { 1.0 } else { OF_FIRST };
             let aim = Aim {
@@ -306,8 +321,10 @@ impl Bounded {
                 residuals: (share * budget.residuals as f64).ceil() as usize,
                 good: (!is_last || kind == Tick::Calm && !task.is_last).then_some(good),
                 known: mark.begun,
+                damping: mark.damping,
             };
-            let defect = self.iterate(system, state, aim, budget);
+            let (defect, damping) = self.iterate(system, state, aim, budget);
+            mark.damping = damping;
             let is_good = defect <= good;
             // The last tick takes the work of all parts.
             let more = is_last && task.is_last && !budget.is_last;
@@ -324,6 +341,7 @@ impl Bounded {
             }
             self.first.copy_from_slice(&state.y);
             mark.begun = false;
+            mark.damping = 1.0;
             mark.stage += 1;
             if budget.is_used_up() {
                 self.leave_open(state, mark);
@@ -347,13 +365,14 @@ impl Bounded {
         state.copy_from(&self.start);
     }
 
-    /// Spends the Jacobian, if it is left, at the present point of a stage that ends at `time` and is `length` long, s.
+    /// Spends the Jacobian, if it is left, at the present point of a stage that ends at `time` and is `length` long, s; `goes_on` says that
+    /// it was open.
     fn renew<S: Evolution>(
         &mut self,
         system: &mut S,
         state: &State,
         (time, length): (f64, f64),
-        kind: Tick,
+        (kind, goes_on): (Tick, bool),
         budget: &mut Budget,
     ) {
         if !std::mem::take(&mut budget.jacobian) {
@@ -362,19 +381,17 @@ impl Bounded {
         let geometry = match kind {
             Tick::Rough if length < SHORT * TICK => Geometry::All,
             _ if !budget.is_first => Geometry::Kept,
-            Tick::Rough => Geometry::All,
-            Tick::Calm => Geometry::Part {
+            Tick::Calm if !goes_on => Geometry::Part {
                 number: self.turn,
                 parts: PARTS,
             },
+            _ => Geometry::All,
         };
         if budget.is_first {
             self.turn = (self.turn + 1) % PARTS;
         }
-        let secant = kind == Tick::Rough;
-        let form = Form { secant, geometry };
         let slopes = [1.0 / length, length];
-        system.jacobian_of(form, time, state.view(), slopes, &mut self.matrix);
+        system.jacobian_with(geometry, time, state.view(), slopes, &mut self.matrix);
         self.counts.factorizations += 1;
         self.regular = self.factors.factor(&self.matrix).is_ok();
     }
@@ -386,10 +403,18 @@ impl Bounded {
         move_by(part, &mut state.y, &self.base.y, &state.y_dot);
     }
 
-    /// Iterates on a stage with the factors at hand; returns its defect. Without any, y stays, and positions move on with it.
-    fn iterate<S: Evolution>(&mut self, system: &mut S, state: &mut State, aim: Aim, budget: &mut Budget) -> f64 {
+    /// Iterates on a stage with the factors at hand; returns its defect, and the damping with which to go on. Without any, y stays, and
+    /// positions move on with it.
+    fn iterate<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &mut State,
+        aim: Aim,
+        budget: &mut Budget,
+    ) -> (f64, f64) {
         let Aim { time, length, .. } = aim;
-        let mut damping = 1.0_f64;
+        let mut damping = aim.damping;
+        let mut has_moved = false;
         let mut norm = f64::INFINITY;
         let mut solved = 0.0;
         let (mut accepted, mut refused) = (0, 0);
@@ -424,6 +449,7 @@ impl Bounded {
                 accepted = if after < norm { accepted + 1 } else { 0 };
                 norm = after;
                 self.accept(state, damping);
+                has_moved |= !is_first;
                 if is_first {
                     solved = (SOLVED * norm).clamp(LIMITS[0], LIMITS[1]);
                 }
@@ -445,7 +471,7 @@ impl Bounded {
         }
         state.y.copy_from_slice(&self.accepted);
         self.complete(system, state, length);
-        norm
+        (norm, if has_moved { 1.0 } else { damping })
     }
 
     /// The correction at the present point; its root mean square in units of Newton's scale.

@@ -31,24 +31,15 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
-    /// The Jacobian for iterations that are few, in this form. [`System::jacobian`] if there is no other.
-    fn jacobian_of(&mut self, form: Form, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
-        let _ = form;
+    /// The Jacobian with a geometry that is new or kept. [`System::jacobian`] if there is no other.
+    fn jacobian_with(&mut self, geometry: Geometry, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        let _ = geometry;
         let [alpha, beta] = slopes;
         self.jacobian(time, view, alpha, beta, out);
     }
 
     /// Called for each accepted step: to integrate what is not part of the state.
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval);
-}
-
-/// Which Jacobian.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Form {
-    /// Whether it must not overshoot: where a law saturates, it is that of its secant from rest.
-    pub secant: bool,
-    /// What beside the slopes of laws is evaluated anew.
-    pub geometry: Geometry,
 }
 
 /// What of a Jacobian is evaluated anew beside the slopes of laws that change much, if there is an earlier one of a like step.

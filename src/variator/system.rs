@@ -9,7 +9,7 @@ use crate::ring::model::Energy;
 use crate::ring::rcm::RcmElement;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::{Form, Geometry};
+use crate::solver::sdirk::Geometry;
 use crate::solver::{State, System, View};
 use crate::tape::Tape;
 use crate::variator::assembly::equations::{Assembly, InForce};
@@ -43,10 +43,6 @@ pub struct VariatorSystem {
     pub friction_velocity: f64,
     /// Share by which laws are rounded, from 0 to 1.
     rounding: f64,
-    /// Whether the derivatives of friction are those of secants: while such a Jacobian is formed.
-    secant: bool,
-    /// Whether the kept derivatives are those of secants.
-    keeps_secants: bool,
     assembly: Box<dyn Assembly>,
     /// Working memory.
     resultants: ResultantSlopes,
@@ -110,8 +106,6 @@ impl VariatorSystem {
             parameters: parameters.clone(),
             friction_velocity: parameters.friction.velocity,
             rounding: 0.0,
-            secant: false,
-            keeps_secants: false,
             assembly: assembly(parameters, &belt),
             resultants: ResultantSlopes::new(belt.layout.len()),
             belt: Arc::new(belt),
@@ -132,7 +126,6 @@ impl VariatorSystem {
         Friction {
             velocity: rounded(self.friction_velocity),
             ring_velocity: rounded(ring_velocity),
-            secant: self.secant,
             ..*own
         }
     }
@@ -165,28 +158,8 @@ impl VariatorSystem {
         loads
     }
 
-    /// A Jacobian in a form for few iterations. It keeps derivatives for the next ones, until [`VariatorSystem::drop_secants`] if they are
-    /// those of secants.
-    pub(crate) fn jacobian_of(&mut self, form: Form, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
-        let Form { secant, geometry } = form;
-        if secant != self.keeps_secants {
-            self.forget_derivatives();
-        }
-        self.secant = secant;
-        self.form_jacobian(Some(geometry), time, view, slopes, out);
-        self.secant = false;
-        self.keeps_secants = secant;
-    }
-
-    /// Drops derivatives of secants: others that are kept can be evaluated again where they were.
-    pub(crate) fn drop_secants(&mut self) {
-        if std::mem::take(&mut self.keeps_secants) {
-            self.forget_derivatives();
-        }
-    }
-
     /// The Jacobian, with derivatives as in [`Assembly::jacobian`].
-    fn form_jacobian(
+    pub(crate) fn form_jacobian(
         &mut self,
         geometry: Option<Geometry>,
         time: f64,
@@ -270,20 +243,6 @@ impl VariatorSystem {
 
 #[cfg(test)]
 impl VariatorSystem {
-    /// The Jacobian whose kept derivatives get new slopes of the laws alone, of tangents or secants.
-    pub(crate) fn jacobian_of_new_laws(
-        &mut self,
-        secant: bool,
-        time: f64,
-        view: View<'_>,
-        slopes: [f64; 2],
-        out: &mut Arrow,
-    ) {
-        self.secant = secant;
-        self.form_jacobian(Some(Geometry::Kept), time, view, slopes, out);
-        self.secant = false;
-    }
-
     /// The variator mirrored in the plane of the drive: sheaves on the other sides.
     pub(crate) fn mirrored(parameters: &Parameters) -> Self {
         let mut belt = Belt::new(parameters);

@@ -23,7 +23,7 @@ fn ring_load<T: Real>(pressing: T) -> T {
 #[inline(always)]
 pub(crate) fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
     let (_, inverse_speed) = square_of_speed(friction, sliding).root_and_inverse();
-    ring_load(pressing) * kappa * friction.ring * sliding * friction.per_speed(inverse_speed)
+    ring_load(pressing) * kappa * friction.ring * sliding * inverse_speed
 }
 
 /// Drag of the ring's layers per dξ, N/m, under the tension `pressing`, N, where the ring moves along itself at `speed`, m/s.

@@ -277,7 +277,6 @@ impl Variator {
                 real_time.tick(&mut running, &mut self.state, &mut budget);
             }
         }
-        self.system.drop_secants();
         self.real_time = Some(real_time);
         self.time = end;
     }

@@ -337,7 +337,6 @@ impl Default for Parameters {
                 ring_velocity: 2.0e-3,
                 fall: 0.1,
                 fall_speed: 0.5,
-                secant: false,
             },
             contact: Contact {
                 stiffness: 6.0e10,

@@ -2,7 +2,7 @@
 
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::{Evolution, Form, Interval, Quadrature};
+use crate::solver::sdirk::{Evolution, Geometry, Interval, Quadrature};
 use crate::solver::{System, View};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::survey::belt_survey::{BeltSums, Survey};
@@ -109,8 +109,8 @@ impl Evolution for Running<'_> {
         way / drift
     }
 
-    fn jacobian_of(&mut self, form: Form, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
-        self.system.jacobian_of(form, time, view, slopes, out);
+    fn jacobian_with(&mut self, geometry: Geometry, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        self.system.form_jacobian(Some(geometry), time, view, slopes, out);
     }
 
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
