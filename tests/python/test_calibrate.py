@@ -253,8 +253,8 @@ def test_the_step_of_the_differences_stands_on_a_plateau(
     fixed = parameters.assign(chosen, place)
     (base,) = opened.states([fixed])
     found = []
-    for factor in (1.0 / 3.0, 1.0, 3.0):
-        monkeypatch.setattr(model, "STEP", factor * 1e-3)
+    for step in (model.STEP / 3.0, model.STEP, 3.0 * model.STEP):
+        monkeypatch.setattr(model, "STEP", step)
         found.append(opened.slopes(chosen, fixed, place, base, central=True))
     assert np.abs(found[1]).max(axis=0).min() > 1.0
     quantities = np.array([value.measured.quantity for value in opened.values])
