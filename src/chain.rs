@@ -501,12 +501,13 @@ impl<T> Transport<T> {
 }
 
 impl Transport<f64> {
-    /// Slope in direction `k` of a function that has these derivatives with respect to the quantities, where `slopes` are
+    /// Slopes in N directions of a function that has these derivatives with respect to the quantities, where `slopes` are
     /// the slopes of the quantities.
-    #[inline]
+    #[inline(always)]
     #[must_use]
-    pub fn along<const N: usize>(&self, slopes: &Transport<[f64; N]>, k: usize) -> f64 {
-        self.flow * slopes.flow[k] + self.density * slopes.density[k] + self.lag * slopes.lag[k]
+    pub fn along<const N: usize>(&self, slopes: &Transport<[f64; N]>) -> [f64; N] {
+        let slope = |k: usize| self.flow * slopes.flow[k] + self.density * slopes.density[k] + self.lag * slopes.lag[k];
+        std::array::from_fn(slope)
     }
 }
 
@@ -524,6 +525,7 @@ pub fn lag<T: Real>(difference: T, contact: T, upwinding: T) -> T {
 }
 
 /// Amount per time through a face: J ν of the cell upstream.
+#[inline(always)]
 pub fn flux<T: Real>(before: &Transport<T>, after: &Transport<T>) -> T {
     let (forward, _) = smooth_plus(after.flow - before.lag, UPWIND_SMOOTHING);
     let (backward, _) = smooth_plus(-after.flow - after.lag, UPWIND_SMOOTHING);
@@ -532,8 +534,11 @@ pub fn flux<T: Real>(before: &Transport<T>, after: &Transport<T>) -> T {
 
 /// Derivatives of [`flux`] with respect to the quantities of both cells.
 #[must_use]
-pub fn flux_slopes(before: &Transport<f64>, after: &Transport<f64>) -> [Transport<f64>; 2] {
-    let seeded = |cell: &Transport<f64>, first: usize| -> Transport<Tangent<6, f64>> {
+pub fn flux_slopes<T: Real>(before: &Transport<T>, after: &Transport<T>) -> [Transport<T>; 2]
+where
+    Tangent<6, T>: Real,
+{
+    let seeded = |cell: &Transport<T>, first: usize| -> Transport<Tangent<6, T>> {
         Transport {
             flow: Tangent::seed(cell.flow, first, 1.0),
             density: Tangent::seed(cell.density, first + 1, 1.0),

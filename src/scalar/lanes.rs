@@ -37,6 +37,13 @@ impl Lanes {
         *to.first_chunk_mut().expect("as many places as lanes") = self.to_array();
     }
 
+    /// As many packs as lanes with rows and columns exchanged.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn transposed(rows: [Self; LANES]) -> [Self; LANES] {
+        Pack::transpose(rows.map(|row| row.0)).map(Self)
+    }
+
     /// The numbers.
     #[inline(always)]
     #[must_use]

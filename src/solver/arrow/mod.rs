@@ -170,6 +170,15 @@ impl Arrow {
         self.values[index] += value;
     }
 
+    /// Adds to entries in N rows of a column and of a block, the first of which has that place.
+    #[inline(always)]
+    pub fn add_run<const N: usize>(&mut self, index: usize, values: [f64; N]) {
+        let run: &mut [f64; N] = self.values[index..].first_chunk_mut().expect("rows of a block");
+        for (entry, value) in run.iter_mut().zip(values) {
+            *entry += value;
+        }
+    }
+
     /// Replaces a row by a multiple of the unit row: `scale`·x_row.
     pub fn set_unit_row(&mut self, row: usize, scale: f64) {
         if let Some(at) = row.checked_sub(self.shape.blocks * self.shape.block) {

@@ -56,7 +56,7 @@ impl GlobalSlopes {
                 for (&column, slope) in at.iter().zip(row) {
                     match at.get(k) {
                         Some(&row) => out.add(row, column, slope.sum()),
-                        None => resultants.add(pulley, k - at.len(), column, slope.sum()),
+                        None => resultants.of(pulley, k - at.len())[column] += slope.sum(),
                     }
                 }
             }

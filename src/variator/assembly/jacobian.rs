@@ -7,7 +7,7 @@ use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::pack_balance;
 use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
-use crate::variator::assembly::law_part::{LawPart, Through, in_block};
+use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::regime::{Regime, RegimeProbe, Units};
 use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
@@ -21,6 +21,7 @@ use crate::variator::law::place::{CellBalance, Place};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{CellRing, VaryingRing};
 use num_traits::Zero;
+use std::cell::OnceCell;
 
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
@@ -50,7 +51,7 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
         wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, Renewal);
 }
 
@@ -79,7 +80,7 @@ impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
         wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, Renewal) {
         by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, wanted, kept)
     }
@@ -94,7 +95,7 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
         wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, Renewal) {
         by_hand::<Self, D, C, 1>(acting, pack, frames, at, wanted, kept)
     }
@@ -113,7 +114,7 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
         wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
+        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, Renewal) {
         let (unknowns, slopes) = at;
         let mut regime = Regime::zero();
@@ -127,7 +128,7 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
         let units = units(acting, &place, slopes[0]);
         let renewed = kept.0.renew::<Self>(wanted, (&regime, &units), at, place.length.v);
         if renewed == Renewal::All {
-            forward::<Self, D, C>(acting, pack, &frames.shape, at, (kept.0, kept.1));
+            forward::<Self, D, C>(acting, pack, &frames.shape, at, kept);
         }
         (b, renewed)
     }
@@ -141,7 +142,7 @@ fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     frames: &Frames<C, N>,
     at: (&Unknowns<Lanes>, [f64; 2]),
     wanted: Wanted,
-    (kept, transports, through): (&mut Kept, &mut [Transport<[f64; MOST]>], &mut Through),
+    (kept, transports): (&mut Kept, &mut [Transport<[f64; MOST]>]),
 ) -> (CellBalance<Lanes>, Renewal)
 where
     for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
@@ -177,13 +178,8 @@ where
     let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut probe);
     let units = units(acting, &place, slopes[0]);
     let renewal = kept.renew::<K>(wanted, (&regime, &units), at, place.length.v);
-    match (renewal, &kept.laws) {
-        (Renewal::Nothing, _) => return (b, renewal),
-        (Renewal::Laws, Some(laws)) => {
-            laws.renew::<K>(&regime.laws, &mut kept.block, through);
-            return (b, renewal);
-        }
-        _ => {}
+    if renewal != Renewal::All {
+        return (b, renewal);
     }
     let evaluated = Evaluated {
         cell,
@@ -204,7 +200,7 @@ where
     let mut arguments = Arguments::zero();
     let arguing = &mut Arguing(&mut arguments);
     let (rows, transport) =
-        pack_pass::<N, K, D, C>(acting, pack, &frames.moving, (unknowns, slopes), K::THETA, arguing);
+        pack_pass::<N, K, D, C>(acting, pack, frames.moving(), (unknowns, slopes), K::THETA, arguing);
     for i in 0..N {
         columns.record::<K>(
             K::THETA + i,
@@ -214,7 +210,7 @@ where
         columns.record_arguments::<K>(K::THETA + i, &arguments.map(|of| of.eps[i]));
     }
     if let Some(laws) = &mut kept.laws {
-        laws.keep::<K, _, D>(&linear, &regime.laws, &kept.block);
+        laws.keep::<K, _, D>(&linear, &regime.laws);
     }
     (b, renewal)
 }
@@ -284,15 +280,13 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
     kept: &Kept,
     transports: &[Transport<[f64; MOST]>],
 ) -> f64 {
-    use crate::variator::assembly::law_part::MOST_FORCES;
     use crate::variator::cell::directions::RESULTANT;
     let count = K::COUNT;
     let mut worst = 0.0_f64;
     let mut kept = [kept.clone(), kept.clone()];
     let mut transports = [transports.to_vec(), transports.to_vec()];
     kept[0].forget();
-    let mut through = [[Lanes::zero(); MOST]; MOST_FORCES];
-    let of_hand = (&mut kept[0], &mut transports[0][..], &mut through);
+    let of_hand = (&mut kept[0], &mut transports[0][..]);
     K::renew(acting, pack, frames, at, Wanted::All, of_hand);
     forward::<K, D, C>(acting, pack, K::shape(frames), at, (&mut kept[1], &mut transports[1]));
     for lane in 0..pack.group.used {
@@ -364,11 +358,12 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The curve without derivatives and with those along its first N coordinates.
+/// The curve without derivatives, and with those along its first N coordinates once they are asked for.
 pub(crate) struct Frames<C: MeshCurve, const N: usize> {
     shape: C::Shape,
     plain: C::Frame<Lanes>,
-    moving: C::Frame<Tangent<N>>,
+    moving: OnceCell<C::Frame<Tangent<N>>>,
+    slopes: [f64; 2],
 }
 
 impl<C: MeshCurve, const N: usize> Frames<C, N> {
@@ -377,9 +372,15 @@ impl<C: MeshCurve, const N: usize> Frames<C, N> {
         let shape = C::shape(curve, path);
         Self {
             plain: C::mesh_frame(&shape, |_| Jet::constant(0.0)),
-            moving: C::mesh_frame(&shape, |k| moving(k, slopes)),
+            moving: OnceCell::new(),
             shape,
+            slopes,
         }
+    }
+
+    fn moving(&self) -> &C::Frame<Tangent<N>> {
+        self.moving
+            .get_or_init(|| C::mesh_frame(&self.shape, |k| moving(k, self.slopes)))
     }
 }
 

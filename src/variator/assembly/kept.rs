@@ -7,10 +7,10 @@
 
 use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
-use crate::variator::assembly::law_part::LawPart;
+use crate::variator::assembly::law_part::{LawPart, LawWork, height};
 use crate::variator::assembly::regime::{Regime, Units};
 use crate::variator::assembly::unknowns::Unknowns;
-use crate::variator::cell::directions::{Directions, MOST};
+use crate::variator::cell::directions::Directions;
 
 /// Factor by which 1/(hγ) may be off.
 const RESCALED: f64 = 1.5;
@@ -47,14 +47,9 @@ pub(crate) struct Origin {
 
 impl Origin {
     fn none() -> Self {
-        let zero = [Lanes::from(0.0); MOST];
         Self {
             slopes: [f64::NAN; 2],
-            unknowns: Unknowns {
-                position: zero,
-                value: zero,
-                rate: zero,
-            },
+            unknowns: Unknowns::zero(),
         }
     }
 
@@ -79,20 +74,20 @@ pub(crate) struct Kept {
     /// Where the slopes of the laws were evaluated, if that was later.
     pub laws_origin: Origin,
     pub regime: Regime,
-    /// Rows of the balance, the amount's left out, then the resultant of the contact forces; each a direction after the other.
+    /// The derivatives at the origin: rows of the balance, the amount's left out, then the resultant of the contact forces; each a direction after the other.
     pub block: Vec<Lanes>,
     /// The laws' part, of a ring that has derivatives by hand.
     pub laws: Option<LawPart>,
 }
 
 impl Kept {
-    /// Memory for a block of so many entries.
-    pub(crate) fn new(entries: usize, laws: Option<LawPart>) -> Self {
+    /// Memory for the derivatives of a pack.
+    pub(crate) fn new<K: Directions>(laws: Option<LawPart>) -> Self {
         Self {
             origin: Origin::none(),
             laws_origin: Origin::none(),
             regime: Regime::zero(),
-            block: vec![Lanes::from(0.0); entries],
+            block: vec![Lanes::from(0.0); height::<K>() * K::COUNT],
             laws,
         }
     }
@@ -101,6 +96,14 @@ impl Kept {
     pub(crate) fn forget(&mut self) {
         self.origin.forget();
         self.laws_origin.forget();
+    }
+
+    /// The derivatives with the slopes of the laws that were evaluated last.
+    pub(crate) fn derivatives<'a, K: Directions>(&'a self, work: &'a mut LawWork) -> &'a [Lanes] {
+        match &self.laws {
+            Some(laws) if self.laws_origin.exists() => laws.renewed::<K>(&self.regime.laws, &self.block, work),
+            _ => &self.block,
+        }
     }
 
     /// Says what of the derivatives is to be evaluated anew where the pack is in this `regime`, and takes unknowns and regime as those

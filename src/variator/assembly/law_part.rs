@@ -14,9 +14,9 @@ use crate::variator::rings::ring::VaryingRing;
 use num_traits::Zero;
 
 /// Most forces of a cell's laws: in space, with both flanks at each station.
-pub(crate) const MOST_FORCES: usize = STATIONS * (2 * FLANK_FORCES + 1) + STACK_FORCES;
+const MOST_FORCES: usize = STATIONS * (2 * FLANK_FORCES + 1) + STACK_FORCES;
 
-/// L and R of a pack of cells, and the derivatives that have the slopes S.
+/// L and R of a pack of cells, and the slopes S that its derivatives have.
 #[derive(Clone, Debug)]
 pub(crate) struct LawPart {
     extent: Extent,
@@ -25,8 +25,6 @@ pub(crate) struct LawPart {
     /// R: for each argument, the directions.
     right: Vec<Lanes>,
     slopes: LawSlopes,
-    /// The block of derivatives with these slopes.
-    base: Vec<Lanes>,
 }
 
 impl LawPart {
@@ -38,7 +36,6 @@ impl LawPart {
             left: zeros(extent.forces() * height::<K>()),
             right: zeros(extent.arguments() * K::COUNT),
             slopes: LawSlopes::zero(),
-            base: zeros(height::<K>() * K::COUNT),
             extent,
         }
     }
@@ -60,15 +57,13 @@ impl LawPart {
         by.stack.iter().for_each(|value| put(*value));
     }
 
-    /// Records how the forces of the laws act, their slopes, and the derivatives that have them.
+    /// Records how the forces of the laws act, and their slopes.
     #[inline(always)]
     pub fn keep<K: Directions, R: VaryingRing<Lanes, D>, const D: usize>(
         &mut self,
         linear: &Linearised<'_, R, D>,
         slopes: &LawSlopes,
-        block: &[Lanes],
     ) {
-        self.base.copy_from_slice(block);
         self.slopes = *slopes;
         let Extent { stations, flanks } = self.extent;
         let mut left = self.left.chunks_exact_mut(height::<K>());
@@ -91,9 +86,10 @@ impl LawPart {
         record(LawForce::Collision);
     }
 
-    /// The derivatives with new slopes, into `block`; `through` is working memory.
+    /// The derivatives with new slopes, where those of before are `block`.
     #[inline(never)]
-    pub fn renew<K: Directions>(&self, slopes: &LawSlopes, block: &mut [Lanes], through: &mut Through) {
+    pub fn renewed<'a, K: Directions>(&self, slopes: &LawSlopes, block: &[Lanes], work: &'a mut LawWork) -> &'a [Lanes] {
+        let LawWork { through, out } = work;
         let Extent { stations, flanks } = self.extent;
         let mut changes = Changes {
             right: self.right.chunks_exact(K::COUNT),
@@ -110,12 +106,13 @@ impl LawPart {
         }
         changes.add::<K, STACK_ARGUMENTS>(&slopes.stack, &self.slopes.stack);
         let Changes { forces, count, .. } = changes;
-        block.copy_from_slice(&self.base);
         let left = |force: usize, row: usize| self.left[force * height::<K>() + row];
         // Four at a time, so that an entry is read and written once for all of them.
         let fours = through[..count].chunks_exact(4).zip(forces.chunks_exact(4));
         let rest = count - count % 4;
-        for (row, to) in block.chunks_exact_mut(K::COUNT).enumerate() {
+        let rows = out.chunks_exact_mut(K::COUNT).zip(block.chunks_exact(K::COUNT));
+        for (row, (to, block)) in rows.enumerate() {
+            to.copy_from_slice(block);
             for (through, forces) in fours.clone() {
                 let by: [Lanes; 4] = std::array::from_fn(|k| left(forces[k], row));
                 let through: [&[Lanes]; 4] = std::array::from_fn(|k| &through[k][..K::COUNT]);
@@ -131,11 +128,30 @@ impl LawPart {
                     .for_each(|(to, through)| *to += by * *through);
             }
         }
+        &out[..block.len()]
+    }
+}
+
+/// Working memory of [`LawPart::renewed`].
+#[derive(Clone, Debug)]
+pub(crate) struct LawWork {
+    through: Box<Through>,
+    /// The derivatives.
+    out: Vec<Lanes>,
+}
+
+impl LawWork {
+    /// For the packs of a ring.
+    pub fn new<K: Directions>() -> Self {
+        Self {
+            through: Box::new([[Lanes::zero(); MOST]; MOST_FORCES]),
+            out: vec![Lanes::zero(); height::<K>() * K::COUNT],
+        }
     }
 }
 
 /// (S_new − S) R of forces whose slopes have changed.
-pub(crate) type Through = [[Lanes; MOST]; MOST_FORCES];
+type Through = [[Lanes; MOST]; MOST_FORCES];
 
 /// Forces whose slopes have changed, as they are found.
 struct Changes<'a, R> {
@@ -167,7 +183,7 @@ impl<'a, R: Iterator<Item = &'a [Lanes]>> Changes<'_, R> {
 }
 
 /// Rows of the block of a pack's derivatives.
-const fn height<K: Directions>() -> usize {
+pub(crate) const fn height<K: Directions>() -> usize {
     K::COUNT - 1 + RESULTANT
 }
 

@@ -28,6 +28,20 @@ pub(crate) struct Slots {
     stations: Vec<Station<Lanes>>,
 }
 
+/// Rows of a pack's derivatives that stand one after the other in the matrix: as many as lanes, or one.
+#[derive(Clone, Debug)]
+struct Strip {
+    /// The first row.
+    row: usize,
+    /// Whether there are as many rows as lanes.
+    is_wide: bool,
+    /// Places of its entries, a direction after the other.
+    at: Vec<[usize; LANES]>,
+}
+
+/// Most unknowns of a node: place and slope, in space.
+const MOST_OF_NODE: usize = 6;
+
 /// A group of cells, with what their evaluation needs.
 #[derive(Clone, Debug)]
 pub(crate) struct Pack {
@@ -40,8 +54,8 @@ pub(crate) struct Pack {
     plane: [Lanes; 2],
     /// Unknowns of the directions.
     pub at: [[usize; LANES]; MOST],
-    /// Places of the derivatives in the matrix: row by row, the amount's left out, a direction after the other.
-    pub entries: Vec<[usize; LANES]>,
+    /// Places of the derivatives in the matrix: the amount's row is left out.
+    strips: Vec<Strip>,
 }
 
 impl Pack {
@@ -64,27 +78,53 @@ impl Pack {
     /// Adds `rows` of the balance of each cell, its own directions', to `out`; the amount has its own balance.
     #[inline(always)]
     pub fn scatter<K: Directions, const D: usize>(&self, rows: &[Lanes; MOST_ROWS], out: &mut [f64]) {
-        let rows = rows.map(Lanes::to_array);
-        for lane in 0..self.group.used {
-            for first in (0..K::NODES).step_by(2 * D) {
-                let node = &mut out[self.at[first][lane]..][..2 * D];
-                for (k, x) in node.iter_mut().enumerate() {
-                    *x += rows[first + k][lane];
+        let whole = 2 * D - 2 * D % LANES;
+        for first in (0..K::NODES).step_by(2 * D) {
+            for start in (0..whole).step_by(LANES) {
+                let of_cells = Lanes::transposed(std::array::from_fn(|k| rows[first + start + k]));
+                for (&at, of_cell) in self.at[first][..self.group.used].iter().zip(of_cells) {
+                    let node = &mut out[at + start..][..LANES];
+                    (Lanes::read(node) + of_cell).write(node);
                 }
             }
-            for k in (K::NODES..K::DRIFT).filter(|k| *k != K::AMOUNT) {
-                out[self.at[k][lane]] += rows[k][lane];
+        }
+        let alone = |k: &usize| *k != K::AMOUNT && (*k >= K::NODES || k % (2 * D) >= whole);
+        for k in (0..K::DRIFT).filter(alone) {
+            for (&at, value) in self.at[k][..self.group.used].iter().zip(rows[k].to_array()) {
+                out[at] += value;
             }
         }
     }
 
-    /// Adds derivatives to the matrix, at places from [`Pack::entries`].
+    /// Adds derivatives to the matrix: rows of `width` directions each, of which those of a row's strip are taken.
     #[inline(always)]
-    pub fn add_entries(&self, values: &[Lanes], entries: &[[usize; LANES]], out: &mut Arrow) {
-        for (entry, value) in entries.iter().zip(values) {
-            let value = value.to_array();
-            for lane in 0..self.group.used {
-                out.add_at(entry[lane], value[lane]);
+    pub fn add_derivatives(&self, block: &[Lanes], width: usize, out: &mut Arrow) {
+        // The number of lanes is known to the compiler where all are in use.
+        if self.group.used == LANES {
+            self.add_lanes(block, width, LANES, out);
+        } else {
+            self.add_lanes(block, width, self.group.used, out);
+        }
+    }
+
+    #[inline(always)]
+    fn add_lanes(&self, block: &[Lanes], width: usize, used: usize, out: &mut Arrow) {
+        for Strip { row, is_wide, at } in &self.strips {
+            let row = |k: usize| &block[(row + k) * width..][..at.len()];
+            if *is_wide {
+                let rows: [&[Lanes]; LANES] = std::array::from_fn(row);
+                for (k, at) in at.iter().enumerate() {
+                    let of_cells = Lanes::transposed(rows.map(|row| row[k]));
+                    for (&at, of_cell) in at.iter().zip(of_cells).take(used) {
+                        out.add_run(at, of_cell.to_array());
+                    }
+                }
+            } else {
+                for (at, value) in at.iter().zip(row(0)) {
+                    for (&at, value) in at.iter().zip(value.to_array()).take(used) {
+                        out.add_at(at, value);
+                    }
+                }
             }
         }
     }
@@ -92,10 +132,10 @@ impl Pack {
     /// Adds derivatives in its first directions to those of a component of the resultants.
     #[inline(always)]
     pub fn add_resultant(&self, values: &[Lanes], axis: usize, belt: &Belt, out: &mut ResultantSlopes) {
-        for (at, value) in self.at.iter().zip(values) {
-            let value = value.to_array();
-            for (lane, &cell) in self.cells().iter().enumerate() {
-                out.add(belt.mesh.cells[cell].pulley, axis, at[lane], value[lane]);
+        for (lane, &cell) in self.cells().iter().enumerate() {
+            let slopes = out.of(belt.mesh.cells[cell].pulley, axis);
+            for (at, value) in self.at.iter().zip(values) {
+                slopes[at[lane]] += value.to_array()[lane];
             }
         }
     }
@@ -122,20 +162,37 @@ impl InPlace<'_> {
         }
     }
 
-    /// Copies of them all, in `count` directions.
+    /// Copies them all.
     #[inline(always)]
-    pub fn gather(&self, count: usize) -> Unknowns<Lanes> {
-        let all = |part: Part| {
-            let mut to = [Lanes::zero(); MOST];
-            for (k, x) in to[..count].iter_mut().enumerate() {
-                *x = self.read(part, k);
+    pub fn gather<K: Directions>(&self, to: &mut Unknowns<Lanes>) {
+        let Unknowns { position, value, rate } = to;
+        for (part, to) in [
+            (Part::Position, position),
+            (Part::Value, value),
+            (Part::Rate, rate),
+        ] {
+            let (of_nodes, others) = to.split_at_mut(K::NODES);
+            for (node, to) in of_nodes.chunks_exact_mut((K::NODES / 2).max(1)).enumerate() {
+                self.gather_node(part, node * to.len(), to);
             }
-            to
-        };
-        Unknowns {
-            position: all(Part::Position),
-            value: all(Part::Value),
-            rate: all(Part::Rate),
+            for (k, to) in others[..K::COUNT - K::NODES].iter_mut().enumerate() {
+                *to = self.read(part, K::NODES + k);
+            }
+        }
+    }
+
+    /// Copies the unknowns of a node from direction `first` on, which are contiguous.
+    #[inline(always)]
+    fn gather_node(&self, part: Part, first: usize, to: &mut [Lanes]) {
+        let from = self.part(part);
+        let nodes = self.pack.at[first].map(|i| &from[i..][..to.len()]);
+        let whole = to.len() - to.len() % LANES;
+        let (runs, rest) = to.split_at_mut(whole);
+        for (run, to) in runs.chunks_exact_mut(LANES).enumerate() {
+            to.copy_from_slice(&Lanes::transposed(nodes.map(|node| Lanes::read(&node[LANES * run..]))));
+        }
+        for (k, to) in rest.iter_mut().enumerate() {
+            *to = Lanes::new(nodes.map(|node| node[whole + k]));
         }
     }
 }
@@ -147,12 +204,11 @@ impl ReadUnknowns<Lanes> for InPlace<'_> {
         Lanes::new(self.pack.at[k].map(|i| from[i]))
     }
 
-    /// The unknowns of a node are contiguous.
     #[inline(always)]
     fn read_node<const D: usize>(&self, part: Part, first: usize) -> impl Fn(usize) -> Lanes {
-        let from = self.part(part);
-        let nodes = self.pack.at[first].map(|i| &from[i..][..2 * D]);
-        move |k| Lanes::new(nodes.map(|of| of[k]))
+        let mut node = [Lanes::zero(); MOST_OF_NODE];
+        self.gather_node(part, first, &mut node[..2 * D]);
+        move |k| node[k]
     }
 }
 
@@ -225,21 +281,39 @@ pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
                 of_pulley(&|pulley| belt.law.planes[pulley].middle),
             ],
             at: std::array::from_fn(|k| at.map(|at| at[k])),
-            entries: entries::<K>(&shape, &at),
+            strips: strips::<K>(&shape, &at),
         }
     };
     mesh.groups.iter().map(pack).collect()
 }
 
-/// Places of the derivatives of a pack in the matrix.
-fn entries<K: Directions>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<[usize; LANES]> {
-    let mut entries = Vec::new();
-    for row in (0..K::COUNT).filter(|&row| row != K::AMOUNT) {
-        for column in 0..K::COUNT {
-            entries.push(at.map(|at| shape.index(at[row], at[column]).expect("neighbours are in the band")));
-        }
+/// Places of the derivatives of a pack in the matrix. What rows and directions of the globals share is left out: it is summed up
+/// before it goes there.
+fn strips<K: Directions>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Strip> {
+    let places = |row: usize| -> Vec<[usize; LANES]> {
+        // The block has no row of the amount.
+        let of_row = row + usize::from(row >= K::AMOUNT);
+        let columns = if of_row < K::DRIFT { K::COUNT } else { K::DRIFT };
+        let place = |column: usize| at.map(|at| shape.index(at[of_row], at[column]).expect("neighbours are in the band"));
+        (0..columns).map(place).collect()
+    };
+    let follow = |first: &[[usize; LANES]], then: &[[usize; LANES]], by: usize| {
+        let mut pairs = first.as_flattened().iter().zip(then.as_flattened());
+        first.len() == then.len() && pairs.all(|(first, then)| first + by == *then)
+    };
+    let rows: Vec<_> = (0..K::COUNT - 1).map(places).collect();
+    let mut strips = Vec::new();
+    let mut row = 0;
+    while let Some(at) = rows.get(row) {
+        let is_wide = (1..LANES).all(|k| rows.get(row + k).is_some_and(|then| follow(at, then, k)));
+        strips.push(Strip {
+            row,
+            is_wide,
+            at: at.clone(),
+        });
+        row += if is_wide { LANES } else { 1 };
     }
-    entries
+    strips
 }
 
 /// Places of the derivatives of the fluxes, for each cell.

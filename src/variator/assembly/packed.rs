@@ -16,13 +16,13 @@ use crate::variator::assembly::jacobian::Differentiate;
 use crate::variator::assembly::jacobian::worst_of_pack;
 use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
 use crate::variator::assembly::kinds::MeshCurve;
-use crate::variator::assembly::law_part::{MOST_FORCES, Through};
+use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
-use crate::variator::assembly::unknowns::{path, rows};
+use crate::variator::assembly::unknowns::{Unknowns, path, rows};
 use crate::variator::belt::Belt;
-use crate::variator::cell::directions::{MOST, RESULTANT};
+use crate::variator::cell::directions::MOST;
 use crate::variator::cell::probe::NoProbe;
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellBalance;
@@ -42,8 +42,9 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
     pub(crate) flux_entries: Vec<FluxEntries>,
     /// Working memory.
+    unknowns: Box<Unknowns<Lanes>>,
     globals: GlobalSlopes,
-    through: Box<Through>,
+    work: LawWork,
     kind: PhantomData<(K, C)>,
 }
 
@@ -53,39 +54,33 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
         Self {
-            kept: packs
-                .iter()
-                .map(|pack| {
-                    let entries = pack.entries.len() + RESULTANT * K::COUNT;
-                    Kept::new(entries, K::law_part(belt.mesh.points))
-                })
-                .collect(),
+            kept: vec![Kept::new::<K>(K::law_part(belt.mesh.points)); packs.len()],
             packs,
             differentiations: [0; 2],
             transports: Transports::new(cells),
             transport_slopes: vec![Transport::default().map(|()| [0.0; MOST]); cells],
             flux_entries: flux_entries::<K>(belt),
+            unknowns: Box::new(Unknowns::zero()),
             globals: GlobalSlopes::new::<K>(),
-            through: Box::new([[Lanes::zero(); MOST]; MOST_FORCES]),
+            work: LawWork::new::<K>(),
             kind: PhantomData,
         }
     }
 
     /// Adds the derivatives of the balance of the amounts: fluxes through the left faces, which no pulley moves.
-    fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
+    fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         for face in self.transports.faces(belt) {
             let [before, cell] = face.cells;
             let row = face.amounts[1];
             out.add(row, row, alpha);
-            let [own, other] = &self.flux_entries[cell];
-            for k in 0..K::SHEAVE {
-                let of_own = face.slopes(1, &self.transport_slopes[cell], k);
-                let of_before = face.slopes(0, &self.transport_slopes[before], k);
-                for (entries, slopes) in [(own[k], of_own), (other[k], of_before)] {
-                    for (entry, slope) in entries.into_iter().zip(slopes) {
-                        if entry != NOWHERE {
-                            out.add_at(entry, slope);
-                        }
+            for ((side, of), entries) in [(1, cell), (0, before)].into_iter().zip(&self.flux_entries[cell]) {
+                let slopes = face.slopes(side, &self.transport_slopes[of]);
+                for ([from, into], slope) in entries.iter().zip(slopes).take(K::SHEAVE) {
+                    if *from != NOWHERE {
+                        out.add_at(*from, slope);
+                    }
+                    if *into != NOWHERE {
+                        out.add_at(*into, -slope);
                     }
                 }
             }
@@ -154,24 +149,20 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         self.globals.clear();
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
         for (number, (pack, kept)) in self.packs.iter().zip(&mut self.kept).enumerate() {
-            let unknowns = InPlace { pack, view }.gather(K::COUNT);
-            let of_pack = (&mut *kept, &mut *self.transport_slopes, &mut *self.through);
-            let at = (&unknowns, slopes);
+            InPlace { pack, view }.gather::<K>(&mut self.unknowns);
+            let of_pack = (&mut *kept, &mut *self.transport_slopes);
+            let at = (&*self.unknowns, slopes);
             let (b, renewal) = K::renew(acting, pack, &frames, at, wanted(number), of_pack);
             for (count, of) in self.differentiations.iter_mut().zip([Renewal::All, Renewal::Laws]) {
                 *count += u64::from(renewal == of);
             }
-            let mut rows = kept.block.chunks_exact(K::COUNT);
-            let mut entries = pack.entries.chunks_exact(K::COUNT);
-            for (row, entries) in rows.by_ref().zip(entries.by_ref()).take(K::DRIFT - 1) {
-                pack.add_entries(row, entries, out);
-            }
-            for (k, row) in rows.enumerate() {
+            let block = kept.derivatives::<K>(&mut self.work);
+            pack.add_derivatives(block, K::COUNT, out);
+            let shared = block.chunks_exact(K::COUNT).skip(K::DRIFT - 1);
+            for (k, row) in shared.enumerate() {
                 let (own, globals) = row.split_at(K::DRIFT);
-                if let Some(entries) = entries.next() {
-                    pack.add_entries(own, entries, out);
-                } else {
-                    pack.add_resultant(own, k + K::DRIFT - K::COUNT, belt, resultants);
+                if let Some(axis) = (k + K::DRIFT).checked_sub(K::COUNT) {
+                    pack.add_resultant(own, axis, belt, resultants);
                 }
                 self.globals.add(k, globals, &pack.group);
             }
@@ -205,7 +196,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
                 if origin.exists() {
                     let frames = K::frames(&acting.belt.curve, &path::<K>(&origin.unknowns), origin.slopes);
                     let at = (&origin.unknowns, origin.slopes);
-                    let of_pack = (&mut *kept, &mut *self.transport_slopes, &mut *self.through);
+                    let of_pack = (&mut *kept, &mut *self.transport_slopes);
                     K::renew(acting, pack, &frames, at, wanted, of_pack);
                 }
             }
@@ -226,7 +217,8 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     fn worst_derivative(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
         let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
         let of_pack = |(pack, kept): (&Pack, &Kept)| {
-            let unknowns = InPlace { pack, view }.gather(K::COUNT);
+            let mut unknowns = Unknowns::zero();
+            InPlace { pack, view }.gather::<K>(&mut unknowns);
             let at = (&unknowns, [alpha, 1.0 / alpha]);
             worst_of_pack::<K, D, C>(acting, pack, &frames, at, kept, &self.transport_slopes)
         };

@@ -89,10 +89,10 @@ impl ResultantSlopes {
         }
     }
 
-    /// Adds to the slope of component `axis` at a pulley by an unknown.
+    /// The slopes of component `axis` at a pulley, by each unknown.
     #[inline(always)]
-    pub fn add(&mut self, pulley: Pulley, axis: usize, unknown: usize, slope: f64) {
-        self.0[pulley][axis][unknown] += slope;
+    pub fn of(&mut self, pulley: Pulley, axis: usize) -> &mut [f64] {
+        &mut self.0[pulley][axis]
     }
 
     /// The slopes at a pulley of `factors`·resultant by each unknown.

@@ -24,12 +24,6 @@ impl Transports {
         }
     }
 
-    /// The figures of a cell.
-    pub fn get(&self, cell: usize) -> Transport<f64> {
-        let [flow, density, lag] = self.figures.each().map(|of| of[1 + cell]);
-        Transport { flow, density, lag }
-    }
-
     /// Records the figures of a cell.
     pub fn set(&mut self, cell: usize, transport: &Transport<f64>) {
         for (to, value) in self.figures.each_mut().into_iter().zip(transport.each()) {
@@ -79,15 +73,20 @@ impl Transports {
     }
 
     /// The left faces of all cells.
-    pub fn faces<'a>(&'a self, belt: &'a Belt) -> impl Iterator<Item = Face> + 'a {
-        (0..self.cells).map(|cell| {
-            let before = (cell + self.cells - 1) % self.cells;
-            let cells = [before, cell];
-            Face {
-                cells,
-                amounts: cells.map(|cell| belt.cells_at[cell].amount),
-                by: chain::flux_slopes(&self.get(before), &self.get(cell)),
-            }
+    pub fn faces<'a>(&'a mut self, belt: &'a Belt) -> impl Iterator<Item = Face> + 'a {
+        self.close();
+        let (transports, cells) = (&*self, self.cells);
+        (0..cells).step_by(LANES).flat_map(move |first| {
+            let [before, after] = transports.beside(first);
+            let by = chain::flux_slopes(&before, &after).map(|slopes| slopes.map(Lanes::to_array));
+            (first..cells.min(first + LANES)).map(move |cell| {
+                let cells = [(cell + cells - 1) % cells, cell];
+                Face {
+                    cells,
+                    amounts: cells.map(|cell| belt.cells_at[cell].amount),
+                    by: by.map(|slopes| slopes.map(|of| of[cell - first])),
+                }
+            })
         })
     }
 }
@@ -102,11 +101,9 @@ pub(crate) struct Face {
 }
 
 impl Face {
-    /// Derivatives of the balances of both amounts in direction `k` of the cell on that side; `slopes` are those of its
-    /// figures.
+    /// Derivatives of the flux in the directions of the cell on that side; `slopes` are those of its figures.
     #[inline(always)]
-    pub fn slopes<const N: usize>(&self, side: usize, slopes: &Transport<[f64; N]>, k: usize) -> [f64; 2] {
-        let slope = self.by[side].along(slopes, k);
-        [slope, -slope]
+    pub fn slopes<const N: usize>(&self, side: usize, slopes: &Transport<[f64; N]>) -> [f64; N] {
+        self.by[side].along(slopes)
     }
 }

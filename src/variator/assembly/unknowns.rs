@@ -7,6 +7,7 @@ use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS};
 use crate::variator::law::place::{CellBalance, CellMotion};
 use crate::variator::rings::ring::RingForces;
 use nalgebra::SVector;
+use num_traits::Zero;
 
 /// Positions, values and rates of the unknowns of a cell, or of one in each lane.
 #[derive(Clone, Debug)]
@@ -14,6 +15,18 @@ pub(crate) struct Unknowns<L> {
     pub position: [L; MOST],
     pub value: [L; MOST],
     pub rate: [L; MOST],
+}
+
+impl<L: Zero + Copy> Unknowns<L> {
+    /// All zero.
+    pub fn zero() -> Self {
+        let zeros = [L::zero(); MOST];
+        Self {
+            position: zeros,
+            value: zeros,
+            rate: zeros,
+        }
+    }
 }
 
 /// An unknown itself, its position or its rate.

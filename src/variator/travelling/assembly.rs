@@ -94,15 +94,15 @@ impl<E: LagrangianElement> TravellingCells<E> {
     }
 
     /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
-    fn add_flux_slopes(&self, belt: &Belt, alpha: f64, out: &mut Arrow) {
+    fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         for face in self.transports.faces(belt) {
             out.add(face.amounts[1], face.amounts[1], alpha);
             for (side, cell) in face.cells.into_iter().enumerate() {
                 let of = &self.slopes[cell];
-                for k in 0..of.count {
-                    let slopes = face.slopes(side, &of.transport, k);
-                    for (row, slope) in face.amounts.into_iter().zip(slopes) {
-                        if let Some(index) = out.index(row, of.at[k]) {
+                let slopes = face.slopes(side, &of.transport);
+                for (&column, slope) in of.at.iter().zip(slopes).take(of.count) {
+                    for (row, slope) in face.amounts.into_iter().zip([slope, -slope]) {
+                        if let Some(index) = out.index(row, column) {
                             out.add_at(index, slope);
                         }
                     }
@@ -161,7 +161,7 @@ fn add_cell_slopes<E: LagrangianElement>(
         }
         for (axis, force) in rows.balance.resultant.iter().enumerate() {
             for (&column, &slope) in columns.iter().zip(&force.eps) {
-                resultants.add(pulley, axis, column, slope);
+                resultants.of(pulley, axis)[column] += slope;
             }
         }
         transports.set(over.cell, &rows.balance.transport.map(|of| of.re));
