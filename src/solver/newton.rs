@@ -103,6 +103,9 @@ pub struct Newton {
     scale: Vec<f64>,
     broyden: Broyden,
     best: Vec<f64>,
+    /// Residuals: at the place evaluated last, and at the best one.
+    residual: Vec<f64>,
+    best_residual: Vec<f64>,
     /// Contraction per iteration seen with these factors; 1 before any.
     rate: f64,
     /// What iterations with these factors have cost beyond the first of each stage.
@@ -174,6 +177,8 @@ impl Newton {
             scale: vec![0.0; shape.len()],
             broyden: Broyden::new(QUASI_ITERATIONS, shape.len()),
             best: vec![0.0; shape.len()],
+            residual: vec![0.0; shape.len()],
+            best_residual: vec![0.0; shape.len()],
             rate: 1.0,
             excess: 0,
             left: 0.0,
@@ -245,32 +250,45 @@ impl Newton {
         reuse: bool,
     ) -> Result<usize, NotConverged> {
         let ratio = stage.alpha / self.alpha;
-        if reuse && REUSED.contains(&ratio) && self.quasi(system, stage, tolerance, false).is_ok() {
+        let tries = reuse && REUSED.contains(&ratio);
+        if tries && self.quasi(system, stage, tolerance, false).is_ok() {
             return Ok(0);
         }
-        self.damped(system, stage, tolerance)
+        self.damped(system, stage, tolerance, tries)
     }
 
     /// Newton correction at `stage.y` with the factors at hand, into `self.correction`.
-    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>, renew: bool) -> Result<(), NotConverged> {
+    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
         stage.complete(system.has_position());
-        system.residual(stage.time, stage.view(), &mut self.correction);
+        system.residual(stage.time, stage.view(), &mut self.residual);
         self.counts.residuals += 1;
-        if renew {
-            self.refresh(system, stage)?;
-        }
-        self.factors.solve(&mut self.correction);
-        Ok(())
+        self.solve_for_correction();
     }
 
-    /// [`Newton::correct`]; the largest scaled entry of the correction and its scaled 2-norm.
-    fn correct_and_measure<S: System>(
+    /// The same with new factors; `known` says that the residual is at hand.
+    fn correct_anew<S: System>(
         &mut self,
         system: &mut S,
         stage: &mut Stage<'_>,
-        renew: bool,
-    ) -> Result<(f64, f64), NotConverged> {
-        self.correct(system, stage, renew)?;
+        known: bool,
+    ) -> Result<(), NotConverged> {
+        stage.complete(system.has_position());
+        if !known {
+            system.residual(stage.time, stage.view(), &mut self.residual);
+            self.counts.residuals += 1;
+        }
+        self.refresh(system, stage)?;
+        self.solve_for_correction();
+        Ok(())
+    }
+
+    fn solve_for_correction(&mut self) {
+        self.correction.copy_from_slice(&self.residual);
+        self.factors.solve(&mut self.correction);
+    }
+
+    /// The largest scaled entry of the correction at hand and its scaled 2-norm.
+    fn measure(&self) -> Result<(f64, f64), NotConverged> {
         let (mut largest, mut sum) = (0.0_f64, 0.0);
         for (d, s) in self.correction.iter().zip(&self.scale) {
             let x = d / s;
@@ -284,7 +302,8 @@ impl Newton {
         }
     }
 
-    /// Broyden's method from the factors at hand. Given up when it diverges; `stage.y` is then the best point it reached.
+    /// Broyden's method from the factors at hand. Given up when it diverges; `stage.y` is then the best point it reached, and the
+    /// residual there is at hand.
     /// `corrected` says that the correction at `stage.y` is at hand.
     fn quasi<S: System>(
         &mut self,
@@ -293,22 +312,23 @@ impl Newton {
         tolerance: f64,
         corrected: bool,
     ) -> Result<(), NotConverged> {
-        self.best.copy_from_slice(stage.y);
         self.broyden.restart();
         let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
         for iteration in 0..QUASI_ITERATIONS {
             let at_hand = corrected && iteration == 0;
-            if !at_hand && self.correct(system, stage, false).is_err() {
-                break;
+            if !at_hand {
+                self.correct(system, stage);
             }
             let step = self.broyden.step(&self.correction, &self.scale);
             let change = step.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-            if !self.broyden.is_finite() {
-                break;
-            }
-            if change < least {
+            let is_finite = self.broyden.is_finite();
+            if iteration == 0 || is_finite && change < least {
                 least = change;
                 self.best.copy_from_slice(stage.y);
+                self.best_residual.copy_from_slice(&self.residual);
+            }
+            if !is_finite {
+                break;
             }
             if iteration > 0 {
                 let rate = change / before;
@@ -339,19 +359,22 @@ impl Newton {
         }
         self.rate = 1.0;
         stage.y.copy_from_slice(&self.best);
+        self.residual.copy_from_slice(&self.best_residual);
         Err(NotConverged)
     }
 
     /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps overshoot from one sliding
-    /// direction to the other for ever. After a full step Broyden's method goes on.
+    /// direction to the other for ever. After a full step Broyden's method goes on. `known` says that the residual is at hand.
     fn damped<S: System>(
         &mut self,
         system: &mut S,
         stage: &mut Stage<'_>,
         tolerance: f64,
+        known: bool,
     ) -> Result<usize, NotConverged> {
         for iteration in 1..=FRESH_ITERATIONS {
-            let (largest, norm) = self.correct_and_measure(system, stage, true)?;
+            self.correct_anew(system, stage, known || iteration > 1)?;
+            let (largest, norm) = self.measure()?;
             if iteration == 1 && largest < SOLVED * tolerance {
                 self.left = self.left.max(largest / tolerance);
                 return Ok(iteration);
@@ -368,8 +391,8 @@ impl Newton {
 
     /// Goes along the step at hand, whose scaled 2-norm is `norm`, to a place that the natural monotonicity test accepts
     /// (Deuflhard 2011, section 3.3): the simplified correction there is smaller than the step. Short of the whole step it
-    /// seeks one from which the correction points along the step no more. Returns the share of the step; after a whole step
-    /// the correction is at hand.
+    /// seeks one from which the correction points along the step no more. Returns the share of the step; the residual there is
+    /// at hand, and after a whole step the correction.
     fn search<S: System>(
         &mut self,
         system: &mut S,
@@ -382,7 +405,8 @@ impl Newton {
         let mut best: Option<(f64, f64)> = None;
         for trial in 1.. {
             self.go(share, stage.y);
-            let measured = self.correct_and_measure(system, stage, false);
+            self.correct(system, stage);
+            let measured = self.measure();
             let along = self.along(norm);
             let accepted = measured.ok().filter(|(change, after)| {
                 *after <= (1.0 - RESTRICTION * share) * norm || *change < ROUNDED * tolerance
@@ -393,11 +417,13 @@ impl Newton {
                 }
                 if best.is_none_or(|(_, least)| after < least) {
                     best = Some((share, after));
+                    self.best_residual.copy_from_slice(&self.residual);
                 }
             }
             line.record(share, along, accepted.is_some());
             if let Some((share, _)) = best.filter(|_| trial >= TRIALS || line.is_narrow()) {
                 self.go(share, stage.y);
+                self.residual.copy_from_slice(&self.best_residual);
                 return Ok(share);
             }
             if line.end() <= LEAST {

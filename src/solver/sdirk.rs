@@ -102,10 +102,14 @@ pub struct Sdirk {
     pub max_step: f64,
     /// Newton tolerance as a fraction of the system's Newton scale.
     pub newton_tolerance: f64,
+    /// How many times wider it becomes where steps err as much as is tolerated: sharper solutions don't make them better.
+    pub newton_widening: f64,
     /// Size of the step whose stages are kept; none after an attempt that failed, s.
     kept: Option<f64>,
     /// Roughness of the way, from 0 to 1.
     rough: f64,
+    /// Fading mean of squared errors, of 1 at most: small as long as motions are smooth.
+    error: f64,
     stages: [State; 2],
     /// ẏ at the end of the last step, before loads jumped: the first stage is guessed with it. An unknown may follow its
     /// load in less than a step, so the slope after a jump would lead far off.
@@ -164,6 +168,8 @@ const SAFETY_ROUGH: f64 = 0.55;
 /// What a step that is rejected adds to the roughness, of 1 at most, and how that fades with each one that is accepted.
 const ROUGHER: f64 = 0.5;
 const FADING: f64 = 0.97;
+/// Share of the last step in the mean of squared errors.
+const LAST: f64 = 0.02;
 /// Safety after a step that was rejected: less, for another rejection costs a whole step.
 const SAFETY_REJECTED: f64 = 0.8;
 /// Limits of the change after a step that was accepted; usual is a growth of 1.5 to 5.
@@ -197,8 +203,10 @@ impl Sdirk {
             step: first_step,
             max_step,
             newton_tolerance: 1.0,
+            newton_widening: 0.0,
             kept: None,
             rough: 0.0,
+            error: 0.0,
             stages: [State::zero(n), State::zero(n)],
             slope: vec![0.0; n],
             base: vec![0.0; n],
@@ -224,6 +232,7 @@ impl Sdirk {
         tape.real(&mut self.step);
         tape.option(&mut self.kept);
         tape.real(&mut self.rough);
+        tape.real(&mut self.error);
         tape.reals(&mut self.slope);
         for stage in &mut self.stages {
             tape.reals(&mut stage.y_dot);
@@ -238,11 +247,19 @@ impl Sdirk {
         self.solve_first(system, view, time, h)?;
         self.solve_second(system, view, time, h)?;
         self.estimate_error(view, h);
-        Some(system.error_norm(self.stages[1].view(), &self.y_error, &self.q_error))
+        let error = system.error_norm(self.stages[1].view(), &self.y_error, &self.q_error);
+        self.error += LAST * (error.min(1.0).powi(2) - self.error);
+        Some(error)
+    }
+
+    /// What Newton's method solves the next stage to, as a fraction of the system's Newton scale.
+    fn tolerance(&self) -> f64 {
+        self.newton_tolerance * (1.0 + self.newton_widening * self.error)
     }
 
     /// Solves the stage at c = γ.
     fn solve_first<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<()> {
+        let tolerance = self.tolerance();
         let first = &mut self.stages[0];
         move_by(GAMMA * h, &mut first.y, view.y, &self.slope);
         first.q.copy_from_slice(view.q);
@@ -255,12 +272,12 @@ impl Sdirk {
             y_dot: &mut first.y_dot,
             q: &mut first.q,
         };
-        let tolerance = self.newton_tolerance;
         self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
     }
 
     /// Solves the stage at c = 1, from the first.
     fn solve_second<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<()> {
+        let tolerance = self.tolerance();
         let [first, second] = &mut self.stages;
         move_by(h * (1.0 - GAMMA), &mut self.base, view.y, &first.y_dot);
         move_by(h * (1.0 - GAMMA), &mut self.position, view.q, &first.y);
@@ -275,7 +292,6 @@ impl Sdirk {
             y_dot: &mut second.y_dot,
             q: &mut second.q,
         };
-        let tolerance = self.newton_tolerance;
         self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
     }
 

@@ -40,6 +40,9 @@ impl GlobalSlopes {
         let at = k * slopes.len()..(k + 1) * slopes.len();
         for pulley in Pulley::BOTH {
             let on = group.on[pulley];
+            if on == Lanes::zero() {
+                continue;
+            }
             for (sum, slope) in self.sums[pulley][at.clone()].iter_mut().zip(slopes) {
                 *sum += *slope * on;
             }

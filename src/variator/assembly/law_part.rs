@@ -88,7 +88,12 @@ impl LawPart {
 
     /// The derivatives with new slopes, where those of before are `block`.
     #[inline(never)]
-    pub fn renewed<'a, K: Directions>(&self, slopes: &LawSlopes, block: &[Lanes], work: &'a mut LawWork) -> &'a [Lanes] {
+    pub fn renewed<'a, K: Directions>(
+        &self,
+        slopes: &LawSlopes,
+        block: &[Lanes],
+        work: &'a mut LawWork,
+    ) -> &'a [Lanes] {
         let LawWork { through, out } = work;
         let Extent { stations, flanks } = self.extent;
         let mut changes = Changes {

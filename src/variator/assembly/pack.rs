@@ -166,11 +166,7 @@ impl InPlace<'_> {
     #[inline(always)]
     pub fn gather<K: Directions>(&self, to: &mut Unknowns<Lanes>) {
         let Unknowns { position, value, rate } = to;
-        for (part, to) in [
-            (Part::Position, position),
-            (Part::Value, value),
-            (Part::Rate, rate),
-        ] {
+        for (part, to) in [(Part::Position, position), (Part::Value, value), (Part::Rate, rate)] {
             let (of_nodes, others) = to.split_at_mut(K::NODES);
             for (node, to) in of_nodes.chunks_exact_mut((K::NODES / 2).max(1)).enumerate() {
                 self.gather_node(part, node * to.len(), to);
@@ -294,7 +290,8 @@ fn strips<K: Directions>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Stri
         // The block has no row of the amount.
         let of_row = row + usize::from(row >= K::AMOUNT);
         let columns = if of_row < K::DRIFT { K::COUNT } else { K::DRIFT };
-        let place = |column: usize| at.map(|at| shape.index(at[of_row], at[column]).expect("neighbours are in the band"));
+        let place =
+            |column: usize| at.map(|at| shape.index(at[of_row], at[column]).expect("neighbours are in the band"));
         (0..columns).map(place).collect()
     };
     let follow = |first: &[[usize; LANES]], then: &[[usize; LANES]], by: usize| {

@@ -127,10 +127,16 @@ pub struct Moment {
 /// manoeuvre in the fourth digit.
 pub(super) const NEWTON_TOLERANCE: f64 = 20.0;
 
+/// How many times wider it is where steps err as much as is tolerated. What an iteration then leaves is some tenth of such an error,
+/// as in CVODE (Hindmarsh et al. 2005). Less so at tighter tolerances: who asks for these compares small differences.
+const NEWTON_WIDENING: f64 = 60.0;
+
 pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
     let solver = &system.parameters.solver;
     let mut integrator = Sdirk::new(system, COLD_STEP, solver.max_step);
-    integrator.newton_tolerance = (NEWTON_TOLERANCE * solver.tolerance / 1.0e-4).clamp(0.05, 100.0);
+    let share = solver.tolerance / 1.0e-4;
+    integrator.newton_tolerance = (NEWTON_TOLERANCE * share).clamp(0.05, 100.0);
+    integrator.newton_widening = NEWTON_WIDENING * share.min(1.0);
     integrator
 }
 
