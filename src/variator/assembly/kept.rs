@@ -74,7 +74,8 @@ pub(crate) struct Kept {
     /// Where the slopes of the laws were evaluated, if that was later.
     pub laws_origin: Origin,
     pub regime: Regime,
-    /// The derivatives at the origin: rows of the balance, the amount's left out, then the resultant of the contact forces; each a direction after the other.
+    /// The derivatives at the origin: rows of the balance, the amount's left out, then the resultant of the contact forces; each a
+    /// direction after the other.
     pub block: Vec<Lanes>,
     /// The laws' part, of a ring that has derivatives by hand.
     pub laws: Option<LawPart>,
