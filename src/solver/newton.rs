@@ -257,11 +257,16 @@ impl Newton {
         self.damped(system, stage, tolerance, tries)
     }
 
-    /// Newton correction at `stage.y` with the factors at hand, into `self.correction`.
-    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
+    /// The residual at `stage.y`, into `self.residual`.
+    fn evaluate<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
         stage.complete(system.has_position());
         system.residual(stage.time, stage.view(), &mut self.residual);
         self.counts.residuals += 1;
+    }
+
+    /// Newton correction at `stage.y` with the factors at hand, into `self.correction`.
+    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
+        self.evaluate(system, stage);
         self.solve_for_correction();
     }
 
@@ -272,16 +277,17 @@ impl Newton {
         stage: &mut Stage<'_>,
         known: bool,
     ) -> Result<(), NotConverged> {
-        stage.complete(system.has_position());
-        if !known {
-            system.residual(stage.time, stage.view(), &mut self.residual);
-            self.counts.residuals += 1;
+        if known {
+            stage.complete(system.has_position());
+        } else {
+            self.evaluate(system, stage);
         }
         self.refresh(system, stage)?;
         self.solve_for_correction();
         Ok(())
     }
 
+    /// The correction for the residual at hand.
     fn solve_for_correction(&mut self) {
         self.correction.copy_from_slice(&self.residual);
         self.factors.solve(&mut self.correction);

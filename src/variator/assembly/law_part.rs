@@ -133,7 +133,7 @@ impl LawPart {
                     .for_each(|(to, through)| *to += by * *through);
             }
         }
-        &out[..block.len()]
+        out
     }
 }
 
