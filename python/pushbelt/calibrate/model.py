@@ -18,10 +18,9 @@ from .parameters import Parameter, assign
 from .table import Measured, Point
 from .worker import Found, Job, solve_all
 
-STEP = 1.5e-3
-"""Step of the differences, in a parameter's coordinate, where its start value is 1. Central differences over 5e-4 to 4.5e-3 agree
-within 2 % of the largest slope of their quantity, most within 1e-3. Shift rates are solved less exactly and set the lower end:
-over 3e-4 their slopes scatter by 4 %."""
+STEP = 1e-3
+"""Step of the differences, in a parameter's coordinate, where its start value is 1. Between 1e-4 and 3e-3 central differences
+agree within some 1e-3; shift rates are solved less exactly and set the lower end."""
 LOST = 100.0
 """Residual of a point without a steady state, in standard deviations: so much that no fit gains by losing a point that the belt
 does carry. It is a constant and has no slope: what is never carried does not pull."""
