@@ -53,16 +53,18 @@ const LEAST: f64 = 1.0e-3;
 const GROWTH: f64 = 2.0;
 /// Defect that stands for an evaluation that was no number.
 const WORST: f64 = 1.0e9;
+/// What rounding of times may add to a share of the work.
+const ROUNDING: f64 = 1.0e-6;
 
 /// Work that is left of a part of a millisecond: a Jacobian and some residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Whether the Jacobian is left, and whether it is the first one of the millisecond.
+    /// Whether the Jacobian is left.
     jacobian: bool,
-    is_first: bool,
     residuals: usize,
-    /// Whether no other part of the millisecond follows.
-    is_last: bool,
+    /// Which part of the millisecond it is, from 1 on, and how many there are.
+    part: usize,
+    parts: usize,
 }
 
 impl Budget {
@@ -71,9 +73,9 @@ impl Budget {
     pub fn of(residuals: usize) -> Self {
         Self {
             jacobian: true,
-            is_first: true,
             residuals,
-            is_last: true,
+            part: 1,
+            parts: 1,
         }
     }
 
@@ -81,9 +83,9 @@ impl Budget {
     pub fn millisecond(jacobians: usize) -> impl Iterator<Item = Self> {
         (1..=jacobians).map(move |part| Self {
             jacobian: true,
-            is_first: part == 1,
             residuals: RESIDUALS,
-            is_last: part == jacobians,
+            part,
+            parts: jacobians,
         })
     }
 
@@ -91,6 +93,16 @@ impl Budget {
     #[must_use]
     pub fn is_used_up(&self) -> bool {
         self.residuals == 0
+    }
+
+    /// The part with which such a share of the millisecond's work is used up; 0 if it is none.
+    #[must_use]
+    pub fn part_at(&self, share: f64) -> usize {
+        (share * self.parts as f64 - ROUNDING).ceil().max(0.0) as usize
+    }
+
+    fn is_last(&self) -> bool {
+        self.part == self.parts
     }
 }
 
@@ -137,8 +149,8 @@ pub struct Task {
     pub span: [f64; 2],
     /// How.
     pub kind: Tick,
-    /// Whether it is the last one for now: it takes all work that is left.
-    pub is_last: bool,
+    /// It takes all work up to this part of the millisecond, though it needs less.
+    pub takes: usize,
     /// Whether it ends when the work is used up, however far it got.
     pub is_forced: bool,
 }
@@ -313,22 +325,21 @@ impl Bounded {
                 self.complete(system, state, part);
             }
             self.renew(system, state, (time, part), (kind, mark.begun), budget);
-            let good = kind.good(budget.is_last);
+            let good = kind.good(budget.is_last());
             let share = if is_last || mark.begun { 1.0 } else { OF_FIRST };
             let aim = Aim {
                 time,
                 length: part,
                 residuals: (share * budget.residuals as f64).ceil() as usize,
-                good: (!is_last || kind == Tick::Calm && !task.is_last).then_some(good),
+                good: (!is_last || kind == Tick::Calm && budget.part > task.takes).then_some(good),
                 known: mark.begun,
                 damping: mark.damping,
             };
             let (defect, damping) = self.iterate(system, state, aim, budget);
             mark.damping = damping;
             let is_good = defect <= good;
-            // The last tick takes the work of all parts.
-            let more = is_last && task.is_last && !budget.is_last;
-            let ends = is_good || is_last && task.is_forced && budget.is_last;
+            let more = is_last && budget.part < task.takes && !budget.is_last();
+            let ends = is_good || is_last && task.is_forced && budget.is_last();
             if more || !ends {
                 mark.begun = defect.is_finite();
                 self.point.copy_from_slice(&state.y);
@@ -380,14 +391,14 @@ impl Bounded {
         }
         let geometry = match kind {
             Tick::Rough if length < SHORT * TICK => Geometry::All,
-            _ if !budget.is_first => Geometry::Kept,
+            _ if budget.part > 1 => Geometry::Kept,
             Tick::Calm if !goes_on => Geometry::Part {
                 number: self.turn,
                 parts: PARTS,
             },
             _ => Geometry::All,
         };
-        if budget.is_first {
+        if budget.part == 1 {
             self.turn = (self.turn + 1) % PARTS;
         }
         let slopes = [1.0 / length, length];

@@ -34,7 +34,7 @@ fn task(span: [f64; 2], kind: Tick) -> Task {
     Task {
         span,
         kind,
-        is_last: true,
+        takes: JACOBIANS,
         is_forced: false,
     }
 }

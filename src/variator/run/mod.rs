@@ -3,6 +3,7 @@
 mod at_rest;
 mod backlog;
 mod course;
+mod division;
 mod initial;
 mod pace;
 mod real_time;

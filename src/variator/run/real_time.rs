@@ -1,6 +1,7 @@
 //! Real time: a run that does the same work in each millisecond of the clock ([`Budget`]), whatever happens.
 //!
-//! - While ticks find their solution they are calm, on the laws that the user has set, one each millisecond.
+//! - While ticks find their solution they are calm, on the laws that the user has set. A millisecond is one of them, or some shorter
+//!   ones that share its work ([`Division`]).
 //! - A tick that is still open when the work is used up goes on in the next millisecond: the run is behind the clock, and catches up
 //!   where ticks need less work than there is. Its inputs wait ([`Backlog`]).
 //! - A tick that stays open for too long is given up. Ticks are rough then, on rounded laws ([`Rounding`]), and not solved any more
@@ -14,6 +15,7 @@ use crate::solver::{State, System};
 use crate::tape::Tape;
 use crate::variator::run::backlog::Backlog;
 use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
+use crate::variator::run::division::Division;
 use crate::variator::run::rounding::Rounding;
 use crate::variator::survey::ledger::Running;
 
@@ -72,6 +74,7 @@ impl Plan {
 pub(super) struct RealTime {
     ticks: Bounded,
     rounding: Rounding,
+    division: Division,
     /// Time of the clock, and length of a tick of the clock, s.
     clock: f64,
     length: f64,
@@ -95,6 +98,7 @@ impl RealTime {
         Self {
             ticks: Bounded::new(system),
             rounding: Rounding::default(),
+            division: Division::default(),
             clock: 0.0,
             length: 0.0,
             reached: 0.0,
@@ -113,6 +117,7 @@ impl RealTime {
         self.ticks.counts = Counts::default();
         self.ticks.give_up();
         self.rounding = Rounding::default();
+        self.division = Division::default();
         (self.clock, self.reached, self.solved_at) = (time, time, time);
         self.backlog.clear();
         self.solved.copy_from(state);
@@ -121,8 +126,10 @@ impl RealTime {
         self.waiting = 0;
     }
 
-    /// Begins a stretch of the clock's time, s, with its inputs.
-    pub fn live(&mut self, course: &Course, [from, to]: [f64; 2]) {
+    /// Begins a stretch of the clock's time, s, with its inputs, in which there is work for so many Jacobians.
+    pub fn live(&mut self, course: &Course, [from, to]: [f64; 2], jacobians: usize) {
+        let is_calm = self.behind() < SHORTEST_STEP && self.rounding.share() == 0.0;
+        self.division.follow(is_calm, jacobians, to - from);
         self.backlog.add(course, [from, to]);
         (self.clock, self.length) = (to, to - from);
         if !self.ticks.is_open() {
@@ -146,9 +153,12 @@ impl RealTime {
         if !self.ticks.is_open() {
             let rounding = self.rounding.share();
             let kind = if rounding > 0.0 { Tick::Rough } else { Tick::Calm };
-            let length = self.share * self.length;
-            let end = self.reached + length;
-            let end = if end > self.clock - REST * self.length {
+            let clock = match kind {
+                Tick::Calm => self.length / self.division.ticks(),
+                Tick::Rough => self.length,
+            };
+            let end = self.reached + self.share * clock;
+            let end = if end > self.clock - REST * clock {
                 self.clock
             } else {
                 end
@@ -177,7 +187,7 @@ impl RealTime {
         let task = Task {
             span,
             kind,
-            is_last: span[1] == self.clock,
+            takes: budget.part_at(1.0 - (self.clock - span[1]) / self.length),
             is_forced: kind == Tick::Rough && (self.waiting >= PATIENCE || self.behind() > LATE),
         };
         let Some(defect) = self.ticks.tick(running, state, &task, budget) else {
@@ -244,6 +254,7 @@ impl RealTime {
     pub fn pass(&mut self, tape: &mut Tape<'_>) {
         self.ticks.pass(tape);
         self.rounding.pass(tape);
+        self.division.pass(tape);
         self.backlog.pass(tape);
         self.solved.pass(tape);
         self.plan.pass(tape);

@@ -263,8 +263,8 @@ impl Variator {
         let Some(mut real_time) = self.real_time.take() else {
             return;
         };
-        real_time.live(&way.course, [self.time, end]);
         let jacobians = self.system.parameters.solver.effort as usize;
+        real_time.live(&way.course, [self.time, end], jacobians);
         for mut budget in Budget::millisecond(jacobians) {
             while let Some(plan) = real_time.plan(&budget) {
                 self.held = plan.held;
