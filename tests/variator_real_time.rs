@@ -427,13 +427,14 @@ fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (
     }
 }
 
-/// In a slam while the belt slips; under firing while a tick is open.
+/// In a slam while the belt slips; under firing while a tick is open; under ripple between two divisions of the millisecond.
 #[test]
 fn copies_and_stored_states_continue_alike() {
     for (load, parameters) in [
         (Load::Slam, coarse(RingModel::Ale0)),
         (Load::Slam, coarse(RingModel::Ale)),
         (Load::Firing, one_cell(RingModel::Ale)),
+        (Load::Ripple, coarse(RingModel::Ale0)),
     ] {
         let mut parameters = in_real_time(parameters);
         if load == Load::Firing {
@@ -443,6 +444,7 @@ fn copies_and_stored_states_continue_alike() {
         for step in 0.. {
             let over = match load {
                 Load::Slam => step == 40,
+                Load::Ripple => step == 15,
                 _ => driven.variator.outputs().work.behind > 0.0,
             };
             if over {
