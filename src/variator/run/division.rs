@@ -5,7 +5,7 @@
 use crate::solver::bounded::TICK;
 use crate::tape::Tape;
 
-/// Milliseconds on time before there are twice as many ticks: at first, and at most.
+/// Milliseconds (or shorter communication steps) on time before there are twice as many ticks: at first, and at most.
 const WAIT: [u64; 2] = [10, 160];
 /// Shortest tick, s.
 const SHORTEST: f64 = TICK / 8.0;
