@@ -18,8 +18,8 @@ from typing import Any
 import websocket
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-PATIENCE = 30.0
-"""Longest wait for an answer, s."""
+PATIENCE = 120.0
+"""Longest wait for an answer, s: a browser that shares two cores with other tests may need more than 30."""
 KEY_CODES = {"Enter": 13, "End": 35, "ArrowLeft": 37, "ArrowRight": 39}
 
 
