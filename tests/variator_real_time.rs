@@ -81,7 +81,12 @@ fn work_of_ale0_is_the_same_in_every_tick() {
 }
 
 fn beside_accurate(load: Load, model: RingModel, ratio: f64, seconds: f64) -> (Trace, Trace) {
-    let exact = trace(load, &one_cell(model), ratio, seconds, |_| ());
+    beside(&one_cell(model), (load, model, ratio), seconds)
+}
+
+/// Beside a run of these parameters.
+fn beside(accurate: &Parameters, (load, model, ratio): (Load, RingModel, f64), seconds: f64) -> (Trace, Trace) {
+    let exact = trace(load, accurate, ratio, seconds, |_| ());
     let found = trace(load, &in_real_time(one_cell(model)), ratio, seconds, |_| ());
     println!(
         "{model:?} {load:?} {ratio}: off by {:?} of {:?}",
@@ -145,8 +150,7 @@ fn ripple_is_followed_in_divided_ticks() {
         for ratio in [2.2, 0.5] {
             let mut sharp = one_cell(model);
             sharp.solver.tolerance = 1e-6;
-            let of = |parameters: &Parameters| trace(Load::Ripple, parameters, ratio, 0.5, |_| ());
-            let (found, exact) = (of(&in_real_time(one_cell(model))), of(&sharp));
+            let (found, exact) = beside(&sharp, (Load::Ripple, model, ratio), 0.5);
             let (off, ranges) = (found.off(&exact), exact.ranges());
             for (k, share) in [0.02, 0.02, 0.02, 0.02, 0.03].into_iter().enumerate() {
                 let (off, range) = (off[k], ranges[k]);
@@ -166,15 +170,16 @@ fn assert_followed((load, model, ratio): (Load, RingModel, f64), share: f64, thr
     assert!(off[4] < thrust_ratio, "{model:?}: {}", off[4]);
 }
 
-/// An engine's firing, with noise on the forces too: each tick is solved, some of them a millisecond late. Over 2 s the slip of `ALE` is off by 3.3 % with
-/// noise, with divided ticks or without.
+/// An engine's firing, with noise on the forces too: each tick is solved, some of them a millisecond late. With noise the slip of
+/// `ALE` is off by 3.3 % over 2 s, with divided ticks or without.
 #[test]
 fn firing_is_followed() {
     for model in MODELS {
         for &ratio in Load::Firing.ratios() {
             assert_followed((Load::Firing, model, ratio), 0.03, 5e-3);
         }
-        assert_followed((Load::FiringAndNoise, model, 2.2), 0.04, 5e-3);
+        let share = if model == RingModel::Ale { 0.04 } else { 0.03 };
+        assert_followed((Load::FiringAndNoise, model, 2.2), share, 5e-3);
     }
 }
 

@@ -53,8 +53,8 @@ const LEAST: f64 = 1.0e-3;
 const GROWTH: f64 = 2.0;
 /// Defect that stands for an evaluation that was no number.
 const WORST: f64 = 1.0e9;
-/// What rounding of times may add to a share of the work.
-const ROUNDING: f64 = 1.0e-6;
+/// What the rounding of floating-point times may add to a share of the work.
+const ROUND_OFF: f64 = 1.0e-6;
 
 /// Work that is left of a part of a millisecond: a Jacobian and some residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,7 +98,7 @@ impl Budget {
     /// The part with which such a share of the millisecond's work is used up; 0 if it is none.
     #[must_use]
     pub fn part_at(&self, share: f64) -> usize {
-        (share * self.parts as f64 - ROUNDING).ceil().max(0.0) as usize
+        (share * self.parts as f64 - ROUND_OFF).ceil().max(0.0) as usize
     }
 
     fn is_last(&self) -> bool {

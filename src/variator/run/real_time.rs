@@ -153,12 +153,12 @@ impl RealTime {
         if !self.ticks.is_open() {
             let rounding = self.rounding.share();
             let kind = if rounding > 0.0 { Tick::Rough } else { Tick::Calm };
-            let clock = match kind {
+            let whole = match kind {
                 Tick::Calm => self.length / self.division.ticks(),
                 Tick::Rough => self.length,
             };
-            let end = self.reached + self.share * clock;
-            let end = if end > self.clock - REST * clock {
+            let end = self.reached + self.share * whole;
+            let end = if end > self.clock - REST * whole {
                 self.clock
             } else {
                 end
