@@ -9,14 +9,18 @@
 //! - A rough tick that ends very far from its solution is not taken: the run goes back to the last state that was solved and on from
 //!   there in shorter ticks.
 
+mod backlog;
+mod division;
+mod rounding;
+
 use crate::solver::bounded::{Bounded, Budget, Task, Tick};
 use crate::solver::newton::Counts;
 use crate::solver::{State, System};
 use crate::tape::Tape;
-use crate::variator::run::backlog::Backlog;
 use crate::variator::run::course::{Course, Held, SHORTEST_STEP};
-use crate::variator::run::division::Division;
-use crate::variator::run::rounding::Rounding;
+use crate::variator::run::real_time::backlog::Backlog;
+use crate::variator::run::real_time::division::Division;
+use crate::variator::run::real_time::rounding::Rounding;
 use crate::variator::survey::ledger::Running;
 
 /// Milliseconds that a tick may wait to be solved. With two, flips err twice as much.
