@@ -23,15 +23,19 @@ pub fn command(workspace: &Workspace) -> Command {
 pub fn command_of(workspace: &Workspace, program: impl AsRef<OsStr>) -> Command {
     let mut command = Command::new(program);
     command.current_dir(workspace.root());
-    // `cargo run` sets these for the tool itself; build scripts of others would see them and compile anew.
+    clear_own(&mut command);
+    command
+}
+
+/// Removes from a program's environment what `cargo run` sets for the tool itself: build scripts of others would see it, and cargo
+/// would compile anew.
+pub fn clear_own(command: &mut Command) {
     for (name, _) in std::env::vars_os() {
-        if name.to_string_lossy().starts_with("CARGO_PKG_") {
+        let text = name.to_string_lossy();
+        if text.starts_with("CARGO_PKG_") || text.starts_with("CARGO_MANIFEST_") {
             command.env_remove(name);
         }
     }
-    command.env_remove("CARGO_MANIFEST_DIR");
-    command.env_remove("CARGO_MANIFEST_PATH");
-    command
 }
 
 /// Runs a command to its end.

@@ -7,6 +7,7 @@ use std::process::Command;
 
 use anyhow::{Context, bail};
 
+use crate::cargo;
 use crate::progress;
 use crate::workspace::Workspace;
 
@@ -101,6 +102,7 @@ impl Environment {
             .env("PYTHONPATH", self.root.join("python"))
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .env("PUSHBELT_FMU", &self.fmu);
+        cargo::clear_own(&mut command);
         command
     }
 }

@@ -67,10 +67,10 @@ def test_the_default_experiment_runs_without_any_wiring(fmu: Path, description) 
 
 
 def test_it_gives_the_bits_of_the_rust_api(fmu: Path) -> None:
-    """The same run by `examples/default_run.rs`; its numbers are printed in full. Compiled as for the Rust tests: that changes no bit."""
+    """The same run by `examples/default_run.rs`; its numbers are printed in full. Compiled as the FMU's library is."""
     steps = 100
     example = os.environ.get("PUSHBELT_EXAMPLE")
-    command = [example] if example else ["cargo", "run", "--quiet", "--example", "default_run", "--"]
+    command = [example] if example else ["cargo", "run", "--release", "--quiet", "--example", "default_run", "--"]
     printed = subprocess.run([*command, str(steps)], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     head, *rows = printed.splitlines()
     names = head.split(",")[1:]

@@ -39,9 +39,7 @@ def wheel(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip("cargo is not on the path: the wheel can't be built")
     folder = tmp_path_factory.mktemp("wheel")
     command = [cargo, "fmu", "wheel", "--fmu", fmu, "--output", folder]
-    # What `cargo fmu test` sets for itself would let the tool look for its workspace elsewhere.
-    clean = {name: value for name, value in os.environ.items() if not name.startswith("CARGO_PKG")}
-    subprocess.run(command, cwd=ROOT, env=clean, check=True, capture_output=True)
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
     (path,) = folder.glob("*.whl")
     return path
 

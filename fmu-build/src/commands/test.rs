@@ -1,5 +1,6 @@
 //! `cargo fmu test`: the Rust tests, then the Python tests that drive the FMU.
 
+use std::num::NonZero;
 use std::thread;
 
 use anyhow::{anyhow, ensure};
@@ -9,7 +10,7 @@ use crate::cargo;
 use crate::commands::build;
 use crate::progress;
 use crate::python::{BUILDING, Environment, RUNNING};
-use crate::workspace::Workspace;
+use crate::workspace::{MODEL_PACKAGE, Workspace};
 
 /// Options of the tests.
 #[derive(Args)]
@@ -63,7 +64,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         progress::headline("Python tests");
         let mut tests = environment.command();
         tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--durations=5"]);
-        tests.args(["--numprocesses=auto", "--maxprocesses=4", "--dist=loadfile"]);
+        // One more than there are cores, since some wait for a browser or another program.
+        let processes = thread::available_parallelism().map_or(1, NonZero::get).min(3) + 1;
+        tests.args(["--dist=loadfile", &format!("--numprocesses={processes}")]);
         if !arguments
             .passed_on
             .iter()
@@ -105,14 +108,17 @@ fn rust_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()>
     progress::headline("Rust tests");
     let test = |what: &[&str]| {
         let mut tests = cargo::command(workspace);
-        tests.args(["test", "--workspace"]).args(what).args(passed_on);
+        tests.arg("test").args(what).args(passed_on);
         cargo::run(&mut tests)
     };
+    let model = ["--package", MODEL_PACKAGE];
     if passed_on.is_empty() {
         // All but the examples, which compile for a minute and hold no tests.
-        test(&["--lib", "--bins", "--tests"])?;
-        test(&["--doc"])
+        test(&[&model[..], &["--lib", "--tests"]].concat())?;
+        test(&[&model[..], &["--doc"]].concat())?;
+        // The tool's own, as the tool is compiled. One of them builds the model, so they are last.
+        test(&["--package", env!("CARGO_PKG_NAME"), "--profile", "tool"])
     } else {
-        test(&[])
+        test(&model)
     }
 }
