@@ -10,7 +10,7 @@ use crate::cargo;
 use crate::commands::build;
 use crate::progress;
 use crate::python::{BUILDING, Environment, RUNNING};
-use crate::workspace::{MODEL_PACKAGE, Workspace};
+use crate::workspace::Workspace;
 
 /// Options of the tests.
 #[derive(Args)]
@@ -111,14 +111,14 @@ fn rust_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()>
         tests.arg("test").args(what).args(passed_on);
         cargo::run(&mut tests)
     };
-    let model = ["--package", MODEL_PACKAGE];
+    // Without a name cargo takes the package at the top level, the model.
     if passed_on.is_empty() {
         // All but the examples, which compile for a minute and hold no tests.
-        test(&[&model[..], &["--lib", "--tests"]].concat())?;
-        test(&[&model[..], &["--doc"]].concat())?;
+        test(&["--lib", "--tests"])?;
+        test(&["--doc"])?;
         // The tool's own, as the tool is compiled. One of them builds the model, so they are last.
         test(&["--package", env!("CARGO_PKG_NAME"), "--profile", "tool"])
     } else {
-        test(&model)
+        test(&[])
     }
 }
