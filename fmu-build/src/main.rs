@@ -49,7 +49,7 @@ struct Arguments {
 enum Command {
     /// Compile the binary and pack target/PushbeltVariator.fmu, or with --fmi3 target/PushbeltVariator3.fmu (2 minutes; seconds if nothing changed)
     Build(commands::build::Options),
-    /// Run the Rust tests, and the Python tests with the FMU (up to 20 minutes)
+    /// Run the Rust tests, and the Python tests with the FMU (up to 30 minutes on two cores)
     Test(commands::test::Arguments),
     /// Simulate published load cases with the FMU and write target/demo/report.html (10 seconds)
     Demo(commands::demo::Arguments),
