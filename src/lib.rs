@@ -42,14 +42,15 @@ compile_error!(
 #[doc(hidden)]
 pub mod chain;
 pub mod contact;
-pub mod fmi;
 pub mod pulley;
 pub mod reference_curve;
 pub mod ring;
-pub mod scalar;
 pub mod shaft;
-pub mod solver;
-pub mod tape;
 pub mod tilt;
 pub mod unit;
 pub mod variator;
+
+pub use pushbelt_fmi as fmi;
+pub use pushbelt_solver as solver;
+pub use pushbelt_solver::scalar;
+pub use pushbelt_tape as tape;

@@ -93,7 +93,7 @@ fn a_run_may_start_at_a_standstill() {
 
 fn stored(variator: &mut Variator) -> Vec<u8> {
     let mut tape = Tape::writer();
-    variator.pass(&mut tape);
+    variator.serialize(&mut tape);
     tape.into_bytes()
 }
 
@@ -106,7 +106,7 @@ fn stored_states_go_on_bit_for_bit() {
         let bytes = stored(&mut run.variator);
         let mut other = Variator::new(run.variator.parameters().clone()).expect("valid parameters");
         let mut tape = Tape::reader(&bytes);
-        other.pass(&mut tape);
+        other.serialize(&mut tape);
         tape.finish().expect("it fits");
         for to in [1.25e-3, 1.5e-3] {
             run.variator.advance(to, &run.inputs).expect("the run goes on");

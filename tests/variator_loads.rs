@@ -100,10 +100,10 @@ fn copies_and_stored_states_continue_alike_while_inputs_change() {
     }
     let mut copy = variator.clone();
     let mut tape = Tape::writer();
-    variator.pass(&mut tape);
+    variator.serialize(&mut tape);
     let bytes = tape.into_bytes();
     let mut restored = Variator::new(ramping(-1.0)).expect("valid parameters");
-    restored.pass(&mut Tape::reader(&bytes));
+    restored.serialize(&mut Tape::reader(&bytes));
     for k in 10..20 {
         for run in [&mut variator, &mut copy, &mut restored] {
             run.advance(1e-3 * f64::from(k), &of(k)).expect("a step");

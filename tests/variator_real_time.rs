@@ -414,11 +414,11 @@ fn random_jumps_never_stop_it() {
 /// Copies of a run and states that it stored continue as it does.
 fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (f64, Inputs)) {
     let mut tape = Tape::writer();
-    variator.pass(&mut tape);
+    variator.serialize(&mut tape);
     let mut restored = Variator::new(variator.parameters().clone()).expect("valid parameters");
     let bytes = tape.into_bytes();
     let mut tape = Tape::reader(&bytes);
-    restored.pass(&mut tape);
+    restored.serialize(&mut tape);
     assert_eq!(tape.finish(), Ok(()));
     let mut copy = variator.clone();
     for _ in 0..20 {

@@ -73,6 +73,7 @@ impl Unit for VariatorUnit {
         version: env!("CARGO_PKG_VERSION"),
         author: "The pushbelt developers",
         license: env!("CARGO_PKG_LICENSE"),
+        generation_tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
         stop_time: 1.0,
         step_size: 1e-3,
         tolerance: 1e-4,
@@ -119,8 +120,8 @@ impl Unit for VariatorUnit {
         Self::build(settings, experiment, &mut Vec::new())
     }
 
-    fn pass(&mut self, tape: &mut Tape<'_>) {
-        self.variator.pass(tape);
+    fn serialize(&mut self, tape: &mut Tape<'_>) {
+        self.variator.serialize(tape);
     }
 
     fn readings(&mut self, elements: bool) -> &Readings {

@@ -226,12 +226,12 @@ impl VariatorSystem {
     }
 
     /// Writes to a tape, or reads from it, the loads, the rounding and the places of the kept derivatives.
-    pub(crate) fn pass(&mut self, tape: &mut Tape<'_>) {
+    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
         let mut rounding = self.rounding;
         tape.real(&mut rounding);
         self.round(rounding);
-        self.loads.pass(tape);
-        self.assembly.pass_derivatives(&self.belt, tape);
+        self.loads.serialize(tape);
+        self.assembly.serialize_derivatives(&self.belt, tape);
     }
 
     /// Number of packs of cells that were differentiated, and of those that got new slopes of their laws alone.

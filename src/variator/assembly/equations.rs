@@ -62,7 +62,7 @@ pub(crate) trait Assembly: Debug + Send + Sync {
     fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
 
     /// Writes to a tape, or reads from it, the places of the kept derivatives.
-    fn pass_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
+    fn serialize_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
 
     /// Number of packs of cells that were differentiated, and of those that got new slopes of their laws alone.
     fn differentiations(&self) -> [u64; 2] {

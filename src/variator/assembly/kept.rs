@@ -190,10 +190,10 @@ impl Kept {
     }
 
     /// Writes to a tape, or reads from it, where the derivatives were evaluated, in so many `directions`.
-    pub(crate) fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
-        self.origin.pass(tape, directions, used);
+    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
+        self.origin.serialize(tape, directions, used);
         if self.laws.is_some() {
-            self.laws_origin.pass(tape, directions, used);
+            self.laws_origin.serialize(tape, directions, used);
         }
     }
 }
@@ -202,7 +202,7 @@ impl Origin {
     /// Writes to a tape, or reads from it, the unknowns, in so many `directions`: cell
     /// by cell, for the first `used` lanes, so that another number of lanes reads them too. The derivatives can be evaluated
     /// there again. Lanes beyond `used` repeat the last.
-    fn pass(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
+    fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
         let mut slopes = [self.slopes; LANES];
         let Unknowns { position, value, rate } = &mut self.unknowns;
         for (lane, slopes) in slopes[..used].iter_mut().enumerate() {
@@ -253,7 +253,7 @@ mod tests {
                 kept.unknowns.value[k] = of(2000);
                 kept.unknowns.rate[k] = of(3000);
             }
-            kept.pass(&mut tape, 3, used);
+            kept.serialize(&mut tape, 3, used);
             first += used;
         }
         tape.into_bytes()
@@ -262,7 +262,7 @@ mod tests {
     fn read(bytes: &[u8], used: usize) -> Origin {
         let mut tape = Tape::reader(bytes);
         let mut kept = Origin::none();
-        kept.pass(&mut tape, 3, used);
+        kept.serialize(&mut tape, 3, used);
         tape.finish().expect("as many as were written");
         kept
     }

@@ -203,9 +203,9 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         }
     }
 
-    fn pass_derivatives(&mut self, _belt: &Belt, tape: &mut Tape<'_>) {
+    fn serialize_derivatives(&mut self, _belt: &Belt, tape: &mut Tape<'_>) {
         for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
-            kept.pass(tape, K::COUNT, pack.group.used);
+            kept.serialize(tape, K::COUNT, pack.group.used);
         }
     }
 

@@ -76,7 +76,7 @@ impl Boundary {
         })
     }
 
-    fn pass(&mut self, tape: &mut Tape<'_>) {
+    fn serialize(&mut self, tape: &mut Tape<'_>) {
         for sheave in self.sheave.each_mut() {
             if let SheaveMode::Force(force) = sheave {
                 tape.real(force);
@@ -141,9 +141,9 @@ impl Loads {
     }
 
     /// Writes the loads to a tape, or reads them. To read, boundary conditions of the same kinds must be in force.
-    pub(crate) fn pass(&mut self, tape: &mut Tape<'_>) {
+    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
         tape.real(&mut self.from);
-        self.start.pass(tape);
+        self.start.serialize(tape);
         for rates in [&mut self.rates.force, &mut self.rates.shaft] {
             for rate in rates.each_mut() {
                 tape.real(rate);

@@ -25,8 +25,8 @@ impl Held {
         rates: Inputs::ZERO,
     };
 
-    /// Passes them by a tape.
-    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to a tape, or reads from it.
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         tape.real(&mut self.from);
         for value in self.inputs.each_mut().into_iter().chain(self.rates.each_mut()) {
             tape.real(value);

@@ -322,17 +322,17 @@ impl Variator {
 
     /// Writes to a tape, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
     /// parameters.
-    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         if tape.is_reading() {
             // For the kinds of boundary conditions: the loads themselves are on the tape.
             self.apply();
         }
-        self.state.pass(tape);
-        self.integrator.pass(tape);
+        self.state.serialize(tape);
+        self.integrator.serialize(tape);
         if let Some(real_time) = &mut self.real_time {
-            real_time.pass(tape);
+            real_time.serialize(tape);
         }
-        self.system.pass(tape);
+        self.system.serialize(tape);
         let ledger = &mut self.ledger;
         let [torque_s, torque_p] = self.external_torque.each_mut();
         for value in [

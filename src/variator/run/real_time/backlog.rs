@@ -118,8 +118,8 @@ impl Backlog {
         }
     }
 
-    /// Passes it by a tape.
-    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to a tape, or reads from it.
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         let mut count = self.pieces.len() as u64;
         tape.counter(&mut count);
         if count > PIECES as u64 {
@@ -132,7 +132,7 @@ impl Backlog {
         };
         self.pieces.resize(count as usize, none);
         for piece in &mut self.pieces {
-            piece.held.pass(tape);
+            piece.held.serialize(tape);
             tape.real(&mut piece.until);
         }
     }
@@ -248,15 +248,15 @@ mod tests {
     fn it_is_written_and_read() {
         let mut written = backlog(&[10.0, 20.0]);
         let mut tape = Tape::writer();
-        written.pass(&mut tape);
+        written.serialize(&mut tape);
         let bytes = tape.into_bytes();
         let mut read = Backlog::new();
         let mut tape = Tape::reader(&bytes);
-        read.pass(&mut tape);
+        read.serialize(&mut tape);
         assert_eq!(tape.finish(), Ok(()));
         assert_eq!(format!("{read:?}"), format!("{written:?}"));
         let mut tape = Tape::reader(&[255; 8]);
-        read.pass(&mut tape);
+        read.serialize(&mut tape);
         assert!(tape.finish().is_err());
     }
 }

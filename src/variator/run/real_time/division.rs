@@ -58,8 +58,8 @@ impl Division {
         self.ticks = self.ticks.min(most).max(1.0);
     }
 
-    /// Passes it by a tape.
-    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to a tape, or reads from it.
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         tape.real(&mut self.ticks);
         tape.counter(&mut self.on_time);
         tape.counter(&mut self.wait);

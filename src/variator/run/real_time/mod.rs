@@ -61,7 +61,7 @@ impl Plan {
         held: Held::NONE,
     };
 
-    fn pass(&mut self, tape: &mut Tape<'_>) {
+    fn serialize(&mut self, tape: &mut Tape<'_>) {
         for time in &mut self.span {
             tape.real(time);
         }
@@ -69,7 +69,7 @@ impl Plan {
         tape.flag(&mut is_rough);
         self.kind = if is_rough { Tick::Rough } else { Tick::Calm };
         tape.real(&mut self.rounding);
-        self.held.pass(tape);
+        self.held.serialize(tape);
     }
 }
 
@@ -255,13 +255,13 @@ impl RealTime {
     }
 
     /// Passes by a tape all that later ticks depend on.
-    pub fn pass(&mut self, tape: &mut Tape<'_>) {
-        self.ticks.pass(tape);
-        self.rounding.pass(tape);
-        self.division.pass(tape);
-        self.backlog.pass(tape);
-        self.solved.pass(tape);
-        self.plan.pass(tape);
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+        self.ticks.serialize(tape);
+        self.rounding.serialize(tape);
+        self.division.serialize(tape);
+        self.backlog.serialize(tape);
+        self.solved.serialize(tape);
+        self.plan.serialize(tape);
         tape.counter(&mut self.waiting);
         let times = [&mut self.clock, &mut self.reached, &mut self.solved_at, &mut self.share];
         for value in times.into_iter().chain(&mut self.energies) {

@@ -37,8 +37,8 @@ impl Rounding {
         self.level = (FADING * self.level).max(HIGHEST * rough);
     }
 
-    /// Passes it by a tape.
-    pub fn pass(&mut self, tape: &mut Tape<'_>) {
+    /// Writes to a tape, or reads from it.
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         tape.real(&mut self.level);
     }
 }

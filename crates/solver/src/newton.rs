@@ -1,0 +1,455 @@
+//! Newton's method for one implicit stage, with reuse of the factored Jacobian.
+
+use super::arrow::{Arrow, ArrowLu};
+use super::broyden::Broyden;
+use super::line_search::LineSearch;
+use super::{System, View};
+use pushbelt_tape::Tape;
+
+/// Most Jacobians in a stage.
+const FRESH_ITERATIONS: usize = 15;
+/// Most iterations of Broyden's method with the same factors. An iteration costs a fifteenth of a Jacobian, and the best
+/// point of those that fail is where Newton's method begins.
+const QUASI_ITERATIONS: usize = 24;
+/// Bounds of α over that of the factored matrix, within which the factors are tried. CVODE (Hindmarsh et al. 2005)
+/// takes 0.7 to 1.3 for the inverse.
+const REUSED: std::ops::Range<f64> = 0.7..1.4;
+/// What iterations beyond the first of a stage cost, added up over stages, after which the next stage takes a new
+/// Jacobian. The second counts once, for a new Jacobian saves it in smooth motions only; each further one counts
+/// [`FURTHER`] times.
+const STALE: u64 = 40;
+const FURTHER: usize = 3;
+/// Growth of the step in one iteration at which Broyden's method is given up. Where a law changes its regime steps
+/// grow and fall again.
+const DIVERGED: f64 = 8.0;
+/// Contraction that the first iteration is trusted with at best, and its growth with each stage that ends without
+/// measuring it: so it is measured again before it is stale.
+const BEST_RATE: f64 = 1.0e-3;
+const AGEING: f64 = 1.2;
+/// Exponent of the contraction seen last, for that of the next iteration: Broyden's method contracts a little faster
+/// from one to the next.
+const FASTER: f64 = 0.8;
+/// Part of the tolerance that may be left after the last iteration.
+const LEFT: f64 = 0.15;
+/// Part of the tolerance below which the first correction says that the guess is the solution.
+const SOLVED: f64 = 1.0e-3;
+/// Part of the tolerance below which corrections may be rounding, so that they need not fall.
+const ROUNDED: f64 = 0.1;
+/// By how much the correction after a full step must be below the one before: the restricted monotonicity test of
+/// Deuflhard, Newton Methods for Nonlinear Problems (2011), section 3.3, 1 − λ/4 at damping λ.
+const RESTRICTION: f64 = 0.25;
+/// Largest part of a correction that may point along the step before it, where a search along the step may end.
+const ALONG: f64 = 0.2;
+/// Residuals after which a search along a step ends at the best place it has found.
+const TRIALS: usize = 6;
+/// Least share of a step that is tried; a stage for which it is too large is given up.
+const LEAST: f64 = 0.02;
+
+/// Work done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Steps rejected by the error control.
+    pub rejected: u64,
+    /// Stages that Newton did not solve.
+    pub failed: u64,
+    /// Residual evaluations.
+    pub residuals: u64,
+    /// Jacobians formed and factored.
+    pub factorizations: u64,
+}
+
+impl std::ops::AddAssign for Counts {
+    fn add_assign(&mut self, more: Self) {
+        self.steps += more.steps;
+        self.rejected += more.rejected;
+        self.failed += more.failed;
+        self.residuals += more.residuals;
+        self.factorizations += more.factorizations;
+    }
+}
+
+/// Work from an earlier count on.
+impl std::ops::Sub for Counts {
+    type Output = Self;
+
+    fn sub(self, earlier: Self) -> Self {
+        Self {
+            steps: self.steps - earlier.steps,
+            rejected: self.rejected - earlier.rejected,
+            failed: self.failed - earlier.failed,
+            residuals: self.residuals - earlier.residuals,
+            factorizations: self.factorizations - earlier.factorizations,
+        }
+    }
+}
+
+/// Newton did not converge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("Newton's method found no solution")]
+pub struct NotConverged;
+
+/// Newton's method with its factored Jacobian, which later stages use again.
+#[derive(Clone, Debug)]
+pub struct Newton {
+    matrix: Arrow,
+    factors: ArrowLu,
+    /// α of the factored matrix; NaN before the first.
+    alpha: f64,
+    correction: Vec<f64>,
+    step: Vec<f64>,
+    guess: Vec<f64>,
+    scale: Vec<f64>,
+    broyden: Broyden,
+    best: Vec<f64>,
+    /// Residuals: at the place evaluated last, and at the best one.
+    residual: Vec<f64>,
+    best_residual: Vec<f64>,
+    /// Contraction per iteration seen with these factors; 1 before any.
+    rate: f64,
+    /// What iterations with these factors have cost beyond the first of each stage.
+    excess: u64,
+    /// Largest change that the last iteration of a stage left to make, as a share of the tolerance, as far as its contraction
+    /// tells. Whoever reads it sets it to zero.
+    pub left: f64,
+    /// Work counts.
+    pub counts: Counts,
+}
+
+/// A stage: F(t, y, ẏ, q) = 0 with ẏ = α(y − `base`), q = `position` + y/α.
+#[derive(Debug)]
+pub struct Stage<'a> {
+    /// t, s.
+    pub time: f64,
+    /// 1/(hγ), 1/s.
+    pub alpha: f64,
+    /// y at which ẏ = 0.
+    pub base: &'a [f64],
+    /// q at y = 0.
+    pub position: &'a [f64],
+    /// In: first guess. Out: solution.
+    pub y: &'a mut [f64],
+    /// Out: ẏ.
+    pub y_dot: &'a mut [f64],
+    /// Out: q.
+    pub q: &'a mut [f64],
+}
+
+impl Stage<'_> {
+    /// Sets ẏ and q to those of y.
+    fn complete(&mut self, has_position: &[bool]) {
+        let beta = 1.0 / self.alpha;
+        for ((rate, y), base) in self.y_dot.iter_mut().zip(&*self.y).zip(self.base) {
+            *rate = self.alpha * (y - base);
+        }
+        let new = self
+            .position
+            .iter()
+            .zip(&*self.y)
+            .map(|(position, y)| position + beta * y);
+        for ((q, has), new) in self.q.iter_mut().zip(has_position).zip(new) {
+            *q = if *has { new } else { *q };
+        }
+    }
+
+    fn view(&self) -> View<'_> {
+        View {
+            y: self.y,
+            y_dot: self.y_dot,
+            q: self.q,
+        }
+    }
+}
+
+impl Newton {
+    /// Memory for `system`.
+    #[must_use]
+    pub fn new(system: &impl System) -> Self {
+        let shape = system.shape();
+        Self {
+            matrix: Arrow::new(shape),
+            factors: ArrowLu::new(shape),
+            alpha: f64::NAN,
+            correction: vec![0.0; shape.len()],
+            step: vec![0.0; shape.len()],
+            guess: vec![0.0; shape.len()],
+            scale: vec![0.0; shape.len()],
+            broyden: Broyden::new(QUASI_ITERATIONS, shape.len()),
+            best: vec![0.0; shape.len()],
+            residual: vec![0.0; shape.len()],
+            best_residual: vec![0.0; shape.len()],
+            rate: 1.0,
+            excess: 0,
+            left: 0.0,
+            counts: Counts::default(),
+        }
+    }
+
+    /// Passes by a tape all that later solutions depend on: the factored Jacobian is used again.
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+        self.factors.serialize(tape);
+        tape.real(&mut self.alpha);
+        tape.real(&mut self.rate);
+        tape.counter(&mut self.excess);
+        let Counts {
+            steps,
+            rejected,
+            failed,
+            residuals,
+            factorizations,
+        } = &mut self.counts;
+        for count in [steps, rejected, failed, residuals, factorizations] {
+            tape.counter(count);
+        }
+    }
+
+    /// Forgets how well the factored Jacobian contracted: the law has changed since.
+    pub fn forget_rate(&mut self) {
+        self.rate = 1.0;
+    }
+
+    /// Forgets the factored Jacobian.
+    pub fn forget(&mut self) {
+        self.alpha = f64::NAN;
+    }
+
+    /// Forms and factors the Jacobian at the stage.
+    fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), NotConverged> {
+        self.counts.factorizations += 1;
+        system.renew_jacobian(
+            stage.time,
+            stage.view(),
+            stage.alpha,
+            1.0 / stage.alpha,
+            &mut self.matrix,
+        );
+        self.alpha = f64::NAN;
+        self.factors.factor(&self.matrix).map_err(|_| NotConverged)?;
+        self.alpha = stage.alpha;
+        self.rate = 1.0;
+        self.excess = 0;
+        Ok(())
+    }
+
+    /// Sets the scale that stages with this α are solved to: the system's.
+    pub fn set_scale(&mut self, system: &impl System, alpha: f64) {
+        system.newton_scale(1.0 / alpha, &mut self.scale);
+    }
+
+    /// Solves a stage to `tolerance` times the scale that was set last. `reuse` allows a Jacobian from before.
+    /// Returns the number of Jacobians formed.
+    ///
+    /// # Errors
+    /// No convergence; `stage.y` is then meaningless.
+    pub fn solve<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        tolerance: f64,
+        reuse: bool,
+    ) -> Result<usize, NotConverged> {
+        let ratio = stage.alpha / self.alpha;
+        let tries = reuse && REUSED.contains(&ratio);
+        if tries && self.quasi(system, stage, tolerance, false).is_ok() {
+            return Ok(0);
+        }
+        self.damped(system, stage, tolerance, tries)
+    }
+
+    /// The residual at `stage.y`, into `self.residual`.
+    fn evaluate<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
+        stage.complete(system.has_position());
+        system.residual(stage.time, stage.view(), &mut self.residual);
+        self.counts.residuals += 1;
+    }
+
+    /// Newton correction at `stage.y` with the factors at hand, into `self.correction`.
+    fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
+        self.evaluate(system, stage);
+        self.solve_for_correction();
+    }
+
+    /// The same with new factors; `known` says that the residual is at hand.
+    fn correct_anew<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        known: bool,
+    ) -> Result<(), NotConverged> {
+        if known {
+            stage.complete(system.has_position());
+        } else {
+            self.evaluate(system, stage);
+        }
+        self.refresh(system, stage)?;
+        self.solve_for_correction();
+        Ok(())
+    }
+
+    /// The correction for the residual at hand.
+    fn solve_for_correction(&mut self) {
+        self.correction.copy_from_slice(&self.residual);
+        self.factors.solve(&mut self.correction);
+    }
+
+    /// The largest scaled entry of the correction at hand and its scaled 2-norm.
+    fn measure(&self) -> Result<(f64, f64), NotConverged> {
+        let (mut largest, mut sum) = (0.0_f64, 0.0);
+        for (d, s) in self.correction.iter().zip(&self.scale) {
+            let x = d / s;
+            largest = largest.max(x.abs());
+            sum += x * x;
+        }
+        if sum.is_finite() {
+            Ok((largest, sum.sqrt()))
+        } else {
+            Err(NotConverged)
+        }
+    }
+
+    /// Broyden's method from the factors at hand. Given up when it diverges; `stage.y` is then the best point it reached, and the
+    /// residual there is at hand.
+    /// `corrected` says that the correction at `stage.y` is at hand.
+    fn quasi<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        tolerance: f64,
+        corrected: bool,
+    ) -> Result<(), NotConverged> {
+        self.broyden.restart();
+        let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
+        for iteration in 0..QUASI_ITERATIONS {
+            let at_hand = corrected && iteration == 0;
+            if !at_hand {
+                self.correct(system, stage);
+            }
+            let step = self.broyden.step(&self.correction, &self.scale);
+            let change = step.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            let is_finite = self.broyden.is_finite();
+            if iteration == 0 || is_finite && change < least {
+                least = change;
+                self.best.copy_from_slice(stage.y);
+                self.best_residual.copy_from_slice(&self.residual);
+            }
+            if !is_finite {
+                break;
+            }
+            if iteration > 0 {
+                let rate = change / before;
+                self.rate = if iteration == 1 { rate } else { self.rate.max(rate) };
+                if rate > DIVERGED && change > tolerance {
+                    break;
+                }
+            }
+            // After the first iteration the last stage's rate counts.
+            let ahead = if iteration == 0 {
+                self.rate = (self.rate.max(BEST_RATE) * AGEING).min(1.0);
+                self.rate
+            } else {
+                (change / before).powf(FASTER).min(1.0)
+            };
+            before = change;
+            self.broyden.add_to(stage.y, &self.scale);
+            // What is left after this step, as far as the rate tells.
+            if change * ahead < LEFT * tolerance {
+                self.left = self.left.max(change * ahead / tolerance);
+                stage.complete(system.has_position());
+                self.excess += (iteration.min(1) + FURTHER * iteration.saturating_sub(1)) as u64;
+                if self.excess > STALE {
+                    self.forget();
+                }
+                return Ok(());
+            }
+        }
+        self.rate = 1.0;
+        stage.y.copy_from_slice(&self.best);
+        self.residual.copy_from_slice(&self.best_residual);
+        Err(NotConverged)
+    }
+
+    /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps overshoot from one sliding
+    /// direction to the other for ever. After a full step Broyden's method goes on. `known` says that the residual is at hand.
+    fn damped<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        tolerance: f64,
+        known: bool,
+    ) -> Result<usize, NotConverged> {
+        for iteration in 1..=FRESH_ITERATIONS {
+            self.correct_anew(system, stage, known || iteration > 1)?;
+            let (largest, norm) = self.measure()?;
+            if iteration == 1 && largest < SOLVED * tolerance {
+                self.left = self.left.max(largest / tolerance);
+                return Ok(iteration);
+            }
+            self.guess.copy_from_slice(stage.y);
+            self.step.copy_from_slice(&self.correction);
+            let share = self.search(system, stage, tolerance, norm)?;
+            if share >= LineSearch::WHOLE && self.quasi(system, stage, tolerance, true).is_ok() {
+                return Ok(iteration);
+            }
+        }
+        Err(NotConverged)
+    }
+
+    /// Goes along the step at hand, whose scaled 2-norm is `norm`, to a place that the natural monotonicity test accepts
+    /// (Deuflhard 2011, section 3.3): the simplified correction there is smaller than the step. Short of the whole step it
+    /// seeks one from which the correction points along the step no more. Returns the share of the step; the residual there is
+    /// at hand, and after a whole step the correction.
+    fn search<S: System>(
+        &mut self,
+        system: &mut S,
+        stage: &mut Stage<'_>,
+        tolerance: f64,
+        norm: f64,
+    ) -> Result<f64, NotConverged> {
+        let mut line = LineSearch::new();
+        let mut share = LineSearch::WHOLE;
+        let mut best: Option<(f64, f64)> = None;
+        for trial in 1.. {
+            self.go(share, stage.y);
+            self.correct(system, stage);
+            let measured = self.measure();
+            let along = self.along(norm);
+            let accepted = measured.ok().filter(|(change, after)| {
+                *after <= (1.0 - RESTRICTION * share) * norm || *change < ROUNDED * tolerance
+            });
+            if let Some((change, after)) = accepted {
+                if share >= LineSearch::WHOLE || along.abs() < ALONG || change < ROUNDED * tolerance {
+                    return Ok(share);
+                }
+                if best.is_none_or(|(_, least)| after < least) {
+                    best = Some((share, after));
+                    self.best_residual.copy_from_slice(&self.residual);
+                }
+            }
+            line.record(share, along, accepted.is_some());
+            if let Some((share, _)) = best.filter(|_| trial >= TRIALS || line.is_narrow()) {
+                self.go(share, stage.y);
+                self.residual.copy_from_slice(&self.best_residual);
+                return Ok(share);
+            }
+            if line.end() <= LEAST {
+                break;
+            }
+            share = line.next().max(LEAST);
+        }
+        Err(NotConverged)
+    }
+
+    /// Goes a share of the step at hand from where it began.
+    fn go(&self, share: f64, y: &mut [f64]) {
+        for ((y, from), d) in y.iter_mut().zip(&self.guess).zip(&self.step) {
+            *y = from - share * d;
+        }
+    }
+
+    /// How far the correction points along the step at hand, whose scaled 2-norm is `norm`: 1 if it is the step once more.
+    fn along(&self, norm: f64) -> f64 {
+        let products = self.correction.iter().zip(&self.step).zip(&self.scale);
+        products.map(|((d, step), s)| (d / s) * (step / s)).sum::<f64>() / (norm * norm)
+    }
+}

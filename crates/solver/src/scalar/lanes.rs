@@ -1,0 +1,262 @@
+//! A pack of numbers that are computed alike: one cell of the belt in each lane.
+
+use super::real::Real;
+use super::soft_tail::{FAR, MANTISSA, soft_tail};
+use num_traits::{One, Zero};
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+#[cfg(not(target_feature = "avx"))]
+use wide::f64x2 as Pack;
+#[cfg(target_feature = "avx")]
+use wide::f64x4 as Pack;
+
+/// Numbers in a [`Lanes`]: as many as a register of the processor holds that is compiled for.
+pub const LANES: usize = if cfg!(target_feature = "avx") { 4 } else { 2 };
+
+/// [`LANES`] numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lanes(Pack);
+
+impl Lanes {
+    /// A pack of the given numbers.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(values: [f64; LANES]) -> Self {
+        Self(Pack::new(values))
+    }
+
+    /// The first numbers of a slice.
+    #[inline(always)]
+    #[must_use]
+    pub fn read(from: &[f64]) -> Self {
+        Self::new(*from.first_chunk().expect("as many numbers as lanes"))
+    }
+
+    /// Writes the numbers to the start of a slice.
+    #[inline(always)]
+    pub fn write(self, to: &mut [f64]) {
+        *to.first_chunk_mut().expect("as many places as lanes") = self.to_array();
+    }
+
+    /// As many packs as lanes with rows and columns exchanged.
+    #[inline(always)]
+    #[must_use]
+    pub fn transposed(rows: [Self; LANES]) -> [Self; LANES] {
+        Pack::transpose(rows.map(|row| row.0)).map(Self)
+    }
+
+    /// The numbers.
+    #[inline(always)]
+    #[must_use]
+    pub fn to_array(self) -> [f64; LANES] {
+        self.0.to_array()
+    }
+
+    /// Writes the number in a lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, value: f64) {
+        self.0.as_mut_array()[lane] = value;
+    }
+
+    /// The sum over the lanes.
+    #[inline(always)]
+    #[must_use]
+    pub fn sum(self) -> f64 {
+        self.to_array().iter().sum()
+    }
+
+    /// Lane by lane the smaller number; what is not a number stays so.
+    #[inline(always)]
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        Self(other.0.fast_min(self.0))
+    }
+
+    /// Lane by lane the larger number; what is not a number stays so.
+    #[inline(always)]
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self(other.0.fast_max(self.0))
+    }
+
+    /// Whether all numbers are above `bound`.
+    #[inline(always)]
+    fn all_above(self, bound: f64) -> bool {
+        self.0.simd_gt(Pack::splat(bound)).all()
+    }
+}
+
+impl From<f64> for Lanes {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self(Pack::splat(value))
+    }
+}
+
+macro_rules! operators {
+    ($($name:ident $method:ident),*) => {$(
+        impl $name for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+
+        impl $name<f64> for Lanes {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                self.$method(Self::from(other))
+            }
+        }
+    )*};
+}
+operators!(Add add, Sub sub, Mul mul, Div div);
+
+impl Neg for Lanes {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl AddAssign for Lanes {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl SubAssign for Lanes {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl MulAssign for Lanes {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl Zero for Lanes {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::from(0.0)
+    }
+
+    fn is_zero(&self) -> bool {
+        *self == Self::zero()
+    }
+}
+
+impl One for Lanes {
+    #[inline(always)]
+    fn one() -> Self {
+        Self::from(1.0)
+    }
+}
+
+impl Real for Lanes {
+    type Constant = Self;
+
+    const WIDTH: usize = LANES;
+
+    #[inline(always)]
+    fn constant(value: Self) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn value(&self) -> Self {
+        *self
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f64 {
+        self.0.as_array()[lane]
+    }
+
+    #[inline(always)]
+    fn with_lane(mut self, lane: usize, other: Self) -> Self {
+        self.set(lane, other.lane(lane));
+        self
+    }
+
+    #[inline(always)]
+    fn re(&self) -> f64 {
+        self.to_array()[0]
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self::one() / self
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.0.sin_cos();
+        (Self(sin), Self(cos))
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        // Lane by lane by the standard library: no law needs it in a step, and it is exact on the axes.
+        let (y, x) = (self.to_array(), x.to_array());
+        Self::new(std::array::from_fn(|lane| y[lane].atan2(x[lane])))
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        Self(self.0.ln())
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        Self(self.0.exp())
+    }
+
+    #[inline(always)]
+    fn soft_plus(self, delta: f64) -> [Self; 3] {
+        let per = 1.0 / delta;
+        let size = Self(self.0.abs()) * per;
+        // Most cells in the strands are far from the sheaves.
+        let [tail, inverse, logarithm] = if size.all_above(FAR) {
+            [Self::from((-FAR).exp()), Self::one(), Self::from((-FAR).exp())]
+        } else {
+            soft_tail(size.min(Self::from(FAR)), |of| {
+                Self::new(of.to_array().map(|of| f64::from_bits(of.to_bits() << MANTISSA)))
+            })
+        };
+        let plus = self.max(Self::zero()) + logarithm * delta;
+        let slope = self.if_positive(Self::one(), tail) * inverse;
+        // 1 − slope without cancellation.
+        let rest = self.if_positive(tail, Self::one()) * inverse;
+        [plus, slope, slope * rest * per]
+    }
+
+    #[inline(always)]
+    fn if_positive(self, yes: Self, no: Self) -> Self {
+        Self(self.0.simd_gt(Pack::splat(0.0)).select(yes.0, no.0))
+    }
+
+    #[inline(always)]
+    fn smooth_plus(self, delta: f64) -> [Self; 3] {
+        let square = delta * delta;
+        let root = (self * self + square).sqrt();
+        let sum = root + Self(self.0.abs());
+        let half = Self::from(0.5 * square);
+        // One division for both quotients.
+        let inverse = (sum * root).recip();
+        let plus = self.if_positive(sum * 0.5, half * root * inverse);
+        [plus, plus * sum * inverse, half / (root * root * root)]
+    }
+}

@@ -1,0 +1,341 @@
+//! Numbers with N slopes, packed or one at a time: forward differentiation.
+
+use super::lanes::Lanes;
+use super::real::Real;
+use num_traits::{One, Zero};
+use std::array::from_fn;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// The chain rule: the sum of slopes times the variations of what they are slopes by.
+#[inline(always)]
+pub fn along<const N: usize, L: Real>(slopes: &[L; N], by: &[L; N]) -> L {
+    (1..N).fold(slopes[0] * by[0], |sum, k| sum + slopes[k] * by[k])
+}
+
+/// Numbers and their slopes in N directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tangent<const N: usize, L = Lanes> {
+    /// The numbers themselves.
+    pub re: L,
+    /// Their slopes, one for each direction.
+    pub eps: [L; N],
+}
+
+impl<const N: usize, L: Real> Tangent<N, L> {
+    /// Numbers without slopes.
+    #[inline(always)]
+    fn plain(value: L) -> Self {
+        Self {
+            re: value,
+            eps: [L::zero(); N],
+        }
+    }
+
+    /// `value` with slope `slope` in `direction`; a constant if there is no such direction.
+    #[inline(always)]
+    #[must_use]
+    pub fn seed(value: L, direction: usize, slope: f64) -> Self {
+        Self {
+            re: value,
+            eps: from_fn(|i| L::from(if i == direction { slope } else { 0.0 })),
+        }
+    }
+
+    /// The function with value `value` and derivative `slope` here.
+    #[inline(always)]
+    fn chain(&self, value: L, slope: L) -> Self {
+        Self {
+            re: value,
+            eps: from_fn(|i| self.eps[i] * slope),
+        }
+    }
+
+    /// A function of two numbers with value `value` and derivatives `slope`, `other_slope` here.
+    #[inline(always)]
+    fn join(&self, other: &Self, value: L, slope: L, other_slope: L) -> Self {
+        Self {
+            re: value,
+            eps: from_fn(|i| self.eps[i] * slope + other.eps[i] * other_slope),
+        }
+    }
+}
+
+impl<const N: usize, L: Real<Constant = L>> Real for Tangent<N, L>
+where
+    Self: Mul<L, Output = Self>,
+{
+    type Constant = L;
+
+    const WIDTH: usize = L::WIDTH;
+
+    #[inline(always)]
+    fn constant(value: L) -> Self {
+        Self::plain(value)
+    }
+
+    #[inline(always)]
+    fn value(&self) -> L {
+        self.re
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> f64 {
+        self.re.lane(lane)
+    }
+
+    #[inline(always)]
+    fn with_lane(self, lane: usize, other: Self) -> Self {
+        Self {
+            re: self.re.with_lane(lane, other.re),
+            eps: from_fn(|i| self.eps[i].with_lane(lane, other.eps[i])),
+        }
+    }
+
+    #[inline(always)]
+    fn re(&self) -> f64 {
+        self.re.re()
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        self.chain(root, L::from(0.5) / root)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let recip = self.re.recip();
+        self.chain(recip, -(recip * recip))
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.re.sin_cos();
+        (self.chain(sin, cos), self.chain(cos, -sin))
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        let inverse = (self.re * self.re + x.re * x.re).recip();
+        self.join(&x, self.re.atan2(x.re), x.re * inverse, -(self.re * inverse))
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.chain(self.re.ln(), self.re.recip())
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let value = self.re.exp();
+        self.chain(value, value)
+    }
+
+    #[inline(always)]
+    fn soft_plus(self, delta: f64) -> [Self; 3] {
+        let [plus, slope, bend] = self.re.soft_plus(delta);
+        [
+            self.chain(plus, slope),
+            self.chain(slope, bend),
+            self.chain(bend, bend * (slope * (-2.0) + 1.0) * (1.0 / delta)),
+        ]
+    }
+
+    #[inline(always)]
+    fn if_positive(self, yes: Self, no: Self) -> Self {
+        Self {
+            re: self.re.if_positive(yes.re, no.re),
+            eps: std::array::from_fn(|k| self.re.if_positive(yes.eps[k], no.eps[k])),
+        }
+    }
+
+    #[inline(always)]
+    fn smooth_plus(self, delta: f64) -> [Self; 3] {
+        let [plus, slope, bend] = self.re.smooth_plus(delta);
+        let square = self.re * self.re + delta * delta;
+        [
+            self.chain(plus, slope),
+            self.chain(slope, bend),
+            self.chain(bend, self.re * bend * (-3.0) / square),
+        ]
+    }
+}
+
+impl<const N: usize, L: Real> From<f64> for Tangent<N, L> {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self::plain(L::from(value))
+    }
+}
+
+impl<const N: usize, L: Real> Neg for Tangent<N, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self {
+            re: -self.re,
+            eps: self.eps.map(|a| -a),
+        }
+    }
+}
+
+impl<const N: usize, L: Real> Add for Tangent<N, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self {
+            re: self.re + other.re,
+            eps: from_fn(|i| self.eps[i] + other.eps[i]),
+        }
+    }
+}
+
+impl<const N: usize, L: Real> Sub for Tangent<N, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self {
+            re: self.re - other.re,
+            eps: from_fn(|i| self.eps[i] - other.eps[i]),
+        }
+    }
+}
+
+impl<const N: usize, L: Real> Mul for Tangent<N, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.join(&other, self.re * other.re, other.re, self.re)
+    }
+}
+
+impl<const N: usize, L: Real> Div for Tangent<N, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let recip = other.re.recip();
+        let value = self.re / other.re;
+        self.join(&other, value, recip, -(value * recip))
+    }
+}
+
+macro_rules! with_constants {
+    ([$($generic:tt)*] $constant:ty, $number:ty) => {
+        impl<const N: usize $($generic)*> Add<$constant> for Tangent<N, $number> {
+            type Output = Self;
+            #[inline(always)]
+            fn add(mut self, other: $constant) -> Self {
+                self.re += <$number>::from(other);
+                self
+            }
+        }
+
+        impl<const N: usize $($generic)*> Sub<$constant> for Tangent<N, $number> {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(mut self, other: $constant) -> Self {
+                self.re -= <$number>::from(other);
+                self
+            }
+        }
+
+        impl<const N: usize $($generic)*> Mul<$constant> for Tangent<N, $number> {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, other: $constant) -> Self {
+                self.chain(self.re * other, <$number>::from(other))
+            }
+        }
+    };
+}
+with_constants!([, L: Real] f64, L);
+with_constants!([] Lanes, Lanes);
+
+impl<const N: usize, L: Real> AddAssign for Tangent<N, L> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<const N: usize, L: Real> SubAssign for Tangent<N, L> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<const N: usize, L: Real> MulAssign for Tangent<N, L> {
+    #[inline(always)]
+    fn mul_assign(&mut self, other: Self) {
+        *self = *self * other;
+    }
+}
+
+impl<const N: usize, L: Real> Zero for Tangent<N, L> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::plain(L::zero())
+    }
+
+    fn is_zero(&self) -> bool {
+        *self == Self::zero()
+    }
+}
+
+impl<const N: usize, L: Real> One for Tangent<N, L> {
+    #[inline(always)]
+    fn one() -> Self {
+        Self::plain(L::one())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_dual::Derivative;
+    use num_dual::DualSVec64;
+
+    /// Against finite differences in all quadrants and on the axes; on the cut the difference steps over 2π.
+    #[test]
+    fn atan2_has_exact_derivatives_in_all_quadrants() {
+        use std::f64::consts::TAU;
+        for k in 0..16 {
+            let (y, x) = (TAU * f64::from(k) / 16.0).sin_cos();
+            let (y, x) = (1.7 * y, 1.7 * x);
+            let found = Tangent::<2, f64>::seed(y, 0, 1.0).atan2(Tangent::seed(x, 1, 1.0));
+            assert_eq!(found.re, y.atan2(x), "{k}");
+            let step = 1e-6;
+            let turned = |a: f64, b: f64| (a - b + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
+            let by_y = turned((y + step).atan2(x), (y - step).atan2(x)) / (2.0 * step);
+            let by_x = turned(y.atan2(x + step), y.atan2(x - step)) / (2.0 * step);
+            assert!((found.eps[0] - by_y).abs() < 1e-9, "{k}: {} {by_y}", found.eps[0]);
+            assert!((found.eps[1] - by_x).abs() < 1e-9, "{k}: {} {by_x}", found.eps[1]);
+        }
+    }
+
+    /// Every operation against num-dual.
+    #[test]
+    fn agrees_with_num_dual() {
+        fn law<T: Real>(a: T, b: T) -> T {
+            let (sin, cos) = (a * 0.7 - b).sin_cos();
+            let [plus, slope, bend] = (a * b - 0.3).smooth_plus(0.2);
+            let [soft, soft_slope, soft_bend] = (a * b - 0.3).soft_plus(0.2);
+            let [far, ..] = (a * b + 900.0).soft_plus(0.2);
+            let mut sum = (sin + 2.0) * (cos + 3.0) / (a * a + 1.0) - plus * slope + bend;
+            sum -= (b * b + 0.5).sqrt() + (a + 4.0).recip();
+            sum += soft * soft_slope - soft_bend * (a * 0.3).exp() + far;
+            sum *= -a;
+            sum += (a - 1.5).atan2(b) - b.atan2(-a) * a.atan2(b - 2.0);
+            sum
+        }
+        let (x, y) = (0.9, 0.4);
+        let found = law(Tangent::<2, f64>::seed(x, 0, 1.0), Tangent::seed(y, 1, 1.0));
+        let unit = |k: usize| Derivative::some(nalgebra::SVector::<f64, 2>::ith(k, 1.0));
+        let expected = law(DualSVec64::new(x, unit(0)), DualSVec64::new(y, unit(1)));
+        assert!((found.re - expected.re).abs() < 1e-12);
+        for (found, expected) in found.eps.iter().zip(expected.eps.0.iter().flatten()) {
+            assert!((found - expected).abs() < 1e-13, "{found} {expected}");
+        }
+    }
+}

@@ -1,0 +1,415 @@
+//! Time integration: SDIRK of two stages and order two, L-stable and stiffly accurate (Alexander 1977, γ = 1 − 1/√2).
+//!
+//! One-step and without an explicit stage, so a jump of the inputs needs no restart and a snapshot is y, ẏ, q and the
+//! step size. The error is measured against a formula with weights on c = 0, γ, 1, where the slope at c = 0 is the
+//! last one of the step before. The formula is of third order for quadrature only, where the state doesn't act on its
+//! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
+
+use super::arrow::Arrow;
+use super::newton::{Newton, Stage};
+use super::{State, System, View};
+use pushbelt_tape::Tape;
+
+/// γ = 1 − 1/√2.
+pub const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// Weights of third order for quadrature (Σ b̂ = 1, Σ b̂c = 1/2, Σ b̂c² = 1/3) less those of the method, on the slopes
+/// at c = 0, γ, 1.
+fn error_weights() -> [f64; 3] {
+    let b1 = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA));
+    let b2 = 0.5 - GAMMA * b1;
+    [1.0 - b1 - b2, b1 - (1.0 - GAMMA), b2 - GAMMA]
+}
+
+/// What a system adds for time integration.
+pub trait Evolution: System {
+    /// Error of a step relative to what is tolerated: accepted up to 1.
+    fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64;
+
+    /// Longest step that the system takes from here, s.
+    fn longest_step(&self, _view: View<'_>) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The Jacobian with a geometry that is new or kept. [`System::jacobian`] if there is no other.
+    fn jacobian_with(&mut self, geometry: Geometry, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        let _ = geometry;
+        let [alpha, beta] = slopes;
+        self.jacobian(time, view, alpha, beta, out);
+    }
+
+    /// Called for each accepted step: to integrate what is not part of the state.
+    fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval);
+}
+
+/// What of a Jacobian is evaluated anew beside the slopes of laws that change much, if there is an earlier one of a like step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry {
+    /// Everything.
+    All,
+    /// A part of it.
+    Part {
+        /// Which, from 0.
+        number: usize,
+        /// Of how many.
+        parts: usize,
+    },
+    /// Nothing.
+    Kept,
+}
+
+/// The time that an accepted step took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Time at the end, s.
+    pub end: f64,
+    /// Size of the step, s.
+    pub length: f64,
+    /// How powers are to be integrated over it.
+    pub rule: Quadrature,
+}
+
+/// How powers are integrated over a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quadrature {
+    /// From both ends: of the order of [`Sdirk`].
+    Trapezoid,
+    /// From the end alone. What implicit Euler balances are the powers there; all that is then unaccounted for is what it
+    /// damps by itself, and what was left unsolved.
+    End,
+}
+
+/// The step size fell below the smallest.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{} at a step of {step:.1e} s, {time} s", if *newton { "Newton's method found no solution" } else { "the error stayed too large" })]
+pub struct Stalled {
+    /// Time reached, s.
+    pub time: f64,
+    /// Step size at which it gave up, s.
+    pub step: f64,
+    /// Whether Newton's method failed (else the error control).
+    pub newton: bool,
+}
+
+/// Integrator with its history.
+#[derive(Clone, Debug)]
+pub struct Sdirk {
+    /// Newton iteration, with work counts.
+    pub newton: Newton,
+    /// Preferred next step, s.
+    pub step: f64,
+    /// Longest step, s.
+    pub max_step: f64,
+    /// Newton tolerance as a fraction of the system's Newton scale.
+    pub newton_tolerance: f64,
+    /// How many times wider it becomes where steps err as much as is tolerated: sharper solutions don't make them better.
+    pub newton_widening: f64,
+    /// Size of the step whose stages are kept; none after an attempt that failed, s.
+    kept: Option<f64>,
+    /// Roughness of the way, from 0 to 1.
+    rough: f64,
+    /// Fading mean of squared errors, of 1 at most: small as long as motions are smooth.
+    error: f64,
+    stages: [State; 2],
+    /// ẏ at the end of the last step, before loads jumped: the first stage is guessed with it. An unknown may follow its
+    /// load in less than a step, so the slope after a jump would lead far off.
+    slope: Vec<f64>,
+    base: Vec<f64>,
+    position: Vec<f64>,
+    y_error: Vec<f64>,
+    q_error: Vec<f64>,
+}
+
+/// A stretch of time that is integrated in steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch {
+    from: f64,
+    span: f64,
+    done: f64,
+}
+
+impl Stretch {
+    /// From one time to another, s.
+    #[must_use]
+    pub fn new(from: f64, to: f64) -> Self {
+        Self {
+            from,
+            span: to - from,
+            done: 0.0,
+        }
+    }
+
+    /// Whether its end is reached.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.done >= self.span
+    }
+
+    /// Time reached, s, up to the rounding of the sum of its steps.
+    #[must_use]
+    pub fn reached(&self) -> f64 {
+        self.from + self.done
+    }
+}
+
+/// Smallest step, s.
+const MIN_STEP: f64 = 1.0e-10;
+
+// Step sizes follow h' = h · safety · error^(−1/3) within limits, as in Hairer, Nørsett and Wanner, Solving Ordinary
+// Differential Equations I, equation (II.4.13): a factor that brings the error to the safety's cube.
+
+/// One over the order of the error estimate.
+const EXPONENT: f64 = 1.0 / 3.0;
+/// Safety after a step that was accepted. Hairer, Nørsett and Wanner give 0.8 and 0.9 as usual.
+const SAFETY: f64 = 0.85;
+/// The same where the way is rough, as it shows by steps that are rejected: friction turns and gaps close, so the error jumps from
+/// one step to the next, and longer steps cost more Jacobians.
+const SAFETY_ROUGH: f64 = 0.55;
+/// What a step that is rejected adds to the roughness, of 1 at most, and how that fades with each one that is accepted.
+const ROUGHER: f64 = 0.5;
+const FADING: f64 = 0.97;
+/// Share of the last step in the mean of squared errors.
+const LAST: f64 = 0.02;
+/// Safety after a step that was rejected: less, for another rejection costs a whole step.
+const SAFETY_REJECTED: f64 = 0.8;
+/// Limits of the change after a step that was accepted; usual is a growth of 1.5 to 5.
+const CHANGE: [f64; 2] = [0.3, 3.0];
+/// Limits of the change after a step that was rejected. An error just too large asks for 0.8: the upper limit is below
+/// that, so that the next attempt has room.
+const CHANGE_REJECTED: [f64; 2] = [0.1, 0.7];
+/// Change after Newton's method failed, as in DASSL and CVODE (Hindmarsh et al. 2005).
+const CHANGE_FAILED: f64 = 0.25;
+/// Errors below this count as this, so that their power is finite. From 0.02 down the change is at its limit.
+const LEAST_ERROR: f64 = 1.0e-9;
+/// Part of a step that rounding may leave over at the end: no step is taken for it.
+const ROUNDING: f64 = 1.0e-9;
+/// A step of at least this share of the preferred one was not shortened to meet the end.
+const UNSHORTENED: f64 = 0.99;
+
+/// `out` = `from` + `time`·`rate`.
+pub(super) fn move_by(time: f64, out: &mut [f64], from: &[f64], rate: &[f64]) {
+    for ((out, from), rate) in out.iter_mut().zip(from).zip(rate) {
+        *out = from + time * rate;
+    }
+}
+
+impl Sdirk {
+    /// Integrator for `system`.
+    #[must_use]
+    pub fn new(system: &impl System, first_step: f64, max_step: f64) -> Self {
+        let n = system.shape().len();
+        Self {
+            newton: Newton::new(system),
+            step: first_step,
+            max_step,
+            newton_tolerance: 1.0,
+            newton_widening: 0.0,
+            kept: None,
+            rough: 0.0,
+            error: 0.0,
+            stages: [State::zero(n), State::zero(n)],
+            slope: vec![0.0; n],
+            base: vec![0.0; n],
+            position: vec![0.0; n],
+            y_error: vec![0.0; n],
+            q_error: vec![0.0; n],
+        }
+    }
+
+    /// ÿ of an unknown at the end of the last step, of first order: from the slopes of its two stages. 0 if there is no
+    /// last step.
+    #[must_use]
+    pub fn slope_rate(&self, unknown: usize) -> f64 {
+        let [first, second] = &self.stages;
+        self.kept.map_or(0.0, |h| {
+            (second.y_dot[unknown] - first.y_dot[unknown]) / ((1.0 - GAMMA) * h)
+        })
+    }
+
+    /// Passes by a tape all that later steps depend on.
+    pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+        self.newton.serialize(tape);
+        tape.real(&mut self.step);
+        tape.option(&mut self.kept);
+        tape.real(&mut self.rough);
+        tape.real(&mut self.error);
+        tape.reals(&mut self.slope);
+        for stage in &mut self.stages {
+            tape.reals(&mut stage.y_dot);
+        }
+    }
+
+    /// Tries one step of size `h` from (y, ẏ, q) at `time`; the result stands in the second stage. None if Newton's
+    /// method fails, else the error.
+    fn attempt<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<f64> {
+        self.kept = None;
+        self.newton.set_scale(system, 1.0 / (h * GAMMA));
+        self.solve_first(system, view, time, h)?;
+        self.solve_second(system, view, time, h)?;
+        self.estimate_error(view, h);
+        let error = system.error_norm(self.stages[1].view(), &self.y_error, &self.q_error);
+        self.error += LAST * (error.min(1.0).powi(2) - self.error);
+        Some(error)
+    }
+
+    /// What Newton's method solves the next stage to, as a fraction of the system's Newton scale.
+    fn tolerance(&self) -> f64 {
+        self.newton_tolerance * (1.0 + self.newton_widening * self.error)
+    }
+
+    /// Solves the stage at c = γ.
+    fn solve_first<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<()> {
+        let tolerance = self.tolerance();
+        let first = &mut self.stages[0];
+        move_by(GAMMA * h, &mut first.y, view.y, &self.slope);
+        first.q.copy_from_slice(view.q);
+        let mut stage = Stage {
+            time: time + GAMMA * h,
+            alpha: 1.0 / (h * GAMMA),
+            base: view.y,
+            position: view.q,
+            y: &mut first.y,
+            y_dot: &mut first.y_dot,
+            q: &mut first.q,
+        };
+        self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
+    }
+
+    /// Solves the stage at c = 1, from the first.
+    fn solve_second<S: Evolution>(&mut self, system: &mut S, view: View<'_>, time: f64, h: f64) -> Option<()> {
+        let tolerance = self.tolerance();
+        let [first, second] = &mut self.stages;
+        move_by(h * (1.0 - GAMMA), &mut self.base, view.y, &first.y_dot);
+        move_by(h * (1.0 - GAMMA), &mut self.position, view.q, &first.y);
+        move_by(h * GAMMA, &mut second.y, &self.base, &first.y_dot);
+        second.q.copy_from_slice(view.q);
+        let mut stage = Stage {
+            time: time + h,
+            alpha: 1.0 / (h * GAMMA),
+            base: &self.base,
+            position: &self.position,
+            y: &mut second.y,
+            y_dot: &mut second.y_dot,
+            q: &mut second.q,
+        };
+        self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
+    }
+
+    /// Estimates the errors of y and q from the slopes at c = 0, γ, 1.
+    fn estimate_error(&mut self, before: View<'_>, h: f64) {
+        let [w0, w1, w2] = error_weights().map(|w| h * w);
+        let [first, second] = &self.stages;
+        let weigh = |out: &mut [f64], slopes: [&[f64]; 3]| {
+            for (((out, a), b), c) in out.iter_mut().zip(slopes[0]).zip(slopes[1]).zip(slopes[2]) {
+                *out = w0 * a + w1 * b + w2 * c;
+            }
+        };
+        weigh(&mut self.y_error, [before.y_dot, &first.y_dot, &second.y_dot]);
+        weigh(&mut self.q_error, [before.y, &first.y, &second.y]);
+    }
+
+    /// Advances a state from `time` to exactly `to`.
+    ///
+    /// # Errors
+    /// The step size fell below 0.1 ns; the state is that of the last accepted step, at the time that the error names.
+    pub fn advance<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &mut State,
+        time: f64,
+        to: f64,
+    ) -> Result<(), Stalled> {
+        let mut stretch = Stretch::new(time, to);
+        while !stretch.is_over() {
+            self.step(system, state, &mut stretch)?;
+        }
+        Ok(())
+    }
+
+    /// Takes one step of a stretch that is not over.
+    ///
+    /// # Errors
+    /// As [`Sdirk::advance`].
+    pub fn step<S: Evolution>(
+        &mut self,
+        system: &mut S,
+        state: &mut State,
+        stretch: &mut Stretch,
+    ) -> Result<(), Stalled> {
+        let Stretch { from, span, done } = *stretch;
+        let rest = span - done;
+        loop {
+            let longest = self.max_step.min(system.longest_step(state.view()));
+            let preferred = self.step.min(longest);
+            // Whole steps to the end: never a sliver.
+            let h = rest / (rest / preferred * (1.0 - ROUNDING)).ceil().max(1.0);
+            let last = h >= rest;
+            match self.attempt(system, state.view(), from + done, h) {
+                Some(error) if error <= 1.0 => {
+                    let end = from + done + h;
+                    self.accept(
+                        system,
+                        state,
+                        Interval {
+                            end,
+                            length: h,
+                            rule: Quadrature::Trapezoid,
+                        },
+                    );
+                    self.lengthen(h, error, preferred, longest);
+                    stretch.done = if last { span } else { done + h };
+                    return Ok(());
+                }
+                outcome => {
+                    self.shorten(h, outcome);
+                    if self.step < MIN_STEP {
+                        return Err(Stalled {
+                            time: from + done,
+                            step: self.step,
+                            newton: outcome.is_none(),
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Moves the state to the end of a step.
+    fn accept<S: Evolution>(&mut self, system: &mut S, state: &mut State, interval: Interval) {
+        let end = &self.stages[1];
+        system.accumulate(state.view(), end.view(), interval);
+        state.copy_from(end);
+        self.slope.copy_from_slice(&end.y_dot);
+        self.newton.counts.steps += 1;
+        // Slopes over less than this differ by rounding only.
+        self.kept = (interval.length >= MIN_STEP).then_some(interval.length);
+    }
+
+    /// Sets the next step after one of size `h` that was accepted with this `error`.
+    fn lengthen(&mut self, h: f64, error: f64, preferred: f64, longest: f64) {
+        let [least, most] = CHANGE;
+        let safety = SAFETY + (SAFETY_ROUGH - SAFETY) * self.rough;
+        self.rough *= FADING;
+        let factor = (safety * error.max(LEAST_ERROR).powf(-EXPONENT)).clamp(least, most);
+        // A step shortened to meet the end says nothing against the longer one.
+        let next = h * factor;
+        if next > self.step || h >= UNSHORTENED * preferred || factor < 1.0 {
+            self.step = next.min(longest);
+        }
+    }
+
+    /// Sets the next step after one of size `h` that was rejected for its error, or for none that failed.
+    fn shorten(&mut self, h: f64, error: Option<f64>) {
+        let [least, most] = CHANGE_REJECTED;
+        let factor = if let Some(error) = error {
+            self.newton.counts.rejected += 1;
+            self.rough = (self.rough + ROUGHER).min(1.0);
+            (SAFETY_REJECTED * error.powf(-EXPONENT)).clamp(least, most)
+        } else {
+            self.newton.counts.failed += 1;
+            CHANGE_FAILED
+        };
+        let factor = if factor.is_finite() { factor } else { least };
+        self.step = h * factor;
+    }
+}

@@ -1,0 +1,403 @@
+//! The integrator's order, its error estimate and control, and the work it takes.
+
+use super::super::differences::compare;
+use super::super::sdirk::{GAMMA, Sdirk};
+use super::super::{State, System};
+use super::problems::{
+    Constrained, Decay, Equations, Forced, Heat, Oscillator, ProtheroRobinson, Quadrature, Real, Robertson, Solved,
+    Swelling, Test, VanDerPol, Wave, fixed, run,
+};
+use super::{assert_work, work};
+use pushbelt_tape::Tape;
+
+/// Numbers of steps of a ladder, each twice the one before.
+const LADDER: [u32; 5] = [20, 40, 80, 160, 320];
+
+/// Order of a method by which the errors of a ladder fall.
+fn order(errors: &[f64]) -> f64 {
+    (errors[0] / errors[errors.len() - 1]).log2() / (errors.len() - 1) as f64
+}
+
+fn assert_order(errors: &[f64], expected: f64, what: &str) {
+    let found = order(errors);
+    assert!(
+        (found - expected).abs() < 0.2,
+        "{what}: order {found}, errors {errors:?}"
+    );
+}
+
+/// Errors of y and q at the end of 1 s, over the ladder.
+fn ladder<E: Solved<N>, const N: usize>(equations: E) -> [Vec<f64>; 2] {
+    let mut system = Test::new(equations);
+    let errors = LADDER.map(|steps| system.error_of_steps(1.0, steps));
+    [0, 1].map(|k| errors.iter().map(|error| error[k]).collect())
+}
+
+fn assert_second_order<E: Solved<N>, const N: usize>(equations: E, what: &str) {
+    let [of_y, of_q] = ladder(equations);
+    assert_order(&of_y, 2.0, what);
+    if E::HAS_POSITION[0] {
+        assert_order(&of_q, 2.0, what);
+    }
+}
+
+#[test]
+fn order_is_two() {
+    assert_second_order(Decay, "decay");
+    assert_second_order(Quadrature, "quadrature");
+    assert_second_order(Swelling, "not autonomous");
+    assert_second_order(Oscillator { frequency: 3.0 }, "oscillator");
+    assert_second_order(Forced, "forced");
+    assert_second_order(ProtheroRobinson { rate: 1.0 }, "Prothero-Robinson, not stiff");
+    assert_second_order(Heat, "heat around a loop");
+    assert_second_order(Wave, "waves around a loop");
+}
+
+/// A method that is stiffly accurate keeps its order where a row has no rate, in both unknowns (Hairer and Wanner,
+/// Solving Ordinary Differential Equations II, section VI.1).
+#[test]
+fn order_is_two_with_a_row_without_rate() {
+    assert_second_order(Constrained, "constrained");
+}
+
+#[test]
+fn order_is_two_on_van_der_pol() {
+    let equations = VanDerPol { damping: 5.0 };
+    let exact = equations.reference(1.0, 20_000);
+    let mut system = Test::new(equations);
+    let errors = LADDER.map(|steps| {
+        let mut state = resting(&system);
+        fixed(&system, 1.0 / f64::from(4 * steps))
+            .advance(&mut system, &mut state, 0.0, 1.0)
+            .unwrap();
+        let found = [&state.y, &state.q].map(|all| system.values(all)[0]);
+        [0, 1].map(|k| (found[k] - exact[k]).abs())
+    });
+    for k in 0..2 {
+        assert_order(&errors.map(|error| error[k]), 2.0, "van der Pol");
+    }
+}
+
+/// Van der Pol's oscillator let go at q = 2.
+fn resting(system: &Test<VanDerPol, 1>) -> State {
+    State {
+        y: system.unknowns([0.0]),
+        y_dot: system.unknowns([-2.0]),
+        q: system.unknowns([2.0]),
+    }
+}
+
+/// Under h λ → ∞ a stiffly accurate method whose stages have order 1 is left with an error of h²/(hλ) = h/λ (Hairer and
+/// Wanner, Solving Ordinary Differential Equations II, section IV.15): of first order in the step, but it vanishes
+/// with the stiffness. Worse is an order reduction beyond theory.
+#[test]
+fn stiff_errors_are_those_of_theory() {
+    let [soft, hard] = [1e6, 1e7].map(|rate| ladder(ProtheroRobinson { rate })[0].clone());
+    assert_order(&soft, 1.0, "Prothero-Robinson, stiff");
+    for ((soft, hard), steps) in soft.iter().zip(&hard).zip(LADDER) {
+        assert!((soft / hard / 10.0 - 1.0).abs() < 0.01, "{soft:e} {hard:e}");
+        assert!(*soft < 1.0 / f64::from(steps) / 1e6, "{soft:e}");
+    }
+}
+
+/// L-stable: one step far longer than the time constant ends near nothing.
+#[test]
+fn stiff_modes_die_in_a_step() {
+    let mut system = Test::new(ProtheroRobinson { rate: 1e6 });
+    let mut state = system.state(0.0);
+    state.y = system.unknowns([2.0]);
+    fixed(&system, 1.0).advance(&mut system, &mut state, 0.0, 1.0).unwrap();
+    assert!(system.error(&state, 1.0)[0] < 1e-5);
+}
+
+/// Estimated and true errors of y and q after one step from the exact state at 0.3 s.
+fn one_step<E: Solved<N>, const N: usize>(system: &mut Test<E, N>, h: f64) -> [[f64; 2]; 2] {
+    let start = 0.3;
+    let mut state = system.state(start);
+    fixed(system, h).advance(system, &mut state, start, start + h).unwrap();
+    [system.estimate.get(), system.error(&state, start + h)]
+}
+
+fn assert_estimate<E: Solved<N>, const N: usize>(equations: E, what: &str) {
+    let mut system = Test::new(equations);
+    let found = [0.02, 0.01, 0.005, 0.0025].map(|h| one_step(&mut system, h));
+    let positions = usize::from(E::HAS_POSITION[0]);
+    for k in 0..=positions {
+        for (side, name) in ["estimate", "error"].into_iter().enumerate() {
+            assert_order(&found.map(|step| step[side][k]), 3.0, &format!("{what}, {name} {k}"));
+        }
+    }
+}
+
+/// An error of a step is of the third order, and so is its estimate, in y and in q.
+#[test]
+fn estimate_is_of_third_order() {
+    assert_estimate(Decay, "decay");
+    assert_estimate(Quadrature, "quadrature");
+    assert_estimate(Swelling, "not autonomous");
+    assert_estimate(Oscillator { frequency: 3.0 }, "oscillator");
+    assert_estimate(Forced, "forced");
+}
+
+/// The weights that a step is measured against are of third order for quadrature: there the estimate is the error. Of
+/// the four conditions for third order they miss the one of slopes upon slopes, Σ b̂ᵢ aᵢⱼ cⱼ = 1/6. So for ẏ = −y,
+/// where no other counts, the estimate is the part Σ (b̂ᵢ − bᵢ) aᵢⱼ cⱼ of an error of 1/6 − Σ bᵢ aᵢⱼ cⱼ, times h³.
+#[test]
+fn estimate_is_the_error_of_quadrature() {
+    let [estimate, error] = one_step(&mut Test::new(Quadrature), 1e-3);
+    assert!((estimate[0] / error[0] - 1.0).abs() < 0.01, "{estimate:?} {error:?}");
+    let [estimate, error] = one_step(&mut Test::new(Decay), 1e-2);
+    let slopes = [GAMMA * GAMMA, 2.0 * GAMMA - GAMMA * GAMMA];
+    let first = 1.0 / (6.0 * GAMMA * (1.0 - GAMMA));
+    let better = first * slopes[0] + (0.5 - GAMMA * first) * slopes[1];
+    let own = (1.0 - GAMMA) * slopes[0] + GAMMA * slopes[1];
+    let expected = (better - own) / (1.0 / 6.0 - own);
+    assert!((expected - 0.147).abs() < 1e-3, "{expected}");
+    assert!(
+        (estimate[0] / error[0] / expected - 1.0).abs() < 0.03,
+        "{estimate:?} {error:?}"
+    );
+}
+
+/// Tolerances, a tenth each.
+const TOLERANCES: [f64; 5] = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
+
+/// Errors under controlled steps. They are accepted where an estimate c h³ meets the tolerance, and h² is left at the
+/// end: so a tenth of the tolerance leaves 10^(−2/3) = 0.22 of the error.
+fn assert_falls_with_tolerance(errors: &[f64], what: &str) {
+    for pair in errors.windows(2) {
+        assert!(pair[1] < 0.5 * pair[0], "{what}: {errors:?}");
+    }
+    let found = (errors[0] / errors[errors.len() - 1]).log10() / (errors.len() - 1) as f64;
+    assert!((found - 2.0 / 3.0).abs() < 0.1, "{what}: {found}, {errors:?}");
+}
+
+fn controlled<E: Solved<N>, const N: usize>(equations: E, to: f64, what: &str) -> [u64; 5] {
+    let mut system = Test::new(equations);
+    let mut done = [0; 5];
+    let errors = TOLERANCES.map(|tolerance| {
+        let mut state = system.state(0.0);
+        done = work(run(&mut system, &mut state, to, tolerance).unwrap().newton.counts);
+        let [of_y, of_q] = system.error(&state, to);
+        of_y.max(of_q)
+    });
+    assert_falls_with_tolerance(&errors, what);
+    done
+}
+
+#[test]
+fn error_falls_with_the_tolerance() {
+    assert_work(controlled(Decay, 2.0, "decay"), [285, 0, 0, 1483, 45], "decay");
+    assert_work(
+        controlled(Oscillator { frequency: 3.0 }, 5.0, "oscillator"),
+        [3178, 0, 0, 18047, 525],
+        "oscillator",
+    );
+    assert_work(controlled(Forced, 5.0, "forced"), [2222, 0, 0, 12435, 364], "forced");
+    assert_work(
+        controlled(Constrained, 2.0, "constrained"),
+        [285, 0, 0, 1483, 45],
+        "constrained",
+    );
+    assert_work(controlled(Wave, 5.0, "waves"), [689, 0, 0, 3726, 109], "waves");
+}
+
+/// A limit cycle with jumps in it: steps grow and fall by a factor of some thousand.
+#[test]
+fn relaxation_oscillation() {
+    let equations = VanDerPol { damping: 30.0 };
+    let exact = equations.reference(30.0, 600_000);
+    let mut system = Test::new(equations);
+    let mut errors = Vec::new();
+    for (tolerance, pinned) in [(1e-4, [118, 4, 0, 797, 56]), (1e-6, [447, 2, 0, 2636, 100])] {
+        let mut state = resting(&system);
+        system.accepted.clear();
+        let counts = run(&mut system, &mut state, 30.0, tolerance).unwrap().newton.counts;
+        errors.push((system.values(&state.q)[0] - exact[1]).abs());
+        assert_work(work(counts), pinned, "");
+    }
+    assert!(errors[0] < 1e-2 && errors[1] < 0.1 * errors[0], "{errors:?}");
+    let lengths = system.accepted.iter().map(|interval| interval.length);
+    let [least, most] = [
+        lengths.clone().fold(f64::INFINITY, f64::min),
+        lengths.fold(0.0, f64::max),
+    ];
+    assert!(most > 300.0 * least, "{least} {most}");
+}
+
+/// Three time scales from 0.1 ms on, with a row without rate.
+#[test]
+fn robertson() {
+    let mut system = Test::new(Robertson);
+    let mut errors = Vec::new();
+    for (tolerance, pinned) in [(1e-4, [62, 0, 0, 518, 32]), (1e-6, [394, 1, 0, 2987, 115])] {
+        let mut state = State::zero(system.shape().len());
+        state.y = system.unknowns([1.0, 0.0, 0.0]);
+        state.y_dot = system.unknowns([-0.04, 0.04e5, 0.04]);
+        let counts = run(&mut system, &mut state, 40.0, tolerance).unwrap().newton.counts;
+        assert_work(work(counts), pinned, "");
+        let found = system.values(&state.y);
+        let error = (0..3)
+            .map(|i| (found[i] - Robertson::AT_40[i]).abs())
+            .fold(0.0, f64::max);
+        assert!((found.iter().sum::<f64>() - found[1] * (1.0 - 1e-5) - 1.0).abs() < 1e-12);
+        errors.push(error);
+    }
+    assert!(errors[0] < 1e-3 && errors[1] < 0.2 * errors[0], "{errors:?}");
+}
+
+/// Work depends on the stiffness no more once it is large. It is some times that of a soft problem: slopes of stiff
+/// unknowns are of the stages' first order, so there the estimate is of second order in the step instead of third.
+#[test]
+fn work_is_bounded_in_the_stiffness() {
+    let [soft, stiff, stiffer] = [1.0, 1e5, 1e8].map(|rate| {
+        let mut system = Test::new(ProtheroRobinson { rate });
+        let mut state = system.state(0.0);
+        let counts = run(&mut system, &mut state, 10.0, 1e-5).unwrap().newton.counts;
+        assert!(system.error(&state, 10.0)[0] < 1e-3);
+        work(counts)
+    });
+    assert_work(soft, [113, 3, 0, 620, 33], "soft");
+    assert_work(stiff, [573, 4, 0, 2722, 77], "stiff");
+    assert!(stiffer[0] <= stiff[0] + stiff[0] / 50, "{stiff:?} {stiffer:?}");
+}
+
+/// A body that falls on a wall of 1e8 times its weight a metre. q is the gap.
+struct Bouncing;
+
+impl Equations<1> for Bouncing {
+    const HAS_POSITION: [bool; 1] = [true];
+
+    fn residual<T: Real>(&self, _: f64, [y]: [T; 1], [y_dot]: [T; 1], [q]: [T; 1]) -> [T; 1] {
+        let wall = if q.re() < 0.0 { -(q * 1e8 + y * 1e4) } else { T::zero() };
+        [y_dot + 10.0 - wall]
+    }
+}
+
+/// What Newton's method can't solve in one step, the control of the step size solves in shorter ones.
+#[test]
+fn a_stiff_contact_is_met_in_shorter_steps() {
+    let mut system = Test::new(Bouncing);
+    let mut state = State::zero(4);
+    state.y_dot = system.unknowns([-10.0]);
+    state.q = system.unknowns([1.0]);
+    let counts = run(&mut system, &mut state, 10.0, 1e-5).unwrap().newton.counts;
+    // At rest it weighs 10 N.
+    assert!((system.values(&state.q)[0] + 1e-7).abs() < 1e-9, "{state:?}");
+    assert!(system.values(&state.y)[0].abs() < 1e-6);
+    assert_work(work(counts), [256, 89, 33, 2796, 465], "");
+}
+
+/// Accepted steps fill the time without a gap, the last ends where it was asked to, and each was no longer than the
+/// longest.
+#[test]
+fn steps_fill_the_time() {
+    let mut system = Test::new(Forced);
+    system.tolerance = 1e-4;
+    let mut state = system.state(0.0);
+    let mut integrator = Sdirk::new(&system, 1e-3, 0.03);
+    let ends = [0.1, 0.1 + 1e-7, 0.5, 1.0];
+    let mut time = 0.0;
+    for end in ends {
+        integrator.advance(&mut system, &mut state, time, end).unwrap();
+        time = end;
+        let last = system.accepted.last().unwrap();
+        assert!((last.end - end).abs() < 1e-15);
+    }
+    let mut time = 0.0;
+    for interval in &system.accepted {
+        assert!((interval.end - interval.length - time).abs() < 1e-15 && interval.length <= 0.03);
+        time = interval.end;
+    }
+    assert!((system.integral[0] - 2.0_f64.sin()).abs() < 1e-3);
+}
+
+/// A run goes on bit by bit from what a tape holds of it.
+#[test]
+fn a_run_goes_on_from_a_tape() {
+    let mut system = Test::new(VanDerPol { damping: 30.0 });
+    let mut state = resting(&system);
+    let mut integrator = run(&mut system, &mut state, 10.0, 1e-4).unwrap();
+    let mut tape = Tape::writer();
+    integrator.serialize(&mut tape);
+    let bytes = tape.into_bytes();
+    let mut other = Sdirk::new(&system, 1.0, f64::INFINITY);
+    let mut tape = Tape::reader(&bytes);
+    other.serialize(&mut tape);
+    tape.finish().unwrap();
+    let mut ends = [state.clone(), state];
+    for (integrator, state) in [&mut integrator, &mut other].into_iter().zip(&mut ends) {
+        integrator.advance(&mut system, state, 10.0, 30.0).unwrap();
+    }
+    assert_eq!(ends[0], ends[1]);
+    assert_eq!(integrator.newton.counts, other.newton.counts);
+}
+
+/// The second derivative at the end of a step, of first order.
+#[test]
+fn slope_rate_is_the_second_derivative() {
+    let errors = [0.04, 0.02, 0.01, 0.005].map(|h| {
+        let mut system = Test::new(Quadrature);
+        let mut state = system.state(0.0);
+        let mut integrator = fixed(&system, h);
+        assert_eq!(integrator.slope_rate(3), 0.0);
+        integrator.advance(&mut system, &mut state, 0.0, 1.0).unwrap();
+        (integrator.slope_rate(3) + 1.0_f64.sin()).abs()
+    });
+    assert_order(&errors, 1.0, "slope rate");
+}
+
+/// No solution beyond 1 s: ẏ = y² from y = 1.
+struct BlowUp;
+
+impl Equations<1> for BlowUp {
+    const HAS_POSITION: [bool; 1] = [false];
+
+    fn residual<T: Real>(&self, _: f64, [y]: [T; 1], [y_dot]: [T; 1], _: [T; 1]) -> [T; 1] {
+        [y_dot - y * y]
+    }
+}
+
+/// A step that falls below the smallest is an error that names the time reached, and the state is that of then.
+#[test]
+fn a_stalled_step_is_reported() {
+    let mut system = Test::new(BlowUp);
+    let mut state = State::zero(4);
+    state.y = system.unknowns([1.0]);
+    state.y_dot = system.unknowns([1.0]);
+    let stalled = run(&mut system, &mut state, 2.0, 1e-6).unwrap_err();
+    assert!((stalled.time - 1.0).abs() < 1e-3, "{stalled:?}");
+    assert!(stalled.step < 1e-10);
+    assert_eq!(system.accepted.last().unwrap().end, stalled.time);
+    let y = system.values(&state.y)[0];
+    assert!(y > 1e3 && y.is_finite(), "{y}");
+}
+
+/// The problems' own Jacobians.
+#[test]
+fn jacobians_match_differences() {
+    fn check<E: Solved<N>, const N: usize>(equations: E) {
+        let mut system = Test::new(equations);
+        let state = system.state(0.7);
+        compare(
+            &mut system,
+            0.7,
+            &state,
+            [30.0, 0.1],
+            |_| 1e-3,
+            |entry| {
+                assert!(
+                    (entry.difference - entry.exact).abs() < 1e-8 * entry.largest + 1e-12 * entry.rounded,
+                    "row {}, column {}: {entry:?}",
+                    entry.row,
+                    entry.column
+                );
+            },
+        );
+    }
+    check(Forced);
+    check(Swelling);
+    check(Constrained);
+    check(Heat);
+    check(Wave);
+}

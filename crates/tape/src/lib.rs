@@ -1,0 +1,246 @@
+//! A row of values that is written once and read back in the same order.
+//!
+//! A structure that is stored writes its values to a [`Tape`] or reads them from one, by one function for both
+//! directions. So values are read in the order in which they were written. Numbers keep their bits. A structure is built
+//! before its values are read, so the lengths are known, and a tape that does not fit is rejected.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+/// A row of values, being written or read.
+#[derive(Debug)]
+pub struct Tape<'a>(Mode<'a>);
+
+#[derive(Debug)]
+enum Mode<'a> {
+    Write(Vec<u8>),
+    /// What is left; `None` once something did not fit.
+    Read(Option<&'a [u8]>),
+}
+
+/// The bytes don't hold what is read from them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the bytes don't fit what is read from them")]
+pub struct Mismatch;
+
+impl<'a> Tape<'a> {
+    /// An empty tape to write on.
+    #[must_use]
+    pub fn writer() -> Self {
+        Self(Mode::Write(Vec::new()))
+    }
+
+    /// A tape to read from.
+    #[must_use]
+    pub fn reader(bytes: &'a [u8]) -> Self {
+        Self(Mode::Read(Some(bytes)))
+    }
+
+    /// Whether values are read.
+    #[must_use]
+    pub fn is_reading(&self) -> bool {
+        matches!(self.0, Mode::Read(_))
+    }
+
+    /// What has been written; empty if the tape was read.
+    #[must_use]
+    pub fn into_bytes(self) -> Vec<u8> {
+        match self.0 {
+            Mode::Write(bytes) => bytes,
+            Mode::Read(_) => Vec::new(),
+        }
+    }
+
+    /// Ends reading.
+    ///
+    /// # Errors
+    /// Something did not fit, or bytes are left over.
+    pub fn finish(self) -> Result<(), Mismatch> {
+        match self.0 {
+            Mode::Write(_) | Mode::Read(Some(&[])) => Ok(()),
+            Mode::Read(_) => Err(Mismatch),
+        }
+    }
+
+    /// Marks what was read as unfit; values read from now on stay what they are.
+    pub fn reject(&mut self) {
+        if let Mode::Read(rest) = &mut self.0 {
+            *rest = None;
+        }
+    }
+
+    /// Writes `value`, or reads as many bytes; `value` itself if there are too few.
+    fn word<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
+        match &mut self.0 {
+            Mode::Write(bytes) => bytes.extend_from_slice(&value),
+            Mode::Read(rest) => {
+                if let Some((word, after)) = rest.and_then(|bytes| bytes.split_first_chunk::<N>()) {
+                    *rest = Some(after);
+                    return *word;
+                }
+                *rest = None;
+            }
+        }
+        value
+    }
+
+    /// A real number.
+    pub fn real(&mut self, value: &mut f64) {
+        *value = f64::from_le_bytes(self.word(value.to_le_bytes()));
+    }
+
+    /// Real numbers, as many as there are.
+    pub fn reals(&mut self, values: &mut [f64]) {
+        self.length(values.len());
+        for value in values {
+            self.real(value);
+        }
+    }
+
+    /// A counter. One beyond 2⁵³, which no run reaches, is rejected: sums of counters don't overflow.
+    pub fn counter(&mut self, value: &mut u64) {
+        let found = u64::from_le_bytes(self.word(value.to_le_bytes()));
+        if found <= 1 << 53 {
+            *value = found;
+        } else {
+            self.reject();
+        }
+    }
+
+    /// An integer.
+    pub fn integer(&mut self, value: &mut i32) {
+        *value = i32::from_le_bytes(self.word(value.to_le_bytes()));
+    }
+
+    /// A truth value.
+    pub fn flag(&mut self, value: &mut bool) {
+        match self.word([u8::from(*value)]) {
+            [0] => *value = false,
+            [1] => *value = true,
+            _ => self.reject(),
+        }
+    }
+
+    /// A real number that may be missing.
+    pub fn option(&mut self, value: &mut Option<f64>) {
+        let (mut present, mut number) = (value.is_some(), value.unwrap_or_default());
+        self.flag(&mut present);
+        self.real(&mut number);
+        *value = present.then_some(number);
+    }
+
+    /// Indices below `end`, as many as there are.
+    pub fn indices(&mut self, values: &mut [usize], end: usize) {
+        self.length(values.len());
+        for value in values {
+            let mut index = *value as u64;
+            self.counter(&mut index);
+            match usize::try_from(index) {
+                Ok(index) if index < end => *value = index,
+                _ => self.reject(),
+            }
+        }
+    }
+
+    /// The length of a slice, which a reading tape must repeat.
+    fn length(&mut self, length: usize) {
+        let mut found = length as u64;
+        self.counter(&mut found);
+        if found != length as u64 {
+            self.reject();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Mismatch, Tape};
+
+    #[derive(Clone, Debug, PartialEq)]
+    struct Thing {
+        numbers: Vec<f64>,
+        order: Vec<usize>,
+        flag: bool,
+        option: Option<f64>,
+    }
+
+    impl Thing {
+        fn serialize(&mut self, tape: &mut Tape<'_>) {
+            tape.reals(&mut self.numbers);
+            tape.indices(&mut self.order, 3);
+            tape.flag(&mut self.flag);
+            tape.option(&mut self.option);
+        }
+    }
+
+    fn thing() -> Thing {
+        Thing {
+            numbers: vec![-0.0, f64::MIN_POSITIVE / 2.0, 1.0 / 3.0],
+            order: vec![2, 0],
+            flag: true,
+            option: Some(-1.0),
+        }
+    }
+
+    fn blank() -> Thing {
+        Thing {
+            numbers: vec![0.0; 3],
+            order: vec![0; 2],
+            flag: false,
+            option: None,
+        }
+    }
+
+    fn bytes() -> Vec<u8> {
+        let mut tape = Tape::writer();
+        thing().serialize(&mut tape);
+        tape.into_bytes()
+    }
+
+    fn read(bytes: &[u8], into: &mut Thing) -> Result<(), Mismatch> {
+        let mut tape = Tape::reader(bytes);
+        into.serialize(&mut tape);
+        tape.finish()
+    }
+
+    #[test]
+    fn what_was_written_is_read() {
+        let mut found = blank();
+        assert_eq!(read(&bytes(), &mut found), Ok(()));
+        assert_eq!(found, thing());
+        assert!(found.numbers[0].is_sign_negative());
+    }
+
+    #[test]
+    fn a_counter_that_no_run_reaches_is_rejected() {
+        for (count, expected) in [
+            (1 << 53, Ok(())),
+            ((1 << 53) + 1, Err(Mismatch)),
+            (u64::MAX, Err(Mismatch)),
+        ] {
+            let bytes = count.to_le_bytes();
+            let mut tape = Tape::reader(&bytes);
+            let mut found = 7;
+            tape.counter(&mut found);
+            assert_eq!(found, if expected.is_ok() { count } else { 7 });
+            assert_eq!(tape.finish(), expected);
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_found_out() {
+        let bytes = bytes();
+        for end in 0..bytes.len() {
+            assert_eq!(read(&bytes[..end], &mut blank()), Err(Mismatch), "{end} bytes");
+        }
+        assert_eq!(read(&[&bytes[..], &[0]].concat(), &mut blank()), Err(Mismatch));
+        let mut longer = blank();
+        longer.numbers.push(0.0);
+        assert_eq!(read(&bytes, &mut longer), Err(Mismatch));
+        let mut out_of_range = thing();
+        out_of_range.order[0] = 7;
+        let mut tape = Tape::writer();
+        out_of_range.serialize(&mut tape);
+        assert_eq!(read(&tape.into_bytes(), &mut blank()), Err(Mismatch));
+    }
+}
