@@ -1,12 +1,15 @@
 //! The variator as a unit of the FMI layer: the table that binds the interface's names to its parameters, inputs and
 //! outputs, the calls that lead from one to the other, and the exported C functions.
 
+#[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi;
+#[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi3;
 #[forbid(unsafe_code)]
 mod linear;
+#[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
 pub mod linear_c;
 #[forbid(unsafe_code)]
@@ -20,6 +23,7 @@ mod types;
 #[forbid(unsafe_code)]
 mod variator_unit;
 
-pub use settings::Settings;
+pub use settings::{Rings, Settings, StandardRings};
+pub use table::Rows;
 pub use terminals::{TERMINALS, terminals};
-pub use variator_unit::{VariatorUnit, model_description, model_description3};
+pub use variator_unit::{UnitWith, VariatorUnit, model_description, model_description3};

@@ -3,7 +3,7 @@
 //!
 //! Rows of a pulley are written once: `{}` stands for its name, and 100 or 200 is added to the reference.
 //!
-//! Value references, never changed once given (1036 was belt.contactStrain):
+//! Value references, never changed once given (1036 was belt.contactStrain; 1045, 1048 and 1075 belong to rings of other units):
 //!
 //! | references | variables |
 //! |---|---|
@@ -14,10 +14,10 @@
 //! | 1001 to 1999 | parameters of the whole variator |
 //! | 10001 + 100·j to 10072 + 100·j | field j of the profile along the belt |
 
-use super::settings::Settings;
-use super::types::{AXIAL, DRIVE, ENUMERATIONS, MODE, RING_MODEL, START_STATE, UNITS};
+use super::settings::{Rings, Settings, StandardRings};
+use super::types::{AXIAL, DRIVE, MODE, START_STATE, UNITS};
 use crate::fmi::table::{Access, Array, Causality, Enumeration, Kind, Range, Table, Variable};
-use crate::variator::settings::{Axial, Drive, Mode, PROFILE_POINTS, Readings, RingModel, range_of};
+use crate::variator::settings::{Axial, Drive, Mode, PROFILE_POINTS, Readings, range_of};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
 
@@ -55,13 +55,13 @@ const PRIMARY: Owner = ("primary", 100);
 const SECONDARY: Owner = ("secondary", 200);
 
 /// The rows of the table so far, and the owner of the next ones.
-struct Rows {
-    variables: Vec<Variable<Settings, Readings>>,
+pub struct Rows<R: Rings = StandardRings> {
+    variables: Vec<Variable<Settings<R>, Readings>>,
     arrays: Vec<Array>,
     owner: Owner,
 }
 
-impl Rows {
+impl<R: Rings> Rows<R> {
     fn of(&mut self, owner: Owner) {
         self.owner = owner;
     }
@@ -70,7 +70,7 @@ impl Rows {
         range_of(&name.replace("{}", self.owner.0))
     }
 
-    fn add(&mut self, name: &str, reference: u32, causality: Causality, text: &str, kind: Kind<Settings, Readings>) {
+    fn add(&mut self, name: &str, reference: u32, causality: Causality, text: &str, kind: Kind<Settings<R>, Readings>) {
         let (owner, base) = self.owner;
         self.variables.push(Variable {
             name: name.replace("{}", owner),
@@ -89,7 +89,7 @@ impl Rows {
         causality: Causality,
         unit: &'static str,
         text: &str,
-        access: Access<Settings, Readings, f64>,
+        access: Access<Settings<R>, Readings, f64>,
     ) {
         let (min, max) = self.range(name).unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
         let range = Range {
@@ -113,7 +113,7 @@ impl Rows {
         reference: u32,
         (causality, unit, range): (Causality, &'static str, Range),
         text: &str,
-        access: Access<Settings, Readings, f64>,
+        access: Access<Settings<R>, Readings, f64>,
     ) {
         let kind = Kind::Real {
             unit,
@@ -124,7 +124,8 @@ impl Rows {
         self.add(name, reference, causality, text, kind);
     }
 
-    fn count(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Readings, i32>) {
+    /// A parameter that is a whole number.
+    pub fn count(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, i32>) {
         #[expect(
             clippy::cast_possible_truncation,
             reason = "the limits of integers are small whole numbers"
@@ -134,21 +135,23 @@ impl Rows {
     }
 
     /// An output that counts.
-    fn work(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Readings, i32>) {
+    fn work(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, i32>) {
         self.add(name, reference, Output, text, Kind::Integer { range: None, access });
     }
 
-    fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings, Readings, bool>) {
+    /// A parameter that is true or false.
+    pub fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, bool>) {
         self.add(name, reference, Parameter, text, Kind::Boolean { access });
     }
 
-    fn choice(
+    /// A parameter that is an item of the enumeration `of`.
+    pub fn choice(
         &mut self,
         name: &str,
         reference: u32,
         of: &'static Enumeration,
         text: &str,
-        access: Access<Settings, Readings, i32>,
+        access: Access<Settings<R>, Readings, i32>,
     ) {
         self.add(name, reference, Parameter, text, Kind::Enumeration { of, access });
     }
@@ -264,7 +267,7 @@ macro_rules! pulley_parameters {
 
 /// The variable table of the variator.
 #[rustfmt::skip]
-pub(super) fn table() -> Table<Settings, Readings> {
+pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
     let mut rows = Rows {
         variables: Vec::new(),
         arrays: Vec::new(),
@@ -289,11 +292,11 @@ pub(super) fn table() -> Table<Settings, Readings> {
     pulley_parameters!(t, secondary);
     t.of(WHOLE);
     locals(t);
-    Table::new(UNITS, ENUMERATIONS, rows.variables).with_arrays(rows.arrays)
+    Table::new(UNITS, R::ENUMERATIONS, rows.variables).with_arrays(rows.arrays)
 }
 
 #[rustfmt::skip]
-fn outputs(t: &mut Rows) {
+fn outputs<R: Rings>(t: &mut Rows<R>) {
     t.read("thrustRatio", 1, (Output, "1", between(-100.0, 100.0, 1.0)), "Axial belt force on the primary sheave / on the secondary sheave; 0 where the latter is below 1 N", read!(thrust_ratio));
     t.read("belt.speed", 2, (Output, "m/s", typical(10.0)), "Mean pitch-line speed of the elements", read!(belt_speed));
     t.read("ring.speed", 3, (Output, "m/s", typical(10.0)), "Drift rate of the ring", read!(ring_speed));
@@ -325,11 +328,11 @@ fn outputs(t: &mut Rows) {
 }
 
 #[rustfmt::skip]
-fn parameters(t: &mut Rows) {
-    t.choice("ring.model", 1001, &RING_MODEL, "Level of detail of the ring", choose!(parameters.ring_model, 1 => RingModel::Ale0, 3 => RingModel::Rcm, 4 => RingModel::Ancf; RingModel::Ale));
+fn parameters<R: Rings>(t: &mut Rows<R>) {
+    R::add_variables(t);
     t.set("initial.ratio", 1011, Parameter, "1", "Geometric ratio secondary radius / primary radius at the start, between the end stops. A loaded belt rests up to some 5 % beyond them; up to 6 % beyond is taken for the stop", set!(parameters.initial.ratio));
     t.set("initial.primarySpeed", 1012, Parameter, "rad/s", "Speed of the primary pulley at the start; 0 is a standstill, where the belt starts clamped. A shaft with drive = Speed starts at its set point instead", set!(parameters.initial.primary_speed));
-    t.switch("initial.steady", 1013, "Start from the steady state at this ratio and speed (RCM, ANCF: laid on that of ALE), with the primary sheave held there and unbalanced torque taken up by the inertias; if false, from the unloaded kinematic state", set!(parameters.initial.steady));
+    t.switch("initial.steady", 1013, "Start from the steady state at this ratio and speed, with the primary sheave held there and unbalanced torque taken up by the inertias; if false, from the unloaded kinematic state", set!(parameters.initial.steady));
     t.switch("initial.equilibrium", 1014, "With initial.steady: the ratio too is solved for, from the two clamping forces", set!(parameters.initial.equilibrium));
     t.set("geometry.centerDistance", 1021, Parameter, "m", "Distance of the pulley axes", set!(parameters.geometry.center_distance));
     t.set("geometry.beltLength", 1022, Parameter, "m", "Length of the unstretched ring centre line", set!(parameters.geometry.belt_length));
@@ -351,8 +354,6 @@ fn parameters(t: &mut Rows) {
     t.set("ring.bendingStiffness", 1043, Parameter, "N.m2", "Bending stiffness EI of the ring sets in the plane of the drive", set!(parameters.ring.bending_stiffness));
     t.set("ring.lateralBendingStiffness", 1046, Parameter, "N.m2", "Bending stiffness EI of the ring sets out of the plane of the drive, with ring.spatial", set!(parameters.ring.lateral_bending_stiffness));
     t.switch("ring.spatial", 1047, "Whether the ring deflects out of the plane of the drive too, as misaligned pulleys make it do; ring.model ALE only", set!(parameters.spatial));
-    t.switch("ring.referenceDirections", 1048, "Whether the deflection is counted along tangent, normal and binormal of the reference curve instead of along x, y, z; ring.model ALE with mesh.aligned only", set!(parameters.reference_directions));
-    t.count("ring.elements", 1045, "Elements of a ring that travels with its mesh (RCM, ANCF), at least 16; 0: 32 for RCM, 40 for ANCF. More of them need a finer mesh of the cells, which carry the ring in between", set!(parameters.ring_elements));
     t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
     t.count("ring.layers", 1049, "Layers of each ring set, which slip on each other at other ratios than 1", set!(parameters.layers.count));
     t.set("ring.layerThickness", 1050, Parameter, "m", "Thickness of a layer of the ring sets", set!(parameters.layers.thickness));
@@ -370,7 +371,6 @@ fn parameters(t: &mut Rows) {
     t.count("mesh.secondaryArc", 1072, "Ring elements on the secondary arc, an even number", set!(parameters.mesh.secondary_arc));
     t.count("mesh.strand", 1073, "Ring elements on each strand", set!(parameters.mesh.strand));
     t.count("mesh.cellsPerElement", 1074, "Cells of the element chain in each ring element (ALE; in ALE0 it is one)", set!(parameters.mesh.cells_per_element));
-    t.switch("mesh.aligned", 1075, "Whether element borders follow the arc borders; if not, as many elements stand evenly spaced along the belt and arc borders move through them. ring.model ALE0 and ALE", set!(parameters.mesh.aligned));
     t.choice("solver.mode", 1084, &MODE, "Accurate, or the same bounded work in each millisecond, for real time", choose!(parameters.solver.mode, 2 => Mode::RealTime; Mode::Accurate));
     t.count("solver.effort", 1086, "RealTime: Jacobians in a millisecond, with eight residuals each. Fewer take less time; more follow loads that jump more closely", set!(parameters.solver.effort));
     t.set("solver.tolerance", 1081, Parameter, "1", "Relative tolerance of the error control; left at its default, a tolerance of the experiment takes its place. Under smooth loads a coarser one is no faster, for steps are as long as the communication steps; under loads that jump it is. Output derivatives of forces and losses want 1e-6", set!(parameters.solver.tolerance));
@@ -379,7 +379,7 @@ fn parameters(t: &mut Rows) {
 }
 
 #[rustfmt::skip]
-fn locals(t: &mut Rows) {
+fn locals<R: Rings>(t: &mut Rows<R>) {
     t.read("stored.energy", 18, (Local, "J", typical(1000.0)), "Stored energy", read!(stored_energy));
     t.read("energy.residual", 19, (Local, "J", typical(1.0)), "Energy balance since the start: supplied - lost - stored", read!(energy_residual));
     t.add("initial.found", 23, Local, "What the run started from: the steady state that was asked for, or why another one", Kind::Enumeration { of: &START_STATE, access: Access::Reading(|readings| readings.outputs.start_state as i32) });

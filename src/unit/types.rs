@@ -78,16 +78,6 @@ pub(super) static RING_MODEL: Enumeration = Enumeration {
             RingModel::Ale as i32,
             "Reference motion with overlaid deflection: bending, stretch, spiral running",
         ),
-        item(
-            "RCM",
-            RingModel::Rcm as i32,
-            "Co-rotational elements that travel with the ring",
-        ),
-        item(
-            "ANCF",
-            RingModel::Ancf as i32,
-            "Absolute nodal coordinates on elements that travel with the ring",
-        ),
     ],
 };
 
@@ -174,6 +164,3 @@ pub(super) static START_STATE: Enumeration = Enumeration {
         ),
     ],
 };
-
-/// Every enumeration that a variable uses.
-pub(super) static ENUMERATIONS: &[&Enumeration] = &[&RING_MODEL, &DRIVE, &AXIAL, &START_STATE, &MODE];

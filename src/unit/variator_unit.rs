@@ -1,6 +1,6 @@
 //! The calls that lead from the FMI layer to the variator and back.
 
-use super::settings::Settings;
+use super::settings::{Rings, Settings, StandardRings};
 use super::table;
 use crate::fmi::Table;
 use crate::fmi::stepping::OwnSteps;
@@ -8,11 +8,16 @@ use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
 use crate::variator::run::{Event, StepError, Variator, Way};
 use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
+use std::marker::PhantomData;
 
-/// A variator behind the FMI layer.
+/// The unit of the FMU, with the rings `ALE0` and `ALE`.
+pub type VariatorUnit = UnitWith<StandardRings>;
+
+/// A variator with the rings `R` behind the FMI layer.
 #[derive(Clone, Debug)]
-pub struct VariatorUnit {
+pub struct UnitWith<R> {
     variator: Variator,
+    rings: PhantomData<R>,
 }
 
 /// The content of `modelDescription.xml` of FMI 2.0.
@@ -27,14 +32,18 @@ pub fn model_description3() -> String {
     crate::fmi::fmi3::model_description::<VariatorUnit>()
 }
 
-impl VariatorUnit {
-    fn build(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+impl<R: Rings> UnitWith<R> {
+    fn build(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut parameters = settings.parameters.clone();
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        let variator = Variator::new(parameters).map_err(|error| error.to_string())?;
-        Ok(Self { variator })
+        let ring = settings.rings.ring(&parameters);
+        let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
+        Ok(Self {
+            variator,
+            rings: PhantomData,
+        })
     }
 
     /// The variator itself.
@@ -43,7 +52,7 @@ impl VariatorUnit {
     }
 
     /// Brings the tunable parameters into force.
-    fn tune(&mut self, settings: &Settings) -> Result<(), StepFailure> {
+    fn tune(&mut self, settings: &Settings<R>) -> Result<(), StepFailure> {
         let wanted = &settings.parameters.friction;
         let present = &self.variator.parameters().friction;
         if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
@@ -63,34 +72,25 @@ impl VariatorUnit {
     }
 }
 
-impl Unit for VariatorUnit {
-    type Settings = Settings;
+impl<R: Rings> Unit for UnitWith<R> {
+    type Settings = Settings<R>;
     type Readings = Readings;
 
-    const IDENTITY: Identity = Identity {
-        name: "PushbeltVariator",
-        description: "Pushbelt CVT variator: steel ring in reference dynamics (ALE), push elements, wedge contact, tilting sheaves",
-        version: env!("CARGO_PKG_VERSION"),
-        author: "The pushbelt developers",
-        license: env!("CARGO_PKG_LICENSE"),
-        generation_tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
-        stop_time: 1.0,
-        step_size: 1e-3,
-        tolerance: 1e-4,
-        longest_step: 1000.0,
-    };
+    const IDENTITY: Identity = R::IDENTITY;
 
-    fn table() -> Table<Settings, Readings> {
+    fn table() -> Table<Settings<R>, Readings> {
         table::table()
     }
 
-    fn check(settings: &Settings) -> Result<(), String> {
-        let parameters = settings.parameters.validate();
-        let checked = parameters.and_then(|()| settings.inputs.validate());
+    fn check(settings: &Settings<R>) -> Result<(), String> {
+        let parameters = &settings.parameters;
+        let checked = parameters.validate().and_then(|()| settings.rings.check());
+        let checked = checked.and_then(|()| settings.rings.ring(parameters).check(parameters));
+        let checked = checked.and_then(|()| settings.inputs.validate());
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::build(settings, experiment, remarks)?;
         let started = unit.variator.initialise(experiment.start, &settings.inputs);
         unit.move_messages(remarks);
@@ -101,8 +101,8 @@ impl Unit for VariatorUnit {
     fn advance(
         &mut self,
         to: f64,
-        settings: &Settings,
-        rates: Option<&Settings>,
+        settings: &Settings<R>,
+        rates: Option<&Settings<R>>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
         self.tune(settings)?;
@@ -116,7 +116,7 @@ impl Unit for VariatorUnit {
         self.variator.time()
     }
 
-    fn blank(settings: &Settings, experiment: &Experiment) -> Result<Self, String> {
+    fn blank(settings: &Settings<R>, experiment: &Experiment) -> Result<Self, String> {
         Self::build(settings, experiment, &mut Vec::new())
     }
 
@@ -138,10 +138,10 @@ impl Unit for VariatorUnit {
     }
 }
 
-impl OwnSteps for VariatorUnit {
+impl<R: Rings> OwnSteps for UnitWith<R> {
     type Way = Way;
 
-    fn set_out(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<Way, StepFailure> {
+    fn set_out(&mut self, to: f64, settings: &Settings<R>, rates: Option<&Settings<R>>) -> Result<Way, StepFailure> {
         self.tune(settings)?;
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
         let way = self.variator.set_out(to, &settings.inputs, &rates);
@@ -152,7 +152,12 @@ impl OwnSteps for VariatorUnit {
         way.is_over()
     }
 
-    fn own_step(&mut self, way: &mut Way, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
+    fn own_step(
+        &mut self,
+        way: &mut Way,
+        settings: &Settings<R>,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure> {
         let given = self.variator.give_anew(way, &settings.inputs);
         let stepped = given.and_then(|()| self.variator.step_along(way));
         self.move_messages(remarks);

@@ -1,9 +1,9 @@
-//! The equations of ring, elements and contact: one implementation for rings whose mesh stands still
-//! ([`PackedCells`](crate::variator::assembly::packed::PackedCells)), one for rings that travel with theirs.
+//! The equations of ring, elements and contact.
+//! [`PackedCells`](crate::variator::assembly::packed::PackedCells) implements them for rings whose mesh stands still.
 
 use crate::contact::Friction;
 use crate::pulley::PerPulley;
-use crate::ring::model::{Energy, Shape};
+use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
@@ -16,14 +16,16 @@ use std::fmt::Debug;
 
 /// The belt, and the friction that acts on it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct InForce<'a> {
+pub struct InForce<'a> {
+    /// The belt.
     pub belt: &'a Belt,
+    /// Friction in force.
     pub friction: &'a Friction,
 }
 
 /// Equations of ring and elements. It keeps derivatives and working memory. Results depend on the arguments alone; those of
 /// [`Assembly::jacobian`] depend on the kept derivatives too.
-pub(crate) trait Assembly: Debug + Send + Sync {
+pub trait Assembly: Debug + Send + Sync {
     /// A copy with the same kept derivatives.
     fn boxed(&self) -> Box<dyn Assembly>;
 
@@ -50,11 +52,6 @@ pub(crate) trait Assembly: Debug + Send + Sync {
         (Energy::default(), 0.0)
     }
 
-    /// Places the nodes of a ring that travels with its mesh on `shape`: their unknowns, if it is such a ring.
-    fn placed_on(&self, _shape: Shape<'_>) -> Option<Vec<f64>> {
-        None
-    }
-
     /// Drops the kept derivatives: the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
@@ -71,7 +68,7 @@ pub(crate) trait Assembly: Debug + Send + Sync {
 
     /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry
     /// of its column.
-    #[cfg(test)]
+    #[doc(hidden)]
     fn worst_derivative(&self, _acting: InForce<'_>, _view: View<'_>, _alpha: f64) -> f64 {
         f64::NAN
     }

@@ -2,7 +2,9 @@
 
 use crate::chain::Transport;
 use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
-use crate::scalar::{Lanes, Tangent};
+use crate::ring::Ring;
+use crate::ring::kinematics::ReferenceMotion;
+use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::pack_balance;
 use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
@@ -10,9 +12,9 @@ use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::regime::{Regime, RegimeProbe, Units};
-use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
+use crate::variator::assembly::unknowns::{ReadUnknowns, Unknowns, motion, rows};
 use crate::variator::cell::balance::balance_in;
-use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RotatingRing};
+use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS};
 use crate::variator::cell::laws::{Arguing, Arguments};
 use crate::variator::cell::probe::{AtStation, NoProbe, Probe};
 use crate::variator::cell::state::{CellInput, Slots, StationForces};
@@ -22,6 +24,7 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{CellRing, VaryingRing};
 use num_traits::Zero;
 use std::cell::OnceCell;
+use std::marker::PhantomData;
 
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
@@ -35,7 +38,6 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
     fn frames(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self::Frames;
 
     /// Shape of the curve.
-    #[cfg(test)]
     fn shape(frames: &Self::Frames) -> &C::Shape;
 
     /// The laws' part of derivatives by hand, of a pack with so many stations.
@@ -64,7 +66,6 @@ macro_rules! frames_along {
             Frames::new(curve, path, slopes)
         }
 
-        #[cfg(test)]
         fn shape(frames: &Self::Frames) -> &C::Shape {
             &frames.shape
         }
@@ -101,7 +102,33 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
     }
 }
 
-impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
+/// A ring of kind `K`, whose cells are differentiated by forward differentiation alone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Forward<K>(PhantomData<K>);
+
+impl<K: Directions> Directions for Forward<K> {
+    const NODES: usize = K::NODES;
+    const TENSIONS: usize = K::TENSIONS;
+    const COORDINATES: usize = K::COORDINATES;
+}
+
+impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> RingKind<D, C> for Forward<K> {
+    type Ring<'a, T: Real> = K::Ring<'a, T>;
+
+    #[inline(always)]
+    fn ring<'a, T: Real>(
+        ring: &'a Ring,
+        at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        curve: (&'a C::Frame<T>, usize),
+        unknowns: &impl ReadUnknowns<T::Constant>,
+        slopes: [f64; 2],
+        seed: impl Fn(T::Constant, usize, f64) -> T,
+    ) -> Self::Ring<'a, T> {
+        K::ring(ring, at, curve, unknowns, slopes, seed)
+    }
+}
+
+impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Forward<K> {
     frames_along!(1);
 
     fn law_part(_stations: usize) -> Option<LawPart> {
@@ -271,7 +298,6 @@ fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
 
 /// Largest difference between the derivatives of a pack by hand and by forward differentiation, as a share of the largest
 /// entry of its column, and of all figures of the transport (at least 1e-6: they are of the order of 1).
-#[cfg(test)]
 pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,

@@ -12,4 +12,4 @@ pub(crate) mod packed;
 mod regime;
 pub(crate) mod sums;
 pub(crate) mod transports;
-mod unknowns;
+pub(crate) mod unknowns;

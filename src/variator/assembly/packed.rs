@@ -2,7 +2,7 @@
 
 use crate::chain::Transport;
 use crate::pulley::PerPulley;
-use crate::reference_curve::COORDINATES;
+use crate::reference_curve::{COORDINATES, DisplacedCurve};
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
@@ -11,18 +11,17 @@ use crate::tape::Tape;
 use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
-use crate::variator::assembly::jacobian::Differentiate;
-#[cfg(test)]
 use crate::variator::assembly::jacobian::worst_of_pack;
+use crate::variator::assembly::jacobian::{Differentiate, Forward};
 use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
-use crate::variator::assembly::kinds::MeshCurve;
+use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
 use crate::variator::belt::Belt;
-use crate::variator::cell::directions::MOST;
+use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
 use crate::variator::cell::probe::NoProbe;
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellBalance;
@@ -213,7 +212,6 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         self.differentiations
     }
 
-    #[cfg(test)]
     fn worst_derivative(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
         let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
         let of_pack = |(pack, kept): (&Pack, &Kept)| {
@@ -224,6 +222,25 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         };
         self.packs.iter().zip(&self.kept).map(of_pack).fold(0.0, f64::max)
     }
+}
+
+/// Equations of a belt whose ring keeps to the curve `C` (`ALE0`).
+#[must_use]
+pub fn guided_equations<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<GuidedRing, 2, C>::new(belt))
+}
+
+/// Equations of a belt whose ring deflects from the curve `C` in D components (`ALE`).
+#[must_use]
+pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(belt))
+}
+
+/// Equations of a belt with a ring of kind `K` in D components, whose mesh lies on the curve `C`. Their derivatives come
+/// from forward differentiation of the ring's functions.
+#[must_use]
+pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<Forward<K>, D, C>::new(belt))
 }
 
 /// Adds the loads of a pack on the pulleys.

@@ -19,7 +19,7 @@ use crate::variator::rings::ring::{Action, CellRing};
 /// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference
 /// curve at the face (0) and at the stations (1 and on); `probe` looks on at every station.
 #[inline(always)]
-pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>>(
+pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
@@ -31,7 +31,7 @@ pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>
 
 /// [`balance`] with the state of the cell; `slots`, which were empty, are filled.
 #[inline(always)]
-pub(crate) fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>>(
+pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,

@@ -11,7 +11,7 @@ use crate::variator::rings::ring::CellRing;
 use nalgebra::Vector2;
 
 /// Looks on at every station of a cell as it is evaluated.
-pub(crate) trait Probe<T: Real, const D: usize = 2> {
+pub trait Probe<T: Real, const D: usize = 2> {
     /// Whether it samples for outputs: a ring that travels then has the tension of the state at hand.
     const SAMPLES: bool = false;
     /// Looks at a station.
@@ -19,7 +19,7 @@ pub(crate) trait Probe<T: Real, const D: usize = 2> {
 }
 
 /// A station of a cell that was just evaluated.
-pub(crate) struct AtStation<'a, T: Real, const D: usize, R> {
+pub struct AtStation<'a, T: Real, const D: usize, R> {
     pub given: &'a CellInput<'a, T>,
     pub cell: &'a CellState<T>,
     pub stack: &'a Stack<T>,
@@ -34,7 +34,7 @@ pub(crate) struct AtStation<'a, T: Real, const D: usize, R> {
 
 /// A probe that needs nothing.
 #[derive(Debug)]
-pub(crate) struct NoProbe;
+pub struct NoProbe;
 
 impl<T: Real, const D: usize> Probe<T, D> for NoProbe {
     #[inline(always)]
@@ -42,7 +42,7 @@ impl<T: Real, const D: usize> Probe<T, D> for NoProbe {
 }
 
 /// A probe that hands samples to a closure.
-pub(crate) struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
+pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
 
 impl<T: Real, const D: usize> Probe<T, D> for Sampler<'_, T> {
     const SAMPLES: bool = true;
