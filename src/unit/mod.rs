@@ -7,6 +7,7 @@ pub mod c_abi;
 #[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi3;
+#[cfg(feature = "exports")]
 #[forbid(unsafe_code)]
 mod linear;
 #[cfg(feature = "exports")]

@@ -47,6 +47,7 @@ impl<R: Rings> UnitWith<R> {
     }
 
     /// The variator itself.
+    #[cfg(feature = "exports")]
     pub(super) fn variator(&mut self) -> &mut Variator {
         &mut self.variator
     }
