@@ -33,16 +33,11 @@ impl Archive {
         Ok(())
     }
 
-    /// Number of files.
-    pub fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    /// Writes the archive and calls `written` with the path of each file.
+    /// Writes the archive.
     ///
     /// # Errors
     /// The output can't be written.
-    pub fn write<W: Write + Seek>(&self, output: W, mut written: impl FnMut(&str)) -> anyhow::Result<W> {
+    pub fn write<W: Write + Seek>(&self, output: W) -> anyhow::Result<W> {
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .compression_level(Some(9))
@@ -55,7 +50,6 @@ impl Archive {
                 .with_context(|| format!("can't add `{path}`"))?;
             zip.write_all(content)
                 .with_context(|| format!("can't write `{path}`"))?;
-            written(path);
         }
         zip.finish().context("can't finish the archive")
     }
@@ -72,7 +66,7 @@ mod tests {
         for (path, content) in files {
             archive.add(*path, content.as_bytes().to_vec()).unwrap();
         }
-        let cursor = archive.write(Cursor::new(Vec::new()), |_| ()).unwrap();
+        let cursor = archive.write(Cursor::new(Vec::new())).unwrap();
         cursor.into_inner()
     }
 

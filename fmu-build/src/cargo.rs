@@ -1,12 +1,12 @@
 //! Running cargo.
 
 use std::ffi::OsStr;
-use std::io::BufReader;
+use std::io::{BufRead as _, BufReader};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, bail, ensure};
-use cargo_metadata::{Artifact, CrateType, Message};
+use serde_json::Value;
 
 use crate::workspace::{MODEL_PACKAGE, Workspace};
 
@@ -65,7 +65,7 @@ pub enum Program {
 /// # Errors
 /// The compilation fails.
 pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
-    shared_library(release(workspace, Program::Example(DESCRIPTION_EXAMPLE)).arg("--lib"))
+    shared_library(release(workspace).arg("--lib"))
 }
 
 /// Compiles the model's shared library with a command that takes the place of `cargo build`, and returns its path.
@@ -81,16 +81,17 @@ pub fn build_library_with(command: &mut Command) -> anyhow::Result<PathBuf> {
 /// # Errors
 /// The compilation fails.
 pub fn build_program(workspace: &Workspace, program: Program) -> anyhow::Result<PathBuf> {
-    let (Program::Example(name) | Program::Bench(name)) = program;
+    let (kind, name) = match program {
+        Program::Example(name) => ("--example", name),
+        Program::Bench(name) => ("--bench", name),
+    };
     let mut executable = None;
-    compile(&mut release(workspace, program), |artifact| {
-        if artifact.target.name == name {
+    compile(release(workspace).args([kind, name]), |artifact| {
+        if artifact.name == name {
             executable = artifact.executable;
         }
     })?;
-    executable
-        .map(Into::into)
-        .with_context(|| format!("cargo built no program `{name}`"))
+    executable.with_context(|| format!("cargo built no program `{name}`"))
 }
 
 /// Compiles and starts an example, optimised for this machine; its messages go to the terminal. Returns what it prints.
@@ -109,31 +110,58 @@ pub fn example_output(workspace: &Workspace, name: &'static str, arguments: &[St
     String::from_utf8(output.stdout).with_context(|| format!("`{name}` prints no UTF-8"))
 }
 
-/// The build command of everything that is optimised for this machine. It always asks for a program, for the library alone
-/// too: cargo then counts the features that development dependencies want, so that one compiled library serves all.
-fn release(workspace: &Workspace, program: Program) -> Command {
+/// The build command of everything that is optimised for this machine. Library, examples and benchmarks share one compiled
+/// library: development dependencies turn on no feature of what it is built from, a test below checks it.
+fn release(workspace: &Workspace) -> Command {
     let mut build = command(workspace);
     build.args(["build", "--release", "--package", MODEL_PACKAGE]);
-    match program {
-        Program::Example(name) => build.args(["--example", name]),
-        Program::Bench(name) => build.args(["--bench", name]),
-    };
     build
 }
 
 fn shared_library(build: &mut Command) -> anyhow::Result<PathBuf> {
     let mut library = None;
     compile(build, |artifact| {
-        if artifact.target.name == MODEL_PACKAGE && artifact.target.crate_types.contains(&CrateType::CDyLib) {
-            library = artifact.filenames.into_iter().find(|file| {
+        if artifact.name == MODEL_PACKAGE && artifact.crate_types.iter().any(|kind| kind == "cdylib") {
+            library = artifact.files.into_iter().find(|file| {
                 file.extension()
-                    .is_some_and(|extension| ["so", "dylib", "dll"].contains(&extension))
+                    .is_some_and(|extension| ["so", "dylib", "dll"].iter().any(|known| extension == *known))
             });
         }
     })?;
-    library
-        .map(Into::into)
-        .context("cargo built no shared library: is `cdylib` still among the crate types?")
+    library.context("cargo built no shared library: is `cdylib` still among the crate types?")
+}
+
+/// What cargo says about a compiled target.
+struct Artifact {
+    name: String,
+    crate_types: Vec<String>,
+    files: Vec<PathBuf>,
+    executable: Option<PathBuf>,
+    /// Nothing had to be compiled.
+    #[cfg_attr(not(test), expect(dead_code, reason = "a test counts what is compiled"))]
+    fresh: bool,
+}
+
+impl Artifact {
+    /// The artifact of a line of cargo's output; none if the line is about something else.
+    fn of_line(line: &str) -> anyhow::Result<Option<Self>> {
+        let message: Value = serde_json::from_str(line).context("cargo's output is not JSON")?;
+        if message["reason"] != "compiler-artifact" {
+            return Ok(None);
+        }
+        let texts = |value: &Value| -> Vec<String> {
+            let items = value.as_array().into_iter().flatten();
+            items.filter_map(Value::as_str).map(str::to_owned).collect()
+        };
+        let name = message["target"]["name"].as_str();
+        Ok(Some(Self {
+            name: name.context("cargo names no target")?.to_owned(),
+            crate_types: texts(&message["target"]["crate_types"]),
+            files: texts(&message["filenames"]).into_iter().map(PathBuf::from).collect(),
+            executable: message["executable"].as_str().map(PathBuf::from),
+            fresh: message["fresh"].as_bool().unwrap_or_default(),
+        }))
+    }
 }
 
 /// Runs a build command to its end and passes on every artifact, also those that need no compilation.
@@ -144,8 +172,8 @@ fn compile(build: &mut Command, mut built: impl FnMut(Artifact)) -> anyhow::Resu
         .spawn()
         .context("can't start cargo")?;
     let output = child.stdout.take().context("cargo has no output")?;
-    for message in Message::parse_stream(BufReader::new(output)) {
-        if let Message::CompilerArtifact(artifact) = message? {
+    for line in BufReader::new(output).lines() {
+        if let Some(artifact) = Artifact::of_line(&line?)? {
             built(artifact);
         }
     }
@@ -167,12 +195,14 @@ fn shown(command: &Command) -> String {
 mod tests {
     use super::*;
 
+    use std::collections::BTreeSet;
+
     /// What a build command compiles, by name.
-    fn compiled(mut build: Command) -> Vec<String> {
+    fn compiled(build: &mut Command) -> Vec<String> {
         let mut names = Vec::new();
-        compile(&mut build, |artifact| {
+        compile(build, |artifact| {
             if !artifact.fresh {
-                names.push(artifact.target.name);
+                names.push(artifact.name);
             }
         })
         .expect("a build");
@@ -180,27 +210,68 @@ mod tests {
     }
 
     #[test]
+    fn an_artifact_is_read_from_cargos_output() {
+        let line = r#"{"reason":"compiler-artifact","target":{"name":"pushbelt","crate_types":["cdylib","rlib"]},
+            "filenames":["/a/libpushbelt.so","/a/libpushbelt.rlib"],"executable":null,"fresh":true}"#;
+        let artifact = Artifact::of_line(line).unwrap().expect("an artifact");
+        assert_eq!((artifact.name.as_str(), artifact.fresh), ("pushbelt", true));
+        assert_eq!(artifact.crate_types, ["cdylib", "rlib"]);
+        assert_eq!(artifact.files[0], PathBuf::from("/a/libpushbelt.so"));
+        assert_eq!(artifact.executable, None);
+        assert!(
+            Artifact::of_line(r#"{"reason":"build-finished","success":true}"#)
+                .unwrap()
+                .is_none()
+        );
+        assert!(Artifact::of_line("no JSON").is_err());
+    }
+
+    /// Crates that the library is built from, with the features that they have there.
+    fn features(workspace: &Workspace, also_development: bool) -> BTreeSet<String> {
+        let edges = if also_development {
+            "normal,build,dev"
+        } else {
+            "normal,build"
+        };
+        let mut tree = command(workspace);
+        tree.args(["tree", "--locked", "--package", MODEL_PACKAGE, "--edges", edges]);
+        let output = tree
+            .args(["--prefix", "none", "--no-dedupe", "--format", "{p} [{f}]"])
+            .output();
+        let output = output.expect("cargo starts");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout)
+            .unwrap()
+            .lines()
+            .map(str::to_owned)
+            .collect()
+    }
+
+    #[test]
+    fn development_dependencies_change_no_feature_of_the_library() {
+        let workspace = Workspace::find().expect("the workspace");
+        let (alone, beside) = (features(&workspace, false), features(&workspace, true));
+        assert!(alone.len() > 20, "{alone:?}");
+        let changed: Vec<_> = alone.difference(&beside).collect();
+        assert!(
+            changed.is_empty(),
+            "other features beside development dependencies: {changed:?}"
+        );
+    }
+
+    #[test]
+    #[ignore = "compiles the library, optimised: `cargo fmu test --all` runs it"]
     fn commands_share_one_optimised_library() {
         let workspace = Workspace::find().expect("the workspace");
-        let library = || {
-            let mut build = release(&workspace, Program::Example(DESCRIPTION_EXAMPLE));
-            build.arg("--lib");
-            build
-        };
-        let other = || release(&workspace, Program::Example("default_run"));
-        compiled(library());
-        let for_other = compiled(other());
-        let expected = for_other.iter().all(|name| name == "default_run");
-        assert!(expected, "the second command compiles {for_other:?}");
-        assert_eq!(
-            compiled(library()),
-            Vec::<String>::new(),
-            "compiled again for the first command"
-        );
-        assert_eq!(
-            compiled(other()),
-            Vec::<String>::new(),
-            "compiled again for the second command"
-        );
+        let library = || compiled(release(&workspace).arg("--lib"));
+        let example = || compiled(release(&workspace).args(["--example", "default_run"]));
+        library();
+        let for_example = example();
+        let again = for_example
+            .iter()
+            .any(|name| name.starts_with(MODEL_PACKAGE) && name != "pushbelt_lab");
+        assert!(!again, "the example compiles {for_example:?}");
+        assert_eq!(library(), Vec::<String>::new(), "compiled again for the library");
+        assert_eq!(example(), Vec::<String>::new(), "compiled again for the example");
     }
 }

@@ -1,9 +1,12 @@
 //! The commands, one file for each.
 
 use std::process::Command;
+use std::thread;
+
+use anyhow::anyhow;
 
 use crate::progress;
-use crate::python::{Environment, RUNNING};
+use crate::python::{Environment, Packages, RUNNING};
 use crate::workspace::Workspace;
 
 pub mod bench;
@@ -27,8 +30,21 @@ pub mod wheel;
 /// # Errors
 /// The FMU doesn't build, or the packages can't be installed.
 fn python_program(workspace: &Workspace, module: &str, folder: &str, headline: &str) -> anyhow::Result<Command> {
-    let fmu = build::run(workspace, &build::Arguments::default())?;
-    let environment = Environment::prepare(workspace, &RUNNING)?;
+    program_with(workspace, &RUNNING, module, folder, headline)
+}
+
+/// The same for a program that needs these packages. They are installed while the FMU compiles.
+fn program_with(
+    workspace: &Workspace,
+    packages: &Packages,
+    module: &str,
+    folder: &str,
+    headline: &str,
+) -> anyhow::Result<Command> {
+    let (fmu, environment) = side_by_side(
+        || build::run(workspace, &build::Arguments::default()),
+        || Environment::prepare(workspace, packages),
+    )?;
     progress::headline(headline);
     let mut program = environment.command();
     program
@@ -37,4 +53,33 @@ fn python_program(workspace: &Workspace, module: &str, folder: &str, headline: &
         .arg("--output")
         .arg(workspace.target().join(folder));
     Ok(program)
+}
+
+/// Runs both at once and returns what both return.
+///
+/// # Errors
+/// One of them fails. The error of the first is returned if both do.
+fn side_by_side<A, B: Send>(
+    first: impl FnOnce() -> anyhow::Result<A>,
+    second: impl FnOnce() -> anyhow::Result<B> + Send,
+) -> anyhow::Result<(A, B)> {
+    thread::scope(|scope| {
+        let second = scope.spawn(second);
+        let first = first();
+        let second = second.join().map_err(|_| anyhow!("a thread panicked"))?;
+        Ok((first?, second?))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_results_or_the_first_error_come_back() {
+        assert_eq!(side_by_side(|| Ok(1), || Ok("two")).unwrap(), (1, "two"));
+        let fails = |what: &'static str| move || anyhow::Result::<()>::Err(anyhow!(what));
+        assert_eq!(side_by_side(fails("a"), fails("b")).unwrap_err().to_string(), "a");
+        assert_eq!(side_by_side(|| Ok(()), fails("b")).unwrap_err().to_string(), "b");
+    }
 }

@@ -6,9 +6,8 @@
 //! | [`workspace`], [`platform`] | paths of the workspace, and the host's names for binaries |
 //! | [`cargo`], [`python`], [`mdbook`] | the outside programs that do the work |
 //! | [`portable`], [`binary`] | binaries for other machines, and what these need to load them |
-//! | [`archive`], [`licenses`], [`description`], [`image`], [`icons`] | what goes into the FMU beside the binary |
-//! | [`links`] | the check of the book's links |
-//! | [`progress`] | headlines and bars on the terminal |
+//! | [`archive`], [`licenses`], [`description`], [`icons`] | what goes into the FMU beside the binary |
+//! | [`progress`] | headlines on the terminal |
 
 mod archive;
 mod binary;
@@ -18,9 +17,7 @@ mod date;
 mod description;
 mod exports;
 mod icons;
-mod image;
 mod licenses;
-mod links;
 mod mdbook;
 mod platform;
 mod portable;

@@ -17,24 +17,36 @@ const OLDEST: (u32, u32) = (3, 10);
 /// A lock file in the source tree, and the folder below the target directory where its packages are installed.
 pub struct Packages {
     lock: &'static str,
+    /// A lock file for the same folder that has these packages, and others.
+    within: Option<&'static str>,
     folder: &'static str,
 }
 
 /// Imported by the tests and by the programs that run the FMU.
 pub const RUNNING: Packages = Packages {
     lock: "python/requirements.txt",
+    within: None,
     folder: "venv",
+};
+
+/// The part of them that the demo imports. What else is needed is added to the same folder later.
+pub const DEMO: Packages = Packages {
+    lock: "python/requirements-demo.txt",
+    within: Some(RUNNING.lock),
+    folder: RUNNING.folder,
 };
 
 /// Needed to compile for other machines.
 pub const BUILDING: Packages = Packages {
     lock: "python/portable-requirements.txt",
+    within: None,
     folder: "venv-portable",
 };
 
 /// Needed to pack the Python package.
 pub const PACKING: Packages = Packages {
     lock: "python/wheel-requirements.txt",
+    within: None,
     folder: "venv-wheel",
 };
 
@@ -50,7 +62,7 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// Returns the environment that is there if it matches the lock file; otherwise makes it.
+    /// Returns the environment that is there if it has the locked packages; otherwise installs them.
     ///
     /// # Errors
     /// No suitable Python, or pip can't install the locked packages.
@@ -62,17 +74,27 @@ impl Environment {
             root: workspace.root().to_owned(),
             fmu: workspace.fmu(),
         };
-        let lock_file = workspace.root().join(packages.lock);
-        let lock = fs::read_to_string(&lock_file).with_context(|| format!("can't read {}", lock_file.display()))?;
+        let read = |lock: &str| {
+            let path = workspace.root().join(lock);
+            fs::read_to_string(&path).with_context(|| format!("can't read {}", path.display()))
+        };
         let stamp = folder.join(STAMP);
-        let matches = fs::read_to_string(&stamp).is_ok_and(|installed| installed == lock);
-        if matches && version(environment.interpreter.as_os_str()).is_some() {
+        let works = version(environment.interpreter.as_os_str()).is_some();
+        let installed = fs::read_to_string(&stamp).ok().filter(|_| works);
+        let wider = packages.within.map(read).transpose()?;
+        let wanted = read(packages.lock)?;
+        if installed.is_some() && (installed.as_ref() == Some(&wanted) || installed == wider) {
             return Ok(environment);
         }
-        progress::headline(&format!("Setting up Python packages in target/{}", packages.folder));
-        create(&find_interpreter()?, &folder)?;
-        install(&environment.interpreter, &lock_file)?;
-        fs::write(&stamp, lock).with_context(|| format!("can't write {}", stamp.display()))?;
+        progress::headline(&format!("Installing Python packages in target/{}", packages.folder));
+        // What the demo has installed stays. Otherwise the environment has packages that the lock file no longer names.
+        if packages.lock == RUNNING.lock && installed == Some(read(DEMO.lock)?) {
+            fs::remove_file(&stamp).with_context(|| format!("can't remove {}", stamp.display()))?;
+        } else {
+            create(&find_interpreter()?, &folder)?;
+        }
+        install(&environment.interpreter, &workspace.root().join(packages.lock))?;
+        fs::write(&stamp, wanted).with_context(|| format!("can't write {}", stamp.display()))?;
         Ok(environment)
     }
 
@@ -119,13 +141,11 @@ fn create(python: &OsString, folder: &Path) -> anyhow::Result<()> {
     if folder.exists() {
         fs::remove_dir_all(folder).with_context(|| format!("can't remove {}", folder.display()))?;
     }
-    let spinner = progress::spinner("creating the environment");
     let output = Command::new(python)
         .args(["-m", "venv"])
         .arg(folder)
         .output()
         .context("can't start Python")?;
-    spinner.finish_and_clear();
     if !output.status.success() {
         bail!(
             "{} can't create a virtual environment (on Debian and Ubuntu: apt install python3-venv):\n{}{}",
@@ -138,7 +158,6 @@ fn create(python: &OsString, folder: &Path) -> anyhow::Result<()> {
 }
 
 fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
-    let spinner = progress::spinner("installing the locked packages");
     let output = Command::new(interpreter)
         .args(["-m", "pip", "install", "--disable-pip-version-check"])
         // The lock file names every package that is needed; what it leaves out, it leaves out on purpose.
@@ -146,7 +165,6 @@ fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
         .arg(lock_file)
         .output()
         .context("can't start pip")?;
-    spinner.finish_and_clear();
     if !output.status.success() {
         bail!(
             "pip can't install {}:\n{}{}",
@@ -200,4 +218,32 @@ fn version(python: &std::ffi::OsStr) -> Option<(u32, u32)> {
     let text = String::from_utf8(output.stdout).ok()?;
     let (major, minor) = text.trim().split_once(' ')?;
     Some((major.parse().ok()?, minor.parse().ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use std::collections::HashSet;
+
+    #[test]
+    fn the_demo_uses_versions_of_the_full_lock_file() {
+        let root = Workspace::find().unwrap().root().to_owned();
+        let lines = |lock: &str| -> HashSet<String> {
+            let text = fs::read_to_string(root.join(lock)).unwrap();
+            let locked = text.lines().filter(|line| !line.starts_with('#'));
+            locked
+                .map(|line| line.split(" ; ").next().unwrap_or(line).to_owned())
+                .collect()
+        };
+        let (demo, all) = (lines(DEMO.lock), lines(RUNNING.lock));
+        assert!(
+            demo.len() > 5 && 3 * demo.len() < all.len(),
+            "{} of {}",
+            demo.len(),
+            all.len()
+        );
+        let other: Vec<_> = demo.difference(&all).collect();
+        assert!(other.is_empty(), "not in {}: {other:?}", RUNNING.lock);
+    }
 }

@@ -2,9 +2,10 @@
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
-use anyhow::Context;
-use cargo_metadata::{Metadata, MetadataCommand};
+use anyhow::{Context, ensure};
+use serde_json::Value;
 
 /// Name of the package whose library is the binary in the FMU.
 pub const MODEL_PACKAGE: &str = "pushbelt";
@@ -24,13 +25,14 @@ impl Workspace {
     /// # Errors
     /// Cargo can't read the manifest.
     pub fn find() -> anyhow::Result<Self> {
-        let metadata = metadata_command()
-            .no_deps()
-            .exec()
-            .context("cargo can't read the workspace's manifest")?;
+        let metadata = metadata(&["--no-deps"])?;
+        let path = |name: &str| {
+            let path = metadata[name].as_str().map(PathBuf::from);
+            path.with_context(|| format!("cargo names no {name}"))
+        };
         Ok(Self {
-            root: metadata.workspace_root.into(),
-            target: metadata.target_directory.into(),
+            root: path("workspace_root")?,
+            target: path("target_directory")?,
         })
     }
 
@@ -90,15 +92,26 @@ impl Workspace {
         Ok(file)
     }
 
-    /// All packages with their dependencies, resolved by the lock file.
+    /// Packages with their dependencies, resolved by the lock file, as `cargo metadata` prints them: for every machine, or for
+    /// this one alone. For every machine cargo downloads more than it needs to compile for this one.
     ///
     /// # Errors
     /// Cargo can't resolve the dependencies.
-    pub fn packages(&self) -> anyhow::Result<Metadata> {
-        metadata_command()
-            .exec()
-            .context("cargo can't resolve the dependencies")
+    pub fn packages(&self, machines: Machines) -> anyhow::Result<Value> {
+        match machines {
+            Machines::All => metadata(&[]),
+            Machines::This => metadata(&["--filter-platform", &host()?]),
+        }
     }
+}
+
+/// The machines that dependencies are resolved for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Machines {
+    /// Any that a dependency names.
+    All,
+    /// The one that this tool runs on.
+    This,
 }
 
 /// Copies a folder with all that is in it, but for what Python has compiled there.
@@ -119,10 +132,27 @@ pub fn copy_tree(from: &Path, to: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn metadata_command() -> MetadataCommand {
-    let mut command = MetadataCommand::new();
-    command.manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
+/// The compiler's name for this machine, such as `x86_64-unknown-linux-gnu`.
+fn host() -> anyhow::Result<String> {
+    let output = cargo().arg("-vV").output().context("can't start cargo")?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
+    host.map(str::to_owned).context("cargo names no host")
+}
+
+fn metadata(options: &[&str]) -> anyhow::Result<Value> {
+    let mut command = cargo();
+    command.args(["metadata", "--format-version=1", "--manifest-path"]);
     command
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"))
+        .args(options);
+    let output = command.stderr(Stdio::inherit()).output().context("can't start cargo")?;
+    ensure!(output.status.success(), "cargo can't read the workspace's packages");
+    serde_json::from_slice(&output.stdout).context("cargo prints no JSON")
+}
+
+fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
 #[cfg(test)]

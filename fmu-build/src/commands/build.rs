@@ -10,8 +10,8 @@ use clap::Args;
 use crate::archive::Archive;
 use crate::description::{self, Description};
 use crate::platform::{Platform, Version};
-use crate::workspace::{MODEL_IDENTIFIER, Workspace};
-use crate::{binary, cargo, date, exports, icons, image, licenses, portable, progress};
+use crate::workspace::{MODEL_IDENTIFIER, Machines, Workspace};
+use crate::{binary, cargo, date, exports, icons, licenses, portable, progress};
 
 /// The documentation in the FMU; `{{…}}` stand for values from the model description.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
@@ -33,6 +33,13 @@ pub struct Arguments {
     pub portable: bool,
 }
 
+impl Arguments {
+    /// The machines whose dependencies are in the binaries.
+    fn machines(self) -> Machines {
+        if self.portable { Machines::All } else { Machines::This }
+    }
+}
+
 /// What `cargo fmu build` builds.
 #[derive(Args, Clone, Copy)]
 pub struct Options {
@@ -52,7 +59,7 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
     let version = if options.fmi3 { Version::Three } else { Version::Two };
     let _alone = workspace.lock("build")?;
     let binaries = compile(workspace, options.machines, version)?;
-    pack(workspace, &binaries, version).map(drop)
+    pack(workspace, &binaries, options.machines.machines(), version).map(drop)
 }
 
 /// Builds the FMU of FMI 2.0 and returns its path.
@@ -62,7 +69,7 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<PathBuf> {
     let _alone = workspace.lock("build")?;
     let binaries = compile(workspace, *arguments, Version::Two)?;
-    pack(workspace, &binaries, Version::Two)
+    pack(workspace, &binaries, arguments.machines(), Version::Two)
 }
 
 /// Builds the FMUs of both versions from the same binaries.
@@ -73,7 +80,7 @@ pub fn run_both(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<
     let _alone = workspace.lock("build")?;
     let binaries = compile(workspace, *arguments, Version::Two)?;
     for version in [Version::Two, Version::Three] {
-        pack(workspace, &binaries, version)?;
+        pack(workspace, &binaries, arguments.machines(), version)?;
     }
     Ok(())
 }
@@ -86,20 +93,23 @@ fn compile(workspace: &Workspace, arguments: Arguments, version: Version) -> any
     Ok(vec![(Platform::host()?, cargo::build_library(workspace)?)])
 }
 
-fn pack(workspace: &Workspace, binaries: &[(Platform, PathBuf)], version: Version) -> anyhow::Result<PathBuf> {
-    let archive = collect(workspace, binaries, version)?;
+fn pack(
+    workspace: &Workspace,
+    binaries: &[(Platform, PathBuf)],
+    machines: Machines,
+    version: Version,
+) -> anyhow::Result<PathBuf> {
+    let archive = collect(workspace, binaries, machines, version)?;
     let path = match version {
         Version::Two => workspace.fmu(),
         Version::Three => workspace.fmu3(),
     };
     // Written to another file that is then renamed: no program reads a half-written FMU.
     let draft = path.with_extension("fmu.part");
-    let bar = progress::bar(archive.len(), "packing");
     let output = File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
-    let mut output = archive.write(BufWriter::new(output), |_| bar.inc(1))?;
+    let mut output = archive.write(BufWriter::new(output))?;
     output.flush()?;
     drop(output);
-    bar.finish_and_clear();
     fs::rename(&draft, &path).with_context(|| format!("can't write {}", path.display()))?;
 
     let size = fs::metadata(&path)?.len().div_ceil(1024);
@@ -107,7 +117,12 @@ fn pack(workspace: &Workspace, binaries: &[(Platform, PathBuf)], version: Versio
     Ok(path)
 }
 
-fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)], version: Version) -> anyhow::Result<Archive> {
+fn collect(
+    workspace: &Workspace,
+    binaries: &[(Platform, PathBuf)],
+    machines: Machines,
+    version: Version,
+) -> anyhow::Result<Archive> {
     let mut archive = Archive::default();
     for (platform, library) in binaries {
         let mut bytes = read(library)?;
@@ -117,7 +132,7 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)], version: Ver
     }
     let (xml, interface) = match version {
         Version::Two => {
-            archive.add("model.png", image::variator()?)?;
+            archive.add("model.png", icons::MODEL.to_vec())?;
             (workspace.model_description(), FMI2)
         }
         Version::Three => (workspace.model_description3(), FMI3),
@@ -129,7 +144,7 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)], version: Ver
     };
     archive.add("modelDescription.xml", dated)?;
     archive.add("terminalsAndIcons/terminalsAndIcons.xml", read(&workspace.terminals())?)?;
-    for (name, content) in icons::files()? {
+    for (name, content) in icons::files() {
         archive.add(format!("terminalsAndIcons/{name}"), content)?;
     }
 
@@ -150,7 +165,7 @@ fn collect(workspace: &Workspace, binaries: &[(Platform, PathBuf)], version: Ver
         archive.add(format!("{LICENSES}/{license}.txt"), content)?;
     }
     archive.add(format!("{LICENSES}/license.txt"), LICENSE.as_bytes().to_vec())?;
-    let third_party = licenses::third_party(&workspace.packages()?)?;
+    let third_party = licenses::third_party(&workspace.packages(machines)?)?;
     archive.add(format!("{LICENSES}/third-party.txt"), third_party.into_bytes())?;
     Ok(archive)
 }

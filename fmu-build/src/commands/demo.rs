@@ -3,7 +3,8 @@
 use clap::Args;
 
 use crate::cargo;
-use crate::commands::python_program;
+use crate::commands::program_with;
+use crate::python::DEMO;
 use crate::workspace::Workspace;
 
 /// Options of the demo.
@@ -19,6 +20,6 @@ pub struct Arguments {
 /// # Errors
 /// The FMU doesn't build, or the demo fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let mut demo = python_program(workspace, "pushbelt.demo", "demo", "Simulating")?;
+    let mut demo = program_with(workspace, &DEMO, "pushbelt.demo", "demo", "Simulating")?;
     cargo::run(demo.args(&arguments.passed_on))
 }

@@ -1,13 +1,9 @@
 //! `cargo fmu docs`: the book of `docs/` with the API documentation, and whether its links hold.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, ensure};
+use anyhow::ensure;
 
 use crate::cargo;
 use crate::commands::describe;
-use crate::links::Site;
 use crate::mdbook::MdBook;
 use crate::progress;
 use crate::workspace::{self, Workspace};
@@ -35,29 +31,17 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     workspace::copy_tree(&workspace.target().join("doc"), &api)?;
 
     progress::headline("Checking the links");
-    let mut problems = Site::new(&book).check_all(&api)?;
-    let mut tree = Site::new(workspace.root());
-    for page in pages(workspace.root())? {
-        problems.extend(tree.check(&page)?);
-    }
-    ensure!(
-        problems.is_empty(),
-        "the links don't hold:\n  {}",
-        problems.join("\n  ")
-    );
+    let mut check = cargo::command(workspace);
+    check.args([
+        "run",
+        "--profile",
+        "tool",
+        "--quiet",
+        "--package",
+        env!("CARGO_PKG_NAME"),
+    ]);
+    check.args(["--features", "links", "--bin", "check-links", "--"]);
+    cargo::run(check.arg(&book).arg(workspace.root()))?;
     println!("{}", book.join("index.html").display());
     Ok(())
-}
-
-/// Pages in Markdown at the top level, such as README.md.
-fn pages(root: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let mut pages = Vec::new();
-    for entry in fs::read_dir(root).with_context(|| format!("can't read {}", root.display()))? {
-        let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == "md") {
-            pages.push(path);
-        }
-    }
-    pages.sort();
-    Ok(pages)
 }

@@ -1,8 +1,6 @@
 //! Links inside a folder of pages: each must lead to a file and an anchor that are there. No page may load content from
 //! elsewhere, so that it can be read offline. Links to other sites are not followed.
 
-mod page;
-
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::fs;
@@ -11,7 +9,7 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::Context;
 use percent_encoding::percent_decode_str;
 
-use self::page::Page;
+use crate::page::Page;
 
 /// The pages below one folder; links may lead to any file in it.
 pub struct Site {
