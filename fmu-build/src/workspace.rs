@@ -10,6 +10,12 @@ use serde_json::Value;
 /// Name of the package whose library is the binary in the FMU.
 pub const MODEL_PACKAGE: &str = "pushbelt";
 
+/// Name of the package whose library is the binary in the FMU of the paper's belts.
+pub const PAPER_PACKAGE: &str = "pushbelt-paper";
+
+/// Its model name and model identifier.
+pub const PAPER_IDENTIFIER: &str = "PushbeltPaper";
+
 /// Model name and model identifier of the FMU.
 pub const MODEL_IDENTIFIER: &str = "PushbeltVariator";
 
@@ -54,6 +60,11 @@ impl Workspace {
     /// The same for FMI 3.0.
     pub fn fmu3(&self) -> PathBuf {
         self.target.join(format!("{MODEL_IDENTIFIER}3.fmu"))
+    }
+
+    /// The packed FMU of the paper's belts.
+    pub fn paper_fmu(&self) -> PathBuf {
+        self.target.join(format!("{PAPER_IDENTIFIER}.fmu"))
     }
 
     /// The model description of FMI 2.0, checked in at the top level.
