@@ -1,10 +1,12 @@
 //! The variator as a unit of the FMI layer: the table that binds the interface's names to its parameters, inputs and
-//! outputs, the calls that lead from one to the other, and the exported C functions.
+//! outputs, the implementation of the unit, and the exported C functions.
 
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi;
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi3;
+#[forbid(unsafe_code)]
+mod exports;
 #[forbid(unsafe_code)]
 mod linear;
 #[allow(unsafe_code, non_snake_case)]
@@ -20,6 +22,7 @@ mod types;
 #[forbid(unsafe_code)]
 mod variator_unit;
 
+pub use exports::exports;
 pub use settings::Settings;
 pub use terminals::{TERMINALS, terminals};
 pub use variator_unit::{VariatorUnit, model_description, model_description3};

@@ -1,10 +1,9 @@
-//! The calls that lead from the FMI layer to the variator and back.
+//! The variator as a unit of the FMI layer.
 
 use super::settings::Settings;
 use super::table;
 use crate::fmi::Table;
-use crate::fmi::stepping::OwnSteps;
-use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
 use crate::variator::run::{Event, StepError, Variator, Way};
 use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
@@ -42,7 +41,7 @@ impl VariatorUnit {
         &mut self.variator
     }
 
-    /// Brings the tunable parameters into force.
+    /// Applies the tunable parameters.
     fn tune(&mut self, settings: &Settings) -> Result<(), StepFailure> {
         let wanted = &settings.parameters.friction;
         let present = &self.variator.parameters().friction;
@@ -66,7 +65,11 @@ impl VariatorUnit {
 impl Unit for VariatorUnit {
     type Settings = Settings;
     type Readings = Readings;
+    /// The variator's communication step, once it has begun.
+    type Progress = Option<Way>;
 
+    const INTERPOLATES_INPUTS: bool = true;
+    const OUTPUT_DERIVATIVES: bool = true;
     const IDENTITY: Identity = Identity {
         name: "PushbeltVariator",
         description: "Pushbelt CVT variator: steel ring in reference dynamics (ALE), push elements, wedge contact, tilting sheaves",
@@ -98,18 +101,52 @@ impl Unit for VariatorUnit {
         Ok(unit)
     }
 
+    fn begin(&mut self, step: &mut CommunicationStep<Self>, settings: &Settings) -> Result<(), StepFailure> {
+        self.tune(settings)?;
+        let rates = step.rates.as_ref().map_or(Inputs::ZERO, |rates| rates.inputs);
+        let begun = self.variator.set_out(step.to, &settings.inputs, &rates);
+        step.progress = Some(begun.map_err(failure)?);
+        Ok(())
+    }
+
     fn advance(
         &mut self,
-        to: f64,
+        step: &mut CommunicationStep<Self>,
         settings: &Settings,
-        rates: Option<&Settings>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
-        self.tune(settings)?;
-        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let advanced = self.variator.advance_along(to, &settings.inputs, &rates);
+        let Some(way) = &mut step.progress else {
+            return Ok(());
+        };
+        let given = self.variator.give_anew(way, &settings.inputs);
+        let advanced = given.and_then(|()| self.variator.step_along(way));
         self.move_messages(remarks);
         advanced.map_err(failure)
+    }
+
+    fn is_over(&self, step: &CommunicationStep<Self>) -> bool {
+        step.progress.as_ref().is_none_or(Way::is_over)
+    }
+
+    fn update_outputs(&mut self) {
+        self.variator.look();
+    }
+
+    fn event(&self, step: &CommunicationStep<Self>) -> Option<String> {
+        self.variator.event(step.progress.as_ref()?).map(Event::text)
+    }
+
+    fn end_at(&mut self, step: &mut CommunicationStep<Self>, time: f64) {
+        if let Some(way) = &mut step.progress {
+            self.variator.end_at(way, time);
+        }
+    }
+
+    fn finish(&mut self, step: &CommunicationStep<Self>, remarks: &mut Vec<Remark>) {
+        if let Some(way) = &step.progress {
+            self.variator.arrive(way);
+        }
+        self.move_messages(remarks);
     }
 
     fn time(&self) -> f64 {
@@ -128,50 +165,13 @@ impl Unit for VariatorUnit {
         self.variator.readings(elements)
     }
 
-    fn moment(&mut self) -> Moment<Readings> {
+    fn moment(&mut self) -> Option<Moment<Readings>> {
         let moment = self.variator.moment();
-        Moment {
+        Some(Moment {
             before: (*moment.before).into(),
             after: (*moment.after).into(),
             span: moment.span,
-        }
-    }
-}
-
-impl OwnSteps for VariatorUnit {
-    type Way = Way;
-
-    fn set_out(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<Way, StepFailure> {
-        self.tune(settings)?;
-        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let way = self.variator.set_out(to, &settings.inputs, &rates);
-        way.map_err(failure)
-    }
-
-    fn is_over(&self, way: &Way) -> bool {
-        way.is_over()
-    }
-
-    fn own_step(&mut self, way: &mut Way, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
-        let given = self.variator.give_anew(way, &settings.inputs);
-        let stepped = given.and_then(|()| self.variator.step_along(way));
-        self.move_messages(remarks);
-        stepped.map_err(failure)?;
-        self.variator.look();
-        Ok(())
-    }
-
-    fn event(&self, way: &Way) -> Option<String> {
-        self.variator.event(way).map(Event::text)
-    }
-
-    fn end_at(&mut self, way: &mut Way, time: f64) {
-        self.variator.end_at(way, time);
-    }
-
-    fn arrive(&mut self, way: &Way, remarks: &mut Vec<Remark>) {
-        self.variator.arrive(way);
-        self.move_messages(remarks);
+        })
     }
 }
 
@@ -182,8 +182,8 @@ fn failure(error: StepError) -> StepFailure {
     }
 }
 
-/// Tolerance to work with, from the parameter and from the experiment. Masters pass the default experiment's tolerance
-/// without being asked to, so a parameter that was changed is the user's word.
+/// The tolerance to use, from the parameter and from the experiment. Masters pass the default experiment's tolerance
+/// without the user's doing, so a parameter that was changed comes first.
 fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) -> f64 {
     let mut remark = |warning, text| remarks.push(Remark { warning, text });
     if parameter != Parameters::default().solver.tolerance {
