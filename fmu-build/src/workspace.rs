@@ -82,6 +82,11 @@ impl Workspace {
         self.root.join("terminalsAndIcons.xml")
     }
 
+    /// The names that the FMU's library exports, for linkers, checked in beside this tool.
+    pub fn exports(&self) -> PathBuf {
+        self.root.join("fmu-build").join("exports.def")
+    }
+
     /// Waits until no other run of this tool writes `what` in the target directory, and lets others wait until the
     /// file is dropped.
     ///

@@ -1,5 +1,5 @@
 //! The variator as a unit of the FMI layer: the table that binds the interface's names to its parameters, inputs and
-//! outputs, the calls that lead from one to the other, and the exported C functions.
+//! outputs, the implementation of the unit, and the exported C functions.
 
 #[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
@@ -7,6 +7,9 @@ pub mod c_abi;
 #[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi3;
+#[cfg(feature = "exports")]
+#[forbid(unsafe_code)]
+mod exports;
 #[cfg(feature = "exports")]
 #[forbid(unsafe_code)]
 mod linear;
@@ -24,6 +27,8 @@ mod types;
 #[forbid(unsafe_code)]
 mod variator_unit;
 
+#[cfg(feature = "exports")]
+pub use exports::exports;
 pub use settings::{Rings, Settings, StandardRings};
 pub use table::Rows;
 pub use terminals::{TERMINALS, terminals};

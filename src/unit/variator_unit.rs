@@ -1,10 +1,9 @@
-//! The calls that lead from the FMI layer to the variator and back.
+//! The variator as a unit of the FMI layer.
 
 use super::settings::{Rings, Settings, StandardRings};
 use super::table;
 use crate::fmi::Table;
-use crate::fmi::stepping::OwnSteps;
-use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
 use crate::variator::run::{Event, StepError, Variator, Way};
 use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
@@ -52,7 +51,7 @@ impl<R: Rings> UnitWith<R> {
         &mut self.variator
     }
 
-    /// Brings the tunable parameters into force.
+    /// Applies the tunable parameters.
     fn tune(&mut self, settings: &Settings<R>) -> Result<(), StepFailure> {
         let wanted = &settings.parameters.friction;
         let present = &self.variator.parameters().friction;
@@ -76,7 +75,11 @@ impl<R: Rings> UnitWith<R> {
 impl<R: Rings> Unit for UnitWith<R> {
     type Settings = Settings<R>;
     type Readings = Readings;
+    /// The variator's communication step, once it has begun.
+    type Progress = Option<Way>;
 
+    const INTERPOLATES_INPUTS: bool = true;
+    const OUTPUT_DERIVATIVES: bool = true;
     const IDENTITY: Identity = R::IDENTITY;
 
     fn table() -> Table<Settings<R>, Readings> {
@@ -99,18 +102,52 @@ impl<R: Rings> Unit for UnitWith<R> {
         Ok(unit)
     }
 
+    fn begin(&mut self, step: &mut CommunicationStep<Self>, settings: &Settings<R>) -> Result<(), StepFailure> {
+        self.tune(settings)?;
+        let rates = step.rates.as_ref().map_or(Inputs::ZERO, |rates| rates.inputs);
+        let begun = self.variator.set_out(step.to, &settings.inputs, &rates);
+        step.progress = Some(begun.map_err(failure)?);
+        Ok(())
+    }
+
     fn advance(
         &mut self,
-        to: f64,
+        step: &mut CommunicationStep<Self>,
         settings: &Settings<R>,
-        rates: Option<&Settings<R>>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
-        self.tune(settings)?;
-        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let advanced = self.variator.advance_along(to, &settings.inputs, &rates);
+        let Some(way) = &mut step.progress else {
+            return Ok(());
+        };
+        let given = self.variator.give_anew(way, &settings.inputs);
+        let advanced = given.and_then(|()| self.variator.step_along(way));
         self.move_messages(remarks);
         advanced.map_err(failure)
+    }
+
+    fn is_over(&self, step: &CommunicationStep<Self>) -> bool {
+        step.progress.as_ref().is_none_or(Way::is_over)
+    }
+
+    fn update_outputs(&mut self) {
+        self.variator.look();
+    }
+
+    fn event(&self, step: &CommunicationStep<Self>) -> Option<String> {
+        self.variator.event(step.progress.as_ref()?).map(Event::text)
+    }
+
+    fn end_at(&mut self, step: &mut CommunicationStep<Self>, time: f64) {
+        if let Some(way) = &mut step.progress {
+            self.variator.end_at(way, time);
+        }
+    }
+
+    fn finish(&mut self, step: &CommunicationStep<Self>, remarks: &mut Vec<Remark>) {
+        if let Some(way) = &step.progress {
+            self.variator.arrive(way);
+        }
+        self.move_messages(remarks);
     }
 
     fn time(&self) -> f64 {
@@ -129,55 +166,13 @@ impl<R: Rings> Unit for UnitWith<R> {
         self.variator.readings(elements)
     }
 
-    fn moment(&mut self) -> Moment<Readings> {
+    fn moment(&mut self) -> Option<Moment<Readings>> {
         let moment = self.variator.moment();
-        Moment {
+        Some(Moment {
             before: (*moment.before).into(),
             after: (*moment.after).into(),
             span: moment.span,
-        }
-    }
-}
-
-impl<R: Rings> OwnSteps for UnitWith<R> {
-    type Way = Way;
-
-    fn set_out(&mut self, to: f64, settings: &Settings<R>, rates: Option<&Settings<R>>) -> Result<Way, StepFailure> {
-        self.tune(settings)?;
-        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let way = self.variator.set_out(to, &settings.inputs, &rates);
-        way.map_err(failure)
-    }
-
-    fn is_over(&self, way: &Way) -> bool {
-        way.is_over()
-    }
-
-    fn own_step(
-        &mut self,
-        way: &mut Way,
-        settings: &Settings<R>,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
-        let given = self.variator.give_anew(way, &settings.inputs);
-        let stepped = given.and_then(|()| self.variator.step_along(way));
-        self.move_messages(remarks);
-        stepped.map_err(failure)?;
-        self.variator.look();
-        Ok(())
-    }
-
-    fn event(&self, way: &Way) -> Option<String> {
-        self.variator.event(way).map(Event::text)
-    }
-
-    fn end_at(&mut self, way: &mut Way, time: f64) {
-        self.variator.end_at(way, time);
-    }
-
-    fn arrive(&mut self, way: &Way, remarks: &mut Vec<Remark>) {
-        self.variator.arrive(way);
-        self.move_messages(remarks);
+        })
     }
 }
 
@@ -188,8 +183,8 @@ fn failure(error: StepError) -> StepFailure {
     }
 }
 
-/// Tolerance to work with, from the parameter and from the experiment. Masters pass the default experiment's tolerance
-/// without being asked to, so a parameter that was changed is the user's word.
+/// The tolerance to use, from the parameter and from the experiment. Masters pass the default experiment's tolerance
+/// without the user's doing, so a parameter that was changed comes first.
 fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) -> f64 {
     let mut remark = |warning, text| remarks.push(Remark { warning, text });
     if parameter != Parameters::default().solver.tolerance {

@@ -5,14 +5,14 @@ use std::io::{self, Write};
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::Writer;
 
-use super::log::Category;
-use super::said::{
-    default_experiment, enumeration_head, enumeration_items, head, log_categories, text_of, token_of, typed,
-    unit_definitions, variable_head,
+use crate::common_description::{
+    default_experiment, enumeration_head, enumeration_items, head, log_categories, text_of, token_of, type_definitions,
+    typed, unit_definitions, variable_head,
 };
-use super::table::{Causality, Enumeration, Kind, Table, Variable};
-use super::unit::{Identity, Unit};
-use super::xml::{Attributes, empty, parent};
+use crate::log::Category;
+use crate::table::{Causality, Enumeration, Kind, Table, Variable};
+use crate::unit::Unit;
+use crate::xml::{Attributes, empty, parent};
 
 /// The model description of a unit.
 ///
@@ -40,14 +40,9 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid
         "fmiModelDescription",
         head(&identity, "2.0", ("guid", guid)),
         |xml| {
-            empty(xml, "CoSimulation", capabilities(&identity))?;
+            empty(xml, "CoSimulation", capabilities::<U>())?;
             unit_definitions(xml, table.units)?;
-            parent(xml, "TypeDefinitions", vec![], |xml| {
-                table
-                    .enumerations
-                    .iter()
-                    .try_for_each(|enumeration| type_definition(xml, enumeration))
-            })?;
+            type_definitions(xml, table.enumerations, type_definition)?;
             log_categories(xml, Category::description)?;
             empty(xml, "DefaultExperiment", default_experiment(&identity))?;
             let settings = U::Settings::default();
@@ -63,16 +58,24 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, guid
     xml.get_mut().write_all(b"\n")
 }
 
-fn capabilities(identity: &Identity) -> Attributes {
-    vec![
-        ("modelIdentifier", identity.name.into()),
+fn capabilities<U: Unit>() -> Attributes {
+    let mut attributes = vec![
+        ("modelIdentifier", U::IDENTITY.name.into()),
         ("canHandleVariableCommunicationStepSize", "true".into()),
-        ("canInterpolateInputs", "true".into()),
-        ("maxOutputDerivativeOrder", "1".into()),
-        ("canNotUseMemoryManagementFunctions", "true".into()),
-        ("canGetAndSetFMUstate", "true".into()),
-        ("canSerializeFMUstate", "true".into()),
-    ]
+    ];
+    if U::INTERPOLATES_INPUTS {
+        attributes.push(("canInterpolateInputs", "true".into()));
+    }
+    if U::OUTPUT_DERIVATIVES {
+        attributes.push(("maxOutputDerivativeOrder", "1".into()));
+    }
+    let flags = [
+        "canNotUseMemoryManagementFunctions",
+        "canGetAndSetFMUstate",
+        "canSerializeFMUstate",
+    ];
+    attributes.extend(flags.map(|flag| (flag, "true".into())));
+    attributes
 }
 
 fn type_definition<W: Write>(xml: &mut Writer<W>, enumeration: &Enumeration) -> io::Result<()> {
@@ -84,7 +87,7 @@ fn type_definition<W: Write>(xml: &mut Writer<W>, enumeration: &Enumeration) -> 
 fn scalar_variable<W: Write, S, R>(xml: &mut Writer<W>, variable: &Variable<S, R>, settings: &S) -> io::Result<()> {
     let head = variable_head(variable, [&variable.name, &variable.description]);
     parent(xml, "ScalarVariable", head, |xml| {
-        empty(xml, tag(&variable.kind), typed(&variable.kind, settings))
+        empty(xml, tag(&variable.kind), typed(variable, settings))
     })
 }
 
@@ -107,6 +110,9 @@ fn model_structure<W: Write, S, R>(xml: &mut Writer<W>, table: &Table<S, R>) -> 
             .filter(|(variable, _)| variable.causality == Causality::Output)
             .map(|(_, index)| ("index", index.to_string()))
     };
+    if outputs().next().is_none() {
+        return Ok(());
+    }
     parent(xml, "Outputs", vec![], |xml| {
         outputs().try_for_each(|index| {
             empty(

@@ -1,4 +1,4 @@
-//! The state machine of the FMI layer, on a unit that is no variator: what a slave does must not depend on the model.
+//! The state machine on a toy unit, by the calls of Rust.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -6,205 +6,73 @@ use std::rc::Rc;
 use pushbelt_fmi::log::{Category, Sink, Status};
 use pushbelt_fmi::slave::StatusKind;
 use pushbelt_fmi::state::State;
-use pushbelt_fmi::table::{Access, Causality, Kind, Range, Table, UnitDefinition, Variable};
-use pushbelt_fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
-use pushbelt_fmi::{Slave, guid, model_description};
-use pushbelt_tape::Tape;
+use pushbelt_fmi::unit::Experiment;
+use pushbelt_fmi::{Snapshot, guid, model_description};
 
-/// A tank that fills at a rate: level' = gain·inflow.
-#[derive(Clone)]
-struct Tank {
-    time: f64,
-    level: f64,
-    /// Flow into the tank, and how it changes.
-    flow: [f64; 2],
-}
+use crate::tank::{BRIM, BURST, GAIN, INFLOW, LEVEL, START, Tank};
 
-#[derive(Clone)]
-struct Valves {
-    start: f64,
-    gain: f64,
-    inflow: f64,
-    /// Level at which a step stops half way.
-    brim: f64,
-}
+/// A slave whose calls return what the C functions of FMI 2.0 return.
+struct Slave(pushbelt_fmi::Slave<Tank>);
 
-impl Default for Valves {
-    fn default() -> Self {
-        Self {
-            start: 1.0,
-            gain: 1.0,
-            inflow: 2.0,
-            brim: 1e9,
+macro_rules! calls {
+    ($($function:literal $name:ident($($argument:ident: $type:ty),*);)*) => {
+        impl Slave {
+            $(fn $name(&mut self, $($argument: $type),*) -> Status {
+                self.0.call($function, |slave| slave.$name($($argument),*))
+            })*
         }
-    }
-}
-
-/// Inflow that makes the tank burst.
-const BURST: f64 = 666.0;
-
-const START: u32 = 1;
-const GAIN: u32 = 2;
-const INFLOW: u32 = 3;
-const BRIM: u32 = 4;
-const LEVEL: u32 = 5;
-
-impl Unit for Tank {
-    type Settings = Valves;
-    type Readings = f64;
-
-    const IDENTITY: Identity = Identity {
-        name: "Tank",
-        description: "Fills",
-        version: "1",
-        author: "",
-        license: "",
-        generation_tool: "",
-        stop_time: 1.0,
-        step_size: 0.1,
-        tolerance: 1e-4,
-        longest_step: 100.0,
     };
+}
 
-    fn table() -> Table<Valves, f64> {
-        let real = |name: &str, reference, causality, access| Variable {
-            name: name.into(),
-            reference,
-            description: String::new(),
-            causality,
-            kind: Kind::Real {
-                unit: "1",
-                display_unit: None,
-                range: Range {
-                    min: Some(-1e3),
-                    max: (causality == Causality::Tunable).then_some(10.0),
-                    nominal: None,
-                },
-                access,
-            },
-        };
-        const ONE: &[UnitDefinition] = &[UnitDefinition {
-            name: "1",
-            exponents: &[],
-            display: &[],
-        }];
-        Table::new(
-            ONE,
-            &[],
-            vec![
-                real(
-                    "start",
-                    START,
-                    Causality::Parameter,
-                    Access::Setting {
-                        get: |v| v.start,
-                        set: |v, x| v.start = x,
-                    },
-                ),
-                real(
-                    "gain",
-                    GAIN,
-                    Causality::Tunable,
-                    Access::Setting {
-                        get: |v| v.gain,
-                        set: |v, x| v.gain = x,
-                    },
-                ),
-                real(
-                    "inflow",
-                    INFLOW,
-                    Causality::Input,
-                    Access::Setting {
-                        get: |v| v.inflow,
-                        set: |v, x| v.inflow = x,
-                    },
-                ),
-                real(
-                    "brim",
-                    BRIM,
-                    Causality::Input,
-                    Access::Setting {
-                        get: |v| v.brim,
-                        set: |v, x| v.brim = x,
-                    },
-                ),
-                real("level", LEVEL, Causality::Output, Access::Reading(|level| *level)),
-            ],
-        )
-    }
+calls! {
+    "fmi2SetDebugLogging" set_debug_logging(on: bool, categories: &[&str]);
+    "fmi2SetupExperiment" setup_experiment(experiment: Experiment);
+    "fmi2EnterInitializationMode" enter_initialization_mode();
+    "fmi2ExitInitializationMode" exit_initialization_mode();
+    "fmi2Terminate" terminate();
+    "fmi2Reset" reset();
+    "fmi2GetReal" get_real(references: &[u32], values: &mut [f64]);
+    "fmi2SetReal" set_real(references: &[u32], values: &[f64]);
+    "fmi2GetInteger" get_integer(references: &[u32], values: &mut [i32]);
+    "fmi2SetRealInputDerivatives" set_input_derivatives(references: &[u32], orders: &[i32], values: &[f64]);
+    "fmi2GetRealOutputDerivatives" get_output_derivatives(references: &[u32], orders: &[i32], values: &mut [f64]);
+    "fmi2DoStep" do_step(current: f64, step: f64);
+    "fmi2CancelStep" cancel_step();
+    "fmi2SetFMUstate" restore(snapshot: &Snapshot<Tank>);
+}
 
-    fn check(valves: &Valves) -> Result<(), String> {
-        if valves.gain == 0.5 {
-            return Err("gain = 0.5 does not fit".into());
-        }
-        Ok(())
-    }
-
-    fn start(valves: &Valves, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
-        Self::check(valves)?;
-        remarks.push(Remark {
-            warning: valves.start > 5.0,
-            text: format!("filled to 100%s {}", valves.start),
-        });
-        Ok(Self {
-            time: experiment.start,
-            level: valves.start,
-            flow: [0.0; 2],
-        })
-    }
-
-    fn advance(
+impl Slave {
+    /// A call with a result; the result only if it was done.
+    fn result<T>(
         &mut self,
-        to: f64,
-        valves: &Valves,
-        rates: Option<&Valves>,
-        _: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
-        assert!(valves.inflow != BURST, "the tank burst");
-        let growth = rates.map_or(0.0, |rates| rates.inflow);
-        let mean = valves.inflow + 0.5 * growth * (to - self.time);
-        self.flow = [valves.gain * (2.0 * mean - valves.inflow), valves.gain * growth];
-        let rate = valves.gain * mean;
-        if self.level + rate * (to - self.time) > valves.brim {
-            self.time += (valves.brim - self.level) / rate;
-            self.level = valves.brim;
-            return Err(StepFailure::Discarded("full".into()));
-        }
-        self.level += rate * (to - self.time);
-        self.time = to;
-        Ok(())
+        call: impl FnOnce(&mut pushbelt_fmi::Slave<Tank>) -> Result<T, pushbelt_fmi::slave::CallError>,
+    ) -> (Status, Option<T>) {
+        let mut found = None;
+        let status = self.0.call("call", |slave| {
+            found = Some(call(slave)?);
+            Ok(())
+        });
+        (status, found)
     }
 
-    fn time(&self) -> f64 {
-        self.time
+    fn save(&mut self) -> (Status, Option<Snapshot<Tank>>) {
+        self.result(pushbelt_fmi::Slave::save)
     }
 
-    fn blank(_: &Valves, _: &Experiment) -> Result<Self, String> {
-        Ok(Self {
-            time: 0.0,
-            level: 0.0,
-            flow: [0.0; 2],
-        })
+    fn serialize(&mut self, snapshot: &Snapshot<Tank>) -> (Status, Option<Vec<u8>>) {
+        self.result(|slave| slave.serialize(snapshot))
     }
 
-    fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.time);
-        tape.real(&mut self.level);
-        tape.reals(&mut self.flow);
+    fn deserialize(&mut self, bytes: &[u8]) -> (Status, Option<Snapshot<Tank>>) {
+        self.result(|slave| slave.deserialize(bytes))
     }
 
-    fn readings(&mut self, _elements: bool) -> &f64 {
-        &self.level
+    fn last_successful_time(&mut self) -> (Status, Option<f64>) {
+        self.result(|slave| slave.last_successful_time(StatusKind::LastSuccessfulTime as i32))
     }
 
-    fn moment(&mut self) -> Moment<f64> {
-        let [flow, growth] = self.flow;
-        let beside = |after: f64| self.level + after * (flow + 0.5 * after * growth);
-        Moment {
-            before: beside(-0.5),
-            after: beside(0.5),
-            span: 1.0,
-        }
+    fn state(&self) -> State {
+        self.0.state()
     }
 }
 
@@ -218,20 +86,23 @@ impl Sink for Ear {
     }
 }
 
-fn slave() -> (Slave<Tank>, Heard) {
+fn slave() -> (Slave, Heard) {
     let heard = Heard::default();
-    (Slave::new(Some(Box::new(Ear(heard.clone()))), false), heard)
+    (
+        Slave(pushbelt_fmi::Slave::new(Some(Box::new(Ear(heard.clone()))), false)),
+        heard,
+    )
 }
 
 /// A slave in step mode at 0 s.
-fn running() -> (Slave<Tank>, Heard) {
+fn running() -> (Slave, Heard) {
     let (mut slave, heard) = slave();
     assert_eq!(slave.enter_initialization_mode(), Status::Ok);
     assert_eq!(slave.exit_initialization_mode(), Status::Ok);
     (slave, heard)
 }
 
-fn level(slave: &mut Slave<Tank>) -> f64 {
+fn level(slave: &mut Slave) -> f64 {
     let mut value = [f64::NAN];
     assert_eq!(slave.get_real(&[LEVEL], &mut value), Status::Ok);
     value[0]
@@ -295,10 +166,7 @@ fn calls_in_the_wrong_state_are_refused_and_change_nothing() {
     assert_eq!(slave.terminate(), Status::Error);
     assert_eq!(slave.cancel_step(), Status::Error);
     assert_eq!(slave.get_real(&[LEVEL], &mut [0.0]), Status::Error);
-    assert_eq!(
-        slave.real_status(StatusKind::LastSuccessfulTime, &mut 0.0),
-        Status::Error
-    );
+    assert_eq!(slave.last_successful_time().0, Status::Error);
     assert_eq!(slave.state(), State::Instantiated);
 
     let (mut slave, heard) = running();
@@ -395,22 +263,18 @@ fn late_times_keep_small_steps_apart() {
 }
 
 #[test]
-fn a_discarded_step_tells_how_far_it_came_and_goes_on_from_there() {
+fn a_discarded_step_reports_the_time_reached_and_continues_from_there() {
     let (mut slave, heard) = running();
     slave.set_real(&[BRIM], &[2.0]);
     assert_eq!(slave.do_step(0.0, 1.0), Status::Discard);
     assert_eq!(heard.borrow().last().map(|m| m.1), Some(Category::Discard));
-    let (mut time, mut status, mut ended) = (0.0, 0, 1);
-    assert_eq!(slave.real_status(StatusKind::LastSuccessfulTime, &mut time), Status::Ok);
-    assert_eq!(time, 0.5);
-    assert_eq!(slave.step_status(StatusKind::DoStep, &mut status), Status::Ok);
-    assert_eq!(status, Status::Discard as i32);
-    assert_eq!(slave.boolean_status(StatusKind::Terminated, &mut ended), Status::Ok);
-    assert_eq!(ended, 0);
-    assert_eq!(
-        slave.no_status("fmi2GetStringStatus", StatusKind::Pending),
-        Status::Discard
-    );
+    assert_eq!(slave.last_successful_time(), (Status::Ok, Some(0.5)));
+    let step = slave.result(|slave| slave.step_status(StatusKind::DoStep as i32));
+    assert_eq!(step, (Status::Ok, Some(Status::Discard)));
+    let ended = slave.result(|slave| slave.requests_termination(StatusKind::Terminated as i32));
+    assert_eq!(ended, (Status::Ok, Some(false)));
+    let pending = slave.result(|slave| slave.no_status(StatusKind::Pending as i32));
+    assert_eq!(pending.0, Status::Discard);
     assert_eq!(slave.set_real(&[BRIM], &[100.0]), Status::Ok);
     assert_eq!(slave.do_step(0.5, 0.5), Status::Ok);
     assert_eq!(level(&mut slave), 3.0);
@@ -453,7 +317,7 @@ fn bytes_hold_everything_and_fit_another_instance() {
     slave.do_step(0.0, 1.0);
     assert_eq!(slave.set_input_derivatives(&[INFLOW], &[1], &[1.0]), Status::Ok);
     let stored = slave.save().1.expect("stored");
-    let bytes = slave.serialize("fmi2SerializeFMUstate", &stored).1.expect("bytes");
+    let bytes = slave.serialize(&stored).1.expect("bytes");
     let (mut other, heard) = self::slave();
     let (status, found) = other.deserialize(&bytes);
     assert_eq!(status, Status::Ok, "{heard:?}");
@@ -632,9 +496,7 @@ fn a_short_step_can_follow_a_long_one() {
     for size in [0.123_456_789_123, 1e-5, 1e-8, 1.0 / 3.0, 1e-10, 1e-7] {
         assert_eq!(slave.do_step(time, size), Status::Ok, "{size}");
         time += size;
-        let mut reached = f64::NAN;
-        slave.real_status(StatusKind::LastSuccessfulTime, &mut reached);
-        assert_eq!(reached, time);
+        assert_eq!(slave.last_successful_time().1, Some(time));
     }
     assert!((level(&mut slave) - 1.0 - 2.0 * time).abs() < 1e-6);
 }

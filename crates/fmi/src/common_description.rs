@@ -1,4 +1,4 @@
-//! What the descriptions of both versions say alike: units, enumerations, log categories, variables.
+//! What the descriptions of both versions have in common: units, enumerations, log categories, variables.
 
 use std::io::{self, Write};
 
@@ -6,7 +6,7 @@ use quick_xml::writer::Writer;
 
 use super::hash::Fnv;
 use super::log::Category;
-use super::table::{Access, Causality, Enumeration, Kind, UnitDefinition, Variable};
+use super::table::{Causality, Enumeration, Kind, UnitDefinition, Value, Variable};
 use super::unit::Identity;
 use super::xml::{Attributes, empty, number, parent, token};
 
@@ -50,6 +50,9 @@ pub(super) fn default_experiment(identity: &Identity) -> Attributes {
 
 /// Every unit, with its display units.
 pub(super) fn unit_definitions<W: Write>(xml: &mut Writer<W>, units: &[UnitDefinition]) -> io::Result<()> {
+    if units.is_empty() {
+        return Ok(());
+    }
     parent(xml, "UnitDefinitions", vec![], |xml| {
         units.iter().try_for_each(|unit| unit_definition(xml, unit))
     })
@@ -66,6 +69,20 @@ fn unit_definition<W: Write>(xml: &mut Writer<W>, unit: &UnitDefinition) -> io::
             let display: Attributes = vec![("name", (*name).into()), ("factor", number(*factor))];
             empty(xml, "DisplayUnit", display)
         })
+    })
+}
+
+/// Every enumeration, written by `write`.
+pub(super) fn type_definitions<W: Write>(
+    xml: &mut Writer<W>,
+    enumerations: &[&Enumeration],
+    write: impl Fn(&mut Writer<W>, &Enumeration) -> io::Result<()>,
+) -> io::Result<()> {
+    if enumerations.is_empty() {
+        return Ok(());
+    }
+    parent(xml, "TypeDefinitions", vec![], |xml| {
+        enumerations.iter().try_for_each(|enumeration| write(xml, enumeration))
     })
 }
 
@@ -135,43 +152,32 @@ fn role<S, R>(variable: &Variable<S, R>) -> (&'static str, &'static str, Option<
     }
 }
 
-/// Attributes that state a variable's type.
-pub(super) fn typed<S, R>(kind: &Kind<S, R>, settings: &S) -> Attributes {
+/// Attributes that state a variable's type, with its start value if it is a setting.
+pub(super) fn typed<S, R>(variable: &Variable<S, R>, settings: &S) -> Attributes {
     let mut typed = Attributes::new();
-    match kind {
+    match &variable.kind {
         Kind::Real {
             unit,
             display_unit,
             range,
-            access,
+            ..
         } => {
             typed.push(("unit", (*unit).into()));
             typed.extend(display_unit.map(|unit| ("displayUnit", unit.to_string())));
             typed.extend(range.min.map(|min| ("min", number(min))));
             typed.extend(range.max.map(|max| ("max", number(max))));
             typed.extend(range.nominal.map(|nominal| ("nominal", number(nominal))));
-            typed.extend(start(access, settings).map(|start| ("start", number(start))));
         }
-        Kind::Integer { range, access } => {
+        Kind::Integer { range, .. } => {
             typed.extend(range.map(|(min, _)| ("min", min.to_string())));
             typed.extend(range.map(|(_, max)| ("max", max.to_string())));
-            typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
         }
-        Kind::Boolean { access } => {
-            typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
-        }
-        Kind::Enumeration { of, access } => {
-            typed.push(("declaredType", of.name.into()));
-            typed.extend(start(access, settings).map(|start| ("start", start.to_string())));
-        }
+        Kind::Boolean { .. } => {}
+        Kind::Enumeration { of, .. } => typed.push(("declaredType", of.name.into())),
     }
+    typed.extend(variable.value(settings, None).map(|start| match start {
+        Value::Real(start) => ("start", number(start)),
+        start => ("start", start.to_string()),
+    }));
     typed
-}
-
-/// The start value of a setting; readings have none.
-fn start<S, R, T>(access: &Access<S, R, T>, settings: &S) -> Option<T> {
-    match access {
-        Access::Setting { get, .. } => Some(get(settings)),
-        Access::Reading(_) | Access::Element(..) => None,
-    }
 }
