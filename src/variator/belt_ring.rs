@@ -25,7 +25,7 @@ pub use crate::variator::assembly::unknowns::{Part, ReadUnknowns, nodes};
 pub use crate::variator::belt::{Belt, HOLD};
 pub use crate::variator::cell::balance::balance;
 pub use crate::variator::cell::directions::{Direction, Directions};
-pub use crate::variator::cell::probe::{NoProbe, Probe, Sampler};
+pub use crate::variator::cell::observer::{NoObserver, Observer, Sampler};
 pub use crate::variator::cell::sample::Sample;
 pub use crate::variator::cell::state::CellInput;
 pub use crate::variator::law::place::{CellBalance, CellMotion, Place};

@@ -24,9 +24,9 @@ pub struct InForce<'a> {
 }
 
 /// Equations of ring and elements. It keeps derivatives and working memory. Results depend on the arguments alone; those of
-/// [`Assembly::jacobian`] depend on the kept derivatives too.
+/// [`Assembly::jacobian`] depend on the cached derivatives too.
 pub trait Assembly: Debug + Send + Sync {
-    /// A copy with the same kept derivatives.
+    /// A copy with the same cached derivatives.
     fn boxed(&self) -> Box<dyn Assembly>;
 
     /// Adds the equations of the belt to `out`; returns its loads on the pulleys.
@@ -52,16 +52,16 @@ pub trait Assembly: Debug + Send + Sync {
         (Energy::default(), 0.0)
     }
 
-    /// Drops the kept derivatives: the next Jacobian evaluates all of them.
+    /// Drops the cached derivatives: the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Evaluates the kept derivatives at the places that were read from a tape.
+    /// Evaluates the cached derivatives at the places that were read from a tape.
     fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
 
-    /// Writes to a tape, or reads from it, the places of the kept derivatives.
+    /// Writes to a tape, or reads from it, the places of the cached derivatives.
     fn serialize_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
 
-    /// Number of packs of cells that were differentiated, and of those that got new slopes of their laws alone.
+    /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
     fn differentiations(&self) -> [u64; 2] {
         [0; 2]
     }

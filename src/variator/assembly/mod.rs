@@ -4,7 +4,7 @@ pub(crate) mod equations;
 mod evaluate;
 mod global_slopes;
 pub(crate) mod jacobian;
-mod kept;
+mod jacobian_cache;
 pub(crate) mod kinds;
 mod law_part;
 mod pack;

@@ -14,7 +14,7 @@ use crate::travelling::order::Order;
 use crate::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
 use pushbelt::pulley::PerPulley;
 use pushbelt::variator::belt_ring::{
-    Assembly, Belt, InForce, Layout, NoProbe, PulleyLoad, ResultantSlopes, Sample, Sampler, Transport, Transports,
+    Assembly, Belt, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, Sample, Sampler, Transport, Transports,
 };
 
 /// Slopes of a cell's figures in the balance of the amounts, in the directions `at`.
@@ -133,10 +133,10 @@ fn add_cell_slopes<E: LagrangianElement>(
         let theta = (own + THETA).wrapping_sub(first);
         let still_here = first + PASS <= own + DRIFT || first > own + THETA;
         let rows = if still_here {
-            evaluation.cell(over, &frames.still, still, &mut NoProbe)
+            evaluation.cell(over, &frames.still, still, &mut NoObserver)
         } else {
             let frame = frames.moving.get(theta).unwrap_or(&frames.still);
-            evaluation.cell(over, frame, Moving(still), &mut NoProbe)
+            evaluation.cell(over, frame, Moving(still), &mut NoObserver)
         };
         let columns = &at[first..(first + PASS).min(count)];
         let mut add = |row: usize, value: &Slopes| {
@@ -199,7 +199,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         for cell in 0..belt.mesh.cells.len() {
             let over = CellOver::new(belt, &frame, cell, s);
             let at = over.unknowns();
-            let rows = evaluation.cell(&over, &frame, Values, &mut NoProbe);
+            let rows = evaluation.cell(&over, &frame, Values, &mut NoObserver);
             for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
                 for (k, row) in nodal.iter().enumerate() {
                     out[at[over.first(slot) + k]] += row;

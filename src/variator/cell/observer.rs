@@ -1,4 +1,4 @@
-//! Probes look on while a cell is evaluated: they sample it, or keep what derivatives need.
+//! Probes observe on while a cell is evaluated: they sample it, or keep what derivatives need.
 
 use crate::chain::Stack;
 use crate::contact::energy_density_at;
@@ -11,11 +11,11 @@ use crate::variator::rings::ring::CellRing;
 use nalgebra::Vector2;
 
 /// Looks on at every station of a cell as it is evaluated.
-pub trait Probe<T: Real, const D: usize = 2> {
+pub trait Observer<T: Real, const D: usize = 2> {
     /// Whether it samples for outputs: a ring that travels then has the tension of the state at hand.
     const SAMPLES: bool = false;
     /// Looks at a station.
-    fn look<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>);
+    fn observe<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>);
 }
 
 /// A station of a cell that was just evaluated.
@@ -32,23 +32,23 @@ pub struct AtStation<'a, T: Real, const D: usize, R> {
     pub ring: &'a R,
 }
 
-/// A probe that needs nothing.
+/// A observer that needs nothing.
 #[derive(Debug)]
-pub struct NoProbe;
+pub struct NoObserver;
 
-impl<T: Real, const D: usize> Probe<T, D> for NoProbe {
+impl<T: Real, const D: usize> Observer<T, D> for NoObserver {
     #[inline(always)]
-    fn look<R: CellRing<T, D>>(&mut self, _at: &AtStation<'_, T, D, R>) {}
+    fn observe<R: CellRing<T, D>>(&mut self, _at: &AtStation<'_, T, D, R>) {}
 }
 
-/// A probe that hands samples to a closure.
+/// A observer that hands samples to a closure.
 pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
 
-impl<T: Real, const D: usize> Probe<T, D> for Sampler<'_, T> {
+impl<T: Real, const D: usize> Observer<T, D> for Sampler<'_, T> {
     const SAMPLES: bool = true;
 
     #[inline(always)]
-    fn look<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>) {
+    fn observe<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>) {
         (self.0)(at.sample());
     }
 }

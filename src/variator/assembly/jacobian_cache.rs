@@ -1,9 +1,9 @@
-//! Derivatives of cells, kept from one Jacobian to the next.
+//! Cache of the cells' derivatives, from which the next Jacobian reuses what is still valid.
 //!
 //! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their
-//! regime from one to the next: contact, friction, push, flow. The others' derivatives are still good for Newton's
-//! method, which needs a direction and not a derivative. So each pack of cells keeps the unknowns and the regime at which
-//! it was differentiated.
+//! regime from one to the next: contact, friction, push, flow. The derivatives of the others are still good enough for a
+//! simplified Newton method. So each pack of cells stores the unknowns and the regime at which it was differentiated.
+//! Where the geometry still holds but a law has another tangent, only the constitutive tangents are updated.
 
 use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
@@ -19,23 +19,26 @@ const CENTRE: f64 = 10.0;
 /// Angle by which the ring may have turned, rad.
 const TURNED: f64 = 3.0e-3;
 
-/// What of a pack's derivatives is evaluated anew.
+/// What of a pack's derivatives was evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Renewal {
-    Nothing,
-    /// Slopes of the laws; the geometry around them stays.
-    Laws,
+pub(crate) enum Update {
+    /// None: the cached derivatives are reused.
+    None,
+    /// The constitutive tangents; the geometry is reused.
+    Tangents,
+    /// All derivatives.
     All,
 }
 
-/// What is asked for.
+/// Which cached derivatives are reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wanted {
-    /// What is not good any more.
-    Needed,
-    /// Slopes of the laws, or all where there are no derivatives of a like step.
-    Laws,
-    All,
+pub(crate) enum ReusePolicy {
+    /// Those that are still valid.
+    WhereValid,
+    /// The geometry, where derivatives for a similar step size exist.
+    Geometry,
+    /// None.
+    None,
 }
 
 /// Where derivatives were evaluated: unknowns, and factors of ẏ and q; NaN where there are none.
@@ -69,7 +72,7 @@ impl Origin {
 
 /// Derivatives of a pack of cells, and the unknowns and regime at which they were evaluated.
 #[derive(Clone, Debug)]
-pub(crate) struct Kept {
+pub(crate) struct JacobianCache {
     pub origin: Origin,
     /// Where the slopes of the laws were evaluated, if that was later.
     pub laws_origin: Origin,
@@ -81,7 +84,7 @@ pub(crate) struct Kept {
     pub laws: Option<LawPart>,
 }
 
-impl Kept {
+impl JacobianCache {
     /// Memory for the derivatives of a pack.
     pub(crate) fn new<K: Directions>(laws: Option<LawPart>) -> Self {
         Self {
@@ -102,70 +105,70 @@ impl Kept {
     /// The derivatives with the slopes of the laws that were evaluated last.
     pub(crate) fn derivatives<'a, K: Directions>(&'a self, work: &'a mut LawWork) -> &'a [Lanes] {
         match &self.laws {
-            Some(laws) if self.laws_origin.exists() => laws.renewed::<K>(&self.regime.laws, &self.block, work),
+            Some(laws) if self.laws_origin.exists() => laws.with_tangents::<K>(&self.regime.laws, &self.block, work),
             _ => &self.block,
         }
     }
 
-    /// Says what of the derivatives is to be evaluated anew where the pack is in this `regime`, and takes unknowns and regime as those
-    /// where it is. The element of the ring has this `length`.
+    /// Determines what of the derivatives to evaluate where the pack is in this `regime`, and records unknowns and regime.
+    /// The element of the ring has this `length`.
     #[inline(always)]
-    pub(crate) fn renew<K: Directions>(
+    pub(crate) fn update<K: Directions>(
         &mut self,
-        wanted: Wanted,
+        policy: ReusePolicy,
         (regime, units): (&Regime, &Units),
         at: (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
-    ) -> Renewal {
-        let renewal = match wanted {
-            Wanted::Needed => self.needs::<K>((regime, units), at, length),
-            Wanted::Laws if self.is_of_like_step(at.1) => Renewal::Laws,
-            Wanted::Laws | Wanted::All => Renewal::All,
+    ) -> Update {
+        let update = match policy {
+            ReusePolicy::WhereValid => self.needs::<K>((regime, units), at, length),
+            ReusePolicy::Geometry if self.has_similar_step(at.1) => Update::Tangents,
+            ReusePolicy::Geometry | ReusePolicy::None => Update::All,
         };
         // Without its laws' part a pack has all or nothing.
-        let renewal = if self.laws.is_none() && renewal == Renewal::Laws {
-            Renewal::All
+        let update = if self.laws.is_none() && update == Update::Tangents {
+            Update::All
         } else {
-            renewal
+            update
         };
-        match renewal {
-            Renewal::Nothing => {}
-            Renewal::Laws => {
+        match update {
+            Update::None => {}
+            Update::Tangents => {
                 self.laws_origin.set(at);
                 self.regime.laws = regime.laws;
             }
-            Renewal::All => {
+            Update::All => {
                 self.origin.set(at);
                 self.laws_origin.forget();
                 self.regime = *regime;
             }
         }
-        renewal
+        update
     }
 
     /// Whether there are derivatives, with nearly these factors.
-    fn is_of_like_step(&self, slopes: [f64; 2]) -> bool {
+    fn has_similar_step(&self, slopes: [f64; 2]) -> bool {
         (1.0 / RESCALED..RESCALED).contains(&(slopes[0] / self.origin.slopes[0]))
     }
 
-    /// What of the derivatives is not good any more.
+    /// What of the derivatives is no longer valid.
     #[inline(always)]
     fn needs<K: Directions>(
         &self,
         (regime, units): (&Regime, &Units),
         (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
-    ) -> Renewal {
+    ) -> Update {
         let ratio = slopes[0] / self.origin.slopes[0];
-        let holds = self.is_of_like_step(slopes)
+        let holds = self.has_similar_step(slopes)
             && self.turned::<K>(unknowns, length) < TURNED
             && regime.flows_as(&self.regime, ratio);
         if !holds {
-            Renewal::All
+            Update::All
         } else if regime.has_laws_of(&self.regime, units) {
-            Renewal::Nothing
+            Update::None
         } else {
-            Renewal::Laws
+            Update::Tangents
         }
     }
 
@@ -237,23 +240,23 @@ impl Origin {
 mod tests {
     use super::*;
 
-    /// What packs of `widths` cells write for three directions, with numbers that tell the cells apart.
+    /// What packs of `widths` cells write for three directions, with numbers that identify the cells.
     fn written(widths: &[usize], slopes: impl Fn(usize) -> [f64; 2]) -> Vec<u8> {
         let mut tape = Tape::writer();
         let mut first = 0;
         for &used in widths {
-            let mut kept = Origin::none();
-            kept.slopes = slopes(first);
+            let mut origin = Origin::none();
+            origin.slopes = slopes(first);
             for k in 0..3 {
                 let of = |part: u32| {
                     let number = |lane: usize| f64::from(part) + k as f64 + 10.0 * (first + lane.min(used - 1)) as f64;
                     Lanes::new(std::array::from_fn(number))
                 };
-                kept.unknowns.position[k] = of(1000);
-                kept.unknowns.value[k] = of(2000);
-                kept.unknowns.rate[k] = of(3000);
+                origin.unknowns.position[k] = of(1000);
+                origin.unknowns.value[k] = of(2000);
+                origin.unknowns.rate[k] = of(3000);
             }
-            kept.serialize(&mut tape, 3, used);
+            origin.serialize(&mut tape, 3, used);
             first += used;
         }
         tape.into_bytes()
@@ -261,10 +264,10 @@ mod tests {
 
     fn read(bytes: &[u8], used: usize) -> Origin {
         let mut tape = Tape::reader(bytes);
-        let mut kept = Origin::none();
-        kept.serialize(&mut tape, 3, used);
+        let mut origin = Origin::none();
+        origin.serialize(&mut tape, 3, used);
         tape.finish().expect("as many as were written");
-        kept
+        origin
     }
 
     #[test]
@@ -272,10 +275,10 @@ mod tests {
         let wide = written(&[LANES], |_| [4.0, 0.25]);
         let narrow = written(&[1; LANES], |_| [4.0, 0.25]);
         assert_eq!(wide, narrow);
-        let kept = read(&narrow, LANES);
-        assert_eq!(kept.slopes, [4.0, 0.25]);
+        let origin = read(&narrow, LANES);
+        assert_eq!(origin.slopes, [4.0, 0.25]);
         for lane in 0..LANES {
-            assert_eq!(kept.unknowns.value[2].to_array()[lane], 2002.0 + 10.0 * lane as f64);
+            assert_eq!(origin.unknowns.value[2].to_array()[lane], 2002.0 + 10.0 * lane as f64);
         }
         let part = read(&written(&[1], |_| [4.0, 0.25]), 1);
         assert_eq!(
@@ -286,11 +289,11 @@ mod tests {
     }
 
     #[test]
-    fn packs_of_different_factors_keep_no_derivatives() {
-        let kept = read(&written(&[1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
-        assert!(kept.slopes[0].is_nan());
+    fn packs_of_different_factors_have_no_derivatives() {
+        let origin = read(&written(&[1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
+        assert!(origin.slopes[0].is_nan());
         assert_eq!(
-            kept.unknowns.position[0].to_array()[LANES - 1],
+            origin.unknowns.position[0].to_array()[LANES - 1],
             1000.0 + 10.0 * (LANES - 1) as f64
         );
         let none = read(&written(&[LANES], |_| [f64::NAN; 2]), LANES);
