@@ -23,7 +23,6 @@ const OUTPUTS: [(&str, f64, Read); 6] = [
 fn parameters() -> Parameters {
     let mut parameters = Parameters {
         mesh: Mesh {
-            aligned: true,
             primary_arc: 8,
             secondary_arc: 8,
             strand: 4,

@@ -55,7 +55,7 @@ fn torque_or_speed_at_either_shaft() {
                     o.primary.shaft_torque < 0.0 && o.secondary.shaft_torque > 0.0,
                     "power goes from P to S"
                 );
-                run.assert_books();
+                run.assert_balances();
             }
         }
     }
@@ -97,7 +97,7 @@ fn clamping_force_or_held_sheave_at_either_pulley() {
                     run.warned("both sheaves are held"),
                     primary == Axial::Held && secondary == Axial::Held
                 );
-                run.assert_books();
+                run.assert_balances();
             }
         }
     }
@@ -155,7 +155,7 @@ fn end_stops_hold_and_are_left_again() {
                 (left.ratio_geometric - again.ratio_geometric).abs() > 5e-3,
                 "the stop is not left"
             );
-            run.assert_books();
+            run.assert_balances();
         }
     }
 }
@@ -167,7 +167,7 @@ fn a_launch_in_reverse_mirrors_a_launch_forward() {
         let at = |sign: f64| -> Outputs {
             let mut run = Run::new(at_rest(model, 1.5), inputs((sign * 40.0, 9e3), (sign * -5.0, 10e3)));
             let outputs = run.go(0.2, 2e-3);
-            run.assert_books();
+            run.assert_balances();
             outputs
         };
         let (forward, reverse) = (at(1.0), at(-1.0));
@@ -208,7 +208,7 @@ fn at_standstill_the_clamped_belt_holds_the_torque() {
             "the drive creeps away"
         );
         assert_close(o.secondary.axial_force, 8e3, 0.02, "secondary force");
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -238,7 +238,7 @@ fn a_standstill_starts_clamped() {
         println!("{model:?}: {counts:?}");
         assert!(counts.factorizations <= 20 && counts.residuals <= 200);
         run.go(0.1, 1e-3);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -304,7 +304,7 @@ fn at_standstill_the_books_are_kept() {
         let mut run = Run::new(parameters, inputs((0.0, 10e3), (0.0, 10e3)));
         run.go(0.15, 1e-3);
         println!("{model:?}: {:.2} of what is allowed", run.residual);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -323,14 +323,14 @@ fn ramped_inputs_keep_the_books() {
                 run.ramp(0.01, 0.01, &rates);
             }
             println!("{model:?}, {speed} rad/s: {:.2} of what is allowed", run.residual);
-            run.assert_books();
+            run.assert_balances();
         }
         let mut parameters = variator(model);
         parameters.secondary.inertia = 0.3;
         let mut run = brought_to_speed(parameters, 0.3, 1e-3);
         println!("{model:?}, to speed: {:.2} of what is allowed", run.residual);
         assert_close(run.variator.outputs().primary.speed, 120.0, 0.01, "primary speed");
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -364,7 +364,7 @@ fn clamping_forces_gone_and_back() {
         assert!(open.primary.shaft_torque.abs() < 5.0 && open.slip > 0.1);
         assert_close(closed.secondary.axial_force, 9e3, 0.05, "secondary force");
         assert!(closed.slip.abs() < 0.03 && !closed.macro_slip, "slip {}", closed.slip);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -574,7 +574,7 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
         assert!(!o.macro_slip && o.slip < 0.03);
         assert_eq!(o.start_state, StartState::ReducedTorque);
         assert_eq!(run.go(0.02, 1e-3).start_state, StartState::ReducedTorque);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 

@@ -156,7 +156,7 @@ fn over_torque_slips_at_capacity_and_recovers() {
             "{model:?}: slip {}",
             after.slip
         );
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -182,7 +182,7 @@ fn speeds_pulled_apart_slip_at_capacity_and_recover() {
         assert!(!gripping.macro_slip && o.macro_slip && !after.macro_slip);
         assert_close(ratio, 1.0, 5e-3, "torque at full slip");
         assert!(after.slip.abs() < 0.03);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -300,7 +300,7 @@ fn arcs_about_free_centres_shift_as_the_deflecting_ring_does() {
                 "{model:?} s {s}, {force} N: {:.4} 1/s, energy residual {:.2} of what is allowed",
                 found.gain, found.run.residual
             );
-            found.run.assert_books();
+            found.run.assert_balances();
             found.gain
         });
         assert_close(guided, deflecting, 0.2, "gain of ALE0");

@@ -222,5 +222,5 @@ fn books_of_a_shift() {
         run.residual
     );
     assert!(o.primary.position - start > 1.0e-4);
-    run.assert_books();
+    run.assert_balances();
 }

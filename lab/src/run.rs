@@ -1,10 +1,13 @@
-//! Runs that keep the books of energy and of the element amount.
+//! Runs with the energy balance and the balance of the element amount.
 
+use std::sync::Arc;
+
+use pushbelt::variator::belt_ring::BeltRing;
 use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::Parameters;
 use pushbelt::variator::settings::{Inputs, Outputs};
 
-/// A run that keeps its books: energy and element amount at every output point.
+/// A run with the balances of energy and element amount at every output point.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The variator.
@@ -24,7 +27,13 @@ pub struct Run {
 impl Run {
     /// Initialises.
     pub fn new(parameters: Parameters, inputs: Inputs) -> Self {
-        let mut variator = Variator::new(parameters).expect("valid parameters");
+        let ring = parameters.ring_of_model();
+        Self::with_ring(parameters, ring, inputs)
+    }
+
+    /// Initialises with a ring other than that of the parameters.
+    pub fn with_ring(parameters: Parameters, ring: Arc<dyn BeltRing>, inputs: Inputs) -> Self {
+        let mut variator = Variator::with_ring(parameters, ring).expect("valid parameters");
         variator.initialise(0.0, &inputs).expect("a state to start from");
         let mut run = Self {
             amount: amount(&variator),
@@ -107,7 +116,7 @@ impl Run {
 
     /// The books of energy and of the element amount, at every output point so far.
     #[track_caller]
-    pub fn assert_books(&self) {
+    pub fn assert_balances(&self) {
         self.assert_amount();
         assert!(
             self.residual <= 1.0,

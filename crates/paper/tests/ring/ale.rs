@@ -2,17 +2,17 @@
 //! mesh.
 
 use nalgebra::DVector;
-use pushbelt::reference_curve::{ReferenceCurve, Unaligned};
-use pushbelt::ring::ale_ring::{AleRing, Inertia};
-use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
-use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingFormulation;
-use pushbelt::ring::particle::Particle;
-use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_lab::checks::{assert_order, list};
-use pushbelt_lab::ring::*;
+use pushbelt_paper::reference_curve::{ReferenceCurve, Unaligned};
+use pushbelt_paper::ring::ale_ring::{AleRing, Inertia};
+use pushbelt_paper::ring::kinematics::{Motion, ReferenceMotion};
+use pushbelt_paper::ring::mesh::RingMesh;
+use pushbelt_paper::ring::model::RingFormulation;
+use pushbelt_paper::ring::particle::Particle;
+use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::*;
 use std::f64::consts::TAU;
 
 /// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With `amplitude` 0 the state
