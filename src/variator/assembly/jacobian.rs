@@ -24,7 +24,6 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{CellRing, VaryingRing};
 use num_traits::Zero;
 use std::cell::OnceCell;
-use std::marker::PhantomData;
 
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
@@ -48,6 +47,7 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
     /// The balance of a pack at `unknowns`. What is `wanted` of the derivatives of `kept` is evaluated
     /// anew: by hand if the ring has such derivatives. Says what was.
     fn renew(
+        &self,
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
@@ -76,6 +76,7 @@ impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
     frames_along!(COORDINATES);
 
     fn renew(
+        &self,
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
@@ -83,7 +84,7 @@ impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
         wanted: Wanted,
         kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, Renewal) {
-        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, wanted, kept)
+        by_hand::<Self, 2, C, COORDINATES>(acting, (self, pack), frames, at, wanted, kept)
     }
 }
 
@@ -91,6 +92,7 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
     frames_along!(1);
 
     fn renew(
+        &self,
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
@@ -98,13 +100,13 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
         wanted: Wanted,
         kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, Renewal) {
-        by_hand::<Self, D, C, 1>(acting, pack, frames, at, wanted, kept)
+        by_hand::<Self, D, C, 1>(acting, (self, pack), frames, at, wanted, kept)
     }
 }
 
 /// A ring of kind `K`, whose cells are differentiated by forward differentiation alone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Forward<K>(PhantomData<K>);
+pub(crate) struct Forward<K>(pub K);
 
 impl<K: Directions> Directions for Forward<K> {
     const NODES: usize = K::NODES;
@@ -117,6 +119,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> RingKind<D, C> for Forward
 
     #[inline(always)]
     fn ring<'a, T: Real>(
+        &self,
         ring: &'a Ring,
         at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
@@ -124,7 +127,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> RingKind<D, C> for Forward
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Self::Ring<'a, T> {
-        K::ring(ring, at, curve, unknowns, slopes, seed)
+        self.0.ring(ring, at, curve, unknowns, slopes, seed)
     }
 }
 
@@ -136,6 +139,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
     }
 
     fn renew(
+        &self,
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
@@ -150,12 +154,13 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
             regime: &mut regime,
         };
         let plain = |value, _, _| value;
-        let (b, _) = pack_balance::<_, _, Self, D, C>(acting, pack, &frames.plain, unknowns, slopes, plain, &mut probe);
+        let (b, _) =
+            pack_balance::<_, _, Self, D, C>(acting, (self, pack), &frames.plain, unknowns, slopes, plain, &mut probe);
         let place = pack.place::<Lanes, C>(&acting.belt.law, &frames.plain);
         let units = units(acting, &place, slopes[0]);
         let renewed = kept.0.renew::<Self>(wanted, (&regime, &units), at, place.length.v);
         if renewed == Renewal::All {
-            forward::<Self, D, C>(acting, pack, &frames.shape, at, kept);
+            forward::<Self, D, C>(acting, (self, pack), &frames.shape, at, kept);
         }
         (b, renewed)
     }
@@ -165,7 +170,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
 #[inline(never)]
 fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     acting: InForce<'_>,
-    pack: &Pack,
+    (kind, pack): (&K, &Pack),
     frames: &Frames<C, N>,
     at: (&Unknowns<Lanes>, [f64; 2]),
     wanted: Wanted,
@@ -180,7 +185,7 @@ where
     let place = pack.place::<Lanes, C>(&belt.law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let on_curve = (frame, pack.segment);
-    let mut ring = K::ring::<Lanes>(
+    let mut ring = kind.ring::<Lanes>(
         &belt.law.ring,
         (&place, &motion.reference),
         on_curve,
@@ -226,8 +231,7 @@ where
     }
     let mut arguments = Arguments::zero();
     let arguing = &mut Arguing(&mut arguments);
-    let (rows, transport) =
-        pack_pass::<N, K, D, C>(acting, pack, frames.moving(), (unknowns, slopes), K::THETA, arguing);
+    let (rows, transport) = pack_pass::<N, K, D, C>(acting, (kind, pack), frames.moving(), at, K::THETA, arguing);
     for i in 0..N {
         columns.record::<K>(
             K::THETA + i,
@@ -265,7 +269,7 @@ impl<const D: usize> Probe<Lanes, D> for Keeper<'_, D> {
 /// Differentiates a pack by forward differentiation alone.
 fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    pack: &Pack,
+    (kind, pack): (&K, &Pack),
     shape: &C::Shape,
     (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
     (kept, transports): (&mut Kept, &mut [Transport<[f64; MOST]>]),
@@ -274,7 +278,7 @@ fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     for first in (0..K::COUNT).step_by(PASS) {
         let frame = C::mesh_frame(shape, |k| moving((K::THETA + k).wrapping_sub(first), slopes));
         let at = (unknowns, slopes);
-        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, at, first, &mut NoProbe);
+        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, (kind, pack), &frame, at, first, &mut NoProbe);
         for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
             columns.record::<K>(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
         }
@@ -285,14 +289,14 @@ fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
 #[inline(never)]
 fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    pack: &Pack,
+    of: (&K, &Pack),
     frame: &C::Frame<Tangent<N>>,
     (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
     first: usize,
     probe: &mut impl Probe<Tangent<N>, D>,
 ) -> ([Tangent<N>; MOST_ROWS], Transport<Tangent<N>>) {
     let seed = |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, slopes, seed, probe);
+    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, of, frame, unknowns, slopes, seed, probe);
     (rows::<_, K, D>(&b, &ring), b.transport)
 }
 
@@ -300,7 +304,7 @@ fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
 /// entry of its column, and of all figures of the transport (at least 1e-6: they are of the order of 1).
 pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    pack: &Pack,
+    (kind, pack): (&K, &Pack),
     frames: &K::Frames,
     at: (&Unknowns<Lanes>, [f64; 2]),
     kept: &Kept,
@@ -313,8 +317,14 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
     let mut transports = [transports.to_vec(), transports.to_vec()];
     kept[0].forget();
     let of_hand = (&mut kept[0], &mut transports[0][..]);
-    K::renew(acting, pack, frames, at, Wanted::All, of_hand);
-    forward::<K, D, C>(acting, pack, K::shape(frames), at, (&mut kept[1], &mut transports[1]));
+    kind.renew(acting, pack, frames, at, Wanted::All, of_hand);
+    forward::<K, D, C>(
+        acting,
+        (kind, pack),
+        K::shape(frames),
+        at,
+        (&mut kept[1], &mut transports[1]),
+    );
     for lane in 0..pack.group.used {
         let [hand, forward] = kept.each_ref().map(|kept| {
             let entry = |row: usize, column: usize| kept.block[row * count + column].to_array()[lane];
