@@ -1,4 +1,4 @@
-//! Whatever a master connects to shafts and sheaves, and whatever it does with them, the run goes on.
+//! Runs continue with every kind of load and motion that a master connects to shafts and sheaves.
 
 use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
 use pushbelt::variator::settings::{Inputs, Outputs, StartState};
@@ -296,7 +296,7 @@ fn a_sheave_held_from_a_standstill_has_nearly_its_ratio() {
 
 /// Clamped without torque, on the default mesh too: what rings then has hardly any energy to be wrong about.
 #[test]
-fn at_standstill_the_books_are_kept() {
+fn energy_balance_at_standstill() {
     for model in MODELS {
         let mut parameters = variator(model);
         parameters.initial.primary_speed = 0.0;
@@ -311,7 +311,7 @@ fn at_standstill_the_books_are_kept() {
 /// Inputs that change in proportion to time do their work all along the step: a clamping force to and fro at low speed,
 /// a shaft brought to speed by its set point.
 #[test]
-fn ramped_inputs_keep_the_books() {
+fn energy_balance_under_ramped_inputs() {
     for model in MODELS {
         for speed in [20.0, 2.0] {
             let mut parameters = coarse(model);
@@ -368,10 +368,10 @@ fn clamping_forces_gone_and_back() {
     }
 }
 
-/// A strand under net compression, Q > T, would buckle: told. Friction alone keeps T − Q above σV², so it takes a load
+/// A strand under net compression, Q > T, would buckle: a warning. Friction alone keeps T − Q above σV², so it takes a load
 /// that turns round while the clamping force goes, at a low speed, at once, and elements that no oil brakes.
 #[test]
-fn a_push_strand_in_net_compression_is_told() {
+fn a_push_strand_in_net_compression_gives_a_warning() {
     for model in MODELS {
         let mut parameters = coarse(model);
         parameters.initial.primary_speed = 20.0;
@@ -380,7 +380,7 @@ fn a_push_strand_in_net_compression_is_told() {
         parameters.solver.input_ramp = 0.0;
         let mut run = Run::new(parameters, inputs((40.0, 11e3), (-39.0, 9e3)));
         run.go(5e-3, 1e-3);
-        assert!(!run.warned("buckle"), "{model:?}: told without cause");
+        assert!(!run.warned("buckle"), "{model:?}: warning without cause");
         run.inputs = inputs((-150.0, 1e3), (150.0, 1e3));
         run.go(0.02, 1e-3);
         let force = strand_force(&run.variator);
@@ -397,8 +397,8 @@ fn a_push_strand_in_net_compression_is_told() {
         assert!(strand_force(&run.variator) > 0.0);
         run.inputs = inputs((-150.0, 1e3), (150.0, 1e3));
         run.go(0.02, 1e-3);
-        let told = run.messages.iter().filter(|m| m.text.contains("buckle")).count();
-        assert_eq!(told, 1, "{model:?}");
+        let warnings = run.messages.iter().filter(|m| m.text.contains("buckle")).count();
+        assert_eq!(warnings, 1, "{model:?}");
     }
 }
 
@@ -452,9 +452,9 @@ fn a_start_in_equilibrium_at_an_end_stop_stays_there() {
     }
 }
 
-/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may go on from the ratio that it had there.
+/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may start from the ratio that it had there.
 #[test]
-fn a_run_goes_on_from_beyond_an_end_stop() {
+fn a_run_may_start_beyond_an_end_stop() {
     for model in MODELS {
         let mut parameters = coarse(model);
         parameters.primary.drive = Drive::Speed;
@@ -463,7 +463,7 @@ fn a_run_goes_on_from_beyond_an_end_stop() {
         let rests = run.go(1.0, 5e-3).ratio_geometric;
         parameters.initial.ratio = rests;
         let mut next = Run::new(parameters, loads);
-        assert!(next.told("beyond an end stop"), "{model:?}: {rests}");
+        assert!(next.reported("beyond an end stop"), "{model:?}: {rests}");
         let o = next.go(0.3, 5e-3);
         println!("{model:?}: rests at {rests:.4}, then at {:.4}", o.ratio_geometric);
         assert_close(o.ratio_geometric, rests, 2e-3, "ratio");
@@ -533,9 +533,9 @@ fn a_steady_start_at_a_set_point_does_not_bang() {
     }
 }
 
-/// Shafts held at speeds 12 % apart have a steady state, in which the belt slips through: told from the start on.
+/// Shafts held at speeds 12 % apart have a steady state, in which the belt slips through: reported from the start.
 #[test]
-fn a_start_in_macro_slip_is_told() {
+fn a_start_in_macro_slip_is_reported() {
     for model in MODELS {
         for (share, slips) in [(0.88, true), (0.99, false)] {
             let mut parameters = coarse(model);
@@ -553,7 +553,7 @@ fn a_start_in_macro_slip_is_told() {
     }
 }
 
-/// Torque beyond capacity has no steady state: the run starts from the nearest one, and says which and why.
+/// Torque beyond capacity has no steady state: the run starts from the nearest one, and reports which and why.
 #[test]
 fn torque_beyond_capacity_starts_from_the_nearest_state() {
     for (model, torque) in MODELS
@@ -578,7 +578,7 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
     }
 }
 
-/// Beyond capacity a pulley whose speed is free runs away until drag holds it, at four times the speed that was asked for. That
+/// Beyond capacity a pulley whose speed is free runs away until drag holds it, at four times the requested speed. That
 /// is a steady state, and no start.
 #[test]
 fn a_pulley_that_ran_away_is_no_start() {
@@ -595,9 +595,9 @@ fn a_pulley_that_ran_away_is_no_start() {
     assert!(!o.macro_slip && o.slip < 0.03);
 }
 
-/// What a run started from is told: also where nothing steady was asked for, or nothing was found.
+/// A run reports what it started from, also where no steady state was requested or found.
 #[test]
-fn what_a_run_starts_from_is_told() {
+fn a_run_reports_what_it_starts_from() {
     for model in MODELS {
         let start = |change: &dyn Fn(&mut Parameters), force: f64| {
             let mut parameters = coarse(model);

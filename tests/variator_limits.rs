@@ -147,8 +147,8 @@ fn over_torque_slips_at_capacity_and_recovers() {
             before.slip, after.slip
         );
         assert!(flagged && seen > 10, "{model:?} did not slip");
-        for told in ["begins to slip through", "grips again"] {
-            assert!(run.told(told), "{model:?}: {told}");
+        for text in ["begins to slip through", "grips again"] {
+            assert!(run.reported(text), "{model:?}: {text}");
         }
         assert!(worst < 5e-3, "{model:?}: torque off by {worst}");
         assert!(
@@ -192,7 +192,7 @@ const STEPS: [f64; 4] = [0.99, 0.995, 1.005, 1.01];
 /// Geometric ratio of the steps. At 1 the ring changes the pulley on which it drags, and the equilibrium has a step there.
 const RATIO: f64 = 1.25;
 
-/// The variator that the theory knows: neither ring friction nor play, by which the equilibrium depends on force and speed.
+/// The variator of the theory: neither ring friction nor play, by which the equilibrium depends on force and speed.
 fn of_theory(model: RingModel) -> Parameters {
     let mut parameters = belt_alone(variator(model));
     parameters.friction.ring = 0.0;

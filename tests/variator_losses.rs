@@ -20,7 +20,7 @@ fn idling(parameters: &Parameters, ratio: f64, force: f64, speed: f64) -> Steady
     steady(parameters, &task, speeds(ratio, speed))
 }
 
-/// Mean pull of a strand on the pulleys, N: tension less push force and less what keeps the belt's own mass moving. Segment 1
+/// Mean pull of a strand on the pulleys, N: tension less push force and less m v² of the belt's own mass. Segment 1
 /// is the upper strand, 3 the lower one.
 fn pull(state: &Steady, segment: usize) -> f64 {
     let p = &state.system.parameters;
@@ -58,7 +58,7 @@ fn torque_that_turns_the_variator_without_load() {
 /// Tension that presses the ring on an arc, times the angle, N.
 fn pressing(state: &Steady) -> PerPulley<f64> {
     let mass = state.system.parameters.ring.mass_per_length;
-    let keeps = mass * state.outputs.ring_speed.powi(2);
+    let centrifugal = mass * state.outputs.ring_speed.powi(2);
     let mut sums = PerPulley::default();
     for at in state.stations() {
         let pulley = if at.segment == 2 {
@@ -67,14 +67,14 @@ fn pressing(state: &Steady) -> PerPulley<f64> {
             Pulley::Secondary
         };
         let s = at.sample;
-        sums[pulley] += (s.tension - keeps) * s.curvature[0] * s.weight;
+        sums[pulley] += (s.tension - centrifugal) * s.curvature[0] * s.weight;
     }
     sums
 }
 
 /// μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α of the arc that holds the layers less.
 #[test]
-fn layers_lose_what_their_law_says() {
+fn loss_of_the_layers_is_that_of_their_law() {
     for model in MODELS {
         let parameters = variator(model);
         for (ratio, torque) in [(0.45, 0.0), (0.45, 50.0), (0.7, 100.0), (1.2, 80.0), (2.2, 80.0)] {

@@ -32,7 +32,7 @@ pub fn path(t: f64) -> Path<f64> {
 
 /// The frame at t = 0 with its derivatives in time.
 pub fn moving_frame() -> DisplacedFrame<Dual64> {
-    // What a coordinate and its rates do as time goes on; the third derivative is zero.
+    // Derivatives in time of a coordinate and its rates; the third derivative is zero.
     let moving = path(0.0).map(|x| Jet {
         v: Dual64::new(x.v, x.d),
         d: Dual64::new(x.d, x.dd),

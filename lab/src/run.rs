@@ -18,7 +18,7 @@ pub struct Run {
     pub residual: f64,
     /// Largest relative change of the element amount.
     pub amount_change: f64,
-    /// What the variator said.
+    /// Messages of the variator.
     pub messages: Vec<Message>,
     largest_energy: f64,
     amount: f64,
@@ -44,11 +44,11 @@ impl Run {
             messages: Vec::new(),
             largest_energy: 0.0,
         };
-        run.look();
+        run.record();
         run
     }
 
-    fn look(&mut self) {
+    fn record(&mut self) {
         let moved = self.variator.ledger().moved;
         let time = self.variator.time();
         let o = self.variator.outputs();
@@ -76,8 +76,8 @@ impl Run {
         let steps = (span / step).round().max(1.0) as u32;
         for k in 1..=steps {
             let to = from + span * f64::from(k) / f64::from(steps);
-            self.variator.advance(to, &self.inputs).expect("the run goes on");
-            self.look();
+            self.variator.advance(to, &self.inputs).expect("a step");
+            self.record();
             see(to, self.variator.outputs());
         }
     }
@@ -98,8 +98,8 @@ impl Run {
             let at = |k: u32| span * f64::from(k) / f64::from(steps);
             self.variator
                 .advance_along(from + at(k + 1), &after(at(k)), rates)
-                .expect("the run goes on");
-            self.look();
+                .expect("a step");
+            self.record();
         }
         self.inputs = after(span);
     }
@@ -110,11 +110,11 @@ impl Run {
     }
 
     /// Whether a message contains `text`, be it a warning or a remark.
-    pub fn told(&self, text: &str) -> bool {
+    pub fn reported(&self, text: &str) -> bool {
         self.messages.iter().any(|m| m.text.contains(text))
     }
 
-    /// The books of energy and of the element amount, at every output point so far.
+    /// The balances of energy and of the element amount, at every output point so far.
     #[track_caller]
     pub fn assert_balances(&self) {
         self.assert_amount();

@@ -187,7 +187,7 @@ fn assert_damping<const D: usize>(slope_dot: SVector<f64, D>, w: f64) {
 }
 
 #[test]
-fn damping_takes_what_it_says_where_the_ring_stretches() {
+fn power_of_damping_where_the_ring_stretches() {
     let t = reference(THETA).t;
     assert_damping::<2>(embed(t * 3.0), 0.0);
     assert_damping::<3>(embed(t * -3.0), 0.0);
@@ -195,7 +195,7 @@ fn damping_takes_what_it_says_where_the_ring_stretches() {
 
 /// The strain of a particle changes as it runs through a strain that stands still.
 #[test]
-fn damping_takes_what_it_says_where_the_ring_runs_through_its_strain() {
+fn power_of_damping_where_the_ring_runs_through_its_strain() {
     assert_damping::<2>(zero_vector(), 30.0);
     assert_damping::<2>(zero_vector(), -30.0);
     assert_damping::<3>(embed(reference(THETA).t * 2.0), 30.0);

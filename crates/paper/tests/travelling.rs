@@ -113,8 +113,8 @@ fn runs_continue_from_stored_states_bit_for_bit() {
         other.serialize(&mut tape);
         tape.finish().expect("it fits");
         for to in [1.25e-3, 1.5e-3] {
-            run.variator.advance(to, &run.inputs).expect("the run goes on");
-            other.advance(to, &run.inputs).expect("the run goes on");
+            run.variator.advance(to, &run.inputs).expect("a step");
+            other.advance(to, &run.inputs).expect("a step");
         }
         assert_eq!(run.variator.state(), other.state());
         assert_eq!(run.variator.outputs(), other.outputs());

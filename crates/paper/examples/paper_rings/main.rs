@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --package pushbelt-paper --example paper_rings -- --output target/paper/rings`
 //!
-//! It measures with the functions that the tests of the ring judge by (`pushbelt_paper_lab`). A line of the output says what
-//! has been done: its number, how many there are, and a name.
+//! It measures with the functions of the tests of the ring (`pushbelt_paper_lab`). A line of the output names what has
+//! been done: its number, how many there are, and a name.
 
 mod tables;
 

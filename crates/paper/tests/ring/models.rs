@@ -170,8 +170,8 @@ fn elastic_force_is_the_gradient_of_the_energy<S: Case<D, N>, const D: usize, co
     assert!(off < 1e-7, "{off}");
 }
 
-/// What the damping force takes is what the model says it takes.
-fn damping_takes_what_it_says<S: Case<D, N>, const D: usize, const N: usize>() {
+/// The power of the damping force is the dissipation of the model.
+fn power_of_damping_is_the_dissipation<S: Case<D, N>, const D: usize, const N: usize>() {
     let damped = Ring {
         damping: 1.0e-4,
         ..solid()
@@ -376,7 +376,7 @@ macro_rules! suite {
     (@laws $case:ty) => {
         suite!(@laws $case: velocity_follows_the_particle, acceleration_follows_the_particle, primes_are_derivatives,
             a_station_sees_the_particle_pass, projection_is_the_transpose, elastic_force_is_the_gradient_of_the_energy,
-            damping_takes_what_it_says, inertia_is_lagranges);
+            power_of_damping_is_the_dissipation, inertia_is_lagranges);
     };
     (@laws $case:ty: $($test:ident),*) => {$(
         #[test]

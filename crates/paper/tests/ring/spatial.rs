@@ -209,7 +209,7 @@ fn placed(
     })
 }
 
-/// A shift along z costs no energy and no force. A tilt costs ½π EI_b ψ²/R, because (24) knows no twist: the sections
+/// A shift along z costs no energy and no force. A tilt costs ½π EI_b ψ²/R, because (24) has no twist: the sections
 /// stay upright. Stretch and the bending in the plane find nothing in it.
 #[test]
 fn rigid_motions() {
