@@ -6,12 +6,11 @@
 //! T = EA γ (1 + c γ), V = ∫ EA (½ γ² + ⅓ c γ³) dξ.
 //!
 //! `cargo run --release --example own_ring` prints thrust ratio and largest ring tension of three load cases for `ALE`, for
-//! this
-//! ring with c = 0, which must be the same, and with stiffening. A shift shows the energy balance.
+//! this ring with c = 0, which must be the same, and with stiffening. A shift shows the energy balance.
 //!
-//! A ring whose mesh stands still has three parts: [`StiffeningRing`] is the ring between two nodes, generic over the scalar;
-//! [`Stiffening`] makes it from the unknowns of a cell; and its implementation of [`BeltRing`] puts it into a belt.
-//! Residual, Jacobian, outputs, energy balance and steady states follow from these.
+//! The ring has the three parts of `pushbelt::variator::belt_ring`: [`StiffeningRing`] inside one cell, [`Stiffening`] as
+//! its [`RingKind`], and its implementation of [`BeltRing`]. Residual, Jacobian, outputs, energy balance and steady states
+//! follow from these.
 
 use std::sync::Arc;
 
