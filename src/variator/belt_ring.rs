@@ -1,9 +1,14 @@
 //! The seam between a variator and its ring: [`BeltRing`], and what a ring model of one's own is built from.
 //!
-//! [`Variator::with_ring`](crate::variator::Variator::with_ring) takes any ring. A ring whose mesh stands still in space
-//! implements [`EulerianRing`] for one cell, generic over the scalar, and names its unknowns by [`Directions`];
-//! [`eulerian_equations`] evaluates and differentiates the cells. A ring of another kind implements [`Assembly`] itself,
-//! with the balance of a cell, [`balance`], for elements, flanks and friction.
+//! [`Variator::with_ring`](crate::variator::Variator::with_ring) takes any ring. A ring whose mesh stands still in space has
+//! three parts:
+//!
+//! 1. [`EulerianRing`] is the ring inside one cell, generic over the scalar. It may wrap [`Deflecting`], the ring of `ALE`.
+//! 2. [`RingKind`] makes it from the unknowns of the cell, which [`Directions`] counts. A value of it holds parameters.
+//! 3. [`BeltRing`] puts it into a belt. [`eulerian_equations`] evaluates and differentiates the cells.
+//!
+//! A ring of another kind implements [`Assembly`] itself, with the balance of a cell, [`balance`], for elements, flanks and
+//! friction.
 //!
 //! `examples/own_ring.rs` is a ring model in one file.
 

@@ -118,7 +118,8 @@ impl VariatorSystem {
     }
 
     /// The Jacobian, with derivatives as in [`Assembly::jacobian`].
-    pub(crate) fn form_jacobian(
+    #[doc(hidden)]
+    pub fn form_jacobian(
         &mut self,
         geometry: Option<Geometry>,
         time: f64,
@@ -193,6 +194,15 @@ impl VariatorSystem {
     pub fn differentiations(&self) -> [u64; 2] {
         self.assembly.differentiations()
     }
+
+    /// Largest difference between derivatives by hand and by forward differentiation, for tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn worst_derivative(&self, view: View<'_>, alpha: f64) -> f64 {
+        let friction = &self.friction();
+        let belt = &*self.belt;
+        self.assembly.worst_derivative(InForce { belt, friction }, view, alpha)
+    }
 }
 
 #[cfg(test)]
@@ -204,13 +214,6 @@ impl VariatorSystem {
             (plane.side, plane.middle) = (-plane.side, -plane.middle);
         }
         Self::with_belt(parameters, belt)
-    }
-
-    /// Largest difference between derivatives by hand and by forward differentiation.
-    pub(crate) fn worst_derivative(&self, view: View<'_>, alpha: f64) -> f64 {
-        let friction = &self.friction();
-        let belt = &*self.belt;
-        self.assembly.worst_derivative(InForce { belt, friction }, view, alpha)
     }
 }
 

@@ -44,12 +44,13 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     unknowns: Box<Unknowns<Lanes>>,
     globals: GlobalSlopes,
     work: LawWork,
-    kind: PhantomData<(K, C)>,
+    kind: K,
+    curve: PhantomData<C>,
 }
 
 impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     /// The cells of a belt.
-    pub fn new(belt: &Belt) -> Self {
+    pub fn new(kind: K, belt: &Belt) -> Self {
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
         Self {
@@ -62,7 +63,8 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
             unknowns: Box::new(Unknowns::zero()),
             globals: GlobalSlopes::new::<K>(),
             work: LawWork::new::<K>(),
-            kind: PhantomData,
+            kind,
+            curve: PhantomData,
         }
     }
 
@@ -101,7 +103,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         for pack in &self.packs {
             let (b, ring) = pack_balance::<_, _, K, D, C>(
                 acting,
-                pack,
+                (&self.kind, pack),
                 &frame,
                 &InPlace { pack, view },
                 [0.0; 2],
@@ -151,7 +153,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
             InPlace { pack, view }.gather::<K>(&mut self.unknowns);
             let of_pack = (&mut *cache, &mut *self.transport_slopes);
             let at = (&*self.unknowns, slopes);
-            let (b, update) = K::update(acting, pack, &frames, at, policy(number), of_pack);
+            let (b, update) = self.kind.update(acting, pack, &frames, at, policy(number), of_pack);
             for (count, of) in self.differentiations.iter_mut().zip([Update::All, Update::Tangents]) {
                 *count += u64::from(update == of);
             }
@@ -177,9 +179,15 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         let frame = frame::<C>(acting.belt, view);
         let mut places = out.iter_mut();
         for pack in &self.packs {
-            sampled_balance::<K, D, C>(acting, pack, &frame, &InPlace { pack, view }, &mut |sample| {
-                *places.next().expect("a place for each station") = sample;
-            });
+            sampled_balance::<K, D, C>(
+                acting,
+                (&self.kind, pack),
+                &frame,
+                &InPlace { pack, view },
+                &mut |sample| {
+                    *places.next().expect("a place for each station") = sample;
+                },
+            );
         }
     }
 
@@ -196,7 +204,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
                     let frames = K::frames(&acting.belt.curve, &path::<K>(&origin.unknowns), origin.slopes);
                     let at = (&origin.unknowns, origin.slopes);
                     let of_pack = (&mut *cache, &mut *self.transport_slopes);
-                    K::update(acting, pack, &frames, at, policy, of_pack);
+                    self.kind.update(acting, pack, &frames, at, policy, of_pack);
                 }
             }
         }
@@ -218,7 +226,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
             let mut unknowns = Unknowns::zero();
             InPlace { pack, view }.gather::<K>(&mut unknowns);
             let at = (&unknowns, [alpha, 1.0 / alpha]);
-            worst_of_pack::<K, D, C>(acting, pack, &frames, at, cache, &self.transport_slopes)
+            worst_of_pack::<K, D, C>(acting, (&self.kind, pack), &frames, at, cache, &self.transport_slopes)
         };
         self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
     }
@@ -227,20 +235,20 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
 /// Equations of a belt whose ring keeps to the curve `C` (`ALE0`).
 #[must_use]
 pub fn guided_equations<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<GuidedRing, 2, C>::new(belt))
+    Box::new(PackedCells::<GuidedRing, 2, C>::new(GuidedRing, belt))
 }
 
 /// Equations of a belt whose ring deflects from the curve `C` in D components (`ALE`).
 #[must_use]
 pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(belt))
+    Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(DeflectingRing, belt))
 }
 
-/// Equations of a belt with a ring of kind `K` in D components, whose mesh lies on the curve `C`. Their derivatives come
+/// Equations of a belt with a ring of this kind in D components, whose mesh lies on the curve `C`. Their derivatives come
 /// from forward differentiation of the ring's functions.
 #[must_use]
-pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<Forward<K>, D, C>::new(belt))
+pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<Forward<K>, D, C>::new(Forward(kind), belt))
 }
 
 /// Adds the loads of a pack on the pulleys.
