@@ -1,7 +1,8 @@
-//! Prints a file that is generated from the variable table; `cargo fmu describe` runs it. The first argument names it:
-//! `modelDescription.xml` (FMI 2.0, also without an argument), `modelDescription3.xml` (FMI 3.0) or `terminalsAndIcons.xml`.
+//! Prints a file that is generated from the variable table or the tables of C functions; `cargo fmu describe` runs it. The first argument names it:
+//! `modelDescription.xml` (FMI 2.0, also without an argument), `modelDescription3.xml` (FMI 3.0), `terminalsAndIcons.xml` or
+//! `exports.def`.
 
-use pushbelt::unit::{model_description, model_description3, terminals};
+use pushbelt::unit::{exports, model_description, model_description3, terminals};
 
 fn main() -> Result<(), String> {
     let file = std::env::args().nth(1);
@@ -9,7 +10,8 @@ fn main() -> Result<(), String> {
         None | Some("modelDescription.xml") => model_description(),
         Some("modelDescription3.xml") => model_description3(),
         Some("terminalsAndIcons.xml") => terminals(),
-        Some(other) => return Err(format!("{other} is not generated from the variable table")),
+        Some("exports.def") => exports(),
+        Some(other) => return Err(format!("{other} is not generated")),
     };
     print!("{text}");
     Ok(())

@@ -1,7 +1,7 @@
-/* What PushbeltVariator exports beside the functions of FMI 2.0. C and C++.
+/* Functions that PushbeltVariator exports in addition to those of FMI 2.0. C and C++.
  *
- * Load both functions from the FMU's library (binaries/...) by name, as those of the standard. They work on an instance of
- * fmi2Instantiate. Nothing else may use the instance during a call.
+ * Load both functions from the FMU's library (binaries/...) by name, like those of the standard. They take an instance of
+ * fmi2Instantiate. No other call may use the instance at the same time.
  *
  * SPDX-License-Identifier: MIT OR Apache-2.0
  */
@@ -12,21 +12,22 @@
 extern "C" {
 #endif
 
-/* The linear model dx/dt = A x + B u, y = C x + D u about the state in which an instance is, as JSON (RFC 8259, UTF-8).
+/* The linear model dx/dt = A x + B u, y = C x + D u about the present state of an instance, as JSON (RFC 8259, UTF-8).
  *
- * instance   an fmi2Component in initialization mode or later. It stays as it is.
+ * instance   an fmi2Component in initialization mode or later. Its state does not change.
  * frequency  modes below this become states, Hz; 0.01 to 1e5.
  * json       set to a string that ends with a zero, or to NULL. Free it by pushbeltFreeText.
  *
  * Returns an fmi2Status:
- *   fmi2OK (0)       the point is the one that parameters and inputs give;
- *   fmi2Warning (1)  there is a model, but the belt slips through, or other loads hold the point than those that are given.
- *                    "remarks" in the JSON and the log say which;
- *   fmi2Error (3)    there is no model, because the state is not steady for instance. The log says why; the instance goes on.
+ *   fmi2OK (0)       the linear model is about the point of the parameters and inputs;
+ *   fmi2Warning (1)  there is a model, but the belt slips through, or the point is held by other loads than the given ones:
+ *                    see "remarks" in the JSON and the log;
+ *   fmi2Error (3)    there is no model, for example because the state is not steady. The log has the reason; the instance
+ *                    can still be used.
  *
  * The object has: A, B, C, D (arrays of rows); inputs (name, unit, given, held); outputs (name, unit, value); states (names);
  * poles (real and imaginary part, 1/s); slip (1); macroSlip (true or false); remarks (sentences); frequency, time. x, u and y are
- * deviations from the point, SI units; the inputs "held" keep the point.
+ * deviations from the point, SI units; the inputs "held" are those at which the point is steady.
  */
 typedef int pushbeltLinearizeTYPE(void *instance, double frequency, char **json);
 int pushbeltLinearize(void *instance, double frequency, char **json);

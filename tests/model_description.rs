@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pushbelt::fmi::Unit;
 use pushbelt::fmi::table::{Access, Causality, Kind};
-use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, model_description, model_description3, terminals};
+use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, exports, model_description, model_description3, terminals};
 use pushbelt::variator::settings::range_of;
 
 #[test]
@@ -14,6 +14,7 @@ fn the_checked_in_files_are_what_the_table_says() {
         ("modelDescription.xml", model_description()),
         ("modelDescription3.xml", model_description3()),
         ("terminalsAndIcons.xml", terminals()),
+        ("fmu-build/exports.def", exports()),
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
         let checked_in = std::fs::read_to_string(&path).unwrap_or_default();
@@ -21,7 +22,7 @@ fn the_checked_in_files_are_what_the_table_says() {
         let shorter = generated.lines().count().min(checked_in.lines().count());
         assert!(
             generated == checked_in,
-            "{name} is not what the variable table says, first in line {}; write it by `cargo fmu describe`",
+            "{name} is not what the tables give, first in line {}; write it by `cargo fmu describe`",
             differing.map_or(shorter, |line| line + 1)
         );
     }

@@ -1,4 +1,4 @@
-"""A controller around the variator: step, read, decide, write. Run it where `target/PushbeltVariator.fmu` is."""
+"""A controller around the variator: read, compute, write, step. Run it where `target/PushbeltVariator.fmu` is."""
 
 import ctypes
 import math
@@ -37,9 +37,9 @@ for k in range(300):
     torque, load = 60.0, -60.0 - 0.2 * state["secondary.speed"]
     secondary = 1.3 * torque * math.cos(math.radians(11)) / (2 * 0.09 * state["primary.radius"])
     error = math.log(state["ratio.geometric"] / target)  # above 0: shift to overdrive, the primary force must rise
-    wanted = secondary * (holding + 2.0 * error + integral)
-    primary = min(max(wanted, 2e3), 60e3)
-    integral += step * (3.0 * error + (primary - wanted) / secondary / 0.1)  # at a limit what is cut off leads it back
+    demand = secondary * (holding + 2.0 * error + integral)
+    primary = min(max(demand, 2e3), 60e3)
+    integral += step * (3.0 * error + (primary - demand) / secondary / 0.1)  # anti-windup by back-calculation
     unit.setReal([reference[name] for name in inputs], [torque, load, primary, secondary])
     unit.doStep(currentCommunicationPoint=k * step, communicationStepSize=step)
     if k % 50 == 0:

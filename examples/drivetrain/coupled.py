@@ -5,7 +5,7 @@ import os
 import sys
 from pathlib import Path
 
-ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)  # what ecos doesn't find by itself
+ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)  # ecos does not find it by itself
 
 from ecospy import EcosSimulation  # noqa: E402
 
@@ -18,4 +18,4 @@ with EcosSimulation(ssp_path="target/drive/drive.ssp", step_size=0.01) as simula
     simulation.terminate()
 
 sys.stdout.flush()
-os._exit(0)  # at once: units of PythonFMU 0.7 use freed memory in the handlers of an exit
+os._exit(0)  # skips the exit handlers, in which units of PythonFMU 0.7 use freed memory

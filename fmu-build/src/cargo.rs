@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, bail, ensure};
 use serde_json::Value;
 
-use crate::workspace::{MODEL_PACKAGE, Workspace};
+use crate::workspace::{MODEL_PACKAGE, PAPER_PACKAGE, Workspace};
 
 /// The example that prints the model description.
 pub const DESCRIPTION_EXAMPLE: &str = "model_description";
@@ -58,6 +58,8 @@ pub enum Program {
     Example(&'static str),
     /// In `benches/`.
     Bench(&'static str),
+    /// In `crates/paper/examples/`.
+    OfPaper(&'static str),
 }
 
 /// Compiles the model's shared library, optimised for this machine, and returns its path.
@@ -65,7 +67,7 @@ pub enum Program {
 /// # Errors
 /// The compilation fails.
 pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
-    shared_library(release(workspace).arg("--lib"))
+    shared_library(release(workspace, MODEL_PACKAGE).arg("--lib"))
 }
 
 /// Compiles the model's shared library with a command that takes the place of `cargo build`, and returns its path.
@@ -76,17 +78,45 @@ pub fn build_library_with(command: &mut Command) -> anyhow::Result<PathBuf> {
     shared_library(command.args(["--release", "--lib", "--package", MODEL_PACKAGE]))
 }
 
+/// Compiles the shared library of the paper's belts, optimised for this machine, and returns its path and its model
+/// description.
+///
+/// # Errors
+/// The compilation fails, or the program that prints the description does.
+pub fn build_paper(workspace: &Workspace) -> anyhow::Result<(PathBuf, String)> {
+    let mut build = command(workspace);
+    build.args(["build", "--release", "--package", PAPER_PACKAGE, "--features", "fmu"]);
+    let (mut library, mut program) = (None, None);
+    compile(&mut build, |artifact| {
+        if artifact.name == PAPER_PACKAGE.replace('-', "_") {
+            library = artifact.shared_library();
+        } else if artifact.executable.is_some() {
+            program = artifact.executable;
+        }
+    })?;
+    let library = library.context("cargo built no shared library of the paper's belts")?;
+    let program = program.context("cargo built no program that prints its description")?;
+    let output = Command::new(program).stderr(Stdio::inherit()).output()?;
+    ensure!(
+        output.status.success(),
+        "the description can't be made ({})",
+        output.status
+    );
+    Ok((library, String::from_utf8(output.stdout)?))
+}
+
 /// Compiles a program, optimised for this machine, and returns its path.
 ///
 /// # Errors
 /// The compilation fails.
 pub fn build_program(workspace: &Workspace, program: Program) -> anyhow::Result<PathBuf> {
-    let (kind, name) = match program {
-        Program::Example(name) => ("--example", name),
-        Program::Bench(name) => ("--bench", name),
+    let (package, kind, name) = match program {
+        Program::Example(name) => (MODEL_PACKAGE, "--example", name),
+        Program::Bench(name) => (MODEL_PACKAGE, "--bench", name),
+        Program::OfPaper(name) => (PAPER_PACKAGE, "--example", name),
     };
     let mut executable = None;
-    compile(release(workspace).args([kind, name]), |artifact| {
+    compile(release(workspace, package).args([kind, name]), |artifact| {
         if artifact.name == name {
             executable = artifact.executable;
         }
@@ -112,9 +142,9 @@ pub fn example_output(workspace: &Workspace, name: &'static str, arguments: &[St
 
 /// The build command of everything that is optimised for this machine. Library, examples and benchmarks share one compiled
 /// library: development dependencies turn on no feature of what it is built from, a test below checks it.
-fn release(workspace: &Workspace) -> Command {
+fn release(workspace: &Workspace, package: &str) -> Command {
     let mut build = command(workspace);
-    build.args(["build", "--release", "--package", MODEL_PACKAGE]);
+    build.args(["build", "--release", "--package", package]);
     build
 }
 
@@ -122,10 +152,7 @@ fn shared_library(build: &mut Command) -> anyhow::Result<PathBuf> {
     let mut library = None;
     compile(build, |artifact| {
         if artifact.name == MODEL_PACKAGE && artifact.crate_types.iter().any(|kind| kind == "cdylib") {
-            library = artifact.files.into_iter().find(|file| {
-                file.extension()
-                    .is_some_and(|extension| ["so", "dylib", "dll"].iter().any(|known| extension == *known))
-            });
+            library = artifact.shared_library();
         }
     })?;
     library.context("cargo built no shared library: is `cdylib` still among the crate types?")
@@ -143,6 +170,14 @@ struct Artifact {
 }
 
 impl Artifact {
+    fn shared_library(self) -> Option<PathBuf> {
+        let is_shared = |file: &PathBuf| {
+            let extension = file.extension();
+            extension.is_some_and(|extension| ["so", "dylib", "dll"].iter().any(|known| extension == *known))
+        };
+        self.files.into_iter().find(is_shared)
+    }
+
     /// The artifact of a line of cargo's output; none if the line is about something else.
     fn of_line(line: &str) -> anyhow::Result<Option<Self>> {
         let message: Value = serde_json::from_str(line).context("cargo's output is not JSON")?;
@@ -263,8 +298,8 @@ mod tests {
     #[ignore = "compiles the library, optimised: `cargo fmu test --all` runs it"]
     fn commands_share_one_optimised_library() {
         let workspace = Workspace::find().expect("the workspace");
-        let library = || compiled(release(&workspace).arg("--lib"));
-        let example = || compiled(release(&workspace).args(["--example", "default_run"]));
+        let library = || compiled(release(&workspace, MODEL_PACKAGE).arg("--lib"));
+        let example = || compiled(release(&workspace, MODEL_PACKAGE).args(["--example", "default_run"]));
         library();
         let for_example = example();
         let again = for_example

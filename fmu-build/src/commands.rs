@@ -1,5 +1,6 @@
 //! The commands, one file for each.
 
+use std::path::PathBuf;
 use std::process::Command;
 use std::thread;
 
@@ -41,10 +42,22 @@ fn program_with(
     folder: &str,
     headline: &str,
 ) -> anyhow::Result<Command> {
-    let (fmu, environment) = side_by_side(
-        || build::run(workspace, &build::Arguments::default()),
-        || Environment::prepare(workspace, packages),
-    )?;
+    let build = || build::run(workspace, &build::Arguments::default());
+    program_on(workspace, packages, build, (module, folder), headline)
+}
+
+/// The same for a program that runs the FMU that `build` makes.
+///
+/// # Errors
+/// As [`python_program`].
+fn program_on(
+    workspace: &Workspace,
+    packages: &Packages,
+    build: impl FnOnce() -> anyhow::Result<PathBuf>,
+    (module, folder): (&str, &str),
+    headline: &str,
+) -> anyhow::Result<Command> {
+    let (fmu, environment) = side_by_side(build, || Environment::prepare(workspace, packages))?;
     progress::headline(headline);
     let mut program = environment.command();
     program

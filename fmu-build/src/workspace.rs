@@ -10,6 +10,12 @@ use serde_json::Value;
 /// Name of the package whose library is the binary in the FMU.
 pub const MODEL_PACKAGE: &str = "pushbelt";
 
+/// Name of the package whose library is the binary in the FMU of the paper's belts.
+pub const PAPER_PACKAGE: &str = "pushbelt-paper";
+
+/// Its model name and model identifier.
+pub const PAPER_IDENTIFIER: &str = "PushbeltPaper";
+
 /// Model name and model identifier of the FMU.
 pub const MODEL_IDENTIFIER: &str = "PushbeltVariator";
 
@@ -56,6 +62,11 @@ impl Workspace {
         self.target.join(format!("{MODEL_IDENTIFIER}3.fmu"))
     }
 
+    /// The packed FMU of the paper's belts.
+    pub fn paper_fmu(&self) -> PathBuf {
+        self.target.join(format!("{PAPER_IDENTIFIER}.fmu"))
+    }
+
     /// The model description of FMI 2.0, checked in at the top level.
     pub fn model_description(&self) -> PathBuf {
         self.root.join("modelDescription.xml")
@@ -69,6 +80,11 @@ impl Workspace {
     /// The connections and their places on the icon, checked in at the top level.
     pub fn terminals(&self) -> PathBuf {
         self.root.join("terminalsAndIcons.xml")
+    }
+
+    /// The names that the FMU's library exports, for linkers, checked in beside this tool.
+    pub fn exports(&self) -> PathBuf {
+        self.root.join("fmu-build").join("exports.def")
     }
 
     /// Waits until no other run of this tool writes `what` in the target directory, and lets others wait until the

@@ -11,18 +11,19 @@ pub const WARNING: c_int = 1;
 pub const DISCARD: c_int = 2;
 pub const ERROR: c_int = 3;
 
+/// The exported functions of a table of C functions, each with a list of arguments, a result and a body.
 macro_rules! functions {
-    ($all:ident: $($name:ident($($argument:ty),*) $(-> $result:ty)?;)*) => {
+    ($all:ident: $($name:ident($($argument:ident: $type:ty),* $(,)?) $(-> $result:ty)? = $body:expr;)*) => {
         /// The exported functions.
         #[allow(non_snake_case, reason = "names of the standard and of the header")]
         #[derive(Clone, Copy)]
         pub struct $all {
-            $(pub $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            $(pub $name: unsafe extern "C" fn($($type),*) $(-> $result)?,)*
         }
 
         impl $all {
             pub(crate) fn of(library: &libloading::Library) -> Self {
-                // SAFETY: these are the types of these functions, in the standard and in `pushbelt.h`.
+                // SAFETY: these are the types with which the library exports them; a status is an `int`.
                 unsafe {
                     Self {
                         $($name: *library.get(stringify!($name).as_bytes()).expect(stringify!($name)),)*

@@ -2,13 +2,13 @@
 
 mod c_functions;
 pub mod checks;
+pub mod fingerprint;
 pub mod inside;
 pub mod laws;
 pub mod load_cases;
 pub mod loads;
 pub mod manoeuvre;
 mod noise;
-pub mod ring;
 pub mod run;
 pub mod shared_library;
 pub mod shared_library3;

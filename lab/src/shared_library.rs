@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
-use std::ffi::{CString, c_char, c_int};
+use std::ffi::{CString, c_char, c_int, c_uint};
 use std::path::PathBuf;
 use std::ptr::null;
 
@@ -14,46 +14,12 @@ use crate::c_functions::functions;
 pub use crate::c_functions::{DISCARD, ERROR, OK, WARNING, real_outputs, real_references, reference};
 use crate::shared_library3::Functions3;
 
-type References = *const u32;
+/// What the library returns as an enumeration.
+type Status = c_int;
 
-functions! {
-    Functions:
-    fmi2GetTypesPlatform() -> *const c_char;
-    fmi2GetVersion() -> *const c_char;
-    fmi2SetDebugLogging(Component, c_int, usize, *const *const c_char) -> c_int;
-    fmi2Instantiate(*const c_char, c_int, *const c_char, *const c_char, *const CallbackFunctions, c_int, c_int) -> Component;
-    fmi2FreeInstance(Component);
-    fmi2SetupExperiment(Component, c_int, f64, f64, c_int, f64) -> c_int;
-    fmi2EnterInitializationMode(Component) -> c_int;
-    fmi2ExitInitializationMode(Component) -> c_int;
-    fmi2Terminate(Component) -> c_int;
-    fmi2Reset(Component) -> c_int;
-    fmi2GetReal(Component, References, usize, *mut f64) -> c_int;
-    fmi2GetInteger(Component, References, usize, *mut c_int) -> c_int;
-    fmi2GetBoolean(Component, References, usize, *mut c_int) -> c_int;
-    fmi2GetString(Component, References, usize, *mut *const c_char) -> c_int;
-    fmi2SetReal(Component, References, usize, *const f64) -> c_int;
-    fmi2SetInteger(Component, References, usize, *const c_int) -> c_int;
-    fmi2SetBoolean(Component, References, usize, *const c_int) -> c_int;
-    fmi2SetString(Component, References, usize, *const *const c_char) -> c_int;
-    fmi2GetFMUstate(Component, *mut FmuState) -> c_int;
-    fmi2SetFMUstate(Component, FmuState) -> c_int;
-    fmi2FreeFMUstate(Component, *mut FmuState) -> c_int;
-    fmi2SerializedFMUstateSize(Component, FmuState, *mut usize) -> c_int;
-    fmi2SerializeFMUstate(Component, FmuState, *mut c_char, usize) -> c_int;
-    fmi2DeSerializeFMUstate(Component, *const c_char, usize, *mut FmuState) -> c_int;
-    fmi2GetDirectionalDerivative(Component, References, usize, References, usize, *const f64, *mut f64) -> c_int;
-    fmi2SetRealInputDerivatives(Component, References, usize, *const c_int, *const f64) -> c_int;
-    fmi2GetRealOutputDerivatives(Component, References, usize, *const c_int, *mut f64) -> c_int;
-    fmi2DoStep(Component, f64, f64, c_int) -> c_int;
-    fmi2CancelStep(Component) -> c_int;
-    fmi2GetStatus(Component, c_int, *mut c_int) -> c_int;
-    fmi2GetRealStatus(Component, c_int, *mut f64) -> c_int;
-    fmi2GetIntegerStatus(Component, c_int, *mut c_int) -> c_int;
-    fmi2GetBooleanStatus(Component, c_int, *mut c_int) -> c_int;
-    fmi2GetStringStatus(Component, c_int, *mut *const c_char) -> c_int;
-    pushbeltLinearize(Component, f64, *mut *mut c_char) -> c_int;
-    pushbeltFreeText(*mut c_char);
+pushbelt::fmi::fmi2_functions! { [functions] Functions:
+    pushbeltLinearize(c: Component, frequency: f64, json: *mut *mut c_char) -> Status = ();
+    pushbeltFreeText(text: *mut c_char) = ();
 }
 
 /// The loaded library. It is unloaded when this is dropped.

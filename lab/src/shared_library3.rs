@@ -13,98 +13,10 @@ use pushbelt::unit::VariatorUnit;
 
 use crate::c_functions::{OK, functions, reference};
 
-functions! {
-    Functions3:
-    fmi3GetVersion() -> *const c_char;
-    fmi3SetDebugLogging(Instance, Boolean, usize, *const Text) -> c_int;
-    fmi3InstantiateModelExchange(Text, Text, Text, Boolean, Boolean, Environment, Option<LogMessage>) -> Instance;
-    fmi3InstantiateCoSimulation(
-        Text, Text, Text, Boolean, Boolean, Boolean, Boolean, *const Reference, usize, Environment,
-        Option<LogMessage>, Option<IntermediateUpdate>
-    ) -> Instance;
-    fmi3InstantiateScheduledExecution(
-        Text, Text, Text, Boolean, Boolean, Environment, Option<LogMessage>, *const c_void, *const c_void,
-        *const c_void
-    ) -> Instance;
-    fmi3FreeInstance(Instance);
-    fmi3EnterInitializationMode(Instance, Boolean, f64, f64, Boolean, f64) -> c_int;
-    fmi3ExitInitializationMode(Instance) -> c_int;
-    fmi3EnterEventMode(Instance) -> c_int;
-    fmi3Terminate(Instance) -> c_int;
-    fmi3Reset(Instance) -> c_int;
-    fmi3GetFloat32(Instance, *const Reference, usize, *mut f32, usize) -> c_int;
-    fmi3GetFloat64(Instance, *const Reference, usize, *mut f64, usize) -> c_int;
-    fmi3GetInt8(Instance, *const Reference, usize, *mut i8, usize) -> c_int;
-    fmi3GetUInt8(Instance, *const Reference, usize, *mut u8, usize) -> c_int;
-    fmi3GetInt16(Instance, *const Reference, usize, *mut i16, usize) -> c_int;
-    fmi3GetUInt16(Instance, *const Reference, usize, *mut u16, usize) -> c_int;
-    fmi3GetInt32(Instance, *const Reference, usize, *mut i32, usize) -> c_int;
-    fmi3GetUInt32(Instance, *const Reference, usize, *mut u32, usize) -> c_int;
-    fmi3GetInt64(Instance, *const Reference, usize, *mut i64, usize) -> c_int;
-    fmi3GetUInt64(Instance, *const Reference, usize, *mut u64, usize) -> c_int;
-    fmi3GetBoolean(Instance, *const Reference, usize, *mut Boolean, usize) -> c_int;
-    fmi3GetString(Instance, *const Reference, usize, *mut Text, usize) -> c_int;
-    fmi3GetBinary(Instance, *const Reference, usize, *mut usize, *mut Binary, usize) -> c_int;
-    fmi3GetClock(Instance, *const Reference, usize, *mut Boolean) -> c_int;
-    fmi3SetFloat32(Instance, *const Reference, usize, *const f32, usize) -> c_int;
-    fmi3SetFloat64(Instance, *const Reference, usize, *const f64, usize) -> c_int;
-    fmi3SetInt8(Instance, *const Reference, usize, *const i8, usize) -> c_int;
-    fmi3SetUInt8(Instance, *const Reference, usize, *const u8, usize) -> c_int;
-    fmi3SetInt16(Instance, *const Reference, usize, *const i16, usize) -> c_int;
-    fmi3SetUInt16(Instance, *const Reference, usize, *const u16, usize) -> c_int;
-    fmi3SetInt32(Instance, *const Reference, usize, *const i32, usize) -> c_int;
-    fmi3SetUInt32(Instance, *const Reference, usize, *const u32, usize) -> c_int;
-    fmi3SetInt64(Instance, *const Reference, usize, *const i64, usize) -> c_int;
-    fmi3SetUInt64(Instance, *const Reference, usize, *const u64, usize) -> c_int;
-    fmi3SetBoolean(Instance, *const Reference, usize, *const Boolean, usize) -> c_int;
-    fmi3SetString(Instance, *const Reference, usize, *const Text, usize) -> c_int;
-    fmi3SetBinary(Instance, *const Reference, usize, *const usize, *const Binary, usize) -> c_int;
-    fmi3SetClock(Instance, *const Reference, usize, *const Boolean) -> c_int;
-    fmi3GetNumberOfVariableDependencies(Instance, Reference, *mut usize) -> c_int;
-    fmi3GetVariableDependencies(
-        Instance, Reference, *mut usize, *mut Reference, *mut usize, *mut c_int, usize
-    ) -> c_int;
-    fmi3GetFMUState(Instance, *mut FmuState) -> c_int;
-    fmi3SetFMUState(Instance, FmuState) -> c_int;
-    fmi3FreeFMUState(Instance, *mut FmuState) -> c_int;
-    fmi3SerializedFMUStateSize(Instance, FmuState, *mut usize) -> c_int;
-    fmi3SerializeFMUState(Instance, FmuState, *mut u8, usize) -> c_int;
-    fmi3DeserializeFMUState(Instance, *const u8, usize, *mut FmuState) -> c_int;
-    fmi3GetDirectionalDerivative(
-        Instance, *const Reference, usize, *const Reference, usize, *const f64, usize, *mut f64, usize
-    ) -> c_int;
-    fmi3GetAdjointDerivative(
-        Instance, *const Reference, usize, *const Reference, usize, *const f64, usize, *mut f64, usize
-    ) -> c_int;
-    fmi3EnterConfigurationMode(Instance) -> c_int;
-    fmi3ExitConfigurationMode(Instance) -> c_int;
-    fmi3GetIntervalDecimal(Instance, *const Reference, usize, *mut f64, *mut i32) -> c_int;
-    fmi3GetIntervalFraction(Instance, *const Reference, usize, *mut u64, *mut u64, *mut i32) -> c_int;
-    fmi3GetShiftDecimal(Instance, *const Reference, usize, *mut f64) -> c_int;
-    fmi3GetShiftFraction(Instance, *const Reference, usize, *mut u64, *mut u64) -> c_int;
-    fmi3SetIntervalDecimal(Instance, *const Reference, usize, *const f64) -> c_int;
-    fmi3SetIntervalFraction(Instance, *const Reference, usize, *const u64, *const u64) -> c_int;
-    fmi3SetShiftDecimal(Instance, *const Reference, usize, *const f64) -> c_int;
-    fmi3SetShiftFraction(Instance, *const Reference, usize, *const u64, *const u64) -> c_int;
-    fmi3EvaluateDiscreteStates(Instance) -> c_int;
-    fmi3UpdateDiscreteStates(
-        Instance, *mut Boolean, *mut Boolean, *mut Boolean, *mut Boolean, *mut Boolean, *mut f64
-    ) -> c_int;
-    fmi3EnterContinuousTimeMode(Instance) -> c_int;
-    fmi3CompletedIntegratorStep(Instance, Boolean, *mut Boolean, *mut Boolean) -> c_int;
-    fmi3SetTime(Instance, f64) -> c_int;
-    fmi3SetContinuousStates(Instance, *const f64, usize) -> c_int;
-    fmi3GetContinuousStateDerivatives(Instance, *mut f64, usize) -> c_int;
-    fmi3GetEventIndicators(Instance, *mut f64, usize) -> c_int;
-    fmi3GetContinuousStates(Instance, *mut f64, usize) -> c_int;
-    fmi3GetNominalsOfContinuousStates(Instance, *mut f64, usize) -> c_int;
-    fmi3GetNumberOfEventIndicators(Instance, *mut usize) -> c_int;
-    fmi3GetNumberOfContinuousStates(Instance, *mut usize) -> c_int;
-    fmi3EnterStepMode(Instance) -> c_int;
-    fmi3GetOutputDerivatives(Instance, *const Reference, usize, *const i32, *mut f64, usize) -> c_int;
-    fmi3DoStep(Instance, f64, f64, Boolean, *mut Boolean, *mut Boolean, *mut Boolean, *mut f64) -> c_int;
-    fmi3ActivateModelPartition(Instance, Reference, f64) -> c_int;
-}
+/// What the library returns as an enumeration.
+type Status = c_int;
+
+pushbelt::fmi::fmi3_functions! { [functions] Functions3: }
 
 /// What a master watches.
 #[derive(Clone, Copy, Debug, Default)]

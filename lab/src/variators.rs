@@ -13,7 +13,6 @@ pub const MODELS: [RingModel; 2] = [RingModel::Ale0, RingModel::Ale];
 /// Elements on each arc and each strand, in `ALE` two cells in each.
 pub fn mesh(arc: i32, strand: i32) -> Mesh {
     Mesh {
-        aligned: true,
         primary_arc: arc,
         secondary_arc: arc,
         strand,

@@ -29,7 +29,8 @@ pub struct ReferencePoint<T: Real> {
 
 impl<T: Real> ReferencePoint<T> {
     /// The pack whose `lane` is that of `other`.
-    pub(super) fn with_lane(self, lane: usize, other: Self) -> Self {
+    #[must_use]
+    pub fn with_lane(self, lane: usize, other: Self) -> Self {
         let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
         Self {
             r: vector(self.r, other.r),
@@ -56,7 +57,8 @@ pub struct TangentAngle<T> {
 
 impl<T: Real> TangentAngle<T> {
     /// The pack whose `lane` is that of `other`.
-    pub(super) fn with_lane(self, lane: usize, other: Self) -> Self {
+    #[must_use]
+    pub fn with_lane(self, lane: usize, other: Self) -> Self {
         Self {
             chi: self.chi.with_lane(lane, other.chi),
             kappa: self.kappa.with_lane(lane, other.kappa),

@@ -16,7 +16,6 @@
 use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
 use super::jet::Jet;
 use super::two_pulley::{SEGMENTS, TwoPulley, VectorJet, arc_angles, on_arc, on_strand};
-use super::unaligned::{Unaligned, UnalignedFrame};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
@@ -89,7 +88,8 @@ pub struct PointSlopes<T: Real> {
 
 impl<T: Real> DisplacedPoint<T> {
     /// The pack whose `lane` is that of `other`.
-    fn with_lane(self, lane: usize, other: Self) -> Self {
+    #[must_use]
+    pub fn with_lane(self, lane: usize, other: Self) -> Self {
         let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
         let mut merged = self;
         for (to, of) in merged.shape.iter_mut().zip(&other.shape) {
@@ -306,7 +306,8 @@ impl<T: Real> DisplacedFrame<T> {
 
     /// Derivatives at a fraction of a segment, where the curve is `point`.
     #[inline(always)]
-    fn slopes(&self, segment: usize, fraction: T, point: &ReferencePoint<T>) -> DisplacedPoint<T> {
+    #[must_use]
+    pub fn slopes(&self, segment: usize, fraction: T, point: &ReferencePoint<T>) -> DisplacedPoint<T> {
         let (t, n) = (point.t, point.n);
         let shape = self.by.each_ref().map(|by| {
             let (r, kappa) = if segment == 1 || segment == 3 {
@@ -415,27 +416,6 @@ impl DisplacedCurve for Displaced {
         point: &ReferencePoint<T>,
     ) -> DisplacedPoint<T> {
         frame.slopes(segment, T::constant(fraction), point)
-    }
-}
-
-/// Where the mesh stands still, ξ and dξ do.
-impl DisplacedCurve for Unaligned<Displaced> {
-    fn slopes<T: Real>(
-        frame: &UnalignedFrame<DisplacedFrame<T>>,
-        _segment: usize,
-        fraction: T::Constant,
-        point: &ReferencePoint<T>,
-    ) -> DisplacedPoint<T> {
-        let of = |segment| {
-            let (f, df) = Self::within(frame, segment, fraction);
-            let mut slopes = frame.frame.slopes(segment, df + T::constant(f), point);
-            for by in &mut slopes.shape {
-                by.r -= point.t * by.xi;
-                (by.xi, by.growth) = (T::zero(), T::zero());
-            }
-            slopes
-        };
-        Self::gather::<T, _>(frame, fraction, of, DisplacedPoint::with_lane)
     }
 }
 

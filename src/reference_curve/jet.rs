@@ -94,7 +94,8 @@ impl<T: Real> Jet<T> {
     }
 
     /// The pack whose `lane` is that of `other`.
-    pub(super) fn with_lane(self, lane: usize, other: Self) -> Self {
+    #[must_use]
+    pub fn with_lane(self, lane: usize, other: Self) -> Self {
         Self {
             v: self.v.with_lane(lane, other.v),
             d: self.d.with_lane(lane, other.d),

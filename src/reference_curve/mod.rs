@@ -7,18 +7,14 @@
 
 #![forbid(unsafe_code)]
 
-mod circle;
 mod curve;
 mod displaced;
 mod drive;
 mod jet;
 mod two_pulley;
-mod unaligned;
 
-pub use circle::Circle;
 pub use curve::{ReferenceCurve, ReferencePoint, TangentAngle};
 pub use displaced::{COORDINATES, Displaced, DisplacedCurve, DisplacedFrame, DisplacedPoint, Path, PointSlopes};
 pub use drive::{Drive, DriveError, DriveFrame, Pulley, Tensioner};
 pub use jet::Jet;
 pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame, TwoPulleyShape, ratio_of_theta};
-pub use unaligned::{Unaligned, UnalignedFrame};

@@ -45,7 +45,7 @@ impl Element {
 
 /// The element in which `fraction` of a segment lies, and how far along it, from 0 to 1.
 #[must_use]
-pub(crate) fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64) {
+pub fn find(elements: &[Element], segment: usize, fraction: f64) -> (usize, f64) {
     let after = elements.partition_point(|e| e.segment < segment || e.segment == segment && e.start <= fraction);
     let element = after.saturating_sub(1);
     let Element { start, share, .. } = elements[element];
@@ -80,7 +80,7 @@ impl Spacing {
 }
 
 /// Divides a segment into `count` elements.
-pub(crate) fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<Item = Element> {
+pub fn divide(segment: usize, count: usize, spacing: Spacing) -> impl Iterator<Item = Element> {
     let border = move |k: usize| spacing.border(k as f64 / count as f64);
     (0..count).map(move |k| Element {
         segment,
@@ -121,7 +121,7 @@ pub fn gauss(points: usize) -> &'static [(f64, f64)] {
 
 /// Divides an element into parts with Gauss points: the left face and the stations of each part.
 #[must_use]
-pub(crate) fn parts(element: &Element, count: usize, points: usize) -> Vec<(Station, Vec<Station>)> {
+pub fn parts(element: &Element, count: usize, points: usize) -> Vec<(Station, Vec<Station>)> {
     let width = 1.0 / count as f64;
     (0..count)
         .map(|c| {
@@ -136,48 +136,6 @@ pub(crate) fn parts(element: &Element, count: usize, points: usize) -> Vec<(Stat
             (element.station(left, 0.0, 0.0), stations)
         })
         .collect()
-}
-
-/// Mesh of a ring that stands alone: elements around the loop with their quadrature points. Node k is the left end of
-/// element k; node 0 is at ξ = 0.
-#[derive(Clone, Debug)]
-pub struct RingMesh {
-    /// The elements in the order of ξ.
-    pub elements: Vec<Element>,
-    /// Quadrature points of each element.
-    pub stations: Vec<Vec<Station>>,
-    /// Their local coordinates x ∈ [−1, 1] and weights.
-    pub quadrature: &'static [(f64, f64)],
-}
-
-impl RingMesh {
-    /// Divides each segment into a number of elements, with `points` Gauss points each (2 to 5). Fewer than three
-    /// integrate the membrane energy too poorly: hourglass modes.
-    #[must_use]
-    pub fn new(segments: &[(usize, Spacing)], points: usize) -> Self {
-        let elements: Vec<Element> = segments
-            .iter()
-            .enumerate()
-            .flat_map(|(segment, &(count, spacing))| divide(segment, count, spacing))
-            .collect();
-        let stations = elements
-            .iter()
-            .flat_map(|element| parts(element, 1, points))
-            .map(|(_, stations)| stations)
-            .collect();
-        Self {
-            elements,
-            stations,
-            quadrature: gauss(points),
-        }
-    }
-
-    /// Divides each segment evenly.
-    #[must_use]
-    pub fn even(counts: &[usize], points: usize) -> Self {
-        let segments: Vec<_> = counts.iter().map(|&count| (count, Spacing::Even)).collect();
-        Self::new(&segments, points)
-    }
 }
 
 #[cfg(test)]

@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::settings::Settings;
+use super::settings::{Rings, Settings};
 use super::table;
-use super::variator_unit::VariatorUnit;
+use super::variator_unit::UnitWith;
 use crate::fmi::Table;
 use crate::fmi::table::{Access, Causality, Kind};
 use crate::fmi::unit::Remark;
@@ -26,9 +26,9 @@ struct Column {
 ///
 /// # Errors
 /// A sentence that says why there is none.
-pub(super) fn model(
-    unit: &mut VariatorUnit,
-    settings: &Settings,
+pub fn model<R: Rings>(
+    unit: &mut UnitWith<R>,
+    settings: &Settings<R>,
     frequency: f64,
     remarks: &mut Vec<Remark>,
 ) -> Result<String, String> {
@@ -38,7 +38,7 @@ pub(super) fn model(
             "the frequency {frequency} Hz, below which modes are kept, is out of range: {least} to {most} Hz"
         ));
     }
-    let table = table::table();
+    let table = table::table::<R>();
     let columns = outputs(&table);
     let read: Vec<_> = columns
         .iter()
@@ -56,7 +56,7 @@ pub(super) fn model(
 }
 
 /// Real outputs of the interface.
-fn outputs(table: &Table<Settings, Readings>) -> Vec<Column> {
+fn outputs<R: Rings>(table: &Table<Settings<R>, Readings>) -> Vec<Column> {
     let outputs = table.variables().iter().filter(|v| v.causality == Causality::Output);
     let column = outputs.filter_map(|variable| match variable.kind {
         Kind::Real {
@@ -73,9 +73,9 @@ fn outputs(table: &Table<Settings, Readings>) -> Vec<Column> {
     column.collect()
 }
 
-fn in_words(
+fn in_words<R: Rings>(
     model: &LinearModel,
-    table: &Table<Settings, Readings>,
+    table: &Table<Settings<R>, Readings>,
     columns: &[Column],
     frequency: f64,
     time: f64,

@@ -1,12 +1,19 @@
 //! The variator as a unit of the FMI layer: the table that binds the interface's names to its parameters, inputs and
-//! outputs, the calls that lead from one to the other, and the exported C functions.
+//! outputs, the implementation of the unit, and the exported C functions.
 
+#[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi;
+#[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
 pub mod c_abi3;
+#[cfg(feature = "exports")]
+#[forbid(unsafe_code)]
+mod exports;
+#[cfg(feature = "exports")]
 #[forbid(unsafe_code)]
 mod linear;
+#[cfg(feature = "exports")]
 #[allow(unsafe_code, non_snake_case)]
 pub mod linear_c;
 #[forbid(unsafe_code)]
@@ -20,6 +27,9 @@ mod types;
 #[forbid(unsafe_code)]
 mod variator_unit;
 
-pub use settings::Settings;
+#[cfg(feature = "exports")]
+pub use exports::exports;
+pub use settings::{Rings, Settings, StandardRings};
+pub use table::Rows;
 pub use terminals::{TERMINALS, terminals};
-pub use variator_unit::{VariatorUnit, model_description, model_description3};
+pub use variator_unit::{UnitWith, VariatorUnit, model_description, model_description3};

@@ -1,4 +1,4 @@
-//! What belongs together where the variator is connected, and where that lies on its icon.
+//! Terminals of the variator: the variables of each one and its place on the icon.
 
 use crate::fmi::fmi3::{Terminal, terminals_and_icons};
 

@@ -71,22 +71,12 @@ pub(super) static RING_MODEL: Enumeration = Enumeration {
         item(
             "ALE0",
             RingModel::Ale0 as i32,
-            "Reference motion only: drift, ratio and a ring tension carried along by friction",
+            "Reference motion only: drift, ratio, free centres of the arcs, and a ring tension changed by friction",
         ),
         item(
             "ALE",
             RingModel::Ale as i32,
             "Reference motion with overlaid deflection: bending, stretch, spiral running",
-        ),
-        item(
-            "RCM",
-            RingModel::Rcm as i32,
-            "Co-rotational elements that travel with the ring",
-        ),
-        item(
-            "ANCF",
-            RingModel::Ancf as i32,
-            "Absolute nodal coordinates on elements that travel with the ring",
         ),
     ],
 };
@@ -94,13 +84,13 @@ pub(super) static RING_MODEL: Enumeration = Enumeration {
 /// `primary.drive`, `secondary.drive`.
 pub(super) static DRIVE: Enumeration = Enumeration {
     name: "Drive",
-    description: "What drives the shaft of a pulley",
+    description: "Boundary condition of the shaft of a pulley",
     items: &[
         item("Torque", Drive::Torque as i32, "The shaft torque is the input"),
         item(
             "Speed",
             Drive::Speed as i32,
-            "The speed follows its set point with a lag of 1 ms; the torque this takes is an output",
+            "The speed follows its set point with a lag of 1 ms; the required torque is an output",
         ),
     ],
 };
@@ -108,13 +98,13 @@ pub(super) static DRIVE: Enumeration = Enumeration {
 /// `primary.axial`, `secondary.axial`.
 pub(super) static AXIAL: Enumeration = Enumeration {
     name: "Axial",
-    description: "What holds the movable sheave of a pulley",
+    description: "Boundary condition of the movable sheave of a pulley",
     items: &[
         item("Force", Axial::Force as i32, "The clamping force is the input"),
         item(
             "Held",
             Axial::Held as i32,
-            "The sheave is held where the geometric ratio is initial.ratio; the clamping force input is ignored",
+            "The sheave is held at the position where the geometric ratio is initial.ratio; the clamping force input is ignored",
         ),
     ],
 };
@@ -127,12 +117,12 @@ pub(super) static MODE: Enumeration = Enumeration {
         item(
             "Accurate",
             Mode::Accurate as i32,
-            "Steps as the error control requires, each solved",
+            "Step-size control by the error estimate; every stage is solved",
         ),
         item(
             "RealTime",
             Mode::RealTime as i32,
-            "The same work in each millisecond, solver.effort, whatever happens, with laws rounded where that is too little; ring.model ALE0 or ALE",
+            "Bounded work in each millisecond, given by solver.effort; laws are rounded where that is not enough",
         ),
     ],
 };
@@ -140,22 +130,22 @@ pub(super) static MODE: Enumeration = Enumeration {
 /// `initial.found`.
 pub(super) static START_STATE: Enumeration = Enumeration {
     name: "StartState",
-    description: "What a run started from",
+    description: "State from which a run started",
     items: &[
         item(
             "Unloaded",
             StartState::Unloaded as i32,
-            "The unloaded kinematic state that was asked for, or a standstill without clamping forces",
+            "The unloaded kinematic state, as requested, or a standstill without clamping forces",
         ),
         item(
             "Steady",
             StartState::Steady as i32,
-            "The steady state that was asked for; with initial.equilibrium the ratio too, or an end stop",
+            "The steady state, as requested; with initial.equilibrium at the ratio of equilibrium or at an end stop",
         ),
         item(
             "ReducedTorque",
             StartState::ReducedTorque as i32,
-            "A steady state at part of the torques, because the belt doesn't carry them",
+            "A steady state at reduced torques, because the belt does not carry the requested ones",
         ),
         item(
             "NoEquilibrium",
@@ -170,10 +160,7 @@ pub(super) static START_STATE: Enumeration = Enumeration {
         item(
             "Clamped",
             StartState::Clamped as i32,
-            "The clamped belt at a standstill, before torques act",
+            "The belt at a standstill under its clamping forces, before torques act",
         ),
     ],
 };
-
-/// Every enumeration that a variable uses.
-pub(super) static ENUMERATIONS: &[&Enumeration] = &[&RING_MODEL, &DRIVE, &AXIAL, &START_STATE, &MODE];

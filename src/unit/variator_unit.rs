@@ -1,18 +1,22 @@
-//! The calls that lead from the FMI layer to the variator and back.
+//! The variator as a unit of the FMI layer.
 
-use super::settings::Settings;
+use super::settings::{Rings, Settings, StandardRings};
 use super::table;
 use crate::fmi::Table;
-use crate::fmi::stepping::OwnSteps;
-use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
+use crate::fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
 use crate::variator::run::{Event, StepError, Variator, Way};
 use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
+use std::marker::PhantomData;
 
-/// A variator behind the FMI layer.
+/// The unit of the FMU, with the rings `ALE0` and `ALE`.
+pub type VariatorUnit = UnitWith<StandardRings>;
+
+/// A variator with the rings `R` behind the FMI layer.
 #[derive(Clone, Debug)]
-pub struct VariatorUnit {
+pub struct UnitWith<R> {
     variator: Variator,
+    rings: PhantomData<R>,
 }
 
 /// The content of `modelDescription.xml` of FMI 2.0.
@@ -27,23 +31,28 @@ pub fn model_description3() -> String {
     crate::fmi::fmi3::model_description::<VariatorUnit>()
 }
 
-impl VariatorUnit {
-    fn build(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+impl<R: Rings> UnitWith<R> {
+    fn build(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut parameters = settings.parameters.clone();
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        let variator = Variator::new(parameters).map_err(|error| error.to_string())?;
-        Ok(Self { variator })
+        let ring = settings.rings.ring(&parameters);
+        let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
+        Ok(Self {
+            variator,
+            rings: PhantomData,
+        })
     }
 
     /// The variator itself.
+    #[cfg(feature = "exports")]
     pub(super) fn variator(&mut self) -> &mut Variator {
         &mut self.variator
     }
 
-    /// Brings the tunable parameters into force.
-    fn tune(&mut self, settings: &Settings) -> Result<(), StepFailure> {
+    /// Applies the tunable parameters.
+    fn tune(&mut self, settings: &Settings<R>) -> Result<(), StepFailure> {
         let wanted = &settings.parameters.friction;
         let present = &self.variator.parameters().friction;
         if (wanted.pulley, wanted.ring) != (present.pulley, present.ring) {
@@ -63,34 +72,29 @@ impl VariatorUnit {
     }
 }
 
-impl Unit for VariatorUnit {
-    type Settings = Settings;
+impl<R: Rings> Unit for UnitWith<R> {
+    type Settings = Settings<R>;
     type Readings = Readings;
+    /// The variator's communication step, once it has begun.
+    type Progress = Option<Way>;
 
-    const IDENTITY: Identity = Identity {
-        name: "PushbeltVariator",
-        description: "Pushbelt CVT variator: steel ring in reference dynamics (ALE), push elements, wedge contact, tilting sheaves",
-        version: env!("CARGO_PKG_VERSION"),
-        author: "The pushbelt developers",
-        license: env!("CARGO_PKG_LICENSE"),
-        generation_tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
-        stop_time: 1.0,
-        step_size: 1e-3,
-        tolerance: 1e-4,
-        longest_step: 1000.0,
-    };
+    const INTERPOLATES_INPUTS: bool = true;
+    const OUTPUT_DERIVATIVES: bool = true;
+    const IDENTITY: Identity = R::IDENTITY;
 
-    fn table() -> Table<Settings, Readings> {
+    fn table() -> Table<Settings<R>, Readings> {
         table::table()
     }
 
-    fn check(settings: &Settings) -> Result<(), String> {
-        let parameters = settings.parameters.validate();
-        let checked = parameters.and_then(|()| settings.inputs.validate());
+    fn check(settings: &Settings<R>) -> Result<(), String> {
+        let parameters = &settings.parameters;
+        let checked = parameters.validate().and_then(|()| settings.rings.check());
+        let checked = checked.and_then(|()| settings.rings.ring(parameters).check(parameters));
+        let checked = checked.and_then(|()| settings.inputs.validate());
         checked.map_err(|error| error.to_string())
     }
 
-    fn start(settings: &Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+    fn start(settings: &Settings<R>, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
         let mut unit = Self::build(settings, experiment, remarks)?;
         let started = unit.variator.initialise(experiment.start, &settings.inputs);
         unit.move_messages(remarks);
@@ -98,25 +102,59 @@ impl Unit for VariatorUnit {
         Ok(unit)
     }
 
+    fn begin(&mut self, step: &mut CommunicationStep<Self>, settings: &Settings<R>) -> Result<(), StepFailure> {
+        self.tune(settings)?;
+        let rates = step.rates.as_ref().map_or(Inputs::ZERO, |rates| rates.inputs);
+        let begun = self.variator.set_out(step.to, &settings.inputs, &rates);
+        step.progress = Some(begun.map_err(failure)?);
+        Ok(())
+    }
+
     fn advance(
         &mut self,
-        to: f64,
-        settings: &Settings,
-        rates: Option<&Settings>,
+        step: &mut CommunicationStep<Self>,
+        settings: &Settings<R>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
-        self.tune(settings)?;
-        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let advanced = self.variator.advance_along(to, &settings.inputs, &rates);
+        let Some(way) = &mut step.progress else {
+            return Ok(());
+        };
+        let given = self.variator.give_anew(way, &settings.inputs);
+        let advanced = given.and_then(|()| self.variator.step_along(way));
         self.move_messages(remarks);
         advanced.map_err(failure)
+    }
+
+    fn is_over(&self, step: &CommunicationStep<Self>) -> bool {
+        step.progress.as_ref().is_none_or(Way::is_over)
+    }
+
+    fn update_outputs(&mut self) {
+        self.variator.look();
+    }
+
+    fn event(&self, step: &CommunicationStep<Self>) -> Option<String> {
+        self.variator.event(step.progress.as_ref()?).map(Event::text)
+    }
+
+    fn end_at(&mut self, step: &mut CommunicationStep<Self>, time: f64) {
+        if let Some(way) = &mut step.progress {
+            self.variator.end_at(way, time);
+        }
+    }
+
+    fn finish(&mut self, step: &CommunicationStep<Self>, remarks: &mut Vec<Remark>) {
+        if let Some(way) = &step.progress {
+            self.variator.arrive(way);
+        }
+        self.move_messages(remarks);
     }
 
     fn time(&self) -> f64 {
         self.variator.time()
     }
 
-    fn blank(settings: &Settings, experiment: &Experiment) -> Result<Self, String> {
+    fn blank(settings: &Settings<R>, experiment: &Experiment) -> Result<Self, String> {
         Self::build(settings, experiment, &mut Vec::new())
     }
 
@@ -128,50 +166,13 @@ impl Unit for VariatorUnit {
         self.variator.readings(elements)
     }
 
-    fn moment(&mut self) -> Moment<Readings> {
+    fn moment(&mut self) -> Option<Moment<Readings>> {
         let moment = self.variator.moment();
-        Moment {
+        Some(Moment {
             before: (*moment.before).into(),
             after: (*moment.after).into(),
             span: moment.span,
-        }
-    }
-}
-
-impl OwnSteps for VariatorUnit {
-    type Way = Way;
-
-    fn set_out(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<Way, StepFailure> {
-        self.tune(settings)?;
-        let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let way = self.variator.set_out(to, &settings.inputs, &rates);
-        way.map_err(failure)
-    }
-
-    fn is_over(&self, way: &Way) -> bool {
-        way.is_over()
-    }
-
-    fn own_step(&mut self, way: &mut Way, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
-        let given = self.variator.give_anew(way, &settings.inputs);
-        let stepped = given.and_then(|()| self.variator.step_along(way));
-        self.move_messages(remarks);
-        stepped.map_err(failure)?;
-        self.variator.look();
-        Ok(())
-    }
-
-    fn event(&self, way: &Way) -> Option<String> {
-        self.variator.event(way).map(Event::text)
-    }
-
-    fn end_at(&mut self, way: &mut Way, time: f64) {
-        self.variator.end_at(way, time);
-    }
-
-    fn arrive(&mut self, way: &Way, remarks: &mut Vec<Remark>) {
-        self.variator.arrive(way);
-        self.move_messages(remarks);
+        })
     }
 }
 
@@ -182,8 +183,8 @@ fn failure(error: StepError) -> StepFailure {
     }
 }
 
-/// Tolerance to work with, from the parameter and from the experiment. Masters pass the default experiment's tolerance
-/// without being asked to, so a parameter that was changed is the user's word.
+/// The tolerance to use, from the parameter and from the experiment. Masters pass the default experiment's tolerance
+/// without the user's doing, so a parameter that was changed comes first.
 fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) -> f64 {
     let mut remark = |warning, text| remarks.push(Remark { warning, text });
     if parameter != Parameters::default().solver.tolerance {

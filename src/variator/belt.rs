@@ -3,18 +3,21 @@
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{COORDINATES, Jet, Path, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::solver::View;
+use crate::variator::belt_ring::BeltRing;
 use crate::variator::law::place::{CellLaw, SheavePlane};
 use crate::variator::mesh::belt_mesh::BeltMesh;
-use crate::variator::mesh::layout::{Layout, RingUnknowns};
-use crate::variator::mesh::order;
+use crate::variator::mesh::layout::Layout;
 use crate::variator::settings::parameters::Parameters;
+use std::sync::Arc;
 
 /// Scale of rows that hold a quantity: of the order of the other entries of its row.
-pub(crate) const HOLD: f64 = 1.0e6;
+pub const HOLD: f64 = 1.0e6;
 
 /// The constants of a belt, shared by all that evaluate it.
 #[derive(Clone, Debug)]
 pub struct Belt {
+    /// Model of the ring.
+    pub ring: Arc<dyn BeltRing>,
     /// Constants of the cells.
     pub law: CellLaw,
     /// Elements and cells along the belt.
@@ -39,23 +42,20 @@ pub struct CellUnknowns {
 }
 
 impl Belt {
-    /// The belt of a variator.
+    /// The belt of a variator with this ring.
     ///
     /// # Panics
     /// With parameters that [`Parameters::validate`] rejects.
     #[must_use]
-    pub fn new(parameters: &Parameters) -> Self {
+    pub fn new(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> Self {
         let geometry = &parameters.geometry;
         let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
         let (radius, _) = curve.radii(1.0).expect("validated geometry closes at ratio 1");
         let (sin, cos) = geometry.wedge_angle.sin_cos();
-        let mesh = BeltMesh::new(&parameters.mesh, parameters.ring_model);
-        let mut layout = Layout::new(parameters, &mesh, &curve);
-        if let RingUnknowns::Travelling(mut travelling) = layout.ring {
-            travelling.blocks = order::blocks(&layout, &travelling, &mesh, parameters, &curve);
-            layout.ring = RingUnknowns::Travelling(travelling);
-        }
+        let mesh = BeltMesh::new(&parameters.mesh, ring.cells(&parameters.mesh), ring.is_aligned());
+        let layout = Layout::new(&mesh, ring.unknowns(parameters, &mesh, &curve));
         Self {
+            ring,
             law: CellLaw {
                 chain: parameters.belt.clone(),
                 ring: parameters.ring.clone(),
@@ -92,7 +92,7 @@ impl Belt {
 
     /// Coordinates of the reference curve in a state, and their motion.
     #[must_use]
-    pub(crate) fn path(&self, view: View<'_>) -> Path<f64> {
+    pub fn path(&self, view: View<'_>) -> Path<f64> {
         let mut path = [Jet::constant(0.0); COORDINATES];
         let at = std::iter::once(self.layout.theta()).chain(self.layout.centres());
         for (to, i) in path.iter_mut().zip(at) {
@@ -146,7 +146,7 @@ impl Belt {
     /// of the node opposite are equal outwards (which fixes what Θ means) and opposite along the curve (which fixes s).
     /// In directions of the curve these are the same two conditions in the other order: t of node 0 is along y, n along
     /// x, and opposite both are reversed.
-    pub(crate) fn gauge(&self) -> impl Iterator<Item = GaugeCondition> + use<> {
+    pub fn gauge(&self) -> impl Iterator<Item = GaugeCondition> + use<> {
         let layout = self.layout;
         let components = [(0, [1.0, 1.0]), (1, [1.0, -1.0])];
         components
@@ -161,8 +161,11 @@ impl Belt {
 }
 
 /// A condition on the velocities of two nodes, a·`signs` = 0, with the unknown that is its multiplier.
-pub(crate) struct GaugeCondition {
+pub struct GaugeCondition {
+    /// Unknown of the multiplier.
     pub multiplier: usize,
+    /// Unknowns of the two nodes.
     pub nodes: [usize; 2],
+    /// Their signs.
     pub signs: [f64; 2],
 }

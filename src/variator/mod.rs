@@ -1,13 +1,14 @@
 //! The variator: parameters and outputs, the equations of belt and pulleys, steady states, runs, linear models.
 //!
 //! Rooms from the ground up, each of which uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`,
-//! `belt`, `assembly`, `travelling`, `pulleys`, `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and
+//! `belt`, `assembly`, `pulleys`, `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and
 //! [`linear`].
 
 #![forbid(unsafe_code)]
 
 pub(crate) mod assembly;
 pub(crate) mod belt;
+pub mod belt_ring;
 #[doc(hidden)]
 pub mod cell;
 pub(crate) mod law;
@@ -27,6 +28,5 @@ pub mod survey;
 pub mod system;
 #[cfg(test)]
 mod tests;
-pub(crate) mod travelling;
 
 pub use run::Variator;

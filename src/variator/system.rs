@@ -2,30 +2,21 @@
 
 use crate::contact::Friction;
 use crate::pulley::{PerPulley, Pulley};
-use crate::reference_curve::{Displaced, TwoPulley, Unaligned};
-use crate::ring::ancf::AncfElement;
-use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
-use crate::ring::model::Energy;
-use crate::ring::rcm::RcmElement;
+use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::Geometry;
-use crate::solver::{State, System, View};
+use crate::solver::{System, View};
 use crate::tape::Tape;
 use crate::variator::assembly::equations::{Assembly, InForce};
-use crate::variator::assembly::jacobian::Differentiate;
-use crate::variator::assembly::kinds::MeshCurve;
-use crate::variator::assembly::packed::PackedCells;
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
-use crate::variator::cell::directions::{DeflectingRing, GuidedRing, RotatingRing};
+use crate::variator::belt_ring::BeltRing;
 use crate::variator::cell::sample::Sample;
-use crate::variator::mesh::layout::{CONDITIONS, RingUnknowns, TURN};
+use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
 use crate::variator::pulleys::rows::Pulleys;
-use crate::variator::settings::parameters::{Parameters, RingModel, Rounded};
-use crate::variator::travelling::assembly::TravellingCells;
-use crate::variator::travelling::start::state_on_ale;
+use crate::variator::settings::parameters::{Parameters, Rounded};
 use std::sync::Arc;
 
 /// The assembled variator.
@@ -48,55 +39,23 @@ pub struct VariatorSystem {
     resultants: ResultantSlopes,
 }
 
-/// The equations for the ring model of the belt: the one place that chooses them.
-fn assembly(parameters: &Parameters, belt: &Belt) -> Box<dyn Assembly> {
-    match belt.layout.ring {
-        RingUnknowns::Tension if belt.mesh.aligned => on_curve::<GuidedRing, 2, Displaced>(belt),
-        RingUnknowns::Tension => on_curve::<GuidedRing, 2, Unaligned<Displaced>>(belt),
-        RingUnknowns::Deflection { components, rotating } => match (components, rotating) {
-            (3, false) => on_mesh::<DeflectingRing<3>, 3>(belt),
-            (_, false) => on_mesh::<DeflectingRing<2>, 2>(belt),
-            // These directions are those of the mesh that follows the arcs.
-            (3, true) => on_curve::<RotatingRing<3>, 3, TwoPulley>(belt),
-            (_, true) => on_curve::<RotatingRing<2>, 2, TwoPulley>(belt),
-        },
-        RingUnknowns::Travelling(_) if parameters.ring_model == RingModel::Rcm => {
-            travelling::<RcmElement>(parameters, belt, 5)
-        }
-        RingUnknowns::Travelling(_) => travelling::<AncfElement>(parameters, belt, 3),
-    }
-}
-
-/// Cells with an Eulerian ring on the mesh of the belt.
-fn on_mesh<K: Differentiate<D, TwoPulley> + Differentiate<D, Unaligned<TwoPulley>>, const D: usize>(
-    belt: &Belt,
-) -> Box<dyn Assembly> {
-    if belt.mesh.aligned {
-        on_curve::<K, D, TwoPulley>(belt)
-    } else {
-        on_curve::<K, D, Unaligned<TwoPulley>>(belt)
-    }
-}
-
-fn on_curve<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<K, D, C>::new(belt))
-}
-
-/// Cells over a ring that travels, with so many Gauss points in an element.
-fn travelling<E: LagrangianElement>(parameters: &Parameters, belt: &Belt, points: usize) -> Box<dyn Assembly> {
-    let elements = belt.layout.travelling().map_or(0, |travelling| travelling.nodes);
-    let ring = LagrangianRing::<E, _>::new(parameters.ring.clone(), belt.curve.clone(), elements, points);
-    Box::new(TravellingCells::new(belt, ring))
-}
-
 impl VariatorSystem {
-    /// Assembles a variator.
+    /// Assembles a variator with the ring of [`Parameters::ring_model`].
     ///
     /// # Panics
     /// With parameters that [`Parameters::validate`] rejects.
     #[must_use]
     pub fn new(parameters: &Parameters) -> Self {
-        Self::with_belt(parameters, Belt::new(parameters))
+        Self::with_ring(parameters, parameters.ring_of_model())
+    }
+
+    /// Assembles a variator with this ring.
+    ///
+    /// # Panics
+    /// With parameters that [`Parameters::validate`] or [`BeltRing::check`] rejects.
+    #[must_use]
+    pub fn with_ring(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> Self {
+        Self::with_belt(parameters, Belt::new(parameters, ring))
     }
 
     fn with_belt(parameters: &Parameters, belt: Belt) -> Self {
@@ -106,7 +65,7 @@ impl VariatorSystem {
             parameters: parameters.clone(),
             friction_velocity: parameters.friction.velocity,
             rounding: 0.0,
-            assembly: assembly(parameters, &belt),
+            assembly: belt.ring.equations(&belt),
             resultants: ResultantSlopes::new(belt.layout.len()),
             belt: Arc::new(belt),
         }
@@ -200,11 +159,6 @@ impl VariatorSystem {
         self.assembly.ring_energy(&self.belt, view)
     }
 
-    /// The state in which a ring that travels has the shape of that of `ale`, which has the same mesh and the deflecting ring.
-    pub(crate) fn state_on_ale(&self, ale: &Self, state: &State) -> State {
-        state_on_ale(&self.belt, &*self.assembly, &ale.belt, state)
-    }
-
     /// Sets loads that are those of `start` at the time `from` and change at `rates`. At `time` they replace those before, and
     /// the rates `y_dot` jump with them.
     pub fn change_loads(&mut self, from: f64, start: Boundary, rates: LoadRates, time: f64, y_dot: &mut [f64]) {
@@ -245,7 +199,7 @@ impl VariatorSystem {
 impl VariatorSystem {
     /// The variator mirrored in the plane of the drive: sheaves on the other sides.
     pub(crate) fn mirrored(parameters: &Parameters) -> Self {
-        let mut belt = Belt::new(parameters);
+        let mut belt = Belt::new(parameters, parameters.ring_of_model());
         for plane in belt.law.planes.each_mut() {
             (plane.side, plane.middle) = (-plane.side, -plane.middle);
         }
@@ -302,31 +256,19 @@ impl System for VariatorSystem {
         let layout = &self.belt.layout;
         let velocity = (PLACE / beta).min(RING_SPEED);
         let slip = SLIP * self.friction().velocity;
-        match &layout.ring {
-            RingUnknowns::Tension => {
-                for cell in 0..self.belt.mesh.cells.len() {
-                    out[layout.tension(cell)] = TENSION;
-                }
-            }
-            RingUnknowns::Deflection { components, .. } => {
-                for node in 0..layout.elements {
-                    for k in 0..2 * components {
-                        out[layout.node(node, k)] = if k % 2 == 0 { velocity } else { velocity * PER_METRE };
-                    }
-                }
-            }
-            RingUnknowns::Travelling(travelling) => {
-                // Steps are short, so errors of velocity matter, not those of a step's way: they slide.
-                let moving = velocity.min(10.0 * slip);
-                for node in 0..travelling.nodes {
-                    for k in 0..travelling.block {
-                        let length = if travelling.is_length(k) { 1.0 } else { PER_METRE };
-                        out[layout.node(node, k)] = moving * length;
-                    }
-                }
-                out[layout.free()].fill(1.0);
+        if layout.has_tension() {
+            for cell in 0..self.belt.mesh.cells.len() {
+                out[layout.tension(cell)] = TENSION;
             }
         }
+        let of_ring = self.belt.ring.speed_error(velocity, slip);
+        for node in 0..layout.ring.nodes {
+            for k in 0..layout.ring.per_node {
+                let length = if layout.ring.is_length(k) { 1.0 } else { PER_METRE };
+                out[layout.node(node, k)] = of_ring * length;
+            }
+        }
+        out[layout.free()].fill(1.0);
         if layout.has_gauge() {
             for condition in 0..CONDITIONS {
                 out[layout.gauge(condition)] = 1.0 / HOLD;

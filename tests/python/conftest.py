@@ -48,6 +48,14 @@ def fmu3() -> Path:
 
 
 @pytest.fixture(scope="session")
+def paper_fmu() -> Path:
+    """The FMU of the paper's belts: `PUSHBELT_PAPER_FMU`, or what the build leaves in `target`."""
+    path = Path(os.environ.get("PUSHBELT_PAPER_FMU", ROOT / "target" / "PushbeltPaper.fmu"))
+    assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --paper`, or set PUSHBELT_PAPER_FMU"
+    return path
+
+
+@pytest.fixture(scope="session")
 def archive(fmu: Path) -> Iterator[Archive]:
     """The unpacked FMU."""
     with Archive.unpack(fmu) as unpacked:

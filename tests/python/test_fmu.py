@@ -373,4 +373,4 @@ def test_enumerations_are_those_of_the_package(xml: ElementTree.Element, enumera
 
 
 def test_the_ring_model_is_a_choice_of_four() -> None:
-    assert list(RingModel.__members__) == ["ALE0", "ALE", "RCM", "ANCF"]
+    assert list(RingModel.__members__) == ["ALE0", "ALE"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -101,13 +102,20 @@ def test_the_load_swings_below_that_of_the_case() -> None:
     assert loads[0] == loads[-1] == pytest.approx(-50.0)
 
 
-def test_an_evenly_spaced_mesh_gets_near_when_fine_and_keeps_worse_books(archive: Archive) -> None:
+@pytest.fixture(scope="module")
+def paper_archive(paper_fmu: Path) -> Iterator[Archive]:
+    """The unpacked FMU of the paper's belts."""
+    with Archive.unpack(paper_fmu) as unpacked:
+        yield unpacked
+
+
+def test_an_evenly_spaced_mesh_gets_near_when_fine_and_balances_energy_less_well(paper_archive: Archive) -> None:
     parameters = parameter_set("bench168")
     case = next(case for case in load_cases(parameters) if case.name == "overdrive-50")
     names = ("aligned", "even", "even, fine")
-    states = {name: cases.steady(archive, {**parameters, **cases.MESHES[name]}, case) for name in names}
+    states = {name: cases.steady(paper_archive, {**parameters, **cases.MESHES[name]}, case) for name in names}
     # Long enough that an arc border passes a quadrature point of the even mesh.
-    shifts = cases.shift_on_meshes(archive, parameters, 0.1)
+    shifts = cases.shift_on_meshes(paper_archive, parameters, 0.1)
     worst = {name: abs(shift.residual).max() / shift.stored.max() for name, shift in shifts.items()}
     thrust = {name: state["thrustRatio"] for name, state in states.items()}
     tension = {name: state["ring.tensionMin"] / state["ring.tensionMax"] for name, state in states.items()}
@@ -132,7 +140,7 @@ def test_numbers_are_brief() -> None:
 @pytest.fixture(scope="session")
 def rings_program() -> Path:
     """The example for rings alone, compiled as the FMU's library is."""
-    command = ["cargo", "build", "--release", "--example", "paper_rings", "--message-format=json"]
+    command = ["cargo", "build", "--release", "--package", "pushbelt-paper", "--example", "paper_rings", "--message-format=json"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     messages = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
     programs = [
@@ -141,8 +149,8 @@ def rings_program() -> Path:
     return Path(programs[-1])
 
 
-def test_short_run_writes_report_and_tables(fmu: Path, rings_program: Path, tmp_path: Path) -> None:
-    arguments = ["--fmu", fmu, "--rings", rings_program, "--output", tmp_path, "--short"]
+def test_short_run_writes_report_and_tables(paper_fmu: Path, rings_program: Path, tmp_path: Path) -> None:
+    arguments = ["--fmu", paper_fmu, "--rings", rings_program, "--output", tmp_path, "--short"]
     assert __main__.main([str(argument) for argument in arguments]) == 0
     page = reports.stands_alone(tmp_path / "report.html")
     assert reports.figures(page) >= 3 + 4 + 3 + 2 + 1 + 4 + 1 + 2 + 1

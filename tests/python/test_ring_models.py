@@ -1,4 +1,4 @@
-"""Every ring that the unit offers, run by fmpy on the paper's test rig."""
+"""Every ring that the two FMUs offer, run by fmpy on the paper's test rig."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import fmpy
 import numpy as np
 import pytest
 
-from pushbelt.fmu.enumerations import Axial, Drive, RingModel
+from pushbelt.fmu.enumerations import Axial, Drive
+from pushbelt.paper.belts import RingModel
 
 RIG = {
     "primary.drive": Drive.SPEED,
@@ -36,6 +37,7 @@ OUTPUTS = ["thrustRatio", "efficiency", "slip", "ring.tensionMin", "pushForce.ma
 
 
 def run(fmu: Path, model: str, stop: float) -> np.ndarray:
+    """A run of one of the models on the FMU."""
     return fmpy.simulate_fmu(
         fmu, stop_time=stop, output_interval=2e-4, start_values=RIG | MODELS[model], output=OUTPUTS
     )
@@ -46,13 +48,16 @@ def ale(fmu: Path) -> np.ndarray:
     return run(fmu, "ALE", 1e-3)
 
 
+OF_FMU = ["ALE0", "ALE"]
+"""Models of PushbeltVariator.fmu; the others are those of PushbeltPaper.fmu."""
+
 OFF = dict(zip(MODELS, (0.15, 1e-9, 3e-3, 3e-3, 0.05, 0.1), strict=True))
 """Thrust ratio against ALE's."""
 
 
 @pytest.mark.parametrize(("model", "off"), OFF.items())
-def test_each_ring_model_runs(fmu: Path, ale: np.ndarray, model: str, off: float) -> None:
-    found = run(fmu, model, 2e-3)
+def test_each_ring_model_runs(fmu: Path, paper_fmu: Path, ale: np.ndarray, model: str, off: float) -> None:
+    found = run(fmu if model in OF_FMU else paper_fmu, model, 2e-3)
     assert found["time"][-1] == pytest.approx(2e-3)
     for name in OUTPUTS:
         assert np.all(np.isfinite(found[name])), name
@@ -61,3 +66,34 @@ def test_each_ring_model_runs(fmu: Path, ale: np.ndarray, model: str, off: float
     assert 0.9 < found["efficiency"][-1] < 1.0
     # 2e-3 of what moved, 10.5 kW in and out over 2 ms, and 1e-3 of some 1300 J.
     assert np.all(np.abs(found["energy.residual"]) < 1.4)
+
+
+def test_both_fmus_have_the_same_standard_rings(paper_fmu: Path, ale: np.ndarray) -> None:
+    found = run(paper_fmu, "ALE", 1e-3)
+    for name in OUTPUTS:
+        assert np.array_equal(found[name], ale[name]), name
+
+
+def test_enumerations_are_those_of_the_papers_fmu(paper_fmu: Path) -> None:
+    description = fmpy.read_model_description(str(paper_fmu))
+    (ring,) = (kind for kind in description.typeDefinitions if kind.name == "RingModel")
+    assert {item.name: int(item.value) for item in ring.items} == {item.name: item.value for item in RingModel}
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"ring.model": RingModel.RCM, "mesh.aligned": False}, "mesh.aligned = false"),
+        ({"ring.model": RingModel.ANCF, "ring.elements": 5}, "ring.elements = 5"),
+        ({"ring.model": RingModel.ALE0, "ring.referenceDirections": True}, "ring.referenceDirections = true"),
+        ({"ring.model": RingModel.RCM, "ring.spatial": True}, "ring.spatial = true"),
+        ({"ring.model": RingModel.RCM, "solver.mode": 2}, "solver.mode = 2"),
+    ],
+)
+def test_parameters_that_do_not_fit_a_ring_are_refused(
+    paper_fmu: Path, values: dict, message: str, capfd: pytest.CaptureFixture
+) -> None:
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmpy.simulate_fmu(paper_fmu, stop_time=1e-3, start_values=values)
+    heard = capfd.readouterr()
+    assert message in heard.out + heard.err

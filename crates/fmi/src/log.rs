@@ -6,7 +6,7 @@
 pub enum Status {
     /// The call was done.
     Ok = 0,
-    /// The call was done, but something looks wrong.
+    /// The call was done; a message says what may be wrong.
     Warning = 1,
     /// A value was not taken, or a step was not completed; another value or a smaller step may work.
     Discard = 2,
@@ -63,7 +63,13 @@ impl Category {
     }
 }
 
-/// The way of messages to the importer.
+impl From<()> for Status {
+    fn from((): ()) -> Self {
+        Self::Ok
+    }
+}
+
+/// Receives messages for the importer.
 pub trait Sink {
     /// Passes one message on.
     fn send(&self, status: Status, category: Category, text: &str);
@@ -73,22 +79,24 @@ pub trait Sink {
 pub struct Log {
     sink: Option<Box<dyn Sink>>,
     enabled: u8,
+    /// Whether the importer switched debug logging on when it created the instance.
+    debug: bool,
     /// What is logged without debug logging.
     quiet: &'static [Category],
 }
 
 impl Log {
-    /// Errors, warnings and discarded steps are reported even when debug logging is off: they are no debugging aid, and
+    /// Errors, warnings and discarded steps are logged even when debug logging is off: they are no debugging aid, and
     /// an importer that does not want them passes no logger.
     const QUIET: [Category; 3] = [Category::Error, Category::Warning, Category::Discard];
 
-    /// A log into `sink`, if there is one.
+    /// A log into `sink`, if there is one, for FMI 2.0.
     #[must_use]
     pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
         Self::with(sink, debug, &Self::QUIET)
     }
 
-    /// A log that is silent without debug logging: so FMI 3.0 wants it.
+    /// A log that is silent without debug logging, as FMI 3.0 requires.
     #[must_use]
     pub fn silent_without_debug(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
         Self::with(sink, debug, &[])
@@ -98,10 +106,16 @@ impl Log {
         let mut log = Self {
             sink,
             enabled: 0,
+            debug,
             quiet,
         };
-        log.choose(debug, &[]);
+        log.reset();
         log
+    }
+
+    /// Logs what it did when it was created.
+    pub fn reset(&mut self) {
+        self.choose(self.debug, &[]);
     }
 
     /// Chooses what is logged: with `debug` the given categories, or all if none is given, and errors.

@@ -1,12 +1,12 @@
-//! The whole dynamic state of an instance, and its way into bytes and back.
+//! The whole dynamic state of an instance, and its conversion to bytes and back.
 
 use super::bytes;
 use super::state::State;
-use super::table::{Access, Causality, Kind, Table, Variable};
+use super::table::{Access, Causality, Kind, Table, Value};
 use super::unit::{Experiment, Unit};
 use pushbelt_tape::{Mismatch, Tape};
 
-/// The whole dynamic state of an instance: what `Slave::save` keeps and `Slave::restore` brings back.
+/// The whole dynamic state of an instance: `Slave::save` copies it, `Slave::restore` goes back to it.
 #[derive(Clone)]
 pub struct Snapshot<U: Unit> {
     pub(super) state: State,
@@ -14,9 +14,9 @@ pub struct Snapshot<U: Unit> {
     /// Time derivatives of the real inputs for the next step, in the inputs' fields; none if all are zero.
     pub(super) rates: Option<U::Settings>,
     pub(super) experiment: Experiment,
-    /// Communication point at which the next step begins, as the master counts, s.
+    /// Communication point at which the next step begins, by the master's sum of steps, s.
     pub(super) point: f64,
-    /// Present from the first calculated reading in initialisation mode on. Settings changed in that mode drop it.
+    /// Present from the first calculated reading in initialisation mode on. A setting changed in that mode removes it.
     pub(super) unit: Option<U>,
 }
 
@@ -67,7 +67,7 @@ impl<U: Unit> Snapshot<U> {
     fn serialize(&mut self, table: &Table<U::Settings, U::Readings>, tape: &mut Tape<'_>) -> Result<(), String> {
         let mut state = self.state as i32;
         tape.integer(&mut state);
-        match State::ALL.into_iter().find(|known| *known as i32 == state) {
+        match State::STORED.into_iter().find(|known| *known as i32 == state) {
             Some(state) => self.state = state,
             None => tape.reject(),
         }
@@ -76,18 +76,11 @@ impl<U: Unit> Snapshot<U> {
         tape.real(start);
         tape.option(stop);
         tape.real(&mut self.point);
-        serialize_settings(
-            table,
-            &mut self.settings,
-            tape,
-            |variable| variable.causality.is_setting(),
-            |variable, value| variable.admit_real(value).is_ok(),
-        );
+        serialize_settings(table, &mut self.settings, tape);
         let mut has_rates = self.rates.is_some();
         tape.flag(&mut has_rates);
         if has_rates {
-            let rates = self.rates.get_or_insert_with(|| zero_rates(table));
-            serialize_settings(table, rates, tape, is_real_input, |_, value| value.is_finite());
+            serialize_rates(table, self.rates.get_or_insert_with(|| zero_rates(table)), tape);
         }
         let mut started = self.unit.is_some();
         tape.flag(&mut started);
@@ -103,71 +96,57 @@ impl<U: Unit> Snapshot<U> {
     }
 }
 
-fn is_real_input<S, R>(variable: &Variable<S, R>) -> bool {
-    variable.causality == Causality::Input && matches!(variable.kind, Kind::Real { .. })
+/// How to read and write the field of a real input.
+type Field<S> = (fn(&S) -> f64, fn(&mut S, f64));
+
+/// The fields of the real inputs.
+fn real_inputs<S, R>(table: &Table<S, R>) -> impl Iterator<Item = Field<S>> {
+    let inputs = table.variables().iter().filter(|v| v.causality == Causality::Input);
+    inputs.filter_map(|variable| match &variable.kind {
+        Kind::Real {
+            access: Access::Setting { get, set },
+            ..
+        } => Some((*get, *set)),
+        _ => None,
+    })
 }
 
 /// Settings whose real inputs are zero: the time derivatives of inputs that are held.
 pub(super) fn zero_rates<S: Default, R>(table: &Table<S, R>) -> S {
     let mut rates = S::default();
-    for variable in table.variables().iter().filter(|variable| is_real_input(variable)) {
-        if let Kind::Real {
-            access: Access::Setting { set, .. },
-            ..
-        } = &variable.kind
-        {
-            set(&mut rates, 0.0);
-        }
-    }
+    real_inputs(table).for_each(|(_, set)| set(&mut rates, 0.0));
     rates
 }
 
-/// Writes the settings of some variables to a tape, or reads them from one: real numbers that are admissible, and others that
-/// could be set.
-fn serialize_settings<S, R>(
-    table: &Table<S, R>,
-    settings: &mut S,
-    tape: &mut Tape<'_>,
-    which: impl Fn(&Variable<S, R>) -> bool,
-    admissible: impl Fn(&Variable<S, R>, f64) -> bool,
-) {
-    for variable in table.variables().iter().filter(|variable| which(variable)) {
-        match &variable.kind {
-            Kind::Real {
-                access: Access::Setting { get, set },
-                ..
-            } => {
-                let mut value = get(settings);
-                tape.real(&mut value);
-                if !admissible(variable, value) {
-                    tape.reject();
-                }
-                set(settings, value);
+/// Writes the time derivatives of the real inputs to a tape, or reads them from one.
+fn serialize_rates<S, R>(table: &Table<S, R>, rates: &mut S, tape: &mut Tape<'_>) {
+    for (get, set) in real_inputs(table) {
+        let mut rate = get(rates);
+        tape.real(&mut rate);
+        if !rate.is_finite() {
+            tape.reject();
+        }
+        set(rates, rate);
+    }
+}
+
+/// Writes all settings to a tape, or reads them from one if they are admissible.
+fn serialize_settings<S, R>(table: &Table<S, R>, settings: &mut S, tape: &mut Tape<'_>) {
+    for variable in table.variables().iter().filter(|v| v.causality.is_setting()) {
+        let Some(mut value) = variable.value(settings, None) else {
+            continue;
+        };
+        match &mut value {
+            Value::Real(value) => tape.real(value),
+            Value::Integer(value) => {
+                let mut number = i32::try_from(*value).unwrap_or_default();
+                tape.integer(&mut number);
+                *value = number.into();
             }
-            Kind::Integer {
-                access: Access::Setting { get, set },
-                ..
-            }
-            | Kind::Enumeration {
-                access: Access::Setting { get, set },
-                ..
-            } => {
-                let mut value = get(settings);
-                tape.integer(&mut value);
-                if variable.admit_integer(value).is_ok() {
-                    set(settings, value);
-                } else {
-                    tape.reject();
-                }
-            }
-            Kind::Boolean {
-                access: Access::Setting { get, set },
-            } => {
-                let mut value = get(settings);
-                tape.flag(&mut value);
-                set(settings, value);
-            }
-            _ => {}
+            Value::Boolean(value) => tape.flag(value),
+        }
+        if variable.set(settings, value).is_err() {
+            tape.reject();
         }
     }
 }

@@ -1,15 +1,14 @@
 //! Start values that come with a copy of the FMU: `start-values.txt` in its resources.
 //!
 //! Importers need not pass on the start values of the model description, and many don't. So a copy with a user's own values
-//! holds them for the library too: one `name = value` a line; truth values are `true` and `false`, items of enumerations
-//! are numbers; `#` begins a comment. Without the file the defaults hold. A file that can't be used is an error: nobody
-//! wants the default variator unawares.
+//! contains them for the library too: one `name = value` per line; truth values are `true` and `false`, items of enumerations
+//! are numbers; `#` begins a comment. Without the file the defaults hold. An unreadable file is an error.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-use super::table::{Access, Kind, Table};
+use super::table::{Kind, Table, Value};
 use super::unit::Unit;
 
 /// Name of the file in the resources.
@@ -60,7 +59,7 @@ fn parse<S: Default, R>(text: &str, table: &Table<S, R>) -> Result<S, String> {
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let name = take(line, table, &mut settings).map_err(|why| format!("line {number}: {why}"))?;
+        let name = set(line, table, &mut settings).map_err(|why| format!("line {number}: {why}"))?;
         if seen.contains(&name) {
             return Err(format!("line {number}: {name} is there twice"));
         }
@@ -69,45 +68,23 @@ fn parse<S: Default, R>(text: &str, table: &Table<S, R>) -> Result<S, String> {
     Ok(settings)
 }
 
-/// Sets what a line says; the name of its variable.
-fn take<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Result<&'a str, String> {
-    let (name, value) = line
+/// Sets the variable of a line; its name.
+fn set<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Result<&'a str, String> {
+    let (name, text) = line
         .split_once('=')
-        .map(|(name, value)| (name.trim(), value.trim()))
+        .map(|(name, text)| (name.trim(), text.trim()))
         .ok_or_else(|| format!("{line:?} is not of the form name = value"))?;
     let variable = table
         .by_name(name)
         .ok_or_else(|| format!("there is no variable {name:?}"))?;
-    let no = |what: &str| format!("{name} = {value:?} is no {what}");
-    match &variable.kind {
-        Kind::Real {
-            access: Access::Setting { set, .. },
-            ..
-        } => {
-            let number = value.parse().map_err(|_| no("number"))?;
-            set(
-                settings,
-                variable.admit_real(number).map_err(|error| error.to_string())?,
-            );
+    let no = |what: &str| format!("{name} = {text:?} is no {what}");
+    let value = match &variable.kind {
+        Kind::Real { .. } => Value::Real(text.parse().map_err(|_| no("number"))?),
+        Kind::Integer { .. } | Kind::Enumeration { .. } => {
+            Value::Integer(text.parse().map_err(|_| no("whole number"))?)
         }
-        Kind::Integer {
-            access: Access::Setting { set, .. },
-            ..
-        }
-        | Kind::Enumeration {
-            access: Access::Setting { set, .. },
-            ..
-        } => {
-            let number = value.parse().map_err(|_| no("whole number"))?;
-            set(
-                settings,
-                variable.admit_integer(number).map_err(|error| error.to_string())?,
-            );
-        }
-        Kind::Boolean {
-            access: Access::Setting { set, .. },
-        } => set(settings, value.parse().map_err(|_| no("truth value"))?),
-        _ => return Err(format!("{name} is calculated and can't be set")),
-    }
+        Kind::Boolean { .. } => Value::Boolean(text.parse().map_err(|_| no("truth value"))?),
+    };
+    variable.set(settings, value).map_err(|error| error.to_string())?;
     Ok(name)
 }

@@ -1,8 +1,8 @@
 //! The state machine of a co-simulation slave: which call is allowed when (table 4.2.4 of FMI 2.0, sections 2.3 and 4.2 of FMI 3.0).
 //! The step mode of FMI 3.0 is [`State::StepComplete`] and, after a discarded step, [`State::StepFailed`].
 
-/// States of a slave. A step is finished when `fmi2DoStep` returns, so the states "step in progress" and "step
-/// cancelled" never occur; neither does "fatal", since no instance can harm another.
+/// States of a slave. A step has ended when `fmi2DoStep` returns, so the states "step in progress" and "step cancelled"
+/// never occur; neither does "fatal", since an error in one instance does not affect others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// Instantiated: set-up and start values.
@@ -15,15 +15,17 @@ pub enum State {
     StepFailed,
     /// Terminated: last values can be read.
     Terminated,
-    /// A call failed: only reset, a stored state or the end of the instance go on from here.
+    /// A call failed: only reset, a stored state or the end of the instance lead out of this state.
     Error,
-    /// Event mode, of FMI 3.0 only: something has happened at this time, and the master sets what it answers with.
+    /// Event mode, of FMI 3.0 only: the master handles an event at this time.
     Event,
+    /// Intermediate update mode, of FMI 3.0 only: within `fmi3DoStep`, until the master's callback returns.
+    IntermediateUpdate,
 }
 
 impl State {
-    /// All states, in the order of their numbers in stored states.
-    pub const ALL: [Self; 7] = [
+    /// The states that can be stored, in the order of their numbers there.
+    pub const STORED: [Self; 7] = [
         Self::Instantiated,
         Self::Initialisation,
         Self::StepComplete,
@@ -44,13 +46,17 @@ impl State {
             Self::Terminated => "terminated",
             Self::Error => "in the error state",
             Self::Event => "in event mode",
+            Self::IntermediateUpdate => "in intermediate update mode",
         }
     }
 
     /// Whether a run has started and not ended.
     #[must_use]
     pub fn is_running(self) -> bool {
-        matches!(self, Self::StepComplete | Self::StepFailed | Self::Event)
+        matches!(
+            self,
+            Self::StepComplete | Self::StepFailed | Self::Event | Self::IntermediateUpdate
+        )
     }
 }
 
@@ -65,7 +71,7 @@ pub enum Call {
     ExitInitializationMode,
     /// `fmi2Terminate`.
     Terminate,
-    /// `fmi2Reset`, `fmi2SetDebugLogging` and the FMU state functions.
+    /// `fmi2Reset`, `fmi2SetDebugLogging` and the functions of stored states: always but in intermediate update mode.
     Always,
     /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`, `fmi2GetString`, `fmi2GetDirectionalDerivative`.
     Get,
@@ -75,7 +81,7 @@ pub enum Call {
     GetOutputDerivatives,
     /// `fmi2DoStep`.
     DoStep,
-    /// `fmi2GetStatus` and its kin.
+    /// `fmi2GetStatus` and the like for other types.
     GetStatus,
     /// `fmi2CancelStep`.
     CancelStep,
@@ -89,16 +95,18 @@ impl Call {
     /// Whether the call is allowed in a state.
     #[must_use]
     pub fn allowed_in(self, state: State) -> bool {
-        use State::{Error, Event, Initialisation, Instantiated, StepComplete, StepFailed, Terminated};
+        use State::{
+            Error, Event, Initialisation, Instantiated, IntermediateUpdate, StepComplete, StepFailed, Terminated,
+        };
         match self {
             Self::SetupExperiment | Self::EnterInitializationMode => state == Instantiated,
             Self::ExitInitializationMode => state == Initialisation,
-            Self::Terminate => state.is_running(),
-            Self::Always => true,
+            Self::Terminate => state.is_running() && state != IntermediateUpdate,
+            Self::Always => state != IntermediateUpdate,
             Self::Get => state.is_running() || matches!(state, Initialisation | Terminated | Error),
             Self::GetOutputDerivatives => state.is_running() || matches!(state, Terminated | Error),
-            // After a discarded step the standard knows only rollback and the end. This slave stands at its last
-            // successful time, so it also lets the master change inputs and go on from there.
+            // After a discarded step the standard allows only rollback and the end. This slave is at its last successful time,
+            // so the master may also change inputs and continue from there.
             Self::Set => state.is_running() || matches!(state, Instantiated | Initialisation),
             Self::DoStep | Self::EnterEventMode => matches!(state, StepComplete | StepFailed),
             Self::GetStatus => matches!(state, StepComplete | StepFailed | Terminated),

@@ -1,4 +1,6 @@
-//! The variable table: all that is known about a variable, and the field that holds its value.
+//! The variable table: all facts about a variable, and the field that holds its value.
+
+use std::fmt::Display;
 
 /// A physical unit: its name and its exponents over the SI base units and the radian.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +59,7 @@ impl Causality {
     }
 }
 
-/// Where a value lives: in the settings `S`, which the master writes, or in the readings `R`, which the unit writes.
+/// The field of a value: in the settings `S`, which the master writes, or in the readings `R`, which the unit writes.
 pub enum Access<S, R, T> {
     /// A field of the settings.
     Setting {
@@ -72,6 +74,24 @@ pub enum Access<S, R, T> {
     Element(fn(&R, usize) -> T, usize),
 }
 
+impl<S, R, T> Access<S, R, T> {
+    /// The value; `None` for a reading without readings.
+    fn read(&self, settings: &S, readings: Option<&R>) -> Option<T> {
+        match self {
+            Self::Setting { get, .. } => Some(get(settings)),
+            Self::Reading(get) => readings.map(get),
+            Self::Element(get, at) => readings.map(|readings| get(readings, *at)),
+        }
+    }
+
+    /// Writes a setting.
+    fn write(&self, settings: &mut S, value: T) {
+        if let Self::Setting { set, .. } = self {
+            set(settings, value);
+        }
+    }
+}
+
 /// Limits and size of a real variable.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
@@ -84,8 +104,8 @@ pub struct Range {
 }
 
 impl Range {
-    /// The allowed values for an error text.
-    fn in_words(&self, unit: &str) -> String {
+    /// The allowed values, for an error text.
+    fn text(&self, unit: &str) -> String {
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
         match (self.min, self.max) {
             (Some(min), Some(max)) => format!("{min} to {max}{unit}"),
@@ -106,28 +126,49 @@ pub enum Kind<S, R> {
         display_unit: Option<&'static str>,
         /// Limits and size of the value.
         range: Range,
-        /// Where the value lives.
+        /// The field of the value.
         access: Access<S, R, f64>,
     },
     /// A whole number.
     Integer {
         /// Smallest and largest value allowed.
         range: Option<(i32, i32)>,
-        /// Where the value lives.
+        /// The field of the value.
         access: Access<S, R, i32>,
     },
     /// True or false.
     Boolean {
-        /// Where the value lives.
+        /// The field of the value.
         access: Access<S, R, bool>,
     },
     /// Enumeration, exchanged as an integer.
     Enumeration {
         /// The values that the variable can have.
         of: &'static Enumeration,
-        /// Where the number of the value lives.
+        /// The field of the value's number.
         access: Access<S, R, i32>,
     },
+}
+
+/// A value of any type. Whole numbers have more bits here than in a variable: those beyond its range are refused with the range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// Of a real variable.
+    Real(f64),
+    /// Of a whole number or an enumeration.
+    Integer(i64),
+    /// Of a truth value.
+    Boolean(bool),
+}
+
+impl Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Real(value) => value.fmt(f),
+            Self::Integer(value) => value.fmt(f),
+            Self::Boolean(value) => value.fmt(f),
+        }
+    }
 }
 
 /// A variable.
@@ -161,9 +202,15 @@ pub enum Inadmissible {
         /// Name of the variable.
         name: String,
         /// The value that was not accepted.
-        value: f64,
-        /// Allowed values in words.
+        value: Value,
+        /// Allowed values.
         range: String,
+    },
+    /// The variable is an output or a local.
+    #[error("{name} is calculated and can't be set")]
+    Calculated {
+        /// Name of the variable.
+        name: String,
     },
 }
 
@@ -172,6 +219,90 @@ pub enum Inadmissible {
 const ROUNDING: f64 = 1.0e-6;
 
 impl<S, R> Variable<S, R> {
+    /// A real variable without limits, in a unit of [`Table::units`].
+    pub fn real(
+        reference: u32,
+        name: &str,
+        description: &str,
+        causality: Causality,
+        unit: &'static str,
+        access: Access<S, R, f64>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            reference,
+            description: description.into(),
+            causality,
+            kind: Kind::Real {
+                unit,
+                display_unit: None,
+                range: Range::default(),
+                access,
+            },
+        }
+    }
+
+    /// The same with other limits, if it is real.
+    #[must_use]
+    pub fn within(mut self, limits: Range) -> Self {
+        if let Kind::Real { range, .. } = &mut self.kind {
+            *range = limits;
+        }
+        self
+    }
+
+    /// The value; `None` for a calculated variable without readings.
+    pub fn value(&self, settings: &S, readings: Option<&R>) -> Option<Value> {
+        match &self.kind {
+            Kind::Real { access, .. } => access.read(settings, readings).map(Value::Real),
+            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => access
+                .read(settings, readings)
+                .map(|value| Value::Integer(value.into())),
+            Kind::Boolean { access } => access.read(settings, readings).map(Value::Boolean),
+        }
+    }
+
+    /// Whether it is an element of an array of the readings.
+    pub(crate) fn is_element(&self) -> bool {
+        match &self.kind {
+            Kind::Real { access, .. } => matches!(access, Access::Element(..)),
+            Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => matches!(access, Access::Element(..)),
+            Kind::Boolean { access } => matches!(access, Access::Element(..)),
+        }
+    }
+
+    /// Sets a setting to a value of its type, if that is within its limits.
+    ///
+    /// # Errors
+    /// The value is not admissible, or the variable is no setting; nothing has changed.
+    pub fn set(&self, settings: &mut S, value: Value) -> Result<(), Inadmissible> {
+        if !self.causality.is_setting() {
+            let name = self.name.clone();
+            return Err(Inadmissible::Calculated { name });
+        }
+        match (&self.kind, self.admit(value)?) {
+            (Kind::Real { access, .. }, Value::Real(value)) => access.write(settings, value),
+            (Kind::Integer { access, .. } | Kind::Enumeration { access, .. }, Value::Integer(value)) => {
+                access.write(settings, i32::try_from(value).unwrap_or_default());
+            }
+            (Kind::Boolean { access }, Value::Boolean(value)) => access.write(settings, value),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Checks a value against the limits; the value to be set.
+    ///
+    /// # Errors
+    /// The value is not admissible.
+    pub fn admit(&self, value: Value) -> Result<Value, Inadmissible> {
+        match value {
+            Value::Real(value) => self.admit_real(value).map(Value::Real),
+            Value::Integer(value) => self.admit_integer(value).map(Value::Integer),
+            Value::Boolean(_) => Ok(value),
+        }
+    }
+
     /// Checks a real value against the limits; the value to be set.
     ///
     /// # Errors
@@ -194,24 +325,27 @@ impl<S, R> Variable<S, R> {
         if self.causality == Causality::Input && (value - exceeded).abs() < ROUNDING {
             return Ok(exceeded);
         }
-        Err(Inadmissible::OutOfRange {
-            name: self.name.clone(),
-            value,
-            range: range.in_words(unit),
-        })
+        Err(self.out_of_range(Value::Real(value), range.text(unit)))
     }
 
     /// Checks an integer or an enumeration value against the limits; the value to be set.
     ///
     /// # Errors
     /// The value is outside the range or not an item of the enumeration.
-    pub fn admit_integer(&self, value: i32) -> Result<i32, Inadmissible> {
+    pub fn admit_integer(&self, value: impl Into<i64>) -> Result<i64, Inadmissible> {
+        let value = value.into();
         let range = match &self.kind {
-            Kind::Integer {
-                range: Some((min, max)),
-                ..
-            } if value < *min || value > *max => format!("{min} to {max}"),
-            Kind::Enumeration { of, .. } if of.items.iter().all(|item| item.value != value) => {
+            Kind::Integer { range, .. } => {
+                let (min, max) = range.unwrap_or((i32::MIN, i32::MAX));
+                if (i64::from(min)..=i64::from(max)).contains(&value) {
+                    return Ok(value);
+                }
+                format!("{min} to {max}")
+            }
+            Kind::Enumeration { of, .. } => {
+                if of.items.iter().any(|item| i64::from(item.value) == value) {
+                    return Ok(value);
+                }
                 let items: Vec<_> = of
                     .items
                     .iter()
@@ -221,11 +355,12 @@ impl<S, R> Variable<S, R> {
             }
             _ => return Ok(value),
         };
-        Err(Inadmissible::OutOfRange {
-            name: self.name.clone(),
-            value: f64::from(value),
-            range,
-        })
+        Err(self.out_of_range(Value::Integer(value), range))
+    }
+
+    fn out_of_range(&self, value: Value, range: String) -> Inadmissible {
+        let name = self.name.clone();
+        Inadmissible::OutOfRange { name, value, range }
     }
 }
 

@@ -1,10 +1,10 @@
-//! What a model has to offer to become an FMU.
+//! The trait that a model implements to become an FMU.
 
 use super::table::Table;
 use pushbelt_tape::Tape;
 
 /// What the master sets for the run before it starts.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Experiment {
     /// Relative tolerance, if the master prescribes one.
     pub tolerance: Option<f64>,
@@ -15,8 +15,8 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// As a master sets it up: tolerance and stop time count only where they are said to be defined.
-    pub(super) fn given(tolerance: (bool, f64), start: f64, stop: (bool, f64)) -> Self {
+    /// From the arguments of the C functions: tolerance and stop time apply only if they are defined.
+    pub(super) fn from_arguments(tolerance: (bool, f64), start: f64, stop: (bool, f64)) -> Self {
         let defined = |(defined, value): (bool, f64)| defined.then_some(value);
         Self {
             tolerance: defined(tolerance),
@@ -26,17 +26,7 @@ impl Experiment {
     }
 }
 
-impl Default for Experiment {
-    fn default() -> Self {
-        Self {
-            tolerance: None,
-            start: 0.0,
-            stop: None,
-        }
-    }
-}
-
-/// Name of a model, and what its description suggests for an experiment.
+/// Name of a model, and the experiment that its description suggests.
 #[derive(Clone, Copy, Debug)]
 pub struct Identity {
     /// Model name and identifier: a C identifier, also the file name of the binary.
@@ -59,6 +49,25 @@ pub struct Identity {
     pub tolerance: f64,
     /// Longest communication step that is accepted, s: a mistaken unit should end in a message, not in hours of work.
     pub longest_step: f64,
+}
+
+impl Identity {
+    /// A model without author and licence, with an experiment of 1 s in steps of 1 ms.
+    #[must_use]
+    pub const fn new(name: &'static str, description: &'static str) -> Self {
+        Self {
+            name,
+            description,
+            version: "0.1.0",
+            author: "",
+            license: "",
+            generation_tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
+            stop_time: 1.0,
+            step_size: 1e-3,
+            tolerance: 1e-4,
+            longest_step: 1e3,
+        }
+    }
 }
 
 /// A remark for the user's log.
@@ -92,61 +101,116 @@ pub struct Moment<R> {
     pub span: f64,
 }
 
-/// A model that can live in an FMU. It holds its whole dynamic state, solver history included, so that a clone
-/// continues exactly as the original would.
+/// A communication step: where it begins and ends, how the inputs change, and the unit's own data for it.
+pub struct CommunicationStep<U: Unit> {
+    /// Time at which it begins, s.
+    pub from: f64,
+    /// Time at which it ends, s. [`Unit::end_at`] brings it nearer.
+    pub to: f64,
+    /// Time derivatives of the real inputs, in the inputs' fields; `None` if all are held.
+    pub rates: Option<U::Settings>,
+    /// Data of the unit.
+    pub progress: U::Progress,
+}
+
+/// A model in an FMU. It holds its whole dynamic state, solver history included, so that a clone continues exactly as the
+/// original would.
+///
+/// A communication step is [`begin`](Unit::begin), then [`advance`](Unit::advance) until [`is_over`](Unit::is_over), then
+/// [`finish`](Unit::finish). A model without internal steps and events implements `advance` only: one call goes to the end.
 pub trait Unit: Clone + Sized {
     /// Parameters and inputs. The default holds the start values.
     type Settings: Clone + Default;
     /// Outputs and locals.
     type Readings;
+    /// What the unit needs from one internal step of a communication step to the next; `()` for a unit without internal steps.
+    type Progress: Default;
 
-    /// Name of the model, and what its description suggests.
+    /// Name of the model, and the experiment that its description suggests.
     const IDENTITY: Identity;
+    /// Whether [`Unit::advance`] uses [`CommunicationStep::rates`]; otherwise input derivatives are refused.
+    const INTERPOLATES_INPUTS: bool = false;
+    /// Whether [`Unit::moment`] returns readings; otherwise output derivatives are refused.
+    const OUTPUT_DERIVATIVES: bool = false;
 
     /// All variables of the model.
     fn table() -> Table<Self::Settings, Self::Readings>;
 
-    /// Checks the settings as a whole.
+    /// Checks the settings as a whole, when a tunable parameter changes during a run.
     ///
     /// # Errors
     /// A sentence that names variable, value and allowed range.
-    fn check(settings: &Self::Settings) -> Result<(), String>;
+    fn check(_settings: &Self::Settings) -> Result<(), String> {
+        Ok(())
+    }
 
     /// Builds the model and finds its state at the start.
     ///
     /// # Errors
-    /// A sentence that says what is wrong.
+    /// A sentence that gives the reason.
     fn start(settings: &Self::Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String>;
-
-    /// Advances to time `to` with the settings held. `rates`, if there are any, hold the time derivatives of the real
-    /// inputs, which then change in proportion to time.
-    ///
-    /// # Errors
-    /// See [`StepFailure`].
-    fn advance(
-        &mut self,
-        to: f64,
-        settings: &Self::Settings,
-        rates: Option<&Self::Settings>,
-        remarks: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure>;
-
-    /// The model as it is before [`Unit::serialize`] reads a state into it.
-    ///
-    /// # Errors
-    /// A sentence that says what is wrong with the settings.
-    fn blank(settings: &Self::Settings, experiment: &Experiment) -> Result<Self, String>;
-
-    /// Writes the whole dynamic state to a tape or reads it from one, solver history included. A model that was read
-    /// continues bit for bit.
-    fn serialize(&mut self, tape: &mut Tape<'_>);
 
     /// The present time, s.
     fn time(&self) -> f64;
 
-    /// Readings at the present time; elements of arrays only if they are asked for.
+    /// Readings at the present time; elements of arrays only if `elements` is true.
     fn readings(&mut self, elements: bool) -> &Self::Readings;
 
+    /// Begins a communication step with these settings.
+    ///
+    /// # Errors
+    /// A setting is out of its range; nothing has changed.
+    fn begin(&mut self, _step: &mut CommunicationStep<Self>, _settings: &Self::Settings) -> Result<(), StepFailure> {
+        Ok(())
+    }
+
+    /// Advances by one internal step, at most to the end of the communication step. Inputs that differ from those of the
+    /// previous call take effect here.
+    ///
+    /// # Errors
+    /// See [`StepFailure`]; the communication step ends there.
+    fn advance(
+        &mut self,
+        step: &mut CommunicationStep<Self>,
+        settings: &Self::Settings,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure>;
+
+    /// Whether the end of the communication step is reached.
+    fn is_over(&self, step: &CommunicationStep<Self>) -> bool {
+        self.time() >= step.to
+    }
+
+    /// Makes the readings those of the time reached within a communication step, for an intermediate update.
+    fn update_outputs(&mut self) {}
+
+    /// An event since the communication step began that a master may want to handle, in words.
+    fn event(&self, _step: &CommunicationStep<Self>) -> Option<String> {
+        None
+    }
+
+    /// Lets the communication step end at a time, s, or at the present time if that is later. It never becomes longer.
+    fn end_at(&mut self, step: &mut CommunicationStep<Self>, time: f64) {
+        step.to = step.to.min(time.max(self.time()));
+    }
+
+    /// Ends the communication step at the present time.
+    fn finish(&mut self, _step: &CommunicationStep<Self>, _remarks: &mut Vec<Remark>) {}
+
     /// Readings around the present time, without elements of arrays.
-    fn moment(&mut self) -> Moment<Self::Readings>;
+    fn moment(&mut self) -> Option<Moment<Self::Readings>> {
+        None
+    }
+
+    /// A model into which [`Unit::serialize`] can read a state.
+    ///
+    /// # Errors
+    /// A sentence that gives what is wrong with the settings.
+    fn blank(settings: &Self::Settings, experiment: &Experiment) -> Result<Self, String> {
+        Self::start(settings, experiment, &mut Vec::new())
+    }
+
+    /// Writes the whole dynamic state to a tape or reads it from one, solver history included. A model that was read
+    /// continues bit for bit.
+    fn serialize(&mut self, tape: &mut Tape<'_>);
 }

@@ -1,9 +1,6 @@
 //! Products and inverses of small dense matrices, column-major. Of sizes known to the compiler they stand in registers,
 //! several times as fast as loops over slices; for products a size of 0 stands for any.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
-
 /// What becomes of y by a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Update {
@@ -79,20 +76,60 @@ pub fn gemm<const R: usize, const C: usize>(
         beside::<R, C, 2>(update, a, x, y);
     } else if R > 0 {
         beside::<R, C, 4>(update, a, x, y);
-    } else if let Some(columns) = y.len().checked_div(rows) {
-        matmul(
-            MatMut::from_column_major_slice_mut(y, rows, columns),
-            if update == Update::Set {
-                Accum::Replace
+    } else {
+        for (x, y) in x.chunks(BESIDE * inner).zip(y.chunks_mut(BESIDE * rows)) {
+            if y.len() == BESIDE * rows {
+                tiles::<BESIDE>(update, rows, a, x, y);
             } else {
-                Accum::Add
-            },
-            MatRef::from_column_major_slice(a, rows, inner),
-            MatRef::from_column_major_slice(x, inner, columns),
-            if update == Update::Subtract { -1.0 } else { 1.0 },
-            Par::Seq,
-        );
+                for (x, y) in x.chunks_exact(inner).zip(y.chunks_exact_mut(rows)) {
+                    tiles::<1>(update, rows, a, x, y);
+                }
+            }
+        }
     }
+}
+
+/// Columns of Y at a time where the size is not known to the compiler.
+const BESIDE: usize = 4;
+
+/// [`gemm`] of any size for N columns of Y, in tiles whose sums stand in registers.
+fn tiles<const N: usize>(update: Update, rows: usize, a: &[f64], x: &[f64], y: &mut [f64]) {
+    let mut top = 0;
+    while top < rows {
+        top += match rows - top {
+            8.. => tile::<8, N>(update, [rows, top], a, x, y),
+            4.. => tile::<4, N>(update, [rows, top], a, x, y),
+            2.. => tile::<2, N>(update, [rows, top], a, x, y),
+            _ => tile::<1, N>(update, [rows, top], a, x, y),
+        }
+    }
+}
+
+/// [`gemm`] for R rows of Y from `top` on and N columns; returns R.
+#[inline(always)]
+fn tile<const R: usize, const N: usize>(
+    update: Update,
+    [rows, top]: [usize; 2],
+    a: &[f64],
+    x: &[f64],
+    y: &mut [f64],
+) -> usize {
+    let columns: [&[f64]; N] = std::array::from_fn(|n| &x[n * x.len() / N..(n + 1) * x.len() / N]);
+    let mut sums = [[0.0; R]; N];
+    for (j, a) in a.chunks_exact(rows).enumerate() {
+        let a = &a[top..top + R];
+        for (sums, x) in sums.iter_mut().zip(columns) {
+            for i in 0..R {
+                sums[i] += a[i] * x[j];
+            }
+        }
+    }
+    for (y, sums) in y.chunks_exact_mut(rows).zip(&sums) {
+        for (y, sum) in y[top..].iter_mut().zip(sums) {
+            update.apply(y, *sum);
+        }
+    }
+    R
 }
 
 /// [`gemm`] for N columns of Y at a time: as many sums as the registers hold, so that each entry of A is read once for
@@ -161,6 +198,62 @@ pub fn invert<const R: usize>(a: &mut [f64]) -> bool {
     a.as_flattened().iter().all(|x| x.is_finite())
 }
 
+/// [`invert`] for any number of rows.
+#[derive(Clone, Debug)]
+pub struct Inverter {
+    pivots: Vec<f64>,
+    swaps: Vec<usize>,
+}
+
+impl Inverter {
+    /// Memory for matrices of so many rows.
+    pub fn new(rows: usize) -> Self {
+        Self {
+            pivots: vec![0.0; rows],
+            swaps: vec![0; rows],
+        }
+    }
+
+    /// [`invert`].
+    pub fn invert(&mut self, a: &mut [f64]) -> bool {
+        let n = self.pivots.len();
+        for k in 0..n {
+            self.pivots.copy_from_slice(&a[k * n..(k + 1) * n]);
+            let largest = self.pivots[k..].iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let mut row = k;
+            if self.pivots[k].abs() < PIVOT * largest {
+                row = (k..n).find(|&i| self.pivots[i].abs() == largest).unwrap_or(k);
+                a.chunks_exact_mut(n).for_each(|column| column.swap(k, row));
+                self.pivots.swap(k, row);
+            }
+            self.swaps[k] = row;
+            let inverse = self.pivots[k].recip();
+            if !inverse.is_finite() {
+                return false;
+            }
+            a[k * n..(k + 1) * n].fill(0.0);
+            for column in a.chunks_exact_mut(n) {
+                let factor = column[k] * inverse;
+                for (entry, pivot) in column.iter_mut().zip(&self.pivots) {
+                    *entry -= pivot * factor;
+                }
+                column[k] = factor;
+            }
+            self.pivots[k] = -1.0;
+            for (entry, pivot) in a[k * n..(k + 1) * n].iter_mut().zip(&self.pivots) {
+                *entry = -pivot * inverse;
+            }
+        }
+        for (k, &column) in self.swaps.iter().enumerate().rev() {
+            if column != k {
+                let (head, tail) = a.split_at_mut(column * n);
+                head[k * n..(k + 1) * n].swap_with_slice(&mut tail[..n]);
+            }
+        }
+        a.iter().all(|x| x.is_finite())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::tests::numbers;
@@ -175,6 +268,12 @@ mod tests {
         for (k, entry) in product.iter().enumerate() {
             let unit = if k % 9 == 0 { 1.0 } else { 0.0 };
             assert!((entry - unit).abs() < 1e-12);
+        }
+        let mut any = a.clone();
+        assert!(Inverter::new(8).invert(&mut any));
+        assert_eq!(any, inverse, "the same elimination");
+        for singular in [[1.0, 2.0, 2.0, 4.0], [1.0, f64::NAN, 2.0, 4.0]] {
+            assert!(!Inverter::new(2).invert(&mut singular.clone()));
         }
         assert!(!invert::<2>(&mut [1.0, 2.0, 2.0, 4.0]));
         assert!(!invert::<2>(&mut [1.0, f64::NAN, 2.0, 4.0]));

@@ -10,7 +10,7 @@ use clap::Args;
 use crate::archive::Archive;
 use crate::description::{self, Description};
 use crate::platform::{Platform, Version};
-use crate::workspace::{MODEL_IDENTIFIER, Machines, Workspace};
+use crate::workspace::{MODEL_IDENTIFIER, Machines, PAPER_IDENTIFIER, Workspace};
 use crate::{binary, cargo, date, exports, icons, licenses, portable, progress};
 
 /// The documentation in the FMU; `{{…}}` stand for values from the model description.
@@ -49,6 +49,9 @@ pub struct Options {
     /// Rust targets can be installed
     #[arg(long)]
     fmi3: bool,
+    /// Write target/PushbeltPaper.fmu instead, with the rings that the paper compares, for this machine
+    #[arg(long, conflicts_with_all = ["fmi3", "portable"])]
+    paper: bool,
 }
 
 /// Builds the FMU of FMI 2.0 or 3.0.
@@ -56,6 +59,9 @@ pub struct Options {
 /// # Errors
 /// The library doesn't compile, or a file can't be read or written.
 pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<()> {
+    if options.paper {
+        return run_paper(workspace).map(drop);
+    }
     let version = if options.fmi3 { Version::Three } else { Version::Two };
     let _alone = workspace.lock("build")?;
     let binaries = compile(workspace, options.machines, version)?;
@@ -104,17 +110,54 @@ fn pack(
         Version::Two => workspace.fmu(),
         Version::Three => workspace.fmu3(),
     };
+    write(archive, &path)?;
+    Ok(path)
+}
+
+/// Writes an FMU and prints its path and size.
+fn write(archive: Archive, path: &Path) -> anyhow::Result<()> {
     // Written to another file that is then renamed: no program reads a half-written FMU.
     let draft = path.with_extension("fmu.part");
     let output = File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
     let mut output = archive.write(BufWriter::new(output))?;
     output.flush()?;
     drop(output);
-    fs::rename(&draft, &path).with_context(|| format!("can't write {}", path.display()))?;
+    fs::rename(&draft, path).with_context(|| format!("can't write {}", path.display()))?;
 
-    let size = fs::metadata(&path)?.len().div_ceil(1024);
+    let size = fs::metadata(path)?.len().div_ceil(1024);
     println!("{} ({size} kB)", path.display());
+    Ok(())
+}
+
+/// Builds the FMU of the paper's belts for this machine and returns its path.
+///
+/// # Errors
+/// As [`run_options`].
+pub fn run_paper(workspace: &Workspace) -> anyhow::Result<PathBuf> {
+    let _alone = workspace.lock("build")?;
+    progress::headline("Compiling the binary of the paper's belts");
+    let (library, description) = cargo::build_paper(workspace)?;
+    let mut archive = Archive::default();
+    let binary = Platform::host()?.binary(Version::Two, PAPER_IDENTIFIER)?;
+    archive.add(binary, read(&library)?)?;
+    archive.add("modelDescription.xml", description.into_bytes())?;
+    add_resources(&mut archive, workspace)?;
+    let path = workspace.paper_fmu();
+    write(archive, &path)?;
     Ok(path)
+}
+
+/// Adds the parameter sets and the project's licences.
+fn add_resources(archive: &mut Archive, workspace: &Workspace) -> anyhow::Result<()> {
+    let parameters = workspace.root().join("resources").join("parameters");
+    for (name, content) in files(&parameters, "json")? {
+        archive.add(format!("resources/{name}"), content)?;
+    }
+    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        let content = read(&workspace.root().join(license))?;
+        archive.add(format!("{LICENSES}/{license}.txt"), content)?;
+    }
+    Ok(())
 }
 
 fn collect(
@@ -155,15 +198,7 @@ fn collect(
     let header = read(&workspace.root().join("resources/pushbelt.h"))?;
     archive.add("documentation/pushbelt.h", header)?;
 
-    let parameters = workspace.root().join("resources").join("parameters");
-    for (name, content) in files(&parameters, "json")? {
-        archive.add(format!("resources/{name}"), content)?;
-    }
-
-    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        let content = read(&workspace.root().join(license))?;
-        archive.add(format!("{LICENSES}/{license}.txt"), content)?;
-    }
+    add_resources(&mut archive, workspace)?;
     archive.add(format!("{LICENSES}/license.txt"), LICENSE.as_bytes().to_vec())?;
     let third_party = licenses::third_party(&workspace.packages(machines)?)?;
     archive.add(format!("{LICENSES}/third-party.txt"), third_party.into_bytes())?;

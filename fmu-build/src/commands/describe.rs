@@ -1,4 +1,4 @@
-//! `cargo fmu describe`: writes what is generated from the variable table and the version, and checked in.
+//! `cargo fmu describe`: writes what is generated from the variable table, the tables of C functions and the version, and checked in.
 
 use std::fs;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use crate::workspace::Workspace;
 /// Version of crate, FMU and Python package, from the workspace's manifest.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml` and what is made from the first.
+/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml`, `exports.def`, and what is made from the first.
 ///
 /// # Errors
 /// The model doesn't compile, or a file can't be written.
@@ -24,6 +24,7 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
         workspace.model_description(),
         workspace.model_description3(),
         workspace.terminals(),
+        workspace.exports(),
     ] {
         let name = path
             .file_name()

@@ -1,9 +1,10 @@
-//! `cargo fmu paper`: the paper's examples again with every ring model, and a report.
+//! `cargo fmu paper`: the paper's examples with every ring model, on an FMU of its own, and a report.
 
 use clap::Args;
 
 use crate::cargo::{self, Program};
-use crate::commands::python_program;
+use crate::commands::{build, program_on};
+use crate::python::RUNNING;
 use crate::workspace::Workspace;
 
 /// The example that runs the tests of rings alone.
@@ -25,8 +26,14 @@ pub struct Arguments {
 /// # Errors
 /// The FMU or the example doesn't build, or the simulation fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
-    let rings = cargo::build_program(workspace, Program::Example(RINGS))?;
-    let mut paper = python_program(workspace, "pushbelt.paper", "paper", "Running the paper's examples")?;
+    let rings = cargo::build_program(workspace, Program::OfPaper(RINGS))?;
+    let mut paper = program_on(
+        workspace,
+        &RUNNING,
+        || build::run_paper(workspace),
+        ("pushbelt.paper", "paper"),
+        "Running the paper's examples",
+    )?;
     paper.arg("--rings").arg(rings);
     if arguments.short {
         paper.arg("--short");

@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--ring",
         choices=list(RingModel.__members__),
         default="ALE",
-        help="ring model of the whole cycle; RCM and ANCF take minutes a second",
+        help="ring model of the whole cycle",
     )
     parser.add_argument("--variator", default=simulate.VARIATOR, help="parameter set, or its file, ….json")
     options = parser.parse_args(arguments)

@@ -10,8 +10,6 @@ class RingModel(IntEnum):
 
     ALE0 = 1
     ALE = 2
-    RCM = 3
-    ANCF = 4
 
 
 class Drive(IntEnum):

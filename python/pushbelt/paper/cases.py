@@ -14,12 +14,13 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from pushbelt.fmu.data import load_case_speed
-from pushbelt.fmu.enumerations import Drive, RingModel
+from pushbelt.fmu.enumerations import Drive
 from pushbelt.fmu.geometry import Array, ratio_of
 from pushbelt.fmu.load_cases import held_primary, steady_state
 from pushbelt.fmu.results import LoadCase, SteadyState, Trace
 from pushbelt.fmu.tilt import RIGID
 from pushbelt.fmu.unit import Archive, Variator, output_names
+from pushbelt.paper.belts import RingModel
 
 from .results import CaseRun, Effort, Shift, SpeedPoint, Times, Window
 

@@ -39,7 +39,7 @@ impl<L: Real> Hermite<L> {
 
 /// Σ weights·d; the weights are mesh constants or, where the mesh moves under the place, numbers like d.
 #[inline(always)]
-pub(crate) fn combine<T: Real + Mul<W, Output = T>, W: Copy, const D: usize>(
+pub fn combine<T: Real + Mul<W, Output = T>, W: Copy, const D: usize>(
     weights: &[W; 4],
     d: &[SVector<T, D>; 4],
 ) -> SVector<T, D> {

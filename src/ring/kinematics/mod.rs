@@ -28,14 +28,12 @@ mod variation;
 mod vectors;
 
 pub use hermite::Hermite;
-pub(crate) use hermite::combine;
-pub(crate) use load::ElementLoad;
-#[doc(hidden)]
+pub use hermite::combine;
+pub use load::ElementLoad;
 pub use load::Load;
-pub(crate) use motion::{ElementMotion, Node};
+pub use motion::{ElementMotion, Node};
 pub use motion::{Motion, ReferenceMotion};
 pub use point::RingPoint;
-pub(crate) use variation::RingVariation;
-#[doc(hidden)]
+pub use variation::RingVariation;
 pub use vectors::embed;
-pub(crate) use vectors::{in_plane, inward_normal};
+pub use vectors::{in_plane, inward_normal};

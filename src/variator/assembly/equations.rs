@@ -1,9 +1,9 @@
-//! The equations of ring, elements and contact: one implementation for rings whose mesh stands still
-//! ([`PackedCells`](crate::variator::assembly::packed::PackedCells)), one for rings that travel with theirs.
+//! The equations of ring, elements and contact.
+//! [`PackedCells`](crate::variator::assembly::packed::PackedCells) implements them for rings whose mesh stands still.
 
 use crate::contact::Friction;
 use crate::pulley::PerPulley;
-use crate::ring::model::{Energy, Shape};
+use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
@@ -16,15 +16,17 @@ use std::fmt::Debug;
 
 /// The belt, and the friction that acts on it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct InForce<'a> {
+pub struct InForce<'a> {
+    /// The belt.
     pub belt: &'a Belt,
+    /// Friction in force.
     pub friction: &'a Friction,
 }
 
 /// Equations of ring and elements. It keeps derivatives and working memory. Results depend on the arguments alone; those of
-/// [`Assembly::jacobian`] depend on the kept derivatives too.
-pub(crate) trait Assembly: Debug + Send + Sync {
-    /// A copy with the same kept derivatives.
+/// [`Assembly::jacobian`] depend on the cached derivatives too.
+pub trait Assembly: Debug + Send + Sync {
+    /// A copy with the same cached derivatives.
     fn boxed(&self) -> Box<dyn Assembly>;
 
     /// Adds the equations of the belt to `out`; returns its loads on the pulleys.
@@ -50,28 +52,23 @@ pub(crate) trait Assembly: Debug + Send + Sync {
         (Energy::default(), 0.0)
     }
 
-    /// Places the nodes of a ring that travels with its mesh on `shape`: their unknowns, if it is such a ring.
-    fn placed_on(&self, _shape: Shape<'_>) -> Option<Vec<f64>> {
-        None
-    }
-
-    /// Drops the kept derivatives: the next Jacobian evaluates all of them.
+    /// Drops the cached derivatives: the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Evaluates the kept derivatives at the places that were read from a tape.
+    /// Evaluates the cached derivatives at the places that were read from a tape.
     fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
 
-    /// Writes to a tape, or reads from it, the places of the kept derivatives.
+    /// Writes to a tape, or reads from it, the places of the cached derivatives.
     fn serialize_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
 
-    /// Number of packs of cells that were differentiated, and of those that got new slopes of their laws alone.
+    /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
     fn differentiations(&self) -> [u64; 2] {
         [0; 2]
     }
 
     /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry
     /// of its column.
-    #[cfg(test)]
+    #[doc(hidden)]
     fn worst_derivative(&self, _acting: InForce<'_>, _view: View<'_>, _alpha: f64) -> f64 {
         f64::NAN
     }

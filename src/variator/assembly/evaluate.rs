@@ -9,7 +9,7 @@ use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
 use crate::variator::belt::Belt;
 use crate::variator::cell::balance::balance;
-use crate::variator::cell::probe::{Probe, Sampler};
+use crate::variator::cell::observer::{Observer, Sampler};
 use crate::variator::cell::sample::Sample;
 use crate::variator::cell::state::CellInput;
 use crate::variator::law::place::CellBalance;
@@ -38,7 +38,7 @@ pub(crate) fn sampled_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
 #[inline(always)]
 pub(crate) fn pack_balance<
     T: Real<Constant = Lanes>,
-    S: Probe<T, D>,
+    S: Observer<T, D>,
     K: RingKind<D, C>,
     const D: usize,
     C: MeshCurve,
@@ -49,7 +49,7 @@ pub(crate) fn pack_balance<
     unknowns: &impl ReadUnknowns<Lanes>,
     slopes: [f64; 2],
     seed: impl Fn(Lanes, usize, f64) -> T,
-    probe: &mut S,
+    observer: &mut S,
 ) -> (CellBalance<T>, RingForces<T, D>) {
     let motion = motion::<T, K>(unknowns, slopes, &seed);
     let place = pack.place::<T, C>(&belt.law, frame);
@@ -62,6 +62,6 @@ pub(crate) fn pack_balance<
         place: &place,
         motion: &motion,
     };
-    let b = balance(&given, &mut ring, reference, probe);
+    let b = balance(&given, &mut ring, reference, observer);
     (b, ring.forces())
 }

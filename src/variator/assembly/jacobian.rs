@@ -2,19 +2,21 @@
 
 use crate::chain::Transport;
 use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
-use crate::scalar::{Lanes, Tangent};
+use crate::ring::Ring;
+use crate::ring::kinematics::ReferenceMotion;
+use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::pack_balance;
-use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
+use crate::variator::assembly::jacobian_cache::{JacobianCache, ReusePolicy, Update};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::pack::Pack;
-use crate::variator::assembly::regime::{Regime, RegimeProbe, Units};
-use crate::variator::assembly::unknowns::{Unknowns, motion, rows};
+use crate::variator::assembly::regime::{Regime, RegimeObserver, Units};
+use crate::variator::assembly::unknowns::{ReadUnknowns, Unknowns, motion, rows};
 use crate::variator::cell::balance::balance_in;
-use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS, RotatingRing};
-use crate::variator::cell::laws::{Arguing, Arguments};
-use crate::variator::cell::probe::{AtStation, NoProbe, Probe};
+use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS};
+use crate::variator::cell::laws::{ArgumentRecorder, Arguments};
+use crate::variator::cell::observer::{AtStation, NoObserver, Observer};
 use crate::variator::cell::state::{CellInput, Slots, StationForces};
 use crate::variator::cell::variation::{Evaluated, Linearised};
 use crate::variator::law::place::{CellBalance, Place};
@@ -22,6 +24,7 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{CellRing, VaryingRing};
 use num_traits::Zero;
 use std::cell::OnceCell;
+use std::marker::PhantomData;
 
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
@@ -35,7 +38,6 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
     fn frames(curve: &TwoPulley, path: &Path<f64>, slopes: [f64; 2]) -> Self::Frames;
 
     /// Shape of the curve.
-    #[cfg(test)]
     fn shape(frames: &Self::Frames) -> &C::Shape;
 
     /// The laws' part of derivatives by hand, of a pack with so many stations.
@@ -43,16 +45,16 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
         Some(LawPart::new::<Self, D>(stations))
     }
 
-    /// The balance of a pack at `unknowns`. What is `wanted` of the derivatives of `kept` is evaluated
-    /// anew: by hand if the ring has such derivatives. Says what was.
-    fn renew(
+    /// The balance of a pack at `unknowns`. Evaluates the derivatives that `policy` does not reuse from the `cache`, by hand
+    /// if the ring has such derivatives. Returns what was evaluated.
+    fn update(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
-        wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, Renewal);
+        policy: ReusePolicy,
+        cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
+    ) -> (CellBalance<Lanes>, Update);
 }
 
 /// How a ring makes its frames with derivatives in so many coordinates of the curve.
@@ -64,7 +66,6 @@ macro_rules! frames_along {
             Frames::new(curve, path, slopes)
         }
 
-        #[cfg(test)]
         fn shape(frames: &Self::Frames) -> &C::Shape {
             &frames.shape
         }
@@ -74,76 +75,103 @@ macro_rules! frames_along {
 impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
     frames_along!(COORDINATES);
 
-    fn renew(
+    fn update(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
-        wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, Renewal) {
-        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, wanted, kept)
+        policy: ReusePolicy,
+        cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
+    ) -> (CellBalance<Lanes>, Update) {
+        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, policy, cache)
     }
 }
 
 impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
     frames_along!(1);
 
-    fn renew(
+    fn update(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
-        wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, Renewal) {
-        by_hand::<Self, D, C, 1>(acting, pack, frames, at, wanted, kept)
+        policy: ReusePolicy,
+        cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
+    ) -> (CellBalance<Lanes>, Update) {
+        by_hand::<Self, D, C, 1>(acting, pack, frames, at, policy, cache)
     }
 }
 
-impl<const D: usize, C: MeshCurve> Differentiate<D, C> for RotatingRing<D> {
+/// A ring of kind `K`, whose cells are differentiated by forward differentiation alone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Forward<K>(PhantomData<K>);
+
+impl<K: Directions> Directions for Forward<K> {
+    const NODES: usize = K::NODES;
+    const TENSIONS: usize = K::TENSIONS;
+    const COORDINATES: usize = K::COORDINATES;
+}
+
+impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> RingKind<D, C> for Forward<K> {
+    type Ring<'a, T: Real> = K::Ring<'a, T>;
+
+    #[inline(always)]
+    fn ring<'a, T: Real>(
+        ring: &'a Ring,
+        at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        curve: (&'a C::Frame<T>, usize),
+        unknowns: &impl ReadUnknowns<T::Constant>,
+        slopes: [f64; 2],
+        seed: impl Fn(T::Constant, usize, f64) -> T,
+    ) -> Self::Ring<'a, T> {
+        K::ring(ring, at, curve, unknowns, slopes, seed)
+    }
+}
+
+impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Forward<K> {
     frames_along!(1);
 
     fn law_part(_stations: usize) -> Option<LawPart> {
         None
     }
 
-    fn renew(
+    fn update(
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
         at: (&Unknowns<Lanes>, [f64; 2]),
-        wanted: Wanted,
-        kept: (&mut Kept, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, Renewal) {
+        policy: ReusePolicy,
+        cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
+    ) -> (CellBalance<Lanes>, Update) {
         let (unknowns, slopes) = at;
         let mut regime = Regime::zero();
-        let mut probe = RegimeProbe {
+        let mut observer = RegimeObserver {
             alpha: slopes[0],
             regime: &mut regime,
         };
         let plain = |value, _, _| value;
-        let (b, _) = pack_balance::<_, _, Self, D, C>(acting, pack, &frames.plain, unknowns, slopes, plain, &mut probe);
+        let (b, _) =
+            pack_balance::<_, _, Self, D, C>(acting, pack, &frames.plain, unknowns, slopes, plain, &mut observer);
         let place = pack.place::<Lanes, C>(&acting.belt.law, &frames.plain);
         let units = units(acting, &place, slopes[0]);
-        let renewed = kept.0.renew::<Self>(wanted, (&regime, &units), at, place.length.v);
-        if renewed == Renewal::All {
-            forward::<Self, D, C>(acting, pack, &frames.shape, at, kept);
+        let with_tangents = cache.0.update::<Self>(policy, (&regime, &units), at, place.length.v);
+        if with_tangents == Update::All {
+            forward::<Self, D, C>(acting, pack, &frames.shape, at, cache);
         }
-        (b, renewed)
+        (b, with_tangents)
     }
 }
 
-/// [`Differentiate::renew`] by hand, and along N coordinates of the curve by forward differentiation.
+/// [`Differentiate::update`] by hand, and along N coordinates of the curve by forward differentiation.
 #[inline(never)]
 fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     acting: InForce<'_>,
     pack: &Pack,
     frames: &Frames<C, N>,
     at: (&Unknowns<Lanes>, [f64; 2]),
-    wanted: Wanted,
-    (kept, transports): (&mut Kept, &mut [Transport<[f64; MOST]>]),
-) -> (CellBalance<Lanes>, Renewal)
+    policy: ReusePolicy,
+    (cache, transports): (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
+) -> (CellBalance<Lanes>, Update)
 where
     for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
 {
@@ -168,18 +196,18 @@ where
         motion: &motion,
     };
     let (mut slots, mut forces, mut regime) = (Slots::empty(), [None; STATIONS], Regime::zero());
-    let mut probe = Keeper {
-        regime: RegimeProbe {
+    let mut observer = ForceRecorder {
+        regime: RegimeObserver {
             alpha: slopes[0],
             regime: &mut regime,
         },
         forces: &mut forces,
     };
-    let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut probe);
+    let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut observer);
     let units = units(acting, &place, slopes[0]);
-    let renewal = kept.renew::<K>(wanted, (&regime, &units), at, place.length.v);
-    if renewal != Renewal::All {
-        return (b, renewal);
+    let update = cache.update::<K>(policy, (&regime, &units), at, place.length.v);
+    if update != Update::All {
+        return (b, update);
     }
     let evaluated = Evaluated {
         cell,
@@ -188,7 +216,7 @@ where
         laws: &regime.laws,
     };
     let linear = Linearised::new(given, &ring, evaluated, slopes);
-    let mut columns = Columns::of::<K>(pack, kept, transports);
+    let mut columns = Columns::of::<K>(pack, cache, transports);
     for k in 0..K::COUNT {
         if let Some(direction) = K::direction(k) {
             let mut arguments = Arguments::zero();
@@ -198,9 +226,9 @@ where
         }
     }
     let mut arguments = Arguments::zero();
-    let arguing = &mut Arguing(&mut arguments);
+    let recorder = &mut ArgumentRecorder(&mut arguments);
     let (rows, transport) =
-        pack_pass::<N, K, D, C>(acting, pack, frames.moving(), (unknowns, slopes), K::THETA, arguing);
+        pack_pass::<N, K, D, C>(acting, pack, frames.moving(), (unknowns, slopes), K::THETA, recorder);
     for i in 0..N {
         columns.record::<K>(
             K::THETA + i,
@@ -209,10 +237,10 @@ where
         );
         columns.record_arguments::<K>(K::THETA + i, &arguments.map(|of| of.eps[i]));
     }
-    if let Some(laws) = &mut kept.laws {
+    if let Some(laws) = &mut cache.laws {
         laws.keep::<K, _, D>(&linear, &regime.laws);
     }
-    (b, renewal)
+    (b, update)
 }
 
 /// What slopes of laws are compared with, in a step with this factor 1/(hγ), 1/s.
@@ -222,15 +250,15 @@ fn units(InForce { belt, friction }: InForce<'_>, place: &Place<'_, Lanes>, alph
 }
 
 /// Keeps the forces at the stations, and records the regime.
-struct Keeper<'a, const D: usize> {
-    regime: RegimeProbe<'a>,
+struct ForceRecorder<'a, const D: usize> {
+    regime: RegimeObserver<'a>,
     forces: &'a mut [Option<StationForces<Lanes, D>>; STATIONS],
 }
 
-impl<const D: usize> Probe<Lanes, D> for Keeper<'_, D> {
+impl<const D: usize> Observer<Lanes, D> for ForceRecorder<'_, D> {
     #[inline(always)]
-    fn look<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
-        self.regime.look(at);
+    fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
+        self.regime.observe(at);
         self.forces[at.index] = Some(*at.forces);
     }
 }
@@ -241,13 +269,13 @@ fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     pack: &Pack,
     shape: &C::Shape,
     (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
-    (kept, transports): (&mut Kept, &mut [Transport<[f64; MOST]>]),
+    (cache, transports): (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
 ) {
-    let mut columns = Columns::of::<K>(pack, kept, transports);
+    let mut columns = Columns::of::<K>(pack, cache, transports);
     for first in (0..K::COUNT).step_by(PASS) {
         let frame = C::mesh_frame(shape, |k| moving((K::THETA + k).wrapping_sub(first), slopes));
         let at = (unknowns, slopes);
-        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, at, first, &mut NoProbe);
+        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, at, first, &mut NoObserver);
         for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
             columns.record::<K>(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
         }
@@ -262,36 +290,35 @@ fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     frame: &C::Frame<Tangent<N>>,
     (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
     first: usize,
-    probe: &mut impl Probe<Tangent<N>, D>,
+    observer: &mut impl Observer<Tangent<N>, D>,
 ) -> ([Tangent<N>; MOST_ROWS], Transport<Tangent<N>>) {
     let seed = |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, slopes, seed, probe);
+    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, slopes, seed, observer);
     (rows::<_, K, D>(&b, &ring), b.transport)
 }
 
 /// Largest difference between the derivatives of a pack by hand and by forward differentiation, as a share of the largest
 /// entry of its column, and of all figures of the transport (at least 1e-6: they are of the order of 1).
-#[cfg(test)]
 pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     pack: &Pack,
     frames: &K::Frames,
     at: (&Unknowns<Lanes>, [f64; 2]),
-    kept: &Kept,
+    cache: &JacobianCache,
     transports: &[Transport<[f64; MOST]>],
 ) -> f64 {
     use crate::variator::cell::directions::RESULTANT;
     let count = K::COUNT;
     let mut worst = 0.0_f64;
-    let mut kept = [kept.clone(), kept.clone()];
+    let mut cache = [cache.clone(), cache.clone()];
     let mut transports = [transports.to_vec(), transports.to_vec()];
-    kept[0].forget();
-    let of_hand = (&mut kept[0], &mut transports[0][..]);
-    K::renew(acting, pack, frames, at, Wanted::All, of_hand);
-    forward::<K, D, C>(acting, pack, K::shape(frames), at, (&mut kept[1], &mut transports[1]));
+    cache[0].forget();
+    let of_hand = (&mut cache[0], &mut transports[0][..]);
+    K::update(acting, pack, frames, at, ReusePolicy::None, of_hand);
+    forward::<K, D, C>(acting, pack, K::shape(frames), at, (&mut cache[1], &mut transports[1]));
     for lane in 0..pack.group.used {
-        let [hand, forward] = kept.each_ref().map(|kept| {
-            let entry = |row: usize, column: usize| kept.block[row * count + column].to_array()[lane];
+        let [hand, forward] = cache.each_ref().map(|cache| {
+            let entry = |row: usize, column: usize| cache.block[row * count + column].to_array()[lane];
             let column = |column| {
                 (0..count - 1 + RESULTANT)
                     .map(move |row| entry(row, column))
@@ -326,12 +353,16 @@ struct Columns<'a> {
 impl<'a> Columns<'a> {
     /// The columns of a pack.
     #[inline(always)]
-    fn of<K: Directions>(pack: &'a Pack, kept: &'a mut Kept, transports: &'a mut [Transport<[f64; MOST]>]) -> Self {
+    fn of<K: Directions>(
+        pack: &'a Pack,
+        cache: &'a mut JacobianCache,
+        transports: &'a mut [Transport<[f64; MOST]>],
+    ) -> Self {
         Self {
             pack,
             count: K::COUNT,
-            block: &mut kept.block,
-            laws: kept.laws.as_mut(),
+            block: &mut cache.block,
+            laws: cache.laws.as_mut(),
             transports,
         }
     }

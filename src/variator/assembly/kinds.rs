@@ -2,21 +2,19 @@
 
 use crate::reference_curve::{
     Displaced, DisplacedCurve, DisplacedFrame, Jet, Path, ReferenceCurve, TwoPulley, TwoPulleyFrame, TwoPulleyShape,
-    Unaligned,
 };
 use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::Real;
 use crate::variator::assembly::unknowns::{ReadUnknowns, nodes, tensions};
-use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, RotatingRing};
+use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing};
 use crate::variator::law::place::Place;
 use crate::variator::rings::deflecting::Deflecting;
 use crate::variator::rings::guided::Guided;
 use crate::variator::rings::ring::EulerianRing;
-use crate::variator::rings::rotating::Rotating;
 
 /// The reference curve of a mesh that stands still or follows the arcs.
-pub(crate) trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {
+pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {
     /// What it is at some coordinates, whatever the scalar.
     type Shape;
 
@@ -51,42 +49,6 @@ impl MeshCurve for TwoPulley {
     }
 }
 
-/// The curve of a mesh whose elements stand still.
-impl<C: MeshCurve + OnPulleys> MeshCurve for Unaligned<C> {
-    type Shape = (C, C::Shape);
-
-    fn shape(curve: &TwoPulley, path: &Path<f64>) -> Self::Shape {
-        (C::on_pulleys(curve), C::shape(curve, path))
-    }
-
-    fn mesh_frame<T: Real>((curve, shape): &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> Self::Frame<T> {
-        Self::frame_of(curve, C::mesh_frame(shape, by))
-    }
-
-    #[inline(always)]
-    fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2] {
-        C::arc_radii(frame.aligned())
-    }
-}
-
-/// A curve around two pulleys.
-pub(crate) trait OnPulleys {
-    /// The curve from that about the axes.
-    fn on_pulleys(curve: &TwoPulley) -> Self;
-}
-
-impl OnPulleys for TwoPulley {
-    fn on_pulleys(curve: &TwoPulley) -> Self {
-        curve.clone()
-    }
-}
-
-impl OnPulleys for Displaced {
-    fn on_pulleys(curve: &TwoPulley) -> Self {
-        Self { curve: curve.clone() }
-    }
-}
-
 /// The curve with displaced centres: its frame holds derivatives along the motion.
 impl MeshCurve for Displaced {
     type Shape = (TwoPulley, Path<f64>);
@@ -114,7 +76,7 @@ impl MeshCurve for Displaced {
 }
 
 /// A ring whose mesh stands still, in D components, on the curve `C`.
-pub(crate) trait RingKind<const D: usize, C: MeshCurve>: Directions {
+pub trait RingKind<const D: usize, C: MeshCurve>: Directions {
     /// The ring inside a cell.
     type Ring<'a, T: Real>: EulerianRing<T, D>;
 
@@ -159,24 +121,5 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Deflecting<'a, T, D> {
         Deflecting::new(ring, place, motion, &nodes(unknowns, slopes, seed))
-    }
-}
-
-impl<const D: usize, C: MeshCurve> RingKind<D, C> for RotatingRing<D> {
-    type Ring<'a, T: Real> = Rotating<'a, T, D>;
-
-    #[inline(always)]
-    fn ring<'a, T: Real>(
-        ring: &'a Ring,
-        (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
-        (frame, segment): (&'a C::Frame<T>, usize),
-        unknowns: &impl ReadUnknowns<T::Constant>,
-        slopes: [f64; 2],
-        seed: impl Fn(T::Constant, usize, f64) -> T,
-    ) -> Rotating<'a, T, D> {
-        let [start, share] = place.of_segment;
-        let curve = |fraction| C::tangent_angle(frame, segment, fraction);
-        let nodes = nodes(unknowns, slopes, seed);
-        Rotating::new(ring, place, motion, nodes, [start, start + share], curve)
     }
 }

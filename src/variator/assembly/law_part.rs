@@ -1,5 +1,5 @@
-//! The part of the laws in the derivatives of a pack of cells: kept as L, S, R ([`laws`](crate::variator::cell::laws)), so that new
-//! slopes S make derivatives of now from those of before.
+//! The laws' part of the derivatives of a pack of cells, stored as L, S, R ([`laws`](crate::variator::cell::laws)): with
+//! updated tangents S the stored derivatives become those of the present state.
 
 use crate::scalar::{Lanes, along};
 use crate::variator::assembly::unknowns::rows;
@@ -86,9 +86,9 @@ impl LawPart {
         record(LawForce::Collision);
     }
 
-    /// The derivatives with new slopes, where those of before are `block`.
+    /// The derivatives with updated tangents, from the cached `block`.
     #[inline(never)]
-    pub fn renewed<'a, K: Directions>(
+    pub fn with_tangents<'a, K: Directions>(
         &self,
         slopes: &LawSlopes,
         block: &[Lanes],
@@ -137,7 +137,7 @@ impl LawPart {
     }
 }
 
-/// Working memory of [`LawPart::renewed`].
+/// Working memory of [`LawPart::with_tangents`].
 #[derive(Clone, Debug)]
 pub(crate) struct LawWork {
     through: Box<Through>,

@@ -2,7 +2,7 @@
 
 use crate::chain::Transport;
 use crate::pulley::PerPulley;
-use crate::reference_curve::COORDINATES;
+use crate::reference_curve::{COORDINATES, DisplacedCurve};
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
@@ -11,19 +11,18 @@ use crate::tape::Tape;
 use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
-use crate::variator::assembly::jacobian::Differentiate;
-#[cfg(test)]
 use crate::variator::assembly::jacobian::worst_of_pack;
-use crate::variator::assembly::kept::{Kept, Renewal, Wanted};
-use crate::variator::assembly::kinds::MeshCurve;
+use crate::variator::assembly::jacobian::{Differentiate, Forward};
+use crate::variator::assembly::jacobian_cache::{JacobianCache, ReusePolicy, Update};
+use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
 use crate::variator::belt::Belt;
-use crate::variator::cell::directions::MOST;
-use crate::variator::cell::probe::NoProbe;
+use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
+use crate::variator::cell::observer::NoObserver;
 use crate::variator::cell::sample::Sample;
 use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
@@ -33,12 +32,12 @@ use std::marker::PhantomData;
 #[derive(Clone, Debug)]
 pub(crate) struct PackedCells<K, const D: usize, C> {
     pub(crate) packs: Vec<Pack>,
-    /// Kept derivatives of each pack.
-    pub(crate) kept: Vec<Kept>,
-    /// Number of packs that were differentiated, and that got new slopes of their laws alone.
+    /// JacobianCache derivatives of each pack.
+    pub(crate) caches: Vec<JacobianCache>,
+    /// Number of packs that were differentiated, and whose constitutive tangents alone were updated.
     pub(crate) differentiations: [u64; 2],
     pub(crate) transports: Transports,
-    /// Slopes of `transports` in the cell's directions, kept as those of the packs are.
+    /// Slopes of `transports` in the cell's directions, cached as those of the packs are.
     pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
     pub(crate) flux_entries: Vec<FluxEntries>,
     /// Working memory.
@@ -54,7 +53,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
         Self {
-            kept: vec![Kept::new::<K>(K::law_part(belt.mesh.points)); packs.len()],
+            caches: vec![JacobianCache::new::<K>(K::law_part(belt.mesh.points)); packs.len()],
             packs,
             differentiations: [0; 2],
             transports: Transports::new(cells),
@@ -107,7 +106,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
                 &InPlace { pack, view },
                 [0.0; 2],
                 |value, _, _| value,
-                &mut NoProbe,
+                &mut NoObserver,
             );
             let rows = rows::<_, K, D>(&b, &ring);
             pack.scatter::<K, D>(&rows, out);
@@ -139,24 +138,24 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
-        let wanted = |pack: usize| match geometry {
-            None => Wanted::Needed,
-            Some(Geometry::All) => Wanted::All,
-            Some(Geometry::Part { number, parts }) if pack % parts == number => Wanted::All,
-            Some(Geometry::Part { .. } | Geometry::Kept) => Wanted::Laws,
+        let policy = |pack: usize| match geometry {
+            None => ReusePolicy::WhereValid,
+            Some(Geometry::All) => ReusePolicy::None,
+            Some(Geometry::Part { number, parts }) if pack % parts == number => ReusePolicy::None,
+            Some(Geometry::Part { .. } | Geometry::Kept) => ReusePolicy::Geometry,
         };
         let frames = K::frames(&belt.curve, &belt.path(view), slopes);
         self.globals.clear();
         let mut loads = PerPulley::<PulleyLoad<Lanes>>::default();
-        for (number, (pack, kept)) in self.packs.iter().zip(&mut self.kept).enumerate() {
+        for (number, (pack, cache)) in self.packs.iter().zip(&mut self.caches).enumerate() {
             InPlace { pack, view }.gather::<K>(&mut self.unknowns);
-            let of_pack = (&mut *kept, &mut *self.transport_slopes);
+            let of_pack = (&mut *cache, &mut *self.transport_slopes);
             let at = (&*self.unknowns, slopes);
-            let (b, renewal) = K::renew(acting, pack, &frames, at, wanted(number), of_pack);
-            for (count, of) in self.differentiations.iter_mut().zip([Renewal::All, Renewal::Laws]) {
-                *count += u64::from(renewal == of);
+            let (b, update) = K::update(acting, pack, &frames, at, policy(number), of_pack);
+            for (count, of) in self.differentiations.iter_mut().zip([Update::All, Update::Tangents]) {
+                *count += u64::from(update == of);
             }
-            let block = kept.derivatives::<K>(&mut self.work);
+            let block = cache.derivatives::<K>(&mut self.work);
             pack.add_derivatives(block, K::COUNT, out);
             let shared = block.chunks_exact(K::COUNT).skip(K::DRIFT - 1);
             for (k, row) in shared.enumerate() {
@@ -185,27 +184,27 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     }
 
     fn forget_derivatives(&mut self) {
-        self.kept.iter_mut().for_each(Kept::forget);
+        self.caches.iter_mut().for_each(JacobianCache::forget);
     }
 
     fn restore_derivatives(&mut self, acting: InForce<'_>) {
-        for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
-            let origins = [&kept.origin, &kept.laws_origin].map(Clone::clone);
-            kept.forget();
-            for (origin, wanted) in origins.iter().zip([Wanted::All, Wanted::Laws]) {
+        for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
+            let origins = [&cache.origin, &cache.laws_origin].map(Clone::clone);
+            cache.forget();
+            for (origin, policy) in origins.iter().zip([ReusePolicy::None, ReusePolicy::Geometry]) {
                 if origin.exists() {
                     let frames = K::frames(&acting.belt.curve, &path::<K>(&origin.unknowns), origin.slopes);
                     let at = (&origin.unknowns, origin.slopes);
-                    let of_pack = (&mut *kept, &mut *self.transport_slopes);
-                    K::renew(acting, pack, &frames, at, wanted, of_pack);
+                    let of_pack = (&mut *cache, &mut *self.transport_slopes);
+                    K::update(acting, pack, &frames, at, policy, of_pack);
                 }
             }
         }
     }
 
     fn serialize_derivatives(&mut self, _belt: &Belt, tape: &mut Tape<'_>) {
-        for (pack, kept) in self.packs.iter().zip(&mut self.kept) {
-            kept.serialize(tape, K::COUNT, pack.group.used);
+        for (pack, cache) in self.packs.iter().zip(&mut self.caches) {
+            cache.serialize(tape, K::COUNT, pack.group.used);
         }
     }
 
@@ -213,17 +212,35 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         self.differentiations
     }
 
-    #[cfg(test)]
     fn worst_derivative(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
         let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
-        let of_pack = |(pack, kept): (&Pack, &Kept)| {
+        let of_pack = |(pack, cache): (&Pack, &JacobianCache)| {
             let mut unknowns = Unknowns::zero();
             InPlace { pack, view }.gather::<K>(&mut unknowns);
             let at = (&unknowns, [alpha, 1.0 / alpha]);
-            worst_of_pack::<K, D, C>(acting, pack, &frames, at, kept, &self.transport_slopes)
+            worst_of_pack::<K, D, C>(acting, pack, &frames, at, cache, &self.transport_slopes)
         };
-        self.packs.iter().zip(&self.kept).map(of_pack).fold(0.0, f64::max)
+        self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
     }
+}
+
+/// Equations of a belt whose ring keeps to the curve `C` (`ALE0`).
+#[must_use]
+pub fn guided_equations<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<GuidedRing, 2, C>::new(belt))
+}
+
+/// Equations of a belt whose ring deflects from the curve `C` in D components (`ALE`).
+#[must_use]
+pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(belt))
+}
+
+/// Equations of a belt with a ring of kind `K` in D components, whose mesh lies on the curve `C`. Their derivatives come
+/// from forward differentiation of the ring's functions.
+#[must_use]
+pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<Forward<K>, D, C>::new(belt))
 }
 
 /// Adds the loads of a pack on the pulleys.

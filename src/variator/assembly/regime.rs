@@ -3,8 +3,8 @@
 use crate::contact::Friction;
 use crate::scalar::{Lanes, Real};
 use crate::variator::cell::flank_variation::FlankSlopes;
-use crate::variator::cell::laws::{LawSlopes, STACK_ARGUMENTS, STACK_FORCES, Sloping};
-use crate::variator::cell::probe::{AtStation, Probe};
+use crate::variator::cell::laws::{LawSlopes, STACK_ARGUMENTS, STACK_FORCES, TangentRecorder};
+use crate::variator::cell::observer::{AtStation, Observer};
 use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
@@ -139,16 +139,16 @@ impl Regime {
 }
 
 /// Records the regime of a pack.
-pub(crate) struct RegimeProbe<'a> {
+pub(crate) struct RegimeObserver<'a> {
     /// Factor 1/(hγ) of ẏ in the derivatives, 1/s.
     pub alpha: f64,
     pub regime: &'a mut Regime,
 }
 
-impl<const D: usize> Probe<Lanes, D> for RegimeProbe<'_> {
+impl<const D: usize> Observer<Lanes, D> for RegimeObserver<'_> {
     #[inline(always)]
-    fn look<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
-        Sloping(&mut self.regime.laws).look(at);
+    fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
+        TangentRecorder(&mut self.regime.laws).observe(at);
         self.regime.flows[at.index] = Flow {
             convection: at.station.chain.flow / (at.station.weight * self.alpha),
             curvature: at.station.ring.reference.kappa,

@@ -6,7 +6,7 @@ use crate::variator::law::place::CellBalance;
 
 /// Load of the belt on a pulley.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct PulleyLoad<T = f64> {
+pub struct PulleyLoad<T = f64> {
     /// Axial force on one sheave, N.
     pub axial: T,
     /// Moment of the axial force on one sheave, N·m.
@@ -20,7 +20,7 @@ pub(crate) struct PulleyLoad<T = f64> {
 impl<T: Real> PulleyLoad<T> {
     /// Adds the load of a cell, times `on`.
     #[inline(always)]
-    pub(crate) fn add(&mut self, cell: &CellBalance<T>, on: T) {
+    pub fn add(&mut self, cell: &CellBalance<T>, on: T) {
         self.axial += cell.axial * on;
         self.torque += cell.torque * on;
         for (sum, moment) in self.tilting.iter_mut().zip(cell.tilting) {
@@ -34,7 +34,7 @@ impl<T: Real> PulleyLoad<T> {
 
 impl PulleyLoad<Lanes> {
     /// Sums over the lanes.
-    pub(crate) fn sum(&self) -> PulleyLoad {
+    pub fn sum(&self) -> PulleyLoad {
         PulleyLoad {
             axial: self.axial.sum(),
             tilting: self.tilting.map(Lanes::sum),
@@ -46,7 +46,7 @@ impl PulleyLoad<Lanes> {
 
 impl PulleyLoad {
     /// Load of one cell.
-    pub(crate) fn of_cell<T: Real<Constant = f64>>(cell: &CellBalance<T>) -> Self {
+    pub fn of_cell<T: Real<Constant = f64>>(cell: &CellBalance<T>) -> Self {
         Self {
             axial: cell.axial.re(),
             tilting: cell.tilting.map(|moment| moment.re()),
@@ -72,7 +72,7 @@ impl std::ops::AddAssign for PulleyLoad {
 /// Derivatives of the resultants of the contact forces on the belt by every unknown, which the drag of the shafts needs.
 /// The resultants are no rows of the matrix.
 #[derive(Clone, Debug)]
-pub(crate) struct ResultantSlopes(PerPulley<[Vec<f64>; 2]>);
+pub struct ResultantSlopes(PerPulley<[Vec<f64>; 2]>);
 
 impl ResultantSlopes {
     /// Room for so many unknowns.

@@ -10,7 +10,7 @@ use crate::variator::belt::Belt;
 /// Each figure is a list. It begins with the last cell, which stands before the first. All cells follow in their order,
 /// then room for a pack that ends beyond them.
 #[derive(Clone, Debug)]
-pub(crate) struct Transports {
+pub struct Transports {
     figures: Transport<Vec<f64>>,
     cells: usize,
 }
@@ -92,7 +92,8 @@ impl Transports {
 }
 
 /// The left face of a cell, with the cell before it (0) and the cell itself (1).
-pub(crate) struct Face {
+pub struct Face {
+    /// The two cells.
     pub cells: [usize; 2],
     /// Their amounts: unknowns, and rows of the balance.
     pub amounts: [usize; 2],

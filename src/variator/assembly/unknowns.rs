@@ -31,14 +31,17 @@ impl<L: Zero + Copy> Unknowns<L> {
 
 /// An unknown itself, its position or its rate.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Part {
+pub enum Part {
+    /// The position q.
     Position,
+    /// The unknown y.
     Value,
+    /// Its rate ẏ.
     Rate,
 }
 
 /// The unknowns of a cell, or of one in each lane, by their directions.
-pub(crate) trait ReadUnknowns<L> {
+pub trait ReadUnknowns<L> {
     /// The unknown of direction `k`.
     fn read(&self, part: Part, k: usize) -> L;
 
@@ -62,7 +65,7 @@ impl<L: Copy> ReadUnknowns<L> for Unknowns<L> {
 
 /// Motion of the nodes (`ALE`).
 #[inline(always)]
-pub(crate) fn nodes<T: Real, const D: usize>(
+pub fn nodes<T: Real, const D: usize>(
     unknowns: &impl ReadUnknowns<T::Constant>,
     [alpha, beta]: [f64; 2],
     seed: impl Fn(T::Constant, usize, f64) -> T,

@@ -11,32 +11,32 @@ use crate::chain::{Stack, Transport};
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::in_plane;
 use crate::scalar::Real;
-use crate::variator::cell::probe::{AtStation, Probe};
+use crate::variator::cell::observer::{AtStation, Observer};
 use crate::variator::cell::state::{CellInput, CellState, Slots, Station, StationForces, chain_at_face};
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{Action, CellRing};
 
 /// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference
-/// curve at the face (0) and at the stations (1 and on); `probe` looks on at every station.
+/// curve at the face (0) and at the stations (1 and on); `observer` looks on at every station.
 #[inline(always)]
-pub(crate) fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>>(
+pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
-    probe: &mut P,
+    observer: &mut P,
 ) -> CellBalance<T> {
     let mut slots = Slots::empty();
-    balance_in(given, ring, reference, &mut slots, probe).0
+    balance_in(given, ring, reference, &mut slots, observer).0
 }
 
 /// [`balance`] with the state of the cell; `slots`, which were empty, are filled.
 #[inline(always)]
-pub(crate) fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T, D>>(
+pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
     slots: &mut Slots<T, D>,
-    probe: &mut P,
+    observer: &mut P,
 ) -> (CellBalance<T>, CellState<T>) {
     let cell = CellState::new(given, ring, reference, slots);
     let stack = cell.stack(given.law);
@@ -58,7 +58,7 @@ pub(crate) fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Probe<T,
         let Some(station) = station else { continue };
         let forces = StationForces::new(given, &cell, (i, station), ring, push.force);
         apply(given, (i, station), &forces, ring, &mut out);
-        probe.look(&AtStation {
+        observer.observe(&AtStation {
             given,
             cell: &cell,
             stack: &stack,

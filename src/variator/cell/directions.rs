@@ -18,7 +18,7 @@ pub(crate) const RESULTANT: usize = 2;
 const OF_PULLEY: usize = 4;
 
 /// Directions of a cell with a certain ring.
-pub(crate) trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
+pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// Number of those that are motions of the nodes.
     const NODES: usize;
     /// Number of those that are tensions of the ring.
@@ -68,10 +68,6 @@ pub(crate) struct GuidedRing;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeflectingRing<const D: usize>;
 
-/// `ALE`: the ring deflects in D components, counted along the reference curve and across it, A_i = [t, n, b]_ref in (10).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RotatingRing<const D: usize>;
-
 impl Directions for GuidedRing {
     const NODES: usize = 0;
     const TENSIONS: usize = 2;
@@ -84,15 +80,9 @@ impl<const D: usize> Directions for DeflectingRing<D> {
     const COORDINATES: usize = 1;
 }
 
-impl<const D: usize> Directions for RotatingRing<D> {
-    const NODES: usize = 4 * D;
-    const TENSIONS: usize = 0;
-    const COORDINATES: usize = 1;
-}
-
 /// An unknown of a cell that varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Direction {
+pub enum Direction {
     /// An unknown of the ring's own: of a node, or (`ALE0`) the tension at a face.
     Ring(usize),
     /// The speed V at a face.

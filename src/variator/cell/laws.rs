@@ -1,17 +1,17 @@
-//! The laws of a cell that change by orders of magnitude where a gap closes or a cell begins to slide: flanks, friction between ring
-//! and elements, stack. Each gives some forces that depend on some arguments. In the derivatives of the balance they are
-//! a sum of products L S R:
+//! The constitutive laws of a cell, whose tangents change by orders of magnitude where a gap closes or a cell begins to
+//! slide: flanks, friction between ring and elements, stack. Each gives some forces that depend on some arguments. In the
+//! derivatives of the balance they are a sum of products L S R:
 //!
-//! - R says how an argument varies in a direction, L how a force acts in the rows. They are geometry.
-//! - S are the slopes of the forces by their arguments.
+//! - R is the derivative of an argument in a direction, L the place of a force in the rows: geometry.
+//! - S are the tangents, the slopes of the forces by their arguments.
 //!
-//! So new slopes make derivatives of now from those of before ([`LawPart`](crate::variator::assembly::law_part::LawPart)), as long as the
-//! geometry has hardly changed.
+//! So an update of S alone gives the present derivatives
+//! ([`LawPart`](crate::variator::assembly::law_part::LawPart)), as long as the geometry has hardly changed.
 
 use crate::chain::Stack;
 use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES, FlankSlopes, flank_slopes, of_flank};
-use crate::variator::cell::probe::{AtStation, Probe};
+use crate::variator::cell::observer::{AtStation, Observer};
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
@@ -142,11 +142,11 @@ impl LawSlopes {
 }
 
 /// Finds the slopes of the laws: those of a second flank in space alone.
-pub(crate) struct Sloping<'a>(pub &'a mut LawSlopes);
+pub(crate) struct TangentRecorder<'a>(pub &'a mut LawSlopes);
 
-impl<const D: usize> Probe<Lanes, D> for Sloping<'_> {
+impl<const D: usize> Observer<Lanes, D> for TangentRecorder<'_> {
     #[inline(always)]
-    fn look<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
+    fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
         let (given, forces) = (at.given, at.forces);
         let to = &mut self.0.stations[at.index];
         for (to, motion) in to.flanks.iter_mut().zip(&forces.flanks.motions).take(D - 1) {
@@ -171,11 +171,11 @@ impl<const D: usize> Probe<Lanes, D> for Sloping<'_> {
 }
 
 /// Keeps the arguments of the laws.
-pub(crate) struct Arguing<'a, T>(pub &'a mut Arguments<T>);
+pub(crate) struct ArgumentRecorder<'a, T>(pub &'a mut Arguments<T>);
 
-impl<T: Real, const D: usize> Probe<T, D> for Arguing<'_, T> {
+impl<T: Real, const D: usize> Observer<T, D> for ArgumentRecorder<'_, T> {
     #[inline(always)]
-    fn look<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>) {
+    fn observe<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>) {
         let to = &mut self.0.stations[at.index];
         to.flanks = at.forces.flanks.motions.each_ref().map(of_flank);
         to.ring = [at.forces.pressing, at.forces.sliding];

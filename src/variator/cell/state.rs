@@ -14,7 +14,7 @@ use nalgebra::{SVector, Vector2};
 
 /// Arguments of the cell law: constants, friction, place and motion.
 #[derive(Debug)]
-pub(crate) struct CellInput<'a, T: Real> {
+pub struct CellInput<'a, T: Real> {
     pub law: &'a CellLaw,
     pub friction: &'a Friction,
     pub place: &'a Place<'a, T>,
@@ -23,7 +23,7 @@ pub(crate) struct CellInput<'a, T: Real> {
 
 /// Ring and chain at a station, and the length dξ that it stands for, m.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Station<T: Real, const D: usize> {
+pub struct Station<T: Real, const D: usize> {
     pub ring: RingPoint<T, D>,
     pub chain: ChainPoint<T, D>,
     pub weight: T,
@@ -32,7 +32,7 @@ pub(crate) struct Station<T: Real, const D: usize> {
 /// The ring at the left face of a cell, ring and chain at its stations. They are kilobytes, so they are written in place and
 /// never moved.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Slots<T: Real, const D: usize> {
+pub struct Slots<T: Real, const D: usize> {
     pub face: Option<RingPoint<T, D>>,
     pub stations: [Option<Station<T, D>>; STATIONS],
 }
@@ -55,17 +55,14 @@ impl<T: Real, const D: usize> Slots<T, D> {
 
 /// The chain at the left face of a cell.
 #[inline(always)]
-pub(crate) fn chain_at_face<T: Real, const D: usize>(
-    given: &CellInput<'_, T>,
-    face: &RingPoint<T, D>,
-) -> ChainPoint<T, D> {
+pub fn chain_at_face<T: Real, const D: usize>(given: &CellInput<'_, T>, face: &RingPoint<T, D>) -> ChainPoint<T, D> {
     let theta_dot = given.motion.reference.theta.rate;
     ChainPoint::new(given.law.chain.pitch_offset, face, theta_dot, given.motion.speed[0])
 }
 
 /// Arguments of the laws of a cell's stack.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CellState<T: Real> {
+pub struct CellState<T: Real> {
     /// One by the length of the pitch line, and by that of the cell, 1/m.
     pub inverse_pitch_length: T,
     pub inverse_length: T,
@@ -177,7 +174,7 @@ impl<T: Real> CellState<T> {
 
 /// Forces at a station per dξ.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StationForces<T: Real, const D: usize> {
+pub struct StationForces<T: Real, const D: usize> {
     /// Own load of the ring, and its tension, N.
     pub own_load: Load<T, D>,
     pub tension: T,

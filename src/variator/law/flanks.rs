@@ -8,7 +8,7 @@ use nalgebra::{SVector, Vector2};
 
 /// Loads of flanks on an element, per ring length.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FlankLoads<T> {
+pub struct FlankLoads<T> {
     /// Outward force at the ring centre line, N/m.
     pub radial: T,
     /// Force along e_t at the pitch line, N/m.
@@ -28,7 +28,7 @@ pub(crate) struct FlankLoads<T> {
 impl<T: Real> FlankLoads<T> {
     #[inline(always)]
     /// Sum of two loads.
-    pub(crate) fn plus(&self, other: &Self) -> Self {
+    pub fn plus(&self, other: &Self) -> Self {
         Self {
             radial: self.radial + other.radial,
             around: self.around + other.around,
@@ -43,7 +43,7 @@ impl<T: Real> FlankLoads<T> {
 
 /// Loads of both flanks of an element, per dξ.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BothFlanks<T> {
+pub struct BothFlanks<T> {
     /// Motion of the flank on the movable sheave, and of the other.
     pub motions: [FlankMotion<T>; 2],
     /// Forces of the two.
@@ -60,7 +60,7 @@ pub(crate) struct BothFlanks<T> {
 
 /// Position of a point of the belt relative to its pulley, and the motion of its flanks on the sheaves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Approach<T: Real> {
+pub struct Approach<T: Real> {
     /// Unit vector from the axis.
     pub e_r: Vector2<T>,
     /// Unit vector around it, clockwise.

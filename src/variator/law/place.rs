@@ -112,7 +112,7 @@ impl<T: Real> CellMotion<T> {
     /// From the unknowns by their directions: V, V, N are those from `own` on, s, Θ those from `drift` on, z, ψ_x, ψ_y, ω
     /// those from `sheave` on.
     #[inline(always)]
-    pub(crate) fn of_directions(
+    pub fn of_directions(
         [own, drift, sheave]: [usize; 3],
         position: impl Fn(usize) -> T,
         value: impl Fn(usize) -> T,
@@ -200,12 +200,12 @@ impl<T: Real> Place<'_, T> {
 
 /// Linear between the two faces of a cell.
 #[inline(always)]
-pub(crate) fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
+pub fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
     faces[0] * (-right + 1.0) + faces[1] * right
 }
 
 /// Share of a face in [`between`]: 0 the left one, 1 the right one.
 #[inline(always)]
-pub(crate) fn share<T: Real>(face: usize, right: T::Constant) -> T {
+pub fn share<T: Real>(face: usize, right: T::Constant) -> T {
     T::constant(if face == 0 { -right + 1.0 } else { right })
 }

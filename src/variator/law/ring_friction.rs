@@ -9,7 +9,7 @@ const RING_LOAD_SMOOTHING: f64 = 1.0;
 
 /// Part of the ring's tension that presses it on the elements, N: less what keeps its own mass on the curve at ṡ, m/s.
 #[inline(always)]
-pub(crate) fn pressing<T: Real>(ring: &Ring, tension: T, s_dot: T) -> T {
+pub fn pressing<T: Real>(ring: &Ring, tension: T, s_dot: T) -> T {
     tension - s_dot * s_dot * ring.mass_per_length
 }
 
@@ -21,7 +21,7 @@ fn ring_load<T: Real>(pressing: T) -> T {
 
 /// Friction of the ring on elements per dξ, N/m, under the tension `pressing`, N, where it slides at `sliding`, m/s.
 #[inline(always)]
-pub(crate) fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
+pub fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
     let (_, inverse_speed) = square_of_speed(friction, sliding).root_and_inverse();
     ring_load(pressing) * kappa * friction.ring * sliding * inverse_speed
 }
@@ -29,7 +29,7 @@ pub(crate) fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T,
 /// Drag of the ring's layers per dξ, N/m, under the tension `pressing`, N, where the ring moves along itself at `speed`, m/s.
 /// `share` is that of [`Layers::drag_shares`](layers::Layers::drag_shares).
 #[inline(always)]
-pub(crate) fn layer_drag<T: Real>(share: T, pressing: T, kappa: T, speed: T) -> T {
+pub fn layer_drag<T: Real>(share: T, pressing: T, kappa: T, speed: T) -> T {
     share * ring_load(pressing) * kappa * layers::direction(speed)
 }
 

@@ -56,7 +56,7 @@ impl WorkingPoint {
         let mut parameters = parameters.clone();
         parameters.initial.steady = true;
         let mut variator = Variator::new(parameters)?;
-        refuse_travelling(&variator)?;
+        refuse_unsteady(&variator)?;
         variator.initialise(0.0, inputs)?;
         if variator.outputs().start_state != StartState::Steady {
             let warning = variator.take_messages().into_iter().find(|message| message.warning);
@@ -68,7 +68,7 @@ impl WorkingPoint {
 
     /// The state in which the `variator` is, under `inputs`.
     pub fn of(variator: &mut Variator, inputs: &Inputs) -> Result<Self, LinearError> {
-        refuse_travelling(variator)?;
+        refuse_unsteady(variator)?;
         let (mut system, mut state) = (variator.system().clone(), variator.state().clone());
         if system.friction_velocity != system.parameters.friction.velocity {
             let why = "the run has just started without load, and friction is still soft";
@@ -92,13 +92,14 @@ impl WorkingPoint {
 
 const STANDS_STILL: &str = "the primary pulley stands still";
 
-/// Nodes that travel have no steady state.
-fn refuse_travelling(variator: &Variator) -> Result<(), LinearError> {
-    if !variator.parameters().ring_model.travels() {
+/// Refuses a ring without a steady state of its own.
+fn refuse_unsteady(variator: &Variator) -> Result<(), LinearError> {
+    let ring = &variator.system().belt.ring;
+    if ring.starts_on().is_none() {
         return Ok(());
     }
-    let why = "the nodes of this ring model pass under the stations; ALE has a steady state";
-    Err(LinearError::Unsteady(why.to_string()))
+    let why = format!("the ring model {} has no steady state; ALE has one", ring.name());
+    Err(LinearError::Unsteady(why))
 }
 
 /// Refuses a state in which Θ changes by this, 1/s.

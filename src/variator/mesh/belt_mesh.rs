@@ -1,19 +1,19 @@
 //! The mesh: ring elements around the belt, each divided into chain cells.
 //!
-//! It has five segments by default, each divided into elements. Element borders lie on the arc borders for every Θ, so
-//! every quadrature point stays on its own arc or strand and all integrals are smooth in Θ. Elements are graded towards
-//! the arc borders, where the contact begins (pressure rises over about 5 mm) and the ring has its bending boundary
-//! layer (√(EI/T) ≈ 2 mm).
+//! It has five segments, each divided into elements. Element borders lie on the arc borders for every Θ, so every
+//! quadrature point stays on its own arc or strand and all integrals are smooth in Θ. Elements are graded towards the
+//! arc borders, where the contact begins (pressure rises over about 5 mm) and the ring has its bending boundary layer
+//! (√(EI/T) ≈ 2 mm).
 //!
-//! The other mesh is the paper's: elements evenly spaced along ξ, which stand still while arc borders move through
-//! them. Where a border passes a quadrature point, the reference curvature jumps there. Each cell has one pulley here
-//! too: no arc reaches the quarters of the belt, ξ = L/4 and 3L/4, at any ratio that the stops allow.
+//! A mesh that is not aligned to the arcs has one segment, the whole curve, with elements evenly spaced along ξ. Arc
+//! borders move through them, and the reference curvature jumps at the quadrature points that a border passes. Each cell
+//! has one pulley here too if no arc reaches the quarters of the belt, ξ = L/4 and 3L/4.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::mesh::{Spacing, divide, parts};
 use crate::scalar::{LANES, Lanes};
-use crate::variator::settings::parameters::{Mesh, RingModel};
+use crate::variator::settings::parameters::Mesh;
 
 pub use crate::ring::mesh::{Element, Station};
 
@@ -64,6 +64,15 @@ impl Group {
     }
 }
 
+/// Cells of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellDivision {
+    /// Number of cells in an element.
+    pub per_element: usize,
+    /// Quadrature points in a cell, 2 to 3.
+    pub points: usize,
+}
+
 /// Elements and cells around the loop; the first node is at ξ = 0.
 #[derive(Clone, Debug)]
 pub struct BeltMesh {
@@ -82,10 +91,10 @@ pub struct BeltMesh {
 }
 
 /// Number and spacing of the elements on each segment.
-fn segments(mesh: &Mesh) -> Vec<(usize, Spacing)> {
+fn segments(mesh: &Mesh, aligned: bool) -> Vec<(usize, Spacing)> {
     let half = (mesh.secondary_arc / 2) as usize;
     let (strand, arc) = (mesh.strand as usize, mesh.primary_arc as usize);
-    if mesh.aligned {
+    if aligned {
         vec![
             (half, Spacing::End(ARC_GRADING)),
             (strand, Spacing::Both(STRAND_GRADING)),
@@ -122,23 +131,14 @@ fn group(cells: &mut [Cell], elements: &[Element]) -> Vec<Group> {
 }
 
 impl BeltMesh {
-    /// Mesh of a belt on two pulleys with this ring model.
+    /// Mesh of a belt on two pulleys, `aligned` to its arcs or not, with these cells.
     #[must_use]
-    pub fn new(mesh: &Mesh, ring: RingModel) -> Self {
-        let cells_per_element = if ring == RingModel::Ale0 {
-            1
-        } else {
-            mesh.cells_per_element as usize
-        };
-        let points = match ring {
-            RingModel::Ale0 => 2,
-            // Full integration of the membrane needs three points or more in an element.
-            RingModel::Ale => 2 + usize::from(cells_per_element == 1),
-            // A ring with elements of its own sags between the points that carry it, q d⁴/(384 EI) or 2 µm at the
-            // widest of two points a cell.
-            RingModel::Rcm | RingModel::Ancf => 3,
-        };
-        let elements: Vec<Element> = segments(mesh)
+    pub fn new(mesh: &Mesh, cells: CellDivision, aligned: bool) -> Self {
+        let CellDivision {
+            per_element: cells_per_element,
+            points,
+        } = cells;
+        let elements: Vec<Element> = segments(mesh, aligned)
             .into_iter()
             .enumerate()
             .flat_map(|(segment, (count, spacing))| divide(segment, count, spacing))
@@ -148,7 +148,7 @@ impl BeltMesh {
             for (face, stations) in parts(element, cells_per_element, points) {
                 let middle = 0.5 * (stations[0].fraction + stations[stations.len() - 1].fraction);
                 let touches_primary = match element.segment {
-                    0 if !mesh.aligned => (0.25..0.75).contains(&middle),
+                    0 if !aligned => (0.25..0.75).contains(&middle),
                     1 => middle > 0.5,
                     2 => true,
                     3 => middle < 0.5,
@@ -170,7 +170,7 @@ impl BeltMesh {
         }
         let groups = group(&mut cells, &elements);
         Self {
-            aligned: mesh.aligned,
+            aligned,
             elements,
             cells,
             groups,
@@ -205,17 +205,15 @@ impl BeltMesh {
 mod tests {
     use super::*;
 
+    const CELLS: CellDivision = CellDivision {
+        per_element: 2,
+        points: 2,
+    };
+
     #[test]
     fn evenly_spaced_elements_fill_the_belt_and_halves_touch_one_pulley_each() {
-        let parameters = crate::variator::settings::Parameters::default().mesh;
-        let even = Mesh {
-            aligned: false,
-            ..parameters.clone()
-        };
-        let (even, aligned) = (
-            BeltMesh::new(&even, RingModel::Ale),
-            BeltMesh::new(&parameters, RingModel::Ale),
-        );
+        let mesh = crate::variator::settings::Parameters::default().mesh;
+        let [even, aligned] = [false, true].map(|aligned| BeltMesh::new(&mesh, CELLS, aligned));
         assert_eq!(even.elements.len(), aligned.elements.len());
         assert_eq!((even.opposite(), aligned.opposite()), (26, 26));
         let share = 1.0 / even.elements.len() as f64;
@@ -230,7 +228,7 @@ mod tests {
 
     #[test]
     fn segments_are_filled_and_weights_sum_to_one() {
-        let mesh = BeltMesh::new(&crate::variator::settings::Parameters::default().mesh, RingModel::Ale);
+        let mesh = BeltMesh::new(&crate::variator::settings::Parameters::default().mesh, CELLS, true);
         for segment in 0..5 {
             let sum: f64 = mesh
                 .elements

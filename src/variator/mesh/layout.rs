@@ -4,17 +4,13 @@
 //! the speed V of its left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left
 //! face. The border holds the globals, of `ALE0` also the coordinates of displaced centres.
 //!
-//! With a ring that travels with its mesh the cells come first, each with V and N, then the nodes of the ring, then
-//! what is left free in the blocks; the module `order` sorts them into the order of the matrix.
+//! A ring whose nodes have no fixed neighbours among the cells stands apart: cells first, each with V and N, then the
+//! nodes, then the unknowns that only fill the blocks. Its equations sort them into the order of the matrix.
 
 use crate::pulley::Pulley;
-use crate::reference_curve::{COORDINATES, ReferenceCurve, TwoPulley};
-use crate::ring::ancf::AncfElement;
-use crate::ring::lagrangian::LagrangianElement;
-use crate::ring::rcm::RcmElement;
+use crate::reference_curve::COORDINATES;
 use crate::solver::arrow::Shape;
 use crate::variator::mesh::belt_mesh::BeltMesh;
-use crate::variator::settings::parameters::{Parameters, RingModel};
 
 /// Places of the global unknowns in the border. Pairs follow each other, the secondary pulley's first.
 const DRIFT: usize = 0;
@@ -30,46 +26,46 @@ pub const CENTRES: usize = COORDINATES - 1;
 /// The turn among them; the others are lengths.
 pub const TURN: usize = 1;
 
-/// Unknowns of the ring beside drift and Θ.
+/// Unknowns of a ring beside drift and Θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RingUnknowns {
-    /// `ALE0`: the tension at each face.
-    Tension,
-    /// `ALE`: deflection and slope of each node, in so many components: 2, or 3 in space.
-    Deflection {
-        /// Number of components.
-        components: usize,
-        /// Whether they are counted along the reference curve and across it, A_i = [t, n, b]_ref in (10), instead of along
-        /// x, y, z.
-        rotating: bool,
-    },
-    /// `RCM`, `ANCF`: nodes that travel with the ring.
-    Travelling(Travelling),
-}
-
-/// Nodes of a ring that travels with its mesh, and the blocks that they share with the cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Travelling {
-    /// Number of nodes, and of elements.
+pub struct RingUnknowns {
+    /// Number of nodes with unknowns; 0 if the ring keeps to the reference curve.
     pub nodes: usize,
-    /// Unknowns of a node and the element after it.
-    pub block: usize,
-    /// A bit for each unknown that is a length; the others are angles or slopes.
-    lengths: u32,
-    /// Unstretched length of an element, m.
-    pub length: f64,
-    /// Number of blocks of the matrix, and their size.
-    pub blocks: [usize; 2],
+    /// Unknowns of a node, with those of the element after it.
+    pub per_node: usize,
+    /// A bit for each unknown of a node that is a length; the others are angles or slopes.
+    pub lengths: u32,
+    /// Components of the deflection from the reference curve at each node: 2, or 3 in space, the value and its slope of
+    /// each in turn; 0 if the unknowns of the nodes are others.
+    pub components: usize,
+    /// Whether the ring tension at each face is an unknown.
+    pub tension: bool,
+    /// Number of blocks of the matrix, and their size, of nodes that have no fixed neighbours among the cells. Otherwise
+    /// node k stands in block k, with the cells of element k.
+    pub apart: Option<[usize; 2]>,
 }
 
-impl Travelling {
-    fn new<E: LagrangianElement>(nodes: usize, belt_length: f64) -> Self {
+impl RingUnknowns {
+    /// The tension at each face: a ring on the reference curve (`ALE0`).
+    pub const TENSION: Self = Self {
+        nodes: 0,
+        per_node: 0,
+        lengths: 0,
+        components: 0,
+        tension: true,
+        apart: None,
+    };
+
+    /// Deflection and slope at each of the mesh's nodes, in so many `components`: 2, or 3 in space (`ALE`).
+    #[must_use]
+    pub fn deflection(components: usize, mesh: &BeltMesh) -> Self {
         Self {
-            nodes,
-            block: E::BLOCK,
-            lengths: (0..E::BLOCK).filter(|&k| E::is_length(k)).map(|k| 1 << k).sum(),
-            length: belt_length / nodes as f64,
-            blocks: [0; 2],
+            nodes: mesh.elements.len(),
+            per_node: 2 * components,
+            lengths: 0b01_0101 & ((1 << (2 * components)) - 1),
+            components,
+            tension: false,
+            apart: None,
         }
     }
 
@@ -77,26 +73,6 @@ impl Travelling {
     #[must_use]
     pub fn is_length(&self, k: usize) -> bool {
         self.lengths >> k & 1 == 1
-    }
-
-    /// Element at the unstretched place x̄, m, around the loop, and its number counted on over turns.
-    #[inline]
-    pub(crate) fn element(&self, place: f64) -> (usize, f64) {
-        let count = (place / self.length).floor();
-        (self.wrap(count), count)
-    }
-
-    /// A whole number counted on over turns, as the number of a node.
-    #[inline]
-    pub(crate) fn wrap(&self, count: f64) -> usize {
-        let nodes = self.nodes as f64;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a whole number in 0..nodes"
-        )]
-        let node = (count - (count / nodes).floor() * nodes) as usize;
-        node.min(self.nodes - 1)
     }
 }
 
@@ -114,25 +90,9 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Layout of the ring that the parameters name. The blocks of one that travels are still to be found
-    /// ([`blocks`](crate::variator::mesh::order::blocks)).
+    /// Layout of a mesh with the unknowns of its ring.
     #[must_use]
-    pub fn new(parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> Self {
-        let ring = match parameters.ring_model {
-            RingModel::Ale0 => RingUnknowns::Tension,
-            RingModel::Ale => RingUnknowns::Deflection {
-                components: if parameters.spatial { 3 } else { 2 },
-                rotating: parameters.reference_directions,
-            },
-            RingModel::Rcm | RingModel::Ancf => {
-                let elements = parameters.travelling_elements().unwrap_or_default();
-                RingUnknowns::Travelling(if parameters.ring_model == RingModel::Rcm {
-                    Travelling::new::<RcmElement>(elements, curve.length())
-                } else {
-                    Travelling::new::<AncfElement>(elements, curve.length())
-                })
-            }
-        };
+    pub fn new(mesh: &BeltMesh, ring: RingUnknowns) -> Self {
         Self {
             elements: mesh.elements.len(),
             cells_per_element: mesh.cells_per_element,
@@ -141,13 +101,10 @@ impl Layout {
         }
     }
 
-    /// Components of the deflection of an Eulerian ring; 0 of one that keeps to the reference curve or that travels.
+    /// Components of the deflection from the reference curve; 0 of a ring that keeps to it or has other unknowns.
     #[must_use]
     pub fn components(&self) -> usize {
-        match self.ring {
-            RingUnknowns::Deflection { components, .. } => components,
-            RingUnknowns::Tension | RingUnknowns::Travelling(_) => 0,
-        }
+        self.ring.components
     }
 
     /// Whether the ring deflects along z too.
@@ -156,16 +113,10 @@ impl Layout {
         self.components() == 3
     }
 
-    /// Whether the overlay is counted in directions of the reference curve.
-    #[must_use]
-    pub fn is_rotating(&self) -> bool {
-        matches!(self.ring, RingUnknowns::Deflection { rotating: true, .. })
-    }
-
     /// Whether the ring tension is an unknown (`ALE0`).
     #[must_use]
     pub fn has_tension(&self) -> bool {
-        self.ring == RingUnknowns::Tension
+        self.ring.tension
     }
 
     /// Whether s and Θ repeat motions of the ring, so that conditions with multipliers hold them (all but `ALE0`).
@@ -174,32 +125,25 @@ impl Layout {
         !self.has_tension()
     }
 
-    /// Nodes that travel with the ring, if they do.
+    /// Unknowns of the cells, V and N of each.
     #[must_use]
-    pub fn travelling(&self) -> Option<&Travelling> {
-        match &self.ring {
-            RingUnknowns::Travelling(travelling) => Some(travelling),
-            RingUnknowns::Tension | RingUnknowns::Deflection { .. } => None,
-        }
-    }
-
-    /// Unknowns of the cells of a ring that travels.
-    pub(crate) fn cell_unknowns(&self) -> usize {
+    pub fn cell_unknowns(&self) -> usize {
         2 * self.cells()
     }
 
-    /// Unknown `k` of an element of a ring that travels: of its own node, then of the next.
+    /// Unknown `k` of an element whose nodes stand apart: of its own node, then of the next.
     #[inline]
     #[must_use]
     pub fn nodal(&self, element: usize, k: usize) -> usize {
-        let block = self.travelling().map_or(1, |t| t.block);
+        let block = self.ring.per_node.max(1);
         self.node(element + k / block, k % block)
     }
 
-    /// Unknowns that fill up the blocks of the matrix and stand for nothing.
-    pub(crate) fn free(&self) -> std::ops::Range<usize> {
-        match self.travelling() {
-            Some(t) => self.cell_unknowns() + t.nodes * t.block..t.blocks[0] * t.blocks[1],
+    /// Unknowns that only fill the blocks of the matrix.
+    #[must_use]
+    pub fn free(&self) -> std::ops::Range<usize> {
+        match self.ring.apart {
+            Some([blocks, size]) => self.cell_unknowns() + self.ring.nodes * self.ring.per_node..blocks * size,
             None => 0..0,
         }
     }
@@ -219,7 +163,7 @@ impl Layout {
     /// Shape of the Jacobian.
     #[must_use]
     pub fn shape(&self) -> Shape {
-        let [blocks, block] = self.travelling().map_or([self.elements, self.block()], |t| t.blocks);
+        let [blocks, block] = self.ring.apart.unwrap_or([self.elements, self.block()]);
         Shape {
             blocks,
             block,
@@ -233,19 +177,18 @@ impl Layout {
         self.elements * self.cells_per_element
     }
 
-    /// Index of component `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; of a ring that travels, what its model has
-    /// there.
+    /// Index of unknown `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; of other rings, what their model has there.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
-        if let Some(t) = self.travelling() {
-            return self.cell_unknowns() + (node % t.nodes) * t.block + k;
+        if self.ring.apart.is_some() {
+            return self.cell_unknowns() + (node % self.ring.nodes) * self.ring.per_node + k;
         }
         (node % self.elements) * self.block() + k
     }
 
     fn cell(&self, cell: usize) -> usize {
         let cell = cell % self.cells();
-        if self.travelling().is_some() {
+        if self.ring.apart.is_some() {
             return 2 * cell;
         }
         let (element, c) = (cell / self.cells_per_element, cell % self.cells_per_element);
@@ -262,7 +205,7 @@ impl Layout {
     /// side, depends on nodes of neighbouring blocks only. One cell an element can't have that for both directions of flow.
     #[must_use]
     pub fn amount(&self, cell: usize) -> usize {
-        let with = if self.cells_per_element > 1 && self.travelling().is_none() {
+        let with = if self.cells_per_element > 1 && self.ring.apart.is_none() {
             cell + 1
         } else {
             cell
@@ -340,14 +283,8 @@ impl Layout {
     #[must_use]
     pub fn has_position(&self) -> Vec<bool> {
         let mut has_position = vec![false; self.len()];
-        let nodes = match &self.ring {
-            RingUnknowns::Tension => 0..0,
-            RingUnknowns::Deflection { .. } => 0..self.elements,
-            RingUnknowns::Travelling(t) => 0..t.nodes,
-        };
-        let block = self.travelling().map_or(self.node_size(), |t| t.block);
-        for node in nodes {
-            for k in 0..block {
+        for node in 0..self.ring.nodes {
+            for k in 0..self.ring.per_node {
                 has_position[self.node(node, k)] = true;
             }
         }
@@ -362,21 +299,9 @@ impl Layout {
 
     /// Calls `f` with every unknown of the ring's nodes that is a length, not a slope or an angle.
     pub(crate) fn for_each_length_unknown(&self, mut f: impl FnMut(usize)) {
-        match &self.ring {
-            RingUnknowns::Tension => {}
-            RingUnknowns::Deflection { components, .. } => {
-                for node in 0..self.elements {
-                    for k in (0..2 * components).step_by(2) {
-                        f(self.node(node, k));
-                    }
-                }
-            }
-            RingUnknowns::Travelling(t) => {
-                for k in (0..t.block).filter(|&k| t.is_length(k)) {
-                    for node in 0..t.nodes {
-                        f(self.node(node, k));
-                    }
-                }
+        for node in 0..self.ring.nodes {
+            for k in (0..self.ring.per_node).filter(|&k| self.ring.is_length(k)) {
+                f(self.node(node, k));
             }
         }
     }

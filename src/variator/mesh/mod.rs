@@ -2,4 +2,3 @@
 
 pub(crate) mod belt_mesh;
 pub mod layout;
-pub(crate) mod order;

@@ -11,13 +11,18 @@ use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, 
 
 /// `ALE`: the ring deflects from the reference curve, in D components.
 #[derive(Debug)]
-pub(crate) struct Deflecting<'a, T: Real, const D: usize = 2> {
-    pub(super) ring: &'a Ring,
-    pub(super) place: &'a Place<'a, T>,
-    pub(super) element: ElementMotion<T, D>,
-    pub(super) motion: &'a ReferenceMotion<T>,
+pub struct Deflecting<'a, T: Real, const D: usize = 2> {
+    /// Parameters of the beam.
+    pub ring: &'a Ring,
+    /// Place of the cell.
+    pub place: &'a Place<'a, T>,
+    /// Motion of the element.
+    pub element: ElementMotion<T, D>,
+    /// Motion of the reference curve.
+    pub motion: &'a ReferenceMotion<T>,
     growth: T,
-    pub(super) sum: ElementLoad<T, D>,
+    /// Sum of the loads that were applied.
+    pub sum: ElementLoad<T, D>,
 }
 
 impl<'a, T: Real, const D: usize> Deflecting<'a, T, D> {

@@ -1,6 +1,6 @@
-//! The ring inside a cell: the trait that a cell uses, and the Eulerian rings.
+//! What a cell asks of its ring, and the rings that keep to the reference curve or deflect from it.
 
 pub(crate) mod deflecting;
 pub(crate) mod guided;
 pub(crate) mod ring;
-pub(crate) mod rotating;
+pub(crate) mod standard;

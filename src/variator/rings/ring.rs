@@ -8,7 +8,7 @@ use crate::scalar::Real;
 
 /// Loads at a station, per dξ.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Action<T: Real, const D: usize = 2> {
+pub struct Action<T: Real, const D: usize = 2> {
     /// Loads on the ring: its own, and those of chain and contact.
     pub load: Load<T, D>,
     /// Ring tension T, N.
@@ -23,7 +23,7 @@ pub(crate) struct Action<T: Real, const D: usize = 2> {
 
 /// Energies and damping of the ring at a station.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RingDensity<T> {
+pub struct RingDensity<T> {
     /// Kinetic energy per dξ, J/m.
     pub kinetic: T,
     /// Elastic energy per dξ, J/m.
@@ -33,7 +33,7 @@ pub(crate) struct RingDensity<T> {
 }
 
 /// A ring inside a cell. Slot 0 is the left face of the cell, the slots from 1 on are its stations.
-pub(crate) trait CellRing<T: Real, const D: usize = 2> {
+pub trait CellRing<T: Real, const D: usize = 2> {
     /// The ring where the reference curve is at `reference`.
     fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D>;
 
@@ -49,14 +49,14 @@ pub(crate) trait CellRing<T: Real, const D: usize = 2> {
 }
 
 /// A ring whose mesh stands still, inside a cell.
-pub(crate) trait EulerianRing<T: Real, const D: usize = 2>: CellRing<T, D> {
+pub trait EulerianRing<T: Real, const D: usize = 2>: CellRing<T, D> {
     /// Forces of the loads that were applied.
     fn forces(&self) -> RingForces<T, D>;
 }
 
 /// A ring with derivatives by hand in the directions that leave the reference curve where it is: its own unknowns, and the
 /// drift.
-pub(crate) trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
+pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     /// Sums of varied loads.
     type Sum;
 
@@ -95,7 +95,7 @@ pub(crate) trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
 
 /// Generalised forces of a cell on an Eulerian ring (inertia − forces).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RingForces<T: Real, const D: usize = 2> {
+pub struct RingForces<T: Real, const D: usize = 2> {
     /// Conjugates of the node motions (`ALE`).
     pub nodes: [Node<T, D>; 2],
     /// Tension balance along the cell (`ALE0`), N.

@@ -5,11 +5,12 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::Settled;
 use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Stalled;
+use crate::variator::belt_ring::BeltRing;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::course::Held;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::run::variator::{InitialisationError, Variator};
-use crate::variator::settings::parameters::{Axial, Drive, Initial, Parameters, RingModel};
+use crate::variator::settings::parameters::{Axial, Drive, Initial};
 use crate::variator::settings::signals::{Inputs, StartState, Work};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
 use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio};
@@ -17,6 +18,7 @@ use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::survey::belt_survey::{NO_FORCE, Survey};
 use crate::variator::survey::ledger::Ledger;
 use crate::variator::survey::observe::macro_slip;
+use std::sync::Arc;
 
 /// First step from a steady state, s.
 const WARM_STEP: f64 = 1.0e-4;
@@ -166,8 +168,8 @@ impl Variator {
         self.time = time;
         (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         self.forget_history();
-        if self.system.parameters.ring_model.travels() {
-            self.start_on_ale(inputs, start)
+        if let Some(ring) = self.system.belt.ring.starts_on() {
+            self.start_on(ring, inputs, start)
         } else if !self.system.parameters.initial.steady {
             self.start_unloaded(inputs, start)?;
             Ok(StartState::Unloaded)
@@ -210,16 +212,19 @@ impl Variator {
         Ok(())
     }
 
-    /// Starts in the state of `ALE`: a ring that travels gets the shape of that ring.
-    fn start_on_ale(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
-        let mut ale = Self::new(Parameters {
-            ring_model: RingModel::Ale,
-            ..self.system.parameters.clone()
-        })?;
-        let found = ale.find_state(self.time, inputs, start)?;
-        self.messages.append(&mut ale.messages);
-        self.soft_start = ale.soft_start;
-        self.state = self.system.state_on_ale(&ale.system, &ale.state);
+    /// Starts in the state of another ring.
+    fn start_on(
+        &mut self,
+        ring: Arc<dyn BeltRing>,
+        inputs: &Inputs,
+        start: &Start,
+    ) -> Result<StartState, InitialisationError> {
+        let mut other = Self::with_ring(self.system.parameters.clone(), ring)?;
+        let found = other.find_state(self.time, inputs, start)?;
+        self.messages.append(&mut other.messages);
+        self.soft_start = other.soft_start;
+        let belt = &self.system.belt;
+        self.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
         Ok(found)
     }
 

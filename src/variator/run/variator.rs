@@ -5,6 +5,7 @@ use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
+use crate::variator::belt_ring::BeltRing;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
 use crate::variator::run::course::Held;
 use crate::variator::run::pace::Pace;
@@ -19,6 +20,7 @@ use crate::variator::survey::belt_survey::Survey;
 use crate::variator::survey::ledger::Ledger;
 use crate::variator::survey::observe::{Context, Observer, macro_slip};
 use crate::variator::system::VariatorSystem;
+use std::sync::Arc;
 
 /// First step from a kinematic state, s.
 const COLD_STEP: f64 = 1.0e-6;
@@ -141,13 +143,23 @@ pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
 }
 
 impl Variator {
-    /// A variator with these parameters, not yet initialised.
+    /// A variator with these parameters and the ring of [`Parameters::ring_model`], not yet initialised.
     ///
     /// # Errors
     /// The first parameter that is out of its range.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
+        let ring = parameters.ring_of_model();
+        Self::with_ring(parameters, ring)
+    }
+
+    /// A variator with these parameters and this ring, not yet initialised.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range or does not fit the ring.
+    pub fn with_ring(parameters: Parameters, ring: Arc<dyn BeltRing>) -> Result<Self, ParameterError> {
         parameters.validate()?;
-        let system = VariatorSystem::new(&parameters);
+        ring.check(&parameters)?;
+        let system = VariatorSystem::with_ring(&parameters, ring);
         let in_real_time = system.parameters.solver.mode == Mode::RealTime;
         Ok(Self {
             integrator: integrator(&system),

@@ -18,18 +18,6 @@ pub enum RingModel {
     Ale0 = 1,
     /// Reference motion with overlaid deflection: bending, stretch, spiral running.
     Ale = 2,
-    /// Co-rotational elements that travel with the ring.
-    Rcm = 3,
-    /// Absolute nodal coordinates that travel with the ring.
-    Ancf = 4,
-}
-
-impl RingModel {
-    /// Whether its mesh travels with the ring.
-    #[must_use]
-    pub fn travels(self) -> bool {
-        matches!(self, Self::Rcm | Self::Ancf)
-    }
 }
 
 /// Drive of a pulley's shaft.
@@ -73,13 +61,6 @@ pub struct Parameters {
     pub ring_model: RingModel,
     /// Whether the ring deflects along z too, out of the plane of the drive (`ALE`).
     pub spatial: bool,
-    /// Whether the deflection is counted along tangent, normal and binormal of the reference curve, A_i = [t, n, b]_ref
-    /// in (10), instead of along x, y, z, A_i = identity (`ALE` on the aligned mesh).
-    pub reference_directions: bool,
-    /// Elements of a ring that travels with its mesh (`RCM`, `ANCF`); 0 stands for the paper's 160 degrees of freedom,
-    /// 32 and 40. The stations of the cells carry the ring, which sags in between where its elements can follow: more
-    /// elements, or a coarser mesh than the default, let it swing as the stations pass.
-    pub ring_elements: i32,
     /// Pulley distance, belt length, wedge angle.
     pub geometry: Geometry,
     /// Push elements.
@@ -141,13 +122,10 @@ pub struct PulleyParameters {
     pub drag: ShaftDrag,
 }
 
-/// Elements along the belt: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary
+/// Elements along the belt, whose borders lie on the arc borders and move with them: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary
 /// arc).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Whether element borders lie on the arc borders and move with them. If not, as many elements stand evenly spaced
-    /// at fixed ξ, as the paper's do, and arc borders move through them (`ALE0`, `ALE`).
-    pub aligned: bool,
     /// Ring elements on the primary arc.
     pub primary_arc: i32,
     /// Ring elements on the secondary arc; even, since ξ = 0 divides it in two.
@@ -163,7 +141,6 @@ impl Mesh {
     #[must_use]
     pub fn refined(&self, factor: i32) -> Self {
         Self {
-            aligned: self.aligned,
             primary_arc: factor * self.primary_arc,
             secondary_arc: factor * self.secondary_arc,
             strand: factor * self.strand,
@@ -249,22 +226,6 @@ impl Parameters {
     pub fn holds_both_sheaves(&self) -> bool {
         self.primary.axial == Axial::Held && self.secondary.axial == Axial::Held
     }
-
-    /// Number of elements of the ring, if it travels with its mesh.
-    #[must_use]
-    pub fn travelling_elements(&self) -> Option<usize> {
-        let usual = match self.ring_model {
-            RingModel::Ale0 | RingModel::Ale => return None,
-            RingModel::Rcm => 32,
-            RingModel::Ancf => 40,
-        };
-        Some(
-            usize::try_from(self.ring_elements)
-                .ok()
-                .filter(|&n| n > 0)
-                .unwrap_or(usual),
-        )
-    }
 }
 
 impl Default for Parameters {
@@ -295,8 +256,6 @@ impl Default for Parameters {
         Self {
             ring_model: RingModel::Ale,
             spatial: false,
-            reference_directions: false,
-            ring_elements: 0,
             geometry: Geometry {
                 center_distance: 0.168,
                 belt_length: 0.703,
@@ -347,7 +306,6 @@ impl Default for Parameters {
             primary: pulley.clone(),
             secondary: pulley,
             mesh: Mesh {
-                aligned: true,
                 primary_arc: 16,
                 secondary_arc: 16,
                 strand: 10,

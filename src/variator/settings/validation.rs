@@ -4,8 +4,8 @@
 //! each other (the belt around the pulleys, the stops, the wedge above the friction angle). The ranges only shut out
 //! what can't be meant, so they are wide: a limit case of theory is a legal variator.
 
-use crate::reference_curve::{ReferenceCurve, TwoPulley, ratio_of_theta};
-use crate::variator::settings::parameters::{Mode, Parameters, PulleyParameters, RingModel};
+use crate::reference_curve::TwoPulley;
+use crate::variator::settings::parameters::{Parameters, PulleyParameters, RingModel};
 use crate::variator::settings::signals::{Inputs, PulleyInputs};
 use std::f64::consts::PI;
 
@@ -25,12 +25,16 @@ pub struct ParameterError {
 }
 
 impl ParameterError {
-    fn new(variable: &'static str, value: f64, range: String) -> Self {
+    /// The error of a number that is out of its `range`, in words.
+    #[must_use]
+    pub fn new(variable: &'static str, value: f64, range: String) -> Self {
         let value = Value::Number(value);
         Self { variable, value, range }
     }
 
-    fn of_flag(variable: &'static str, value: bool, range: &str) -> Self {
+    /// The error of a Boolean that other parameters don't allow.
+    #[must_use]
+    pub fn of_flag(variable: &'static str, value: bool, range: &str) -> Self {
         Self {
             variable,
             value: Value::Flag(value),
@@ -144,7 +148,6 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("mesh.secondaryArc", mesh.secondary_arc, 2.0, 200.0),
     limit!("mesh.strand", mesh.strand, 1.0, 200.0),
     limit!("mesh.cellsPerElement", mesh.cells_per_element, 1.0, 16.0),
-    limit!("ring.elements", ring_elements, 0.0, 400.0),
     limit!("solver.effort", solver.effort, 1.0, 16.0),
     limit!("solver.tolerance", solver.tolerance, 1e-10, 1e-1),
     limit!("solver.maxStep", solver.max_step, 1e-6, 10.0),
@@ -259,19 +262,11 @@ impl Parameters {
                 "an even number, since ξ = 0 divides this arc in two".to_string(),
             ));
         }
-        if !self.mesh.aligned && self.ring_model.travels() {
-            return Err(ParameterError::of_flag(
-                "mesh.aligned",
-                false,
-                "true, unless ring.model is ALE0 or ALE",
-            ));
-        }
         Ok(())
     }
 
-    /// An element that travels must not turn by a radian on the smallest arc. Only the Eulerian ring deflects in space.
+    /// Only the deflecting ring leaves the plane.
     fn validate_ring(&self) -> Result<(), ParameterError> {
-        const FEWEST: i32 = 16;
         if self.spatial && self.ring_model != RingModel::Ale {
             return Err(ParameterError::of_flag(
                 "ring.spatial",
@@ -279,28 +274,7 @@ impl Parameters {
                 "false, unless ring.model is ALE",
             ));
         }
-        if self.reference_directions && (self.ring_model != RingModel::Ale || !self.mesh.aligned) {
-            return Err(ParameterError::of_flag(
-                "ring.referenceDirections",
-                true,
-                "false, unless ring.model is ALE and mesh.aligned is true",
-            ));
-        }
-        if self.solver.mode == Mode::RealTime && self.ring_model.travels() {
-            return Err(ParameterError::new(
-                "solver.mode",
-                f64::from(Mode::RealTime as i32),
-                "1 (Accurate), unless ring.model is ALE0 or ALE".to_string(),
-            ));
-        }
-        if self.ring_elements == 0 || self.ring_elements >= FEWEST {
-            return Ok(());
-        }
-        Err(ParameterError::new(
-            "ring.elements",
-            self.ring_elements.into(),
-            format!("0 for the ring model's usual number, or at least {FEWEST}"),
-        ))
+        Ok(())
     }
 
     /// At ratio 1 the belt must reach around both pulleys, and the pulleys must not touch.
@@ -345,7 +319,6 @@ impl Parameters {
                 ));
             }
         }
-        self.validate_quarters()?;
         let ratio = self.initial.ratio;
         let (lowest, highest) = self.ratio_range();
         if lowest < highest && (lowest / BEYOND_STOP..=highest * BEYOND_STOP).contains(&ratio) {
@@ -366,29 +339,6 @@ impl Parameters {
             boundary(|ratio| !self.not_too_low(ratio)),
             boundary(|ratio| self.not_too_high(ratio)),
         )
-    }
-
-    /// Each cell of a mesh that stands still has one pulley if no arc reaches a quarter of the belt.
-    fn validate_quarters(&self) -> Result<(), ParameterError> {
-        if self.mesh.aligned {
-            return Ok(());
-        }
-        let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
-        let extremes: [f64; 2] = self.ratio_range().into();
-        let arc = |ratio: f64| {
-            let frame = curve.frame(ratio_of_theta(ratio));
-            let length = |segment| TwoPulley::segment_length::<f64>(&frame, segment).v;
-            (2.0 * length(0)).max(length(2))
-        };
-        let longest = extremes.into_iter().map(arc).fold(0.0, f64::max);
-        if longest < 0.5 * self.geometry.belt_length {
-            return Ok(());
-        }
-        Err(ParameterError::of_flag(
-            "mesh.aligned",
-            false,
-            "true, since at an end stop an arc is longer than half the belt",
-        ))
     }
 
     /// Pitch radii (primary, secondary) at a ratio, m.

@@ -12,7 +12,7 @@ use crate::variator::mesh::belt_mesh::{BeltMesh, Element};
 use crate::variator::settings::parameters::{Mesh, Parameters};
 use crate::variator::survey::belt_survey::Survey;
 use crate::variator::system::VariatorSystem;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 /// Fewest elements of an arc and of a strand on a coarse mesh.
 const FEWEST: [i32; 2] = [6, 3];
@@ -27,7 +27,6 @@ pub fn coarser(parameters: &Parameters) -> Option<Parameters> {
         secondary_arc: even_half(fine.secondary_arc),
         strand: fine.strand / 2,
         cells_per_element: 1,
-        aligned: fine.aligned,
     };
     let enough = mesh.primary_arc.min(mesh.secondary_arc) >= FEWEST[0] && mesh.strand >= FEWEST[1];
     enough.then(|| Parameters {
@@ -146,13 +145,6 @@ impl<'a> Coarse<'a> {
     }
 }
 
-/// Tangent and normal of the reference curve at a node.
-fn directions_at(belt: &Belt, frame: &TwoPulleyFrame<f64>, node: usize) -> [Vector2<f64>; 2] {
-    let element = node % belt.layout.elements;
-    let point = belt.reference_point(frame, element, belt.mesh.elements[element].start);
-    [point.t, point.n]
-}
-
 /// Deflection of a node and its slope in x, y, z, or their rates where Θ rests, from the vector `of`.
 fn read_node(belt: &Belt, frame: &TwoPulleyFrame<f64>, of: &[f64], node: usize) -> [Vector3<f64>; 2] {
     [0, 1].map(|slope| {
@@ -160,8 +152,7 @@ fn read_node(belt: &Belt, frame: &TwoPulleyFrame<f64>, of: &[f64], node: usize) 
         for k in 0..belt.layout.components() {
             x[k] = of[belt.layout.node(node, 2 * k + slope)];
         }
-        if belt.layout.is_rotating() {
-            let [t, n] = directions_at(belt, frame, node);
+        if let Some([t, n]) = belt.ring.directions(belt, frame, node) {
             let turned = t * x[0] + n * x[1];
             (x[0], x[1]) = (turned.x, turned.y);
         }
@@ -172,9 +163,8 @@ fn read_node(belt: &Belt, frame: &TwoPulleyFrame<f64>, of: &[f64], node: usize) 
 /// Writes a deflection and its slope into the vector `to`; the inverse of [`read_node`].
 fn write_node(belt: &Belt, frame: &TwoPulleyFrame<f64>, to: &mut [f64], node: usize, values: [Vector3<f64>; 2]) {
     for (slope, mut x) in values.into_iter().enumerate() {
-        if belt.layout.is_rotating() {
+        if let Some([t, n]) = belt.ring.directions(belt, frame, node) {
             let planar = x.xy();
-            let [t, n] = directions_at(belt, frame, node);
             (x[0], x[1]) = (t.dot(&planar), n.dot(&planar));
         }
         for k in 0..belt.layout.components() {
@@ -256,15 +246,14 @@ mod tests {
 
     #[test]
     fn the_same_mesh_gets_the_same_state() {
-        for (ring_model, spatial, reference_directions) in [
-            (RingModel::Ale, false, false),
-            (RingModel::Ale, true, true),
-            (RingModel::Ale0, false, false),
+        for (ring_model, spatial) in [
+            (RingModel::Ale, false),
+            (RingModel::Ale, true),
+            (RingModel::Ale0, false),
         ] {
             let parameters = Parameters {
                 ring_model,
                 spatial,
-                reference_directions,
                 ..Parameters::default()
             };
             let (system, state) = deflected(&parameters);

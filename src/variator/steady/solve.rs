@@ -135,7 +135,7 @@ fn start_on_coarse_mesh(
     task: &SteadyTask,
     max_solves: usize,
 ) -> bool {
-    let mut coarse = VariatorSystem::new(parameters);
+    let mut coarse = VariatorSystem::with_ring(parameters, system.belt.ring.clone());
     let speeds = system.belt.shaft_speeds(state.view());
     let Ok(mut found) = cold_start(&coarse.belt, task, speeds) else {
         return false;

@@ -21,10 +21,6 @@ pub struct Ledger {
     pub last: Survey,
 }
 
-/// Part of its elements by which a ring that travels moves on in a step. With twice as much, Newton's method
-/// needs twice the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
-const PASSING: f64 = 1.0 / 180.0;
-
 /// A system that runs, with its energy balance.
 #[derive(Debug)]
 pub struct Running<'a> {
@@ -101,12 +97,9 @@ impl Evolution for Running<'_> {
         if norm.is_finite() { norm } else { f64::MAX }
     }
 
-    /// Under a ring that travels the contact changes with every bit of an element that passes.
     fn longest_step(&self, view: View<'_>) -> f64 {
-        let layout = &self.system.belt.layout;
-        let drift = view.y[layout.drift()].abs();
-        let way = layout.travelling().map_or(f64::INFINITY, |t| PASSING * t.length);
-        way / drift
+        let belt = &self.system.belt;
+        belt.ring.longest_drift(belt) / view.y[belt.layout.drift()].abs()
     }
 
     fn jacobian_with(&mut self, geometry: Geometry, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {

@@ -1,156 +1,123 @@
-//! Stored states as an importer holds them, whatever the version: a pointer to a boxed snapshot, and its bytes.
+//! Stored states as an importer holds them, in both versions: a pointer to a boxed snapshot, and its bytes.
 //!
-//! The caller of each function grants, beyond what the function itself asks for, what the C functions' own callers do: see the
-//! heads of `fmi2` and `fmi3`.
+//! The caller of each function grants what the heads of `fmi2` and `fmi3` list. A stored state is null, or a `Box<Snapshot<U>>`
+//! that [`get`] or [`deserialize`] has released and that has not been freed.
 
+use std::ffi::c_void;
 use std::ptr;
 
-use libc::{c_void, size_t};
-
-use super::pointers::{NULL_ARRAY, NULL_RESULT, array, array_mut};
+use super::entry::{NULL_RESULT, array, array_mut, enter, result};
 use crate::log::Status;
-use crate::slave::Slave;
+use crate::slave::{CallError, Slave, refused};
 use crate::snapshot::Snapshot;
+use crate::state::Call;
 use crate::unit::Unit;
 
-/// A stored state: null, or a `Box<Snapshot<U>>` that [`get`] or [`deserialize`] has released.
+/// A stored state.
 type Stored = *mut c_void;
 
-const NULL_STATE: &str = "the state is null";
-
 /// Stores the state, in a new object if `*state` is null, otherwise in the object that it points to.
-///
-/// # Safety
-/// `*state` is null or a stored state that has not been freed.
-pub(crate) unsafe fn get<U: Unit>(slave: &mut Slave<U>, function: &'static str, state: *mut Stored) -> Status {
+pub(crate) unsafe fn get<U: Unit>(instance: *mut c_void, function: &str, state: *mut Stored) -> Status {
     // SAFETY: as the caller grants.
-    let Some(state) = (unsafe { state.as_mut() }) else {
-        return slave.refuse(function, NULL_RESULT);
-    };
-    let (status, saved) = slave.save();
-    if let Some(saved) = saved {
-        // SAFETY: a state that is not null is a `Box<Snapshot>` released below.
-        match unsafe { state.cast::<Snapshot<U>>().as_mut() } {
-            Some(existing) => *existing = saved,
-            None => *state = Box::into_raw(Box::new(saved)).cast(),
-        }
+    unsafe {
+        enter(instance, function, |slave: &mut Slave<U>| {
+            let state = result(state)?;
+            let saved = slave.save()?;
+            match state.cast::<Snapshot<U>>().as_mut() {
+                Some(existing) => *existing = saved,
+                None => *state = Box::into_raw(Box::new(saved)).cast(),
+            }
+            Ok(())
+        })
     }
-    status
 }
 
 /// Goes back to a stored state, which stays as it is.
-///
-/// # Safety
-/// `state` is null or a stored state that has not been freed.
-pub(crate) unsafe fn set<U: Unit>(slave: &mut Slave<U>, function: &'static str, state: Stored) -> Status {
+pub(crate) unsafe fn set<U: Unit>(instance: *mut c_void, function: &str, state: Stored) -> Status {
     // SAFETY: as the caller grants.
-    match unsafe { snapshot::<U>(state) } {
-        Some(snapshot) => slave.restore(snapshot),
-        None => slave.refuse(function, NULL_STATE),
+    unsafe {
+        enter(instance, function, |slave: &mut Slave<U>| {
+            slave.restore(snapshot(state)?)
+        })
     }
 }
 
 /// Frees a stored state and sets it to null; null is legal.
-///
-/// # Safety
-/// `*state` is null or a stored state that has not been freed.
-pub(crate) unsafe fn free<U: Unit>(state: *mut Stored) -> Status {
+pub(crate) unsafe fn free<U: Unit>(instance: *mut c_void, function: &str, state: *mut Stored) -> Status {
     // SAFETY: as the caller grants.
-    if let Some(state) = unsafe { state.as_mut() }
-        && !state.is_null()
-    {
-        let freed = std::mem::replace(state, ptr::null_mut());
-        // SAFETY: a `Box<Snapshot>`, which the caller gives back.
-        drop(unsafe { Box::from_raw(freed.cast::<Snapshot<U>>()) });
+    unsafe {
+        enter(instance, function, |slave: &mut Slave<U>| {
+            slave.allow(Call::Always)?;
+            if let Some(state) = state.as_mut()
+                && !state.is_null()
+            {
+                let freed = std::mem::replace(state, ptr::null_mut());
+                drop(Box::from_raw(freed.cast::<Snapshot<U>>()));
+            }
+            Ok(())
+        })
     }
-    Status::Ok
 }
 
 /// Number of bytes of a stored state.
-///
-/// # Safety
-/// `state` is null or a stored state that has not been freed.
-pub(crate) unsafe fn size<U: Unit>(
-    slave: &mut Slave<U>,
-    function: &'static str,
-    state: Stored,
-    size: *mut size_t,
-) -> Status {
+pub(crate) unsafe fn size<U: Unit>(instance: *mut c_void, function: &str, state: Stored, size: *mut usize) -> Status {
     // SAFETY: as the caller grants.
-    let (snapshot, size) = unsafe { (snapshot::<U>(state), size.as_mut()) };
-    let Some(snapshot) = snapshot else {
-        return slave.refuse(function, NULL_STATE);
-    };
-    let Some(size) = size else {
-        return slave.refuse(function, NULL_RESULT);
-    };
-    let (status, bytes) = slave.serialize(function, snapshot);
-    if let Some(bytes) = bytes {
-        *size = bytes.len();
+    unsafe {
+        enter(instance, function, |slave: &mut Slave<U>| {
+            let (snapshot, size) = (snapshot(state)?, result(size)?);
+            *size = slave.serialize(snapshot)?.len();
+            Ok(())
+        })
     }
-    status
 }
 
-/// Writes a stored state as bytes, `size` of them as [`size`] counts them.
-///
-/// # Safety
-/// `state` is null or a stored state that has not been freed; `bytes` is null or points to `size` bytes.
+/// Writes a stored state as bytes, as many as [`size`] counts.
 pub(crate) unsafe fn serialize<U: Unit>(
-    slave: &mut Slave<U>,
-    function: &'static str,
+    instance: *mut c_void,
+    function: &str,
     state: Stored,
-    (bytes, size): (*mut u8, size_t),
+    (bytes, size): (*mut u8, usize),
 ) -> Status {
     // SAFETY: as the caller grants.
-    let (snapshot, target) = unsafe { (snapshot::<U>(state), array_mut(bytes, size)) };
-    let Some(snapshot) = snapshot else {
-        return slave.refuse(function, NULL_STATE);
-    };
-    let Some(target) = target else {
-        return slave.refuse(function, NULL_ARRAY);
-    };
-    let (status, bytes) = slave.serialize(function, snapshot);
-    let Some(bytes) = bytes else { return status };
-    match target.get_mut(..bytes.len()) {
-        Some(target) => target.copy_from_slice(&bytes),
-        None => {
-            let why = format!("the state takes {} bytes, {size} are not enough", bytes.len());
-            return slave.refuse(function, &why);
-        }
+    unsafe {
+        enter(instance, function, |slave: &mut Slave<U>| {
+            let (snapshot, target) = (snapshot(state)?, array_mut((bytes, size))?);
+            let bytes = slave.serialize(snapshot)?;
+            match target.get_mut(..bytes.len()) {
+                Some(target) => target.copy_from_slice(&bytes),
+                None => return refused(format!("the state takes {} bytes, {size} are not enough", bytes.len())),
+            }
+            Ok(())
+        })
     }
-    status
 }
 
-/// Makes a stored state of bytes. What `*state` was before does not matter: it is not freed.
-///
-/// # Safety
-/// `bytes` is null or points to `size` bytes.
+/// Makes a stored state from bytes. The previous value of `*state` is not read: it is not freed.
 pub(crate) unsafe fn deserialize<U: Unit>(
-    slave: &mut Slave<U>,
-    function: &'static str,
-    (bytes, size): (*const u8, size_t),
+    instance: *mut c_void,
+    function: &str,
+    bytes: (*const u8, usize),
     state: *mut Stored,
 ) -> Status {
     // SAFETY: as the caller grants.
-    let Some(bytes) = (unsafe { array(bytes, size) }) else {
-        return slave.refuse(function, NULL_ARRAY);
-    };
-    if state.is_null() {
-        return slave.refuse(function, NULL_RESULT);
+    unsafe {
+        enter(instance, function, |slave: &mut Slave<U>| {
+            let bytes = array(bytes)?;
+            if state.is_null() {
+                return refused(NULL_RESULT);
+            }
+            let snapshot = slave.deserialize(bytes)?;
+            state.write(Box::into_raw(Box::new(snapshot)).cast());
+            Ok(())
+        })
     }
-    let (status, snapshot) = slave.deserialize(bytes);
-    if let Some(snapshot) = snapshot {
-        // SAFETY: the pointer for the result is written, not read.
-        unsafe { state.write(Box::into_raw(Box::new(snapshot)).cast()) };
-    }
-    status
 }
 
-/// What a stored state points to.
-///
-/// # Safety
-/// `state` is null or a stored state that is not freed for `'a`.
-unsafe fn snapshot<'a, U: Unit>(state: Stored) -> Option<&'a Snapshot<U>> {
+/// The snapshot of a stored state; an error if that is null.
+unsafe fn snapshot<'a, U: Unit>(state: Stored) -> Result<&'a Snapshot<U>, CallError> {
     // SAFETY: as the caller grants.
-    unsafe { state.cast::<Snapshot<U>>().as_ref() }
+    match unsafe { state.cast::<Snapshot<U>>().as_ref() } {
+        Some(snapshot) => Ok(snapshot),
+        None => refused("the state is null"),
+    }
 }

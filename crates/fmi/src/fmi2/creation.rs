@@ -1,18 +1,17 @@
-//! Creation and destruction of an instance.
+//! Creation of an instance.
 
-use std::ffi::CString;
+use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr;
 
-use libc::{c_char, c_int, c_void};
-
-use super::boundary::{contain, text};
+use super::description::guid;
 use super::resources;
 use super::types::{CallbackFunctions, Component, Logger};
-use crate::description;
+use crate::c::creation::{Arguments, create};
+use crate::c::entry::{contain, text};
 use crate::log::{Category, Sink, Status};
-use crate::slave::Slave;
+use crate::processor;
+use crate::slave::Master;
 use crate::unit::Unit;
-use crate::{processor, start_values};
 
 /// The importer's logger, with the arguments that every message has in common.
 struct Importer {
@@ -26,7 +25,7 @@ impl Sink for Importer {
         let category = CString::new(category.name()).unwrap_or_default();
         let text = CString::new(text.replace('\0', " ")).unwrap_or_default();
         // SAFETY: the importer gave this function as a logger, with this environment, for the lifetime of the
-        // instance. The strings end with a zero and live through the call. The message is the argument of "%s", so
+        // instance. The strings end with a zero and exist during the call. The message is the argument of "%s", so
         // that a percent sign in it is not taken for a format.
         unsafe {
             (self.logger)(
@@ -46,38 +45,30 @@ impl Sink for Importer {
 /// # Safety
 /// The strings and `functions` are null or valid during the call; the logger in it can be called, with the environment
 /// beside it, until the instance is freed.
-pub unsafe fn instantiate<U: Unit>(
-    instance_name: *const c_char,
+pub(super) unsafe fn instantiate<U: Unit>(
+    name: *const c_char,
     fmu_type: c_int,
     guid: *const c_char,
     resource_location: *const c_char,
     functions: *const CallbackFunctions,
-    _visible: c_int,
-    logging_on: c_int,
+    logging_on: bool,
 ) -> Component {
+    // SAFETY: null or valid, as the caller grants.
+    let functions = unsafe { functions.as_ref() };
     if !processor::suffices() {
-        // Not through `Importer`, which is compiled for what is missing.
-        // SAFETY: null or valid, as the caller grants; the logger can be called.
-        unsafe {
-            if let Some(functions) = functions.as_ref()
-                && let Some(logger) = functions.logger
-            {
-                let (environment, category) = (functions.component_environment, c"logStatusError".as_ptr());
-                let text = processor::OBJECTION.as_ptr();
-                logger(
-                    environment,
-                    instance_name,
-                    Status::Error as c_int,
-                    category,
-                    c"%s".as_ptr(),
-                    text,
-                );
-            }
+        // Not through `Importer`, whose code may need what the processor lacks.
+        if let Some(functions) = functions
+            && let Some(logger) = functions.logger
+        {
+            let (environment, status) = (functions.component_environment, Status::Error as c_int);
+            let (category, text) = (c"logStatusError".as_ptr(), processor::OBJECTION.as_ptr());
+            // SAFETY: the caller grants that the logger can be called.
+            unsafe { logger(environment, name, status, category, c"%s".as_ptr(), text) };
         }
         return ptr::null_mut();
     }
     // SAFETY: as the caller grants.
-    unsafe { create::<U>(instance_name, fmu_type, guid, resource_location, functions, logging_on) }
+    unsafe { instantiate_here::<U>([name, guid, resource_location], fmu_type, functions, logging_on) }
 }
 
 /// [`instantiate`] on a processor that has what the code is compiled for. Never inlined: nothing of it may run
@@ -86,24 +77,15 @@ pub unsafe fn instantiate<U: Unit>(
 /// # Safety
 /// As there.
 #[inline(never)]
-unsafe fn create<U: Unit>(
-    instance_name: *const c_char,
+unsafe fn instantiate_here<U: Unit>(
+    texts: [*const c_char; 3],
     fmu_type: c_int,
-    guid: *const c_char,
-    resource_location: *const c_char,
-    functions: *const CallbackFunctions,
-    logging_on: c_int,
+    functions: Option<&CallbackFunctions>,
+    debug: bool,
 ) -> Component {
     contain(ptr::null_mut(), || {
         // SAFETY: null or valid, as the caller grants.
-        let (name, guid, location, functions) = unsafe {
-            (
-                text(instance_name),
-                text(guid),
-                text(resource_location),
-                functions.as_ref(),
-            )
-        };
+        let [name, token, location] = texts.map(|pointer| unsafe { text(pointer) });
         let importer = functions.and_then(|functions| {
             Some(Importer {
                 logger: functions.logger?,
@@ -111,65 +93,27 @@ unsafe fn create<U: Unit>(
                 instance: CString::new(name.clone().unwrap_or_default()).unwrap_or_default(),
             })
         });
-        let say = |status, category, text: &str| {
-            if let Some(importer) = &importer {
-                importer.send(status, category, &format!("fmi2Instantiate: {text}"));
-            }
-        };
-        let refuse = |why: &str| {
-            say(Status::Error, Category::Error, why);
-            ptr::null_mut()
-        };
-        if let Some(objection) = objection::<U>(name.as_deref(), fmu_type, guid.as_deref()) {
-            return refuse(&objection);
-        }
-        // An ordinary FMU needs nothing from its resources: a location that can't be used is worth a remark, not a refusal.
         let folder = location.as_deref().map(resources::path).transpose();
-        let start = match folder {
-            Ok(folder) => folder.map_or(Ok(None), |folder| start_values::read::<U>(&folder)),
-            Err(remark) => {
-                say(Status::Warning, Category::Warning, &remark);
-                Ok(None)
-            }
+        let arguments = Arguments {
+            function: "fmi2Instantiate",
+            name: name.as_deref(),
+            token: ("GUID", token.as_deref()),
+            expected: guid::<U>(),
+            resources: folder.as_ref().map(Option::as_deref).map_err(String::clone),
+            debug,
         };
-        let start = match start {
-            Ok(start) => start.unwrap_or_default(),
-            Err(why) => return refuse(&why),
+        let master = || match fmu_type {
+            CO_SIMULATION => Ok(Master::default()),
+            _ => Err("this FMU is for co-simulation only".to_owned()),
         };
-        let sink = importer.map(|importer| Box::new(importer) as Box<dyn Sink>);
-        Box::into_raw(Box::new(Slave::<U>::new(sink, logging_on != 0).starting_from(start))).cast()
+        let slave = create::<U>(
+            arguments,
+            master,
+            importer.map(|importer| Box::new(importer) as Box<dyn Sink>),
+        );
+        slave.map_or(ptr::null_mut(), |slave| Box::into_raw(Box::new(slave)).cast())
     })
 }
 
-/// What the standard's `fmi2Type` calls co-simulation.
+/// `fmi2CoSimulation` of the standard's `fmi2Type`.
 const CO_SIMULATION: c_int = 1;
-
-/// Why no instance is created for these arguments, if they don't fit this FMU.
-fn objection<U: Unit>(name: Option<&str>, fmu_type: c_int, guid: Option<&str>) -> Option<String> {
-    if name.is_none_or(str::is_empty) {
-        return Some("the instance name is missing".to_string());
-    }
-    if fmu_type != CO_SIMULATION {
-        return Some("this FMU is for co-simulation only".to_string());
-    }
-    let Some(guid) = guid else {
-        return Some("the GUID is missing".to_string());
-    };
-    let expected = description::guid::<U>();
-    (guid != expected).then(|| {
-        format!("the GUID {guid} is not that of this binary, {expected}: the model description belongs to another one")
-    })
-}
-
-/// `fmi2FreeInstance`: frees an instance; null is legal.
-///
-/// # Safety
-/// `c` is null or an instance, which is not used any more.
-pub unsafe fn free_instance<U: Unit>(c: Component) {
-    contain((), || {
-        if !c.is_null() {
-            // SAFETY: a `Box<Slave<U>>` released by `fmi2Instantiate`, which the caller gives back.
-            drop(unsafe { Box::from_raw(c.cast::<Slave<U>>()) });
-        }
-    });
-}

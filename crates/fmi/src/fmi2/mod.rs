@@ -1,50 +1,36 @@
-//! The C functions of FMI 2.0 for co-simulation. With those of FMI 3.0 and what both share they are the only `unsafe` code.
+//! The C functions of FMI 2.0 for co-simulation, for any unit, and its model description.
 //!
-//! Here raw pointers become references and slices, and nothing else happens: the calls themselves are in
-//! [`slave`](super::slave). Each function here is generic over the unit. `export!` gives them the standard's names and
-//! signatures (`fmi2FunctionTypes.h`) for one unit. No panic leaves a function. The caller of a function grants, beyond
-//! what the function itself asks for:
+//! The functions convert raw pointers to references and slices; the calls themselves are in [`slave`](super::slave).
+//! No panic leaves a function. The caller of a function grants, beyond what the function itself requires:
 //!
 //! - a component comes from `fmi2Instantiate`, has not been freed, and is used by one call at a time
 //!   (not from within its own logger callback either);
+//! - a stored state is null, or it comes from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and has not been freed;
 //! - an array argument is null or points to as many elements as its count; a string is null or ends with a zero;
 //! - a pointer for a result is null or points to writable memory;
-//! - a pointer is aligned for its type, and memory that comes from beyond the boundary holds some value or other.
+//! - a pointer is aligned for its type, and memory from the caller holds some value or other.
 //!
-//! A null pointer where the standard wants a value is answered with an error.
+//! The status is an error for a null pointer where the standard requires a value.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `types` | the standard's types |
-//! | `boundary` | pointers to references, slices and strings; panics to errors |
-//! | `creation` | creation and destruction of an instance |
+//! | `functions` | the table of the C functions |
+//! | `creation` | creation of an instance |
 //! | `resources` | the resource location, a URI |
-//! | `setup` | log, set-up, initialisation, end |
-//! | `values` | reading and writing of variables |
-//! | `states` | stored states and their bytes |
-//! | `derivatives` | derivatives with respect to time |
-//! | `steps` | communication steps, and how the last one ended |
-//! | `answers` | text beyond the standard |
-//! | `exports` | the table of the exported names |
+//! | `query` | queries beyond the standard |
+//! | `description` | `modelDescription.xml` and the GUID made from it |
 
-pub mod answers;
-mod boundary;
+mod creation;
+#[forbid(unsafe_code)]
+mod description;
 #[doc(hidden)]
-pub mod creation;
-#[doc(hidden)]
-pub mod derivatives;
-#[doc(hidden)]
-pub mod exports;
+pub mod functions;
+pub mod query;
 #[forbid(unsafe_code)]
 mod resources;
-#[doc(hidden)]
-pub mod setup;
-#[doc(hidden)]
-pub mod states;
-#[doc(hidden)]
-pub mod steps;
 mod types;
-#[doc(hidden)]
-pub mod values;
 
+pub use description::{guid, model_description};
+pub use functions::NAMES;
 pub use types::{CallbackFunctions, Component, FmuState, Logger};

@@ -1,6 +1,6 @@
 //! The types of the standard (`fmi2FunctionTypes.h`).
 
-use libc::{c_char, c_int, c_void, size_t};
+use std::ffi::{c_char, c_int, c_void};
 
 /// `fmi2Component`: an instance.
 pub type Component = *mut c_void;
@@ -17,7 +17,7 @@ pub struct CallbackFunctions {
     /// The importer's function for messages; may be null.
     pub logger: Option<Logger>,
     /// Not called.
-    pub allocate_memory: Option<unsafe extern "C" fn(size_t, size_t) -> *mut c_void>,
+    pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
     /// Not called.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
     /// Not called.

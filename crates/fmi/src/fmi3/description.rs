@@ -8,17 +8,15 @@ use std::io::{self, Write};
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::Writer;
 
-use crate::log::Category;
-use crate::said::{
-    default_experiment, enumeration_head, enumeration_items, head, log_categories, text_of, token_of, typed,
-    unit_definitions, variable_head,
+use crate::common_description::{
+    default_experiment, enumeration_head, enumeration_items, head, log_categories, text_of, token_of, type_definitions,
+    typed, unit_definitions, variable_head,
 };
+use crate::log::Category;
+use crate::slave::TIME;
 use crate::table::{Array, Causality, Enumeration, Kind, Table, Variable};
-use crate::unit::{Identity, Unit};
+use crate::unit::Unit;
 use crate::xml::{Attributes, empty, parent};
-
-/// Value reference of the time, which no variable of a table has.
-pub(super) const TIME: u32 = 0;
 
 /// The model description of a unit.
 ///
@@ -51,14 +49,9 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, toke
         "fmiModelDescription",
         head(&identity, "3.0", ("instantiationToken", token)),
         |xml| {
-            empty(xml, "CoSimulation", capabilities(&identity))?;
+            empty(xml, "CoSimulation", capabilities::<U>())?;
             unit_definitions(xml, table.units)?;
-            if !table.enumerations.is_empty() {
-                parent(xml, "TypeDefinitions", vec![], |xml| {
-                    let mut types = table.enumerations.iter();
-                    types.try_for_each(|enumeration| enumeration_type(xml, enumeration))
-                })?;
-            }
+            type_definitions(xml, table.enumerations, enumeration_type)?;
             log_categories(xml, log_category)?;
             empty(xml, "DefaultExperiment", default_experiment(&identity))?;
             parent(xml, "ModelVariables", vec![], |xml| model_variables::<U, _>(xml, table))?;
@@ -68,7 +61,7 @@ fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, toke
     xml.get_mut().write_all(b"\n")
 }
 
-fn capabilities(identity: &Identity) -> Attributes {
+fn capabilities<U: Unit>() -> Attributes {
     let flags = [
         "canGetAndSetFMUState",
         "canSerializeFMUState",
@@ -78,9 +71,11 @@ fn capabilities(identity: &Identity) -> Attributes {
         "canReturnEarlyAfterIntermediateUpdate",
         "hasEventMode",
     ];
-    let mut attributes = vec![("modelIdentifier", identity.name.to_string())];
+    let mut attributes = vec![("modelIdentifier", U::IDENTITY.name.to_string())];
     attributes.extend(flags.map(|flag| (flag, "true".to_string())));
-    attributes.push(("maxOutputDerivativeOrder", "1".into()));
+    if U::OUTPUT_DERIVATIVES {
+        attributes.push(("maxOutputDerivativeOrder", "1".into()));
+    }
     // Inputs may jump between the unit's own steps.
     attributes.push(("recommendedIntermediateInputSmoothness", "-1".into()));
     attributes
@@ -129,15 +124,15 @@ fn model_variable<W: Write, S, R>(
     array: Option<&Array>,
     settings: &S,
 ) -> io::Result<()> {
-    let said = match array {
+    let [name, description] = match array {
         Some(array) => [&array.name, &array.description],
         None => [&variable.name, &variable.description],
     };
-    let mut attributes = variable_head(variable, said);
+    let mut attributes = variable_head(variable, [name, description]);
     if is_intermediate(variable) {
         attributes.push(("intermediateUpdate", "true".into()));
     }
-    attributes.extend(typed(&variable.kind, settings));
+    attributes.extend(typed(variable, settings));
     let tag = tag(&variable.kind);
     match array {
         None => empty(xml, tag, attributes),

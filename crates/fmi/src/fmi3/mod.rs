@@ -1,62 +1,42 @@
 //! FMI 3.0 for co-simulation: its C functions for any unit, and its XML.
 //!
-//! As in [`fmi2`](super::fmi2), raw pointers become references and slices here, and the calls themselves are in
-//! [`slave`](super::slave). `export!` gives the functions the standard's names and signatures (`fmi3FunctionTypes.h`) for one unit.
-//! No panic leaves a function. The caller of a function grants, beyond what the function itself asks for:
+//! As in [`fmi2`](super::fmi2), the functions convert raw pointers to references and slices, and the calls themselves are in
+//! [`slave`](super::slave). No panic leaves a function. The caller of a function grants, beyond what the function itself requires:
 //!
 //! - an instance comes from `fmi3InstantiateCoSimulation`, has not been freed, and is used by one call at a time (within
 //!   `fmi3DoStep` its intermediate update callback may use it, the callback for messages may not);
+//! - a stored state is null, or it comes from `fmi3GetFMUState` or `fmi3DeserializeFMUState` and has not been freed;
 //! - an array argument is null or points to as many elements as its count; a string is null or ends with a zero;
 //! - a pointer for a result is null or points to writable memory;
-//! - a pointer is aligned for its type, and memory that comes from beyond the boundary holds some value or other.
+//! - a pointer is aligned for its type, and memory from the caller holds some value or other.
 //!
-//! A null pointer where the standard wants a value is answered with an error.
+//! The status is an error for a null pointer where the standard requires a value.
 //!
-//! Where the standard would have an instance terminated by an error, a call that could not be made sense of leaves it as it was.
+//! Where the standard terminates an instance after an error, a refused call leaves it as it was.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `types` | the standard's types |
+//! | `functions` | the table of the C functions |
+//! | `creation` | creation of an instance |
+//! | `steps` | communication steps, with intermediate update mode |
+//! | `unsupported` | why functions are not supported |
 //! | `description` | `modelDescription.xml` and the instantiation token made from it |
 //! | `terminals` | `terminalsAndIcons.xml` |
-//! | `instance` | a slave with what its master handles, and the communication step under way |
-//! | `boundary` | pointers to instances; panics to errors |
-//! | `creation` | creation and destruction of an instance |
-//! | `setup` | log, initialisation, event mode, end |
-//! | `layout`, `values` | where values lie in an array; reading and writing of variables |
-//! | `states` | stored states and their bytes |
-//! | `derivatives` | derivatives with respect to time |
-//! | `steps` | communication steps, and the master's part in them |
-//! | `elsewhere` | functions of what this FMU is not or has not |
-//! | `exports` | the table of the exported names |
 
-mod boundary;
-#[doc(hidden)]
-pub mod creation;
-#[doc(hidden)]
-pub mod derivatives;
+mod creation;
 #[forbid(unsafe_code)]
 mod description;
 #[doc(hidden)]
-pub mod elsewhere;
-#[doc(hidden)]
-pub mod exports;
-#[forbid(unsafe_code)]
-mod instance;
-#[forbid(unsafe_code)]
-mod layout;
-#[doc(hidden)]
-pub mod setup;
-#[doc(hidden)]
-pub mod states;
-#[doc(hidden)]
-pub mod steps;
+pub mod functions;
+mod steps;
 #[forbid(unsafe_code)]
 mod terminals;
 mod types;
-#[doc(hidden)]
-pub mod values;
+#[forbid(unsafe_code)]
+mod unsupported;
 
 pub use description::{instantiation_token, model_description};
+pub use functions::NAMES;
 pub use terminals::{HALF_SIZE, Terminal, terminals_and_icons};
 pub use types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};

@@ -3,102 +3,98 @@
 //! The master is called back between two borrows of the instance, never within one: from its callback it calls functions on the
 //! same instance.
 
-use super::boundary::{NULL_RESULT, with, with_any};
-use super::instance::{Ending, Next, Question};
 use super::types::{Boolean, Instance};
+use crate::c::entry::{NULL_RESULT, enter};
 use crate::log::Status;
-use crate::stepping::OwnSteps;
+use crate::slave::{CallError, Ended, Next, Slave, Update, refused};
+use crate::unit::Unit;
 
-/// `fmi3DoStep`: advances by one communication step, or to an event or where the master wants to return if it allows that. Whether
-/// the master will come back before this point does not matter here: states are stored on request only.
+/// `fmi3DoStep`: advances by one communication step, or to an event or where the master returns early if it allows that. `flags` are
+/// the places for event, end of the simulation, and early return.
 ///
 /// # Safety
-/// The caller grants what [the head of this room](super) lists.
-#[expect(clippy::too_many_arguments, reason = "the standard's")]
-pub unsafe fn do_step<U: OwnSteps>(
+/// The caller grants what [the head of this module](super) lists.
+pub(super) unsafe fn do_step<U: Unit>(
     c: Instance,
-    current_communication_point: f64,
-    communication_step_size: f64,
-    _no_set_fmu_state_prior_to_current_point: Boolean,
-    event_handling_needed: *mut Boolean,
-    terminate_simulation: *mut Boolean,
-    early_return: *mut Boolean,
+    function: &str,
+    (current, step): (f64, f64),
+    flags: [*mut Boolean; 3],
     last_successful_time: *mut f64,
 ) -> Status {
-    let function = "fmi3DoStep";
-    let flags = [event_handling_needed, terminate_simulation, early_return];
-    let mut next = Next::Failed(Status::Error);
-    // SAFETY: as the caller grants.
-    let begun = unsafe {
-        with::<U>(c, function, |instance| {
-            if flags.iter().any(|flag| flag.is_null()) || last_successful_time.is_null() {
-                return instance.slave.refuse(function, NULL_RESULT);
+    let writable = flags.iter().all(|flag| !flag.is_null()) && !last_successful_time.is_null();
+    let mut ended = Ended {
+        event: false,
+        early: false,
+        time: f64::NAN,
+    };
+    let mut next = Next::Ended(ended);
+    let mut enter = |next: &mut Next, body: &dyn Fn(&mut Slave<U>) -> Result<Next, CallError>| {
+        let call = |slave: &mut Slave<U>| -> Result<(), CallError> {
+            let found = body(slave);
+            ended.time = slave.time();
+            *next = found?;
+            Ok(())
+        };
+        // SAFETY: as the caller grants. No reference to the instance exists during a callback.
+        unsafe { enter(c, function, call) }
+    };
+    let mut status = enter(&mut next, &|slave| match writable {
+        true => slave.begin_step(current, step),
+        false => refused(NULL_RESULT),
+    });
+    while status == Status::Ok {
+        status = match next {
+            Next::Advance => enter(&mut next, &Slave::advance_step),
+            Next::Update(update) => {
+                // SAFETY: the caller grants that the callback can be called.
+                let until = unsafe { call_back(update) };
+                enter(&mut next, &|slave| slave.resume_step(until))
             }
-            next = instance.begin(current_communication_point, communication_step_size);
-            Status::Ok
-        })
-    };
-    if begun != Status::Ok {
-        return begun;
+            Next::Ended(_) => break,
+        };
     }
-    let nothing = Next::Failed(Status::Error);
-    // SAFETY: as the caller grants. No reference to the instance lives through a callback.
-    let (status, ending) = unsafe {
-        loop {
-            next = match next {
-                Next::GoOn => with_any::<U, _>(c, function, nothing, |instance| instance.go_on()),
-                Next::Ask(question) => {
-                    let until = ask(question);
-                    with_any::<U, _>(c, function, nothing, |instance| instance.answered(until))
-                }
-                Next::Ended(ending) => break (ending.status, Some(ending)),
-                Next::Failed(status) => break (status, None),
-            };
+    if let (Status::Ok, Next::Ended(done)) = (status, next) {
+        ended = done;
+    }
+    if writable {
+        let [event, terminate, early] = flags;
+        // SAFETY: none of the places is null.
+        unsafe {
+            event.write(ended.event.into());
+            terminate.write(0);
+            early.write(ended.early.into());
+            last_successful_time.write(ended.time);
         }
-    };
-    // SAFETY: as the caller grants; none of the places is null.
-    unsafe {
-        let reached = with_any::<U, _>(c, function, f64::NAN, |instance| instance.slave.time());
-        let Ending { event, early, time, .. } = ending.unwrap_or(Ending {
-            status,
-            event: false,
-            early: false,
-            time: reached,
-        });
-        event_handling_needed.write(event.into());
-        terminate_simulation.write(0);
-        early_return.write(early.into());
-        last_successful_time.write(time);
     }
     status
 }
 
-/// Calls the master back; the time at which it wants the step to end, if it wants that, s.
+/// Calls the master back; the time at which the step is to end, if the master requests that, s.
 ///
 /// # Safety
 /// The callback can be called with its environment.
-unsafe fn ask(question: Question) -> Option<f64> {
-    let Question {
-        update,
+unsafe fn call_back(update: Update) -> Option<f64> {
+    let Update {
+        function,
         environment,
         time,
         inputs_may_be_set,
         can_return_early,
-    } = question;
-    let (mut wanted, mut until) = (Boolean::from(false), time);
-    // SAFETY: as the caller grants; the two places live through the call.
+    } = update;
+    let (mut requested, mut until) = (Boolean::from(false), time);
+    // SAFETY: as the caller grants; the two places exist during the call.
     unsafe {
-        update(
+        function(
             environment,
             time,
             inputs_may_be_set.into(),
             Boolean::from(true),
             Boolean::from(true),
             can_return_early.into(),
-            &raw mut wanted,
+            &raw mut requested,
             &raw mut until,
         );
     }
-    let here = if until.is_finite() { until.max(time) } else { time };
-    (can_return_early && wanted != 0).then_some(here)
+    let until = if until.is_finite() { until.max(time) } else { time };
+    (can_return_early && requested != 0).then_some(until)
 }

@@ -1,86 +1,87 @@
-//! An instance, and what every call goes through: permission, log, and containment of a panic.
+//! An instance, and what is common to all calls: permission, log, and containment of a panic.
 
 use std::any::Any;
 use std::cell::OnceCell;
+use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::outcome::{Outcome, Trouble, refused};
-use crate::description::guid;
+use super::error::{CallError, Outcome, refused};
+use super::steps::StepInProgress;
+use crate::fmi2::guid;
 use crate::log::{Category, Log, Sink, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::table::Table;
 use crate::unit::{Remark, Unit};
 
-/// Version of the standard that an instance follows, with what its master handles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Version of the standard.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Version {
     /// FMI 2.0.
+    #[default]
     Two,
     /// FMI 3.0.
-    Three {
-        /// Whether the master handles events: `eventModeUsed`.
-        events: bool,
-    },
+    Three,
+}
+
+/// `fmi3InstanceEnvironment`: a pointer that the importer gets back with each callback.
+pub type Environment = *mut c_void;
+
+/// `fmi3IntermediateUpdateCallback`: environment, time, whether inputs may be set, whether outputs may be read, whether the unit's
+/// step is accepted, whether an early return may be requested; whether it is, and for which time.
+pub type IntermediateUpdate = unsafe extern "C" fn(Environment, f64, u8, u8, u8, u8, *mut u8, *mut f64);
+
+/// What a master handles. The default is a master of FMI 2.0.
+#[derive(Clone, Debug, Default)]
+pub struct Master {
+    /// Version of the standard.
+    pub version: Version,
+    /// Whether it handles events: `eventModeUsed`.
+    pub events: bool,
+    /// Whether a communication step may end early.
+    pub early_return: bool,
+    /// Called after each internal step of the unit, with the importer's environment.
+    pub update: Option<(IntermediateUpdate, Environment)>,
+    /// Variables that it sets and reads there.
+    pub intermediate: Vec<u32>,
+    /// Whether inputs are among them.
+    pub sets_inputs: bool,
 }
 
 /// An instance of a unit.
 pub struct Slave<U: Unit> {
     pub(super) table: Table<U::Settings, U::Readings>,
     pub(super) log: Log,
-    /// Whether the importer asked for debug logging when it created the instance.
-    pub(super) debug: bool,
+    pub(super) master: Master,
     /// What a new or reset instance starts from.
     pub(super) start: U::Settings,
-    /// Written once: it is a hash of the whole description.
+    /// Computed once: it is a hash of the whole description.
     guid: OnceCell<String>,
-    pub(super) version: Version,
-    /// Name of the C function under way, where it is not that of FMI 2.0.
-    called: Option<&'static str>,
+    /// The communication step in progress, between two internal steps of the unit.
+    pub(super) step: Option<StepInProgress<U>>,
     /// The whole dynamic state.
     pub(super) now: Snapshot<U>,
 }
 
 impl<U: Unit> Slave<U> {
-    /// A new instance that logs into `sink`.
+    /// A new instance for FMI 2.0 that logs into `sink`.
     #[must_use]
     pub fn new(sink: Option<Box<dyn Sink>>, debug: bool) -> Self {
-        Self::of(Version::Two, Log::new(sink, debug), debug)
+        Self::with(Master::default(), Log::new(sink, debug), U::Settings::default())
     }
 
-    /// A new instance that follows a version of the standard, with its log.
+    /// A new instance for a master, with its log and its start values.
     #[must_use]
-    pub fn of(version: Version, log: Log, debug: bool) -> Self {
+    pub fn with(master: Master, log: Log, start: U::Settings) -> Self {
         Self {
             table: U::table(),
             log,
-            debug,
-            start: U::Settings::default(),
+            master,
+            start: start.clone(),
             guid: OnceCell::new(),
-            version,
-            called: None,
-            now: Snapshot::new(),
+            step: None,
+            now: Snapshot::starting_from(start),
         }
-    }
-
-    /// The same instance with other start values, which a reset brings back too. For an instance that is new.
-    #[must_use]
-    pub fn starting_from(mut self, start: U::Settings) -> Self {
-        self.start = start;
-        self.now = Snapshot::starting_from(self.start.clone());
-        self
-    }
-
-    /// The same, with the name of the C function that messages are to give.
-    pub fn called(&mut self, function: &'static str) -> &mut Self {
-        self.called = Some(function);
-        self
-    }
-
-    /// The variable table.
-    #[must_use]
-    pub fn table(&self) -> &Table<U::Settings, U::Readings> {
-        &self.table
     }
 
     /// The GUID of the unit.
@@ -94,31 +95,30 @@ impl<U: Unit> Slave<U> {
         self.now.state
     }
 
-    /// Refuses a call that the capability flags exclude.
-    pub fn not_offered(&mut self, function: &'static str, why: &str) -> Status {
-        self.refuse(function, &format!("not offered: {why}"))
-    }
-
-    /// Refuses a call whose arguments can't be used.
-    pub fn refuse(&mut self, function: &'static str, why: &str) -> Status {
-        self.call(function, |_| refused(why))
+    /// The present time, s: the communication point, before the start that of the experiment, and in intermediate update mode the
+    /// time of the unit.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        match &self.now.unit {
+            Some(unit) if self.now.state == State::IntermediateUpdate => unit.time(),
+            Some(_) => self.now.point,
+            None => self.now.experiment.start,
+        }
     }
 
     /// Refuses a call that the present state does not allow.
-    pub(super) fn allow(&self, call: Call) -> Outcome {
+    pub(crate) fn allow(&self, call: Call) -> Outcome {
+        let state = self.now.state;
         // FMI 3.0 also lets start values be read before the initialisation.
-        let early = call == Call::Get && self.now.state == State::Instantiated && self.version != Version::Two;
-        if early || call.allowed_in(self.now.state) {
+        let early = call == Call::Get && state == State::Instantiated && self.master.version == Version::Three;
+        if early || call.allowed_in(state) {
             return Ok(());
         }
-        let advice = match self.now.state {
+        let advice = match state {
             State::Error => "; reset it or restore a stored state",
             _ => "",
         };
-        refused(format!(
-            "not allowed while the instance is {}{advice}",
-            self.now.state.name()
-        ))
+        refused(format!("not allowed while the instance is {}{advice}", state.name()))
     }
 
     /// Starts the unit, unless it has been started.
@@ -127,13 +127,37 @@ impl<U: Unit> Slave<U> {
             let mut remarks = Vec::new();
             let started = U::start(&self.now.settings, &self.now.experiment, &mut remarks);
             self.log_remarks(&remarks);
-            self.now.unit = Some(started.map_err(Trouble::Failed)?);
+            self.now.unit = Some(started.map_err(CallError::Failed)?);
             self.now.point = self.now.experiment.start;
         }
         Ok(())
     }
 
-    /// Logs what the unit remarks.
+    /// The result of a query beyond the standard about the unit as it is, from initialisation mode on. Remarks are logged, and with
+    /// a warning among them the status is a warning.
+    ///
+    /// # Errors
+    /// The call is not allowed now, or the query gives an error.
+    pub fn query<T>(
+        &mut self,
+        query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<T, String>,
+    ) -> Result<(Status, T), CallError> {
+        self.allow(Call::Get)?;
+        if self.now.state == State::Initialisation {
+            self.start_unit()?;
+        }
+        let Some(unit) = &mut self.now.unit else {
+            return refused("there is no model after a failed start");
+        };
+        let mut remarks = Vec::new();
+        let found = query(unit, &self.now.settings, &mut remarks);
+        self.log_remarks(&remarks);
+        let warned = remarks.iter().any(|remark| remark.warning);
+        let status = if warned { Status::Warning } else { Status::Ok };
+        Ok((status, found.map_err(CallError::Refused)?))
+    }
+
+    /// Logs the remarks of the unit.
     pub(super) fn log_remarks(&self, remarks: &[Remark]) {
         for remark in remarks {
             let (status, category) = if remark.warning {
@@ -145,27 +169,30 @@ impl<U: Unit> Slave<U> {
         }
     }
 
-    /// Runs a call, logs what went wrong and contains a panic within this instance.
-    pub(super) fn call(&mut self, function: &'static str, body: impl FnOnce(&mut Self) -> Outcome) -> Status {
+    /// Makes the call of a C function: logs its error and contains a panic within this instance.
+    pub fn call<T: Into<Status>>(
+        &mut self,
+        function: &str,
+        body: impl FnOnce(&mut Self) -> Result<T, CallError>,
+    ) -> Status {
         let outcome = catch_unwind(AssertUnwindSafe(|| body(self))).unwrap_or_else(|panic| {
-            // What the panic left behind is not to be trusted.
+            // After a panic the unit may be inconsistent.
             let broken = self.now.unit.take();
             drop(catch_unwind(AssertUnwindSafe(|| drop(broken))));
-            Err(Trouble::Failed(format!(
+            Err(CallError::Failed(format!(
                 "internal error, please report: {}",
                 panic_text(panic.as_ref())
             )))
         });
         let (status, category, text) = match outcome {
-            Ok(()) => return Status::Ok,
-            Err(Trouble::Refused(text)) => (Status::Error, Category::Error, text),
-            Err(Trouble::Failed(text)) => {
+            Ok(done) => return done.into(),
+            Err(CallError::Refused(text)) => (Status::Error, Category::Error, text),
+            Err(CallError::Failed(text)) => {
                 self.now.state = State::Error;
                 (Status::Error, Category::Error, text)
             }
-            Err(Trouble::Discarded(text)) => (Status::Discard, Category::Discard, text),
+            Err(CallError::Discarded(text)) => (Status::Discard, Category::Discard, text),
         };
-        let function = self.called.unwrap_or(function);
         self.log.send(status, category, &format!("{function}: {text}"));
         status
     }

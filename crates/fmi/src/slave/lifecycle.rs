@@ -1,85 +1,103 @@
-//! Calls that lead an instance through its run: log, set-up, initialisation, end.
+//! Calls that lead an instance through its run: log, set-up, initialisation, event mode, end.
 
-use super::instance::{Slave, Version};
-use super::outcome::{Trouble, refused};
-use crate::log::{Category, Status};
+use super::error::{CallError, Outcome, refused};
+use super::instance::Slave;
+use crate::log::Category;
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 
 impl<U: Unit> Slave<U> {
-    /// `fmi2SetDebugLogging`: with no category all of them.
-    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Status {
-        self.call("fmi2SetDebugLogging", |slave| {
-            let mut chosen = Vec::new();
-            for name in categories {
-                if *name == "logAll" {
-                    chosen.extend(Category::ALL);
-                } else if let Some(known) = Category::ALL.into_iter().find(|c| c.name() == *name) {
-                    chosen.push(known);
-                } else {
-                    let all = Category::ALL.map(Category::name).join(", ");
-                    return refused(format!("no log category {name:?}; there are {all}, logAll"));
-                }
+    /// Chooses what is logged, with no category all of them.
+    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Outcome {
+        self.allow(Call::Always)?;
+        let mut chosen = Vec::new();
+        for name in categories {
+            if *name == "logAll" {
+                chosen.extend(Category::ALL);
+            } else if let Some(known) = Category::ALL.into_iter().find(|c| c.name() == *name) {
+                chosen.push(known);
+            } else {
+                let all = Category::ALL.map(Category::name).join(", ");
+                return refused(format!("no log category {name:?}; there are {all}, logAll"));
             }
-            slave.log.choose(on, &chosen);
-            Ok(())
-        })
+        }
+        self.log.choose(on, &chosen);
+        Ok(())
     }
 
-    /// `fmi2SetupExperiment`.
-    pub fn setup_experiment(&mut self, experiment: Experiment) -> Status {
-        self.call("fmi2SetupExperiment", |slave| {
-            slave.allow(Call::SetupExperiment)?;
-            slave.now.experiment = checked(experiment)?;
-            Ok(())
-        })
+    /// Sets tolerance, start and stop time, in FMI 2.0.
+    pub fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
+        self.allow(Call::SetupExperiment)?;
+        self.now.experiment = checked(experiment)?;
+        Ok(())
     }
 
-    /// `fmi2EnterInitializationMode`.
-    pub fn enter_initialization_mode(&mut self) -> Status {
-        self.call("fmi2EnterInitializationMode", |slave| {
-            slave.allow(Call::EnterInitializationMode)?;
-            slave.now.state = State::Initialisation;
-            Ok(())
-        })
+    /// Enters initialisation mode, in FMI 2.0.
+    pub fn enter_initialization_mode(&mut self) -> Outcome {
+        self.allow(Call::EnterInitializationMode)?;
+        self.now.state = State::Initialisation;
+        Ok(())
     }
 
-    /// `fmi2ExitInitializationMode`.
-    pub fn exit_initialization_mode(&mut self) -> Status {
-        self.call("fmi2ExitInitializationMode", |slave| {
-            slave.allow(Call::ExitInitializationMode)?;
-            slave.start_unit()?;
-            slave.now.state = match slave.version {
-                Version::Three { events: true } => State::Event,
-                _ => State::StepComplete,
-            };
-            Ok(())
-        })
+    /// Sets tolerance, start and stop time, and enters initialisation mode, in FMI 3.0.
+    pub fn initialize(&mut self, experiment: Experiment) -> Outcome {
+        self.setup_experiment(experiment)?;
+        self.enter_initialization_mode()
     }
 
-    /// `fmi2Terminate`.
-    pub fn terminate(&mut self) -> Status {
-        self.call("fmi2Terminate", |slave| {
-            slave.allow(Call::Terminate)?;
-            slave.now.state = State::Terminated;
-            Ok(())
-        })
+    /// Leaves initialisation mode, for event mode if the master handles events.
+    pub fn exit_initialization_mode(&mut self) -> Outcome {
+        self.allow(Call::ExitInitializationMode)?;
+        self.start_unit()?;
+        self.now.state = if self.master.events {
+            State::Event
+        } else {
+            State::StepComplete
+        };
+        Ok(())
     }
 
-    /// `fmi2Reset`: as freshly instantiated, in every state.
-    pub fn reset(&mut self) -> Status {
-        self.call("fmi2Reset", |slave| {
-            slave.allow(Call::Always)?;
-            slave.now = Snapshot::starting_from(slave.start.clone());
-            slave.log.choose(slave.debug, &[]);
-            Ok(())
-        })
+    /// Enters event mode.
+    pub fn enter_event_mode(&mut self) -> Outcome {
+        self.allow(Call::EnterEventMode)?;
+        if !self.master.events {
+            return refused("the instance was created without event mode (eventModeUsed)");
+        }
+        self.now.state = State::Event;
+        Ok(())
+    }
+
+    /// Updates discrete states: there are none, so nothing needs an update and the time of no event is known ahead.
+    pub fn update_discrete_states(&mut self) -> Outcome {
+        self.allow(Call::HandleEvent)
+    }
+
+    /// Leaves event mode.
+    pub fn enter_step_mode(&mut self) -> Outcome {
+        self.allow(Call::HandleEvent)?;
+        self.now.state = State::StepComplete;
+        Ok(())
+    }
+
+    /// Ends the run.
+    pub fn terminate(&mut self) -> Outcome {
+        self.allow(Call::Terminate)?;
+        self.now.state = State::Terminated;
+        Ok(())
+    }
+
+    /// Makes the instance as freshly instantiated, in every state.
+    pub fn reset(&mut self) -> Outcome {
+        self.allow(Call::Always)?;
+        self.now = Snapshot::starting_from(self.start.clone());
+        self.log.reset();
+        Ok(())
     }
 }
 
 /// An experiment, if it makes sense.
-pub(super) fn checked(experiment: Experiment) -> Result<Experiment, Trouble> {
+fn checked(experiment: Experiment) -> Result<Experiment, CallError> {
     let Experiment { tolerance, start, stop } = experiment;
     if !start.is_finite() {
         return refused(format!("the start time {start} is not a finite number"));

@@ -1,61 +1,40 @@
 //! Stored states of an instance.
 
-use super::instance::{Slave, Version};
-use super::outcome::Trouble;
-use crate::log::Status;
+use super::error::{CallError, Outcome};
+use super::instance::Slave;
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::unit::Unit;
 
 impl<U: Unit> Slave<U> {
-    /// `fmi2GetFMUstate`: the state, or `None` with the status if the call failed.
-    pub fn save(&mut self) -> (Status, Option<Snapshot<U>>) {
-        let mut saved = None;
-        let status = self.call("fmi2GetFMUstate", |slave| {
-            slave.allow(Call::Always)?;
-            saved = Some(slave.now.clone());
-            Ok(())
-        });
-        (status, saved)
+    /// A copy of the state.
+    pub fn save(&mut self) -> Result<Snapshot<U>, CallError> {
+        self.allow(Call::Always)?;
+        Ok(self.now.clone())
     }
 
-    /// `fmi2SetFMUstate`. The state may come from another instance.
-    pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Status {
-        self.call("fmi2SetFMUstate", |slave| {
-            slave.allow(Call::Always)?;
-            slave.now = snapshot.clone();
-            // The state may come from an instance whose master handles events.
-            if slave.now.state == State::Event && slave.version != (Version::Three { events: true }) {
-                slave.now.state = State::StepComplete;
-            }
-            Ok(())
-        })
+    /// Goes back to a state, which may come from another instance.
+    pub fn restore(&mut self, snapshot: &Snapshot<U>) -> Outcome {
+        self.allow(Call::Always)?;
+        self.now = snapshot.clone();
+        // The state may come from an instance whose master handles events.
+        if self.now.state == State::Event && !self.master.events {
+            self.now.state = State::StepComplete;
+        }
+        Ok(())
     }
 
-    /// `fmi2SerializeFMUstate`, and `fmi2SerializedFMUstateSize` by the length of what comes: the bytes, or `None` with
-    /// the status if the call failed.
-    pub fn serialize(&mut self, function: &'static str, snapshot: &Snapshot<U>) -> (Status, Option<Vec<u8>>) {
-        let mut sealed = None;
-        let status = self.call(function, |slave| {
-            slave.allow(Call::Always)?;
-            sealed = Some(
-                snapshot
-                    .to_bytes(&slave.table, slave.guid())
-                    .map_err(Trouble::Refused)?,
-            );
-            Ok(())
-        });
-        (status, sealed)
+    /// A state as bytes.
+    pub fn serialize(&mut self, snapshot: &Snapshot<U>) -> Result<Vec<u8>, CallError> {
+        self.allow(Call::Always)?;
+        let sealed = snapshot.to_bytes(&self.table, self.guid());
+        sealed.map_err(CallError::Refused)
     }
 
-    /// `fmi2DeSerializeFMUstate`: the state, or `None` with the status if the bytes are not one.
-    pub fn deserialize(&mut self, sealed: &[u8]) -> (Status, Option<Snapshot<U>>) {
-        let mut found = None;
-        let status = self.call("fmi2DeSerializeFMUstate", |slave| {
-            slave.allow(Call::Always)?;
-            found = Some(Snapshot::from_bytes(&slave.table, slave.guid(), sealed).map_err(Trouble::Refused)?);
-            Ok(())
-        });
-        (status, found)
+    /// The state in these bytes.
+    pub fn deserialize(&mut self, sealed: &[u8]) -> Result<Snapshot<U>, CallError> {
+        self.allow(Call::Always)?;
+        let found = Snapshot::from_bytes(&self.table, self.guid(), sealed);
+        found.map_err(CallError::Refused)
     }
 }

@@ -1,135 +1,216 @@
-//! Communication steps, and how the last one ended.
+//! Communication steps, one internal step of the unit after the other, and how the last one ended.
 
-use super::instance::Slave;
-use super::outcome::{Outcome, Trouble, refused};
-use crate::log::Status;
+use super::error::{CallError, Outcome, refused};
+use super::instance::{Environment, IntermediateUpdate, Slave};
+use crate::log::{Category, Status};
+use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
-use crate::unit::{StepFailure, Unit};
+use crate::unit::{CommunicationStep, StepFailure, Unit};
 
-/// What can be asked after a step (`fmi2StatusKind`).
+/// A communication step in progress.
+pub(super) struct StepInProgress<U: Unit> {
+    step: CommunicationStep<U>,
+    /// Where it ends, by the master's sum of steps, s.
+    end: f64,
+    /// Whether the end was brought nearer.
+    shortened: bool,
+}
+
+/// What comes next in a communication step.
+#[derive(Clone, Copy, Debug)]
+pub enum Next {
+    /// An internal step of the unit.
+    Advance,
+    /// The callback of the master, in intermediate update mode.
+    Update(Update),
+    /// The communication step has ended.
+    Ended(Ended),
+}
+
+/// The callback of the master and its arguments.
+#[derive(Clone, Copy, Debug)]
+pub struct Update {
+    /// The importer's function.
+    pub function: IntermediateUpdate,
+    /// Its environment.
+    pub environment: Environment,
+    /// Time of the unit, s.
+    pub time: f64,
+    /// Whether inputs may be set.
+    pub inputs_may_be_set: bool,
+    /// Whether the communication step may end early.
+    pub can_return_early: bool,
+}
+
+/// How a communication step ended.
+#[derive(Clone, Copy, Debug)]
+pub struct Ended {
+    /// Whether an event has happened.
+    pub event: bool,
+    /// Whether it ended earlier than the master wanted.
+    pub early: bool,
+    /// Time reached, s.
+    pub time: f64,
+}
+
+/// Kinds of `fmi2StatusKind`, with their numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StatusKind {
     /// How the last step ended.
-    DoStep,
+    DoStep = 0,
     /// What a pending step is doing; no step is ever pending.
-    Pending,
+    Pending = 1,
     /// Time reached, s.
-    LastSuccessfulTime,
-    /// Whether the slave wants the run to end; it never does.
-    Terminated,
+    LastSuccessfulTime = 2,
+    /// Whether the slave requests the end of the run; it never does.
+    Terminated = 3,
 }
 
-/// Where a step leads.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ahead {
-    /// For the unit, on its grid, s.
-    pub to: f64,
-    /// As the master counts, s.
-    pub end: f64,
-}
-
-/// The unit, once it has been started.
-pub(super) fn started<U>(unit: &mut Option<U>) -> Result<&mut U, Trouble> {
-    unit.as_mut().ok_or_else(not_started)
-}
-
-fn not_started() -> Trouble {
-    Trouble::Refused("the unit has not been initialised".into())
+impl StatusKind {
+    const ALL: [Self; 4] = [Self::DoStep, Self::Pending, Self::LastSuccessfulTime, Self::Terminated];
 }
 
 impl<U: Unit> Slave<U> {
-    /// `fmi2DoStep`.
-    pub fn do_step(&mut self, current: f64, step: f64) -> Status {
-        self.call("fmi2DoStep", |slave| slave.step(current, step))
+    /// A whole communication step of size `step` from `current`, s, for a master without callback.
+    pub fn do_step(&mut self, current: f64, step: f64) -> Outcome {
+        let mut next = self.begin_step(current, step)?;
+        while let Next::Advance = next {
+            next = self.advance_step()?;
+        }
+        Ok(())
     }
 
-    /// `fmi2CancelStep`.
-    pub fn cancel_step(&mut self) -> Status {
-        self.call("fmi2CancelStep", |slave| {
-            slave.allow(Call::CancelStep)?;
-            Ok(())
-        })
-    }
-
-    /// `fmi2GetStatus`: how the last step ended.
-    pub fn step_status(&mut self, kind: StatusKind, value: &mut i32) -> Status {
-        self.status("fmi2GetStatus", |slave| match kind {
-            StatusKind::DoStep => {
-                let ended = match slave.now.state {
-                    State::StepFailed => Status::Discard,
-                    _ => Status::Ok,
-                };
-                *value = ended as i32;
-                Ok(())
-            }
-            _ => unknown_status(kind),
-        })
-    }
-
-    /// `fmi2GetRealStatus`: the time reached, s.
-    pub fn real_status(&mut self, kind: StatusKind, value: &mut f64) -> Status {
-        self.status("fmi2GetRealStatus", |slave| match (kind, &slave.now.unit) {
-            (StatusKind::LastSuccessfulTime, Some(_)) => {
-                *value = slave.now.point;
-                Ok(())
-            }
-            _ => unknown_status(kind),
-        })
-    }
-
-    /// `fmi2GetBooleanStatus`: whether the slave wants the run to end.
-    pub fn boolean_status(&mut self, kind: StatusKind, value: &mut i32) -> Status {
-        self.status("fmi2GetBooleanStatus", |_| match kind {
-            StatusKind::Terminated => {
-                *value = 0;
-                Ok(())
-            }
-            _ => unknown_status(kind),
-        })
-    }
-
-    /// `fmi2GetIntegerStatus` and `fmi2GetStringStatus`: nothing of these types can be asked.
-    pub fn no_status(&mut self, function: &'static str, kind: StatusKind) -> Status {
-        self.status(function, |_| unknown_status(kind))
-    }
-
-    fn step(&mut self, current: f64, step: f64) -> Outcome {
-        let ahead = self.ahead(current, step)?;
-        let unit = started(&mut self.now.unit)?;
-        let mut remarks = Vec::new();
-        let rates = self.now.rates.take();
-        let result = unit.advance(ahead.to, &self.now.settings, rates.as_ref(), &mut remarks);
-        self.log_remarks(&remarks);
-        self.ended(result, ahead.end)
-    }
-
-    /// Checks a step, and says where it leads.
-    pub(super) fn ahead(&self, current: f64, step: f64) -> Result<Ahead, Trouble> {
+    /// Begins a communication step of size `step` from `current`, s.
+    pub fn begin_step(&mut self, current: f64, step: f64) -> Result<Next, CallError> {
         self.allow(Call::DoStep)?;
         let end = self.end_of_step(current, step)?;
-        let unit = self.now.unit.as_ref().ok_or_else(not_started)?;
-        // A longer step before may have ended on a coarser grid, just ahead.
-        let to = communication_point(end, step).max(unit.time());
-        Ok(Ahead { to, end })
-    }
-
-    /// Takes down how a step ended that was to lead to `end`, as the master counts.
-    pub(super) fn ended(&mut self, result: Result<(), StepFailure>, end: f64) -> Outcome {
-        match result {
-            Ok(()) => {
-                (self.now.state, self.now.point) = (State::StepComplete, end);
-                Ok(())
-            }
-            Err(StepFailure::Setting(text) | StepFailure::Discarded(text)) => {
-                let reached = started(&mut self.now.unit)?.time();
-                (self.now.state, self.now.point) = (State::StepFailed, reached);
-                Err(Trouble::Discarded(text))
-            }
+        let Snapshot {
+            settings, rates, unit, ..
+        } = &mut self.now;
+        let unit = started(unit)?;
+        let mut step = CommunicationStep {
+            from: unit.time(),
+            // A longer step before may have ended on a coarser grid, just ahead.
+            to: communication_point(end, step).max(unit.time()),
+            rates: rates.take(),
+            progress: U::Progress::default(),
+        };
+        if let Err(failure) = unit.begin(&mut step, settings) {
+            return self.fail_step(failure);
         }
+        let over = unit.is_over(&step);
+        let step = StepInProgress {
+            step,
+            end,
+            shortened: false,
+        };
+        if over {
+            return self.finish_step(&step, None);
+        }
+        self.step = Some(step);
+        Ok(Next::Advance)
     }
 
-    /// Checks a step of size `step` from `current`, s; the communication point at which it ends, as the master counts.
-    fn end_of_step(&self, current: f64, step: f64) -> Result<f64, Trouble> {
+    /// One internal step of the unit.
+    pub fn advance_step(&mut self) -> Result<Next, CallError> {
+        let Some(mut step) = self.step.take() else {
+            return refused("no communication step is in progress");
+        };
+        let mut remarks = Vec::new();
+        let unit = started(&mut self.now.unit)?;
+        let advanced = unit.advance(&mut step.step, &self.now.settings, &mut remarks);
+        self.log_remarks(&remarks);
+        if let Err(failure) = advanced {
+            return self.fail_step(failure);
+        }
+        let Some((function, environment)) = self.master.update else {
+            return self.after_internal_step(step);
+        };
+        let unit = started(&mut self.now.unit)?;
+        unit.update_outputs();
+        let over = unit.is_over(&step.step);
+        let time = unit.time();
+        self.step = Some(step);
+        self.now.state = State::IntermediateUpdate;
+        Ok(Next::Update(Update {
+            function,
+            environment,
+            time,
+            inputs_may_be_set: self.master.sets_inputs && !over,
+            can_return_early: self.master.early_return && !over,
+        }))
+    }
+
+    /// Continues after the master's callback, which may request that the step ends at a time, s.
+    pub fn resume_step(&mut self, until: Option<f64>) -> Result<Next, CallError> {
+        let step = self.step.take();
+        let (State::IntermediateUpdate, Some(mut step)) = (self.now.state, step) else {
+            return refused("a call within the intermediate update failed");
+        };
+        self.now.state = State::StepComplete;
+        if let Some(until) = until {
+            self.end_step_at(&mut step, until)?;
+        }
+        self.after_internal_step(step)
+    }
+
+    /// Whether a communication step in progress has reached its end.
+    pub(super) fn step_is_over(&self) -> bool {
+        let unit = self.now.unit.as_ref().zip(self.step.as_ref());
+        unit.is_some_and(|(unit, step)| unit.is_over(&step.step))
+    }
+
+    /// Ends the communication step at its end or at an event.
+    fn after_internal_step(&mut self, mut step: StepInProgress<U>) -> Result<Next, CallError> {
+        let unit = started(&mut self.now.unit)?;
+        let (over, time) = (unit.is_over(&step.step), unit.time());
+        let watched = self.master.events && (over || self.master.early_return);
+        let event = watched.then(|| unit.event(&step.step)).flatten();
+        if !over && event.is_none() {
+            self.step = Some(step);
+            return Ok(Next::Advance);
+        }
+        self.end_step_at(&mut step, time)?;
+        self.finish_step(&step, event)
+    }
+
+    /// Lets a communication step end at a time, s, or at the present time if that is later; it never becomes longer.
+    fn end_step_at(&mut self, step: &mut StepInProgress<U>, time: f64) -> Outcome {
+        let unit = started(&mut self.now.unit)?;
+        if !unit.is_over(&step.step) && time < step.end {
+            unit.end_at(&mut step.step, time);
+            step.shortened = true;
+        }
+        Ok(())
+    }
+
+    fn finish_step(&mut self, step: &StepInProgress<U>, event: Option<String>) -> Result<Next, CallError> {
+        let mut remarks = Vec::new();
+        let unit = started(&mut self.now.unit)?;
+        unit.finish(&step.step, &mut remarks);
+        let time = if step.shortened { unit.time() } else { step.end };
+        self.log_remarks(&remarks);
+        if let Some(event) = &event {
+            let text = format!("event at {time} s: {event}");
+            self.log.send(Status::Ok, Category::Events, &text);
+        }
+        (self.now.state, self.now.point) = (State::StepComplete, time);
+        Ok(Next::Ended(Ended {
+            event: event.is_some(),
+            early: step.shortened,
+            time,
+        }))
+    }
+
+    /// Ends a communication step that was completed in part.
+    fn fail_step(&mut self, failure: StepFailure) -> Result<Next, CallError> {
+        let reached = started(&mut self.now.unit)?.time();
+        (self.now.state, self.now.point) = (State::StepFailed, reached);
+        Err(CallError::Discarded(failure.to_string()))
+    }
+
+    /// Checks a step of size `step` from `current`, s; the communication point at which it ends, by the master's sum.
+    fn end_of_step(&self, current: f64, step: f64) -> Result<f64, CallError> {
         let start = self.now.point;
         let longest = U::IDENTITY.longest_step;
         if !(current.is_finite() && step.is_finite() && step > 0.0) {
@@ -159,12 +240,59 @@ impl<U: Unit> Slave<U> {
         }
         Ok(end)
     }
+}
 
-    fn status(&mut self, function: &'static str, body: impl FnOnce(&mut Self) -> Outcome) -> Status {
-        self.call(function, |slave| {
-            slave.allow(Call::GetStatus)?;
-            body(slave)
+/// How the last step ended, in FMI 2.0.
+impl<U: Unit> Slave<U> {
+    /// Cancels a step: refused, since no step is ever pending.
+    pub fn cancel_step(&mut self) -> Outcome {
+        self.allow(Call::CancelStep)
+    }
+
+    /// The status of a kind, if it is the one of which `value` is known.
+    fn status<T>(&self, kind: i32, known: StatusKind, value: Option<T>) -> Result<T, CallError> {
+        let Some(kind) = StatusKind::ALL.into_iter().find(|known| *known as i32 == kind) else {
+            return refused("the kind of status is not one of the standard's");
+        };
+        self.allow(Call::GetStatus)?;
+        value.filter(|_| kind == known).ok_or_else(|| {
+            CallError::Discarded(format!(
+                "there is no status {kind:?}: each step is finished before it returns"
+            ))
         })
+    }
+
+    /// How the last step ended: `fmi2DoStepStatus`.
+    pub fn step_status(&self, kind: i32) -> Result<Status, CallError> {
+        let ended = match self.now.state {
+            State::StepFailed => Status::Discard,
+            _ => Status::Ok,
+        };
+        self.status(kind, StatusKind::DoStep, Some(ended))
+    }
+
+    /// The time reached, s: `fmi2LastSuccessfulTime`.
+    pub fn last_successful_time(&self, kind: i32) -> Result<f64, CallError> {
+        let reached = self.now.unit.as_ref().map(|_| self.now.point);
+        self.status(kind, StatusKind::LastSuccessfulTime, reached)
+    }
+
+    /// Whether the slave requests the end of the run: `fmi2Terminated`.
+    pub fn requests_termination(&self, kind: i32) -> Result<bool, CallError> {
+        self.status(kind, StatusKind::Terminated, Some(false))
+    }
+
+    /// A status of a type that none has.
+    pub fn no_status(&self, kind: i32) -> Outcome {
+        self.status(kind, StatusKind::Pending, None)
+    }
+}
+
+/// The unit, once it has been started.
+fn started<U>(unit: &mut Option<U>) -> Result<&mut U, CallError> {
+    match unit {
+        Some(unit) => Ok(unit),
+        None => refused("the unit has not been initialised"),
     }
 }
 
@@ -172,7 +300,7 @@ impl<U: Unit> Slave<U> {
 const ROUNDING_OF_TIME: f64 = 1e-9;
 /// The least difference between two communication points that is taken for rounding, as a share of the step.
 const LEAST_ROUNDING: f64 = 1e-6;
-/// The largest difference that is taken for rounding, as a share of the step: a user would not notice it.
+/// The largest difference that is taken for rounding, as a share of the step: results hardly change by it.
 const LARGEST_ROUNDING: f64 = 1e-3;
 
 /// Whether two times are the same communication point, up to the rounding of a master that sums up its steps.
@@ -187,8 +315,8 @@ fn same_time(a: f64, b: f64, step: f64) -> bool {
 const EXACT_POWERS_OF_TEN: f64 = 22.0;
 
 /// The end of a step on a decimal grid of about a millionth of the step. Masters come to the same point by different
-/// sums, off by some 1e-12; where a belt slips through, that grows to differences that a user sees. On the grid all
-/// masters get the same bits.
+/// sums, which differ by some 1e-12; a model can amplify that to differences that a user sees. On the grid all masters get
+/// the same bits.
 fn communication_point(time: f64, step: f64) -> f64 {
     let digits = -(LEAST_ROUNDING * step).log10().floor();
     if digits > EXACT_POWERS_OF_TEN {
@@ -199,10 +327,4 @@ fn communication_point(time: f64, step: f64) -> f64 {
     let count = (time * grid).round();
     let exact = 1.0 / f64::EPSILON;
     if count.abs() < exact { count / grid } else { time }
-}
-
-fn unknown_status(kind: StatusKind) -> Outcome {
-    Err(Trouble::Discarded(format!(
-        "there is no status {kind:?}: each step is finished before it returns"
-    )))
 }

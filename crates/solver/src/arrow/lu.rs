@@ -1,10 +1,9 @@
 //! Factors of an [`Arrow`] and solutions with them.
 //!
 //! Block 0 joins the border, which opens the loop; the other blocks are eliminated in order. Cost and memory are linear
-//! in n: O(n (b+g)² b). Pivoting is inside a block; faer inverts blocks whose size the compiler doesn't know.
+//! in n: O(n (b+g)² b). Pivoting is inside a block.
 
-use super::super::kernels::{self, Update, gemm, gemv};
-use super::dense::Inverter;
+use super::super::kernels::{self, Inverter, Update, gemm, gemv};
 use super::{Arrow, Parts, Shape};
 use pushbelt_tape::Tape;
 

@@ -11,7 +11,6 @@
 //! ```
 //! Unknowns whose neighbours change may stand in an order of their own, see [`Arrow::reorder`].
 
-mod dense;
 mod lu;
 
 use super::kernels::{Update, gemv};

@@ -1,0 +1,205 @@
+//! The entry of every C function on an instance, and the conversion of its pointers to slices, references and strings.
+
+use std::ffi::{CStr, c_char, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::log::Status;
+use crate::slave::{CallError, Outcome, Slave, refused};
+use crate::state::Call;
+use crate::unit::Unit;
+
+/// Error text where an array argument cannot be used.
+const NULL_ARRAY: &str = "an array argument is null, misaligned or too long";
+/// Error text where a result has no place.
+pub(crate) const NULL_RESULT: &str = "the pointer for the result is null";
+
+/// Runs `body` and returns `instead` after a panic.
+pub(crate) fn contain<T>(instead: T, body: impl FnOnce() -> T) -> T {
+    catch_unwind(AssertUnwindSafe(body)).unwrap_or(instead)
+}
+
+/// Makes the call of a C function on an instance: every one passes here. Without an instance the status is an error.
+///
+/// # Safety
+/// `instance` is null or a `Box<Slave<U>>` released by an `instantiate` function, and no other call is using it.
+pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
+    instance: *mut c_void,
+    function: &str,
+    body: impl FnOnce(&mut Slave<U>) -> Result<T, CallError>,
+) -> Status {
+    contain(Status::Error, || {
+        // SAFETY: as the caller grants.
+        match unsafe { instance.cast::<Slave<U>>().as_mut() } {
+            Some(slave) => slave.call(function, body),
+            None => Status::Error,
+        }
+    })
+}
+
+/// A call that reads variables into an array.
+///
+/// # Safety
+/// As for [`enter`], [`array`] and [`array_mut`].
+pub(crate) unsafe fn read<U: Unit, V>(
+    instance: *mut c_void,
+    function: &str,
+    references: (*const u32, usize),
+    values: (*mut V, usize),
+    get: impl FnOnce(&mut Slave<U>, &[u32], &mut [V]) -> Outcome,
+) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        enter(instance, function, |slave| {
+            get(slave, array(references)?, array_mut(values)?)
+        })
+    }
+}
+
+/// A call that writes variables from an array.
+///
+/// # Safety
+/// As for [`enter`] and [`array`].
+pub(crate) unsafe fn write<U: Unit, V>(
+    instance: *mut c_void,
+    function: &str,
+    references: (*const u32, usize),
+    values: (*const V, usize),
+    set: impl FnOnce(&mut Slave<U>, &[u32], &[V]) -> Outcome,
+) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        enter(instance, function, |slave| {
+            set(slave, array(references)?, array(values)?)
+        })
+    }
+}
+
+/// A call that reads or writes variables of a type that no variable has.
+///
+/// # Safety
+/// As for [`enter`] and [`array`].
+pub(crate) unsafe fn no_such_type<U: Unit>(
+    instance: *mut c_void,
+    function: &str,
+    call: Call,
+    references: (*const u32, usize),
+    type_name: &str,
+) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        enter(instance, function, |slave: &mut Slave<U>| {
+            slave.no_such_type(call, array(references)?, type_name)
+        })
+    }
+}
+
+/// A call of a function that the capability flags exclude.
+///
+/// # Safety
+/// As for [`enter`].
+pub(crate) unsafe fn unsupported<U: Unit>(instance: *mut c_void, function: &str, why: &str) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        enter(instance, function, |_: &mut Slave<U>| {
+            refused::<()>(format!("not supported: {why}"))
+        })
+    }
+}
+
+/// A call that chooses what is logged.
+///
+/// # Safety
+/// As for [`enter`]; each of the strings is null or ends with a zero.
+pub(crate) unsafe fn set_debug_logging<U: Unit>(
+    instance: *mut c_void,
+    function: &str,
+    on: bool,
+    categories: (*const *const c_char, usize),
+) -> Status {
+    // SAFETY: as the caller grants.
+    unsafe {
+        enter(instance, function, |slave: &mut Slave<U>| {
+            let names = array(categories)?.iter().map(|name| text(*name));
+            let Some(names) = names.collect::<Option<Vec<_>>>() else {
+                return refused("a category is null");
+            };
+            slave.set_debug_logging(on, &names.iter().map(String::as_str).collect::<Vec<_>>())
+        })
+    }
+}
+
+/// Frees an instance; null is legal. Within `fmi3DoStep`, in intermediate update mode, nothing happens.
+///
+/// # Safety
+/// `instance` is null or a `Box<Slave<U>>` released by an `instantiate` function, which is not used any more.
+pub(crate) unsafe fn free_instance<U: Unit>(instance: *mut c_void) {
+    contain((), || {
+        let pointer = instance.cast::<Slave<U>>();
+        // SAFETY: as the caller grants.
+        unsafe {
+            if pointer.as_ref().is_some_and(|slave| slave.allow(Call::Always).is_ok()) {
+                drop(Box::from_raw(pointer));
+            }
+        }
+    });
+}
+
+fn is_usable<T>(pointer: *const T, count: usize) -> bool {
+    !pointer.is_null()
+        && pointer.is_aligned()
+        && count
+            .checked_mul(size_of::<T>())
+            .is_some_and(|bytes| isize::try_from(bytes).is_ok())
+}
+
+/// An array argument; an error if it is null though it should have elements.
+///
+/// # Safety
+/// `pointer` is null or points to `count` elements that stay untouched for `'a`.
+pub(crate) unsafe fn array<'a, T>((pointer, count): (*const T, usize)) -> Result<&'a [T], CallError> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    if !is_usable(pointer, count) {
+        return refused(NULL_ARRAY);
+    }
+    // SAFETY: not null, aligned, not longer than an allocation can be; the caller grants the elements.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// An array for results; an error if it is null though it should have elements.
+///
+/// # Safety
+/// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are plain numbers
+/// that hold some value or other.
+pub(crate) unsafe fn array_mut<'a, T>((pointer, count): (*mut T, usize)) -> Result<&'a mut [T], CallError> {
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    if !is_usable(pointer, count) {
+        return refused(NULL_ARRAY);
+    }
+    // SAFETY: not null, aligned, not longer than an allocation can be; the caller grants the elements.
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
+}
+
+/// The place of a result; an error if it is null.
+///
+/// # Safety
+/// `pointer` is null or points to a writable value that is not otherwise used for `'a`.
+pub(crate) unsafe fn result<'a, T>(pointer: *mut T) -> Result<&'a mut T, CallError> {
+    // SAFETY: as the caller grants.
+    match unsafe { pointer.as_mut() } {
+        Some(place) => Ok(place),
+        None => refused(NULL_RESULT),
+    }
+}
+
+/// A string argument, with what is not UTF-8 replaced.
+///
+/// # Safety
+/// `pointer` is null or points to a string that ends with a zero.
+pub(crate) unsafe fn text(pointer: *const c_char) -> Option<String> {
+    // SAFETY: not null; the caller grants the zero at the end.
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned())
+}

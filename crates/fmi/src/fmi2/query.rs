@@ -1,0 +1,50 @@
+//! Queries beyond the standard: the result is text, which the caller gives back.
+
+use std::ffi::{CString, c_char};
+use std::ptr;
+
+use super::types::Component;
+use crate::c::entry::{contain, enter, result};
+use crate::log::Status;
+use crate::slave::{Slave, refused};
+use crate::unit::{Remark, Unit};
+
+/// Makes a query about the unit and returns the result as a string of its own. `*text` is null where there is none.
+///
+/// # Safety
+/// The caller grants what [the head of this module](super) lists. The previous value of `*text` is not read.
+pub unsafe fn query<U: Unit>(
+    c: Component,
+    function: &'static str,
+    text: *mut *mut c_char,
+    query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<String, String>,
+) -> Status {
+    // SAFETY: as the caller grants; the pointer for the result is written before it is read.
+    unsafe {
+        if !text.is_null() {
+            text.write(ptr::null_mut());
+        }
+        enter(c, function, |slave: &mut Slave<U>| {
+            let text = result(text)?;
+            let (status, found) = slave.query(query)?;
+            match CString::new(found) {
+                Ok(found) => *text = found.into_raw(),
+                Err(_) => return refused("the text has a zero inside"),
+            }
+            Ok(status)
+        })
+    }
+}
+
+/// Frees a text of [`query`]; null is legal.
+///
+/// # Safety
+/// `text` is null or comes from [`query`] and has not been freed.
+pub unsafe fn free_text(text: *mut c_char) {
+    contain((), || {
+        if !text.is_null() {
+            // SAFETY: a `CString` released by `query`, which the caller gives back.
+            drop(unsafe { CString::from_raw(text) });
+        }
+    });
+}

@@ -1,0 +1,7 @@
+//! The FMI layer on a toy unit: state machine, C functions of both versions, stored states, derivatives, descriptions.
+
+mod descriptions;
+mod fmi2;
+mod fmi3;
+mod slave;
+mod tank;

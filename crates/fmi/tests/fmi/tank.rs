@@ -1,0 +1,268 @@
+//! A toy unit: a tank that fills at a rate, level' = gain·inflow, with internal steps and an event.
+
+use pushbelt_fmi::table::{Access, Array, Causality, Enumeration, Item, Kind, Range, Table, UnitDefinition, Variable};
+use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure};
+use pushbelt_fmi::{Tape, Unit};
+
+pub const START: u32 = 1;
+pub const GAIN: u32 = 2;
+pub const INFLOW: u32 = 3;
+pub const BRIM: u32 = 4;
+pub const LEVEL: u32 = 5;
+pub const MARK: u32 = 6;
+pub const FLOORS: u32 = 7;
+pub const SHAPE: u32 = 8;
+pub const LOCKED: u32 = 9;
+pub const FULL: u32 = 10;
+/// Value reference of the first of [`DEPTHS`] depths.
+pub const DEPTH: u32 = 11;
+pub const DEPTHS: usize = 3;
+/// No variable has it.
+pub const NONE: u32 = 99;
+
+/// Inflow that makes the tank panic.
+pub const BURST: f64 = 666.0;
+/// Longest internal step, s.
+pub const LONGEST: f64 = 0.25;
+
+#[derive(Clone)]
+pub struct Valves {
+    pub start: f64,
+    pub gain: f64,
+    pub inflow: f64,
+    /// Level at which a step ends half way.
+    pub brim: f64,
+    /// Level at which an event happens.
+    pub mark: f64,
+    pub floors: i32,
+    pub shape: i32,
+    pub locked: bool,
+}
+
+impl Default for Valves {
+    fn default() -> Self {
+        Self {
+            start: 1.0,
+            gain: 1.0,
+            inflow: 2.0,
+            brim: 1e9,
+            mark: 1e9,
+            floors: 2,
+            shape: 1,
+            locked: false,
+        }
+    }
+}
+
+#[derive(Clone, Default)]
+pub struct Gauges {
+    level: f64,
+    full: bool,
+    depths: [f64; DEPTHS],
+}
+
+#[derive(Clone)]
+pub struct Tank {
+    time: f64,
+    level: f64,
+    /// Flow into the tank, and how it changes.
+    flow: [f64; 2],
+    gauges: Gauges,
+}
+
+const UNITS: &[UnitDefinition] = &[UnitDefinition {
+    name: "1",
+    exponents: &[],
+    display: &[],
+}];
+
+static SHAPES: Enumeration = Enumeration {
+    name: "Shape",
+    description: "Shape of the tank",
+    items: &[
+        Item {
+            name: "Round",
+            value: 1,
+            description: "A cylinder",
+        },
+        Item {
+            name: "Square",
+            value: 2,
+            description: "A box",
+        },
+    ],
+};
+
+macro_rules! field {
+    ($name:ident) => {
+        Access::Setting {
+            get: |valves: &Valves| valves.$name,
+            set: |valves, value| valves.$name = value,
+        }
+    };
+}
+
+impl Unit for Tank {
+    type Settings = Valves;
+    type Readings = Gauges;
+    /// Level at the beginning of the communication step, and the mark.
+    type Progress = [f64; 2];
+
+    const INTERPOLATES_INPUTS: bool = true;
+    const OUTPUT_DERIVATIVES: bool = true;
+    const IDENTITY: Identity = Identity {
+        longest_step: 100.0,
+        ..Identity::new("Tank", "Fills")
+    };
+
+    fn table() -> Table<Valves, Gauges> {
+        let real = |reference, name, causality, access| {
+            Variable::real(reference, name, "", causality, "1", access).within(Range {
+                min: Some(-1e3),
+                max: (causality == Causality::Tunable).then_some(10.0),
+                nominal: None,
+            })
+        };
+        let other = |reference, name: &str, causality, kind| Variable {
+            reference,
+            name: name.into(),
+            description: String::new(),
+            causality,
+            kind,
+        };
+        let (floors, shape, locked) = (field!(floors), field!(shape), field!(locked));
+        let range = Some((1, 9));
+        let full = Access::Reading(|gauges: &Gauges| gauges.full);
+        let mut variables = vec![
+            real(START, "start", Causality::Parameter, field!(start)),
+            real(GAIN, "gain", Causality::Tunable, field!(gain)),
+            real(INFLOW, "inflow", Causality::Input, field!(inflow)),
+            real(BRIM, "brim", Causality::Input, field!(brim)),
+            real(
+                LEVEL,
+                "level",
+                Causality::Output,
+                Access::Reading(|gauges: &Gauges| gauges.level),
+            ),
+            real(MARK, "mark", Causality::Input, field!(mark)),
+            other(
+                FLOORS,
+                "floors",
+                Causality::Parameter,
+                Kind::Integer { range, access: floors },
+            ),
+            other(
+                SHAPE,
+                "shape",
+                Causality::Parameter,
+                Kind::Enumeration {
+                    of: &SHAPES,
+                    access: shape,
+                },
+            ),
+            other(LOCKED, "locked", Causality::Parameter, Kind::Boolean { access: locked }),
+            other(FULL, "full", Causality::Output, Kind::Boolean { access: full }),
+        ];
+        variables.extend((0..DEPTHS).zip(DEPTH..).map(|(at, reference)| {
+            let access = Access::Element(|gauges: &Gauges, at| gauges.depths[at], at);
+            let name = format!("depth[{}]", at + 1);
+            Variable::real(reference, &name, "", Causality::Local, "1", access)
+        }));
+        let depth = Array {
+            name: "depth".into(),
+            description: String::new(),
+            first: DEPTH,
+            size: u32::try_from(DEPTHS).expect("few"),
+        };
+        static ENUMERATIONS: &[&Enumeration] = &[&SHAPES];
+        Table::new(UNITS, ENUMERATIONS, variables).with_arrays(vec![depth])
+    }
+
+    fn check(valves: &Valves) -> Result<(), String> {
+        if valves.gain == 0.5 {
+            return Err("gain = 0.5 does not fit".into());
+        }
+        Ok(())
+    }
+
+    fn start(valves: &Valves, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String> {
+        Self::check(valves)?;
+        remarks.push(Remark {
+            warning: valves.start > 5.0,
+            text: format!("filled to 100%s {}", valves.start),
+        });
+        Ok(Self {
+            time: experiment.start,
+            level: valves.start,
+            flow: [0.0; 2],
+            gauges: Gauges::default(),
+        })
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn readings(&mut self, elements: bool) -> &Gauges {
+        self.gauges.level = self.level;
+        self.gauges.full = self.level >= 10.0;
+        if elements {
+            self.gauges.depths = [0.0, 0.5, 1.0].map(|share| share * self.level);
+        }
+        &self.gauges
+    }
+
+    fn begin(&mut self, step: &mut CommunicationStep<Self>, valves: &Valves) -> Result<(), StepFailure> {
+        if valves.mark < 0.0 {
+            return Err(StepFailure::Setting("mark is below 0".into()));
+        }
+        step.progress = [self.level, valves.mark];
+        Ok(())
+    }
+
+    fn advance(
+        &mut self,
+        step: &mut CommunicationStep<Self>,
+        valves: &Valves,
+        _: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure> {
+        assert!(valves.inflow != BURST, "the tank burst");
+        let growth = step.rates.as_ref().map_or(0.0, |rates| rates.inflow);
+        let to = step.to.min(self.time + LONGEST);
+        let [before, after] = [self.time, to].map(|time| valves.inflow + growth * (time - step.from));
+        self.flow = [valves.gain * after, valves.gain * growth];
+        let rate = valves.gain * 0.5 * (before + after);
+        if self.level + rate * (to - self.time) > valves.brim {
+            self.time += (valves.brim - self.level) / rate;
+            self.level = valves.brim;
+            return Err(StepFailure::Discarded("full".into()));
+        }
+        self.level += rate * (to - self.time);
+        self.time = to;
+        Ok(())
+    }
+
+    fn event(&self, step: &CommunicationStep<Self>) -> Option<String> {
+        let [before, mark] = step.progress;
+        (before < mark && self.level >= mark).then(|| format!("the level reaches {mark}"))
+    }
+
+    fn moment(&mut self) -> Option<Moment<Gauges>> {
+        let [flow, growth] = self.flow;
+        let [before, after] = [-0.5, 0.5].map(|after| Gauges {
+            level: self.level + after * (flow + 0.5 * after * growth),
+            ..Gauges::default()
+        });
+        Some(Moment {
+            before,
+            after,
+            span: 1.0,
+        })
+    }
+
+    fn serialize(&mut self, tape: &mut Tape<'_>) {
+        tape.real(&mut self.time);
+        tape.real(&mut self.level);
+        tape.reals(&mut self.flow);
+    }
+}

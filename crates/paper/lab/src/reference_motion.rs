@@ -1,0 +1,68 @@
+//! The reference motion alone (paper fig. 6).
+
+use std::fmt::Debug;
+
+use pushbelt::solver::State;
+use pushbelt_paper::reference_curve::ReferenceCurve;
+use pushbelt_paper::ring::ale_ring::AleRing;
+use pushbelt_paper::ring::mesh::RingMesh;
+use pushbelt_paper::ring::model::Energy;
+use pushbelt_paper::ring::system::RingSystem;
+
+use super::motion::{fixed_steps, mode, run};
+use super::record::{Record, record};
+use super::specimens::{solid, solid_curve};
+
+/// The solid ring that keeps to its reference curve.
+pub fn rigid<C: ReferenceCurve + Debug>(curve: C, mesh: RingMesh) -> RingSystem<AleRing<C>> {
+    RingSystem::new(AleRing::rigid(solid(), curve, mesh))
+}
+
+/// What the reference motion of the solid ring has to meet: bending energy, J, and M_ΘΘ, kg·m², at Θ.
+pub const REFERENCE_NUMBERS: [(f64, f64, f64); 2] = [(0.0, 1_151_453.8, 3.10883), (0.4, 1_298_705.6, 2.04239)];
+
+/// The frequency of its small oscillation, rad/s.
+pub const REFERENCE_FREQUENCY: f64 = 718.05;
+
+/// Energy, M_ΘΘ and M_sΘ of the reference motion at Θ.
+pub fn reference_numbers(theta: f64) -> (Energy, f64, f64) {
+    let system = rigid(solid_curve(), RingMesh::even(&[4, 4, 8, 4, 4], 5));
+    let state = system.rest(theta);
+    let mass = system.mass_matrix(&state.q);
+    let (s, theta) = (system.drift(), system.theta());
+    (system.energy(state.view()), mass[(theta, theta)], mass[(s, theta)])
+}
+
+/// Frequency of the reference motion's small oscillation, rad/s.
+pub fn reference_frequency() -> f64 {
+    let system = rigid(solid_curve(), RingMesh::even(&[4, 4, 8, 4, 4], 5));
+    mode(&system, &system.rest(0.0), 700.0).0
+}
+
+/// The reference oscillation (paper fig. 6) from Θ = 0.4 at rest, over 20 ms. With the energy of the swing, J.
+pub fn reference_oscillation<C: ReferenceCurve + Debug>(
+    curve: C,
+    mesh: RingMesh,
+    tolerance: f64,
+) -> (RingSystem<AleRing<C>>, Record, f64) {
+    let mut system = rigid(curve, mesh);
+    system.tolerance = tolerance;
+    let start = system.rest(0.4);
+    let energy = |state: &State| system.energy(state.view()).total();
+    let swing = energy(&start) - energy(&system.rest(0.0));
+    let record = record(&mut system, start, 1.0e-5, 2.0e-4, 100, 1.0);
+    (system, record, swing)
+}
+
+/// Error of Θ after 5 ms of the reference oscillation with fixed steps.
+pub fn reference_time_errors(steps: [f64; 3]) -> [f64; 3] {
+    let theta = |step: f64| {
+        let mut system = rigid(solid_curve(), RingMesh::even(&[1, 1, 2, 1, 1], 5));
+        let mut integrator = fixed_steps(&mut system, step);
+        let mut state = system.rest(0.4);
+        run(&mut system, &mut integrator, &mut state, 0.0, 5.0e-3);
+        state.q[system.theta()]
+    };
+    let exact = theta(1.0e-6);
+    steps.map(|step| (theta(step) - exact).abs())
+}

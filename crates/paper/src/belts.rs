@@ -1,0 +1,247 @@
+//! The belts that the paper compares, as rings of a variator.
+
+use crate::reference_curve::{Displaced, ReferenceCurve, TwoPulley, TwoPulleyFrame, Unaligned, ratio_of_theta};
+use crate::ring::ancf::AncfElement;
+use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
+use crate::ring::rcm::RcmElement;
+use crate::rotating::RotatingRing;
+use crate::travelling::assembly::TravellingCells;
+use crate::travelling::order::{self, Travelling};
+use crate::travelling::start::state_on_ale;
+use nalgebra::Vector2;
+use pushbelt::solver::State;
+use pushbelt::variator::belt_ring::{
+    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, RingUnknowns, cells_of_deflecting,
+    deflecting_equations, eulerian_equations, guided_equations,
+};
+use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+/// `ALE0` or `ALE` on elements that are spaced evenly at fixed ξ, as the paper's are. Arc borders move through them.
+#[derive(Clone, Copy, Debug)]
+pub struct Even<R>(pub R);
+
+/// A ring that has equations on evenly spaced elements.
+pub trait OnEvenMesh: BeltRing {
+    /// Equations of a belt with this ring on such a mesh.
+    fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly>;
+}
+
+impl OnEvenMesh for Ale0 {
+    fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        guided_equations::<Unaligned<Displaced>>(belt)
+    }
+}
+
+impl<const D: usize> OnEvenMesh for Ale<D> {
+    fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        deflecting_equations::<D, Unaligned<TwoPulley>>(belt)
+    }
+}
+
+impl<R: OnEvenMesh> BeltRing for Even<R> {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    /// Each cell has one pulley if no arc reaches a quarter of the belt.
+    fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
+        let geometry = &parameters.geometry;
+        let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
+        let extremes: [f64; 2] = parameters.ratio_range().into();
+        let arc = |ratio: f64| {
+            let frame = curve.frame(ratio_of_theta(ratio));
+            let length = |segment| TwoPulley::segment_length::<f64>(&frame, segment).v;
+            (2.0 * length(0)).max(length(2))
+        };
+        let longest = extremes.into_iter().map(arc).fold(0.0, f64::max);
+        if longest < 0.5 * geometry.belt_length {
+            return self.0.check(parameters);
+        }
+        Err(ParameterError::of_flag(
+            "mesh.aligned",
+            false,
+            "true, since at an end stop an arc is longer than half the belt",
+        ))
+    }
+
+    fn cells(&self, mesh: &Mesh) -> CellDivision {
+        self.0.cells(mesh)
+    }
+
+    fn is_aligned(&self) -> bool {
+        false
+    }
+
+    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
+        self.0.unknowns(parameters, mesh, curve)
+    }
+
+    fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        self.0.even_equations(belt)
+    }
+}
+
+/// `ALE` whose deflection is counted along the reference curve and across it, A_i = [t, n, b]_ref in (10), in D
+/// components.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotated<const D: usize = 2>;
+
+impl<const D: usize> BeltRing for Rotated<D> {
+    fn name(&self) -> &'static str {
+        "ALE"
+    }
+
+    fn cells(&self, mesh: &Mesh) -> CellDivision {
+        cells_of_deflecting(mesh)
+    }
+
+    fn unknowns(&self, _parameters: &Parameters, mesh: &BeltMesh, _curve: &TwoPulley) -> RingUnknowns {
+        RingUnknowns::deflection(D, mesh)
+    }
+
+    fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        eulerian_equations::<RotatingRing<D>, D, TwoPulley>(belt)
+    }
+
+    fn directions(&self, belt: &Belt, frame: &TwoPulleyFrame<f64>, node: usize) -> Option<[Vector2<f64>; 2]> {
+        let element = node % belt.layout.elements;
+        let point = belt.reference_point(frame, element, belt.mesh.elements[element].start);
+        Some([point.t, point.n])
+    }
+}
+
+/// An element of a ring that travels under the cells.
+pub trait TravellingElement: LagrangianElement {
+    /// Name of the model.
+    const NAME: &'static str;
+    /// Elements of a ring with the paper's 160 degrees of freedom.
+    const USUAL: usize;
+    /// Gauss points of an element.
+    const POINTS: usize;
+}
+
+impl TravellingElement for RcmElement {
+    const NAME: &'static str = "RCM";
+    const USUAL: usize = 32;
+    const POINTS: usize = 5;
+}
+
+impl TravellingElement for AncfElement {
+    const NAME: &'static str = "ANCF";
+    const USUAL: usize = 40;
+    const POINTS: usize = 3;
+}
+
+/// A ring of elements `E` whose nodes travel with the material.
+///
+/// The stations of the cells carry the ring, which sags in between where its elements can follow: more elements, or a
+/// coarser mesh than the default, let it swing as the stations pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Travels<E> {
+    elements: usize,
+    element: PhantomData<fn() -> E>,
+}
+
+/// Part of its elements by which a ring that travels moves on in a step. With twice as much, Newton's method needs twice
+/// the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
+const PASSING: f64 = 1.0 / 180.0;
+
+/// Fewest elements: one must not turn by a radian on the smallest arc.
+const FEWEST: usize = 16;
+/// Most elements.
+const MOST: usize = 400;
+
+impl<E: TravellingElement> Travels<E> {
+    /// A ring with so many elements, 16 to 400; 0 is the usual number.
+    #[must_use]
+    pub fn new(elements: usize) -> Self {
+        Self {
+            elements: if elements == 0 { E::USUAL } else { elements },
+            element: PhantomData,
+        }
+    }
+
+    fn ring(belt: &Belt) -> LagrangianRing<E, TwoPulley> {
+        LagrangianRing::new(
+            belt.law.ring.clone(),
+            belt.curve.clone(),
+            belt.layout.ring.nodes,
+            E::POINTS,
+        )
+    }
+}
+
+impl<E: TravellingElement> BeltRing for Travels<E> {
+    fn name(&self) -> &'static str {
+        E::NAME
+    }
+
+    fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
+        if parameters.spatial {
+            let range = "false, unless ring.model is ALE";
+            return Err(ParameterError::of_flag("ring.spatial", true, range));
+        }
+        if parameters.solver.mode == Mode::RealTime {
+            let value = f64::from(Mode::RealTime as i32);
+            let range = "1 (Accurate), unless ring.model is ALE0 or ALE";
+            return Err(ParameterError::new("solver.mode", value, range.to_string()));
+        }
+        if (FEWEST..=MOST).contains(&self.elements) {
+            return Ok(());
+        }
+        let range = format!("0 for the ring model's usual number, or {FEWEST} to {MOST}");
+        Err(ParameterError::new("ring.elements", self.elements as f64, range))
+    }
+
+    fn cells(&self, mesh: &Mesh) -> CellDivision {
+        CellDivision {
+            per_element: mesh.cells_per_element as usize,
+            // A ring with elements of its own sags between the points that carry it, q d⁴/(384 EI) or 2 µm at the
+            // widest of two points a cell.
+            points: 3,
+        }
+    }
+
+    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
+        let mut unknowns = RingUnknowns {
+            nodes: self.elements,
+            per_node: E::BLOCK,
+            lengths: (0..E::BLOCK).filter(|&k| E::is_length(k)).map(|k| 1 << k).sum(),
+            components: 0,
+            tension: false,
+            apart: Some([0; 2]),
+        };
+        let layout = Layout::new(mesh, unknowns);
+        unknowns.apart = Some(order::blocks(&layout, mesh, parameters, curve));
+        unknowns
+    }
+
+    fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
+        Box::new(TravellingCells::new(belt, Self::ring(belt)))
+    }
+
+    /// Steps are short, so errors of velocity matter, not those of a step's distance: the nodes slide.
+    fn speed_error(&self, of_place: f64, of_sliding: f64) -> f64 {
+        of_place.min(10.0 * of_sliding)
+    }
+
+    /// The contact changes with every bit of an element that passes.
+    fn longest_drift(&self, belt: &Belt) -> f64 {
+        PASSING * Travelling::of(&belt.layout, &belt.curve).length
+    }
+
+    fn starts_on(&self) -> Option<Arc<dyn BeltRing>> {
+        Some(Arc::new(Ale::<2>))
+    }
+
+    fn start_from(&self, belt: &Belt, other: &Belt, state: &State) -> State {
+        state_on_ale(belt, &Self::ring(belt), other, state)
+    }
+}
+
+/// A trait object of a ring on an even mesh or not.
+pub(crate) fn on_mesh<R: OnEvenMesh + 'static>(ring: R, aligned: bool) -> Arc<dyn BeltRing> {
+    if aligned { Arc::new(ring) } else { Arc::new(Even(ring)) }
+}

@@ -1,0 +1,64 @@
+//! The curves of `ALE0` and `ALE` for elements spaced evenly along the belt.
+
+use crate::reference_curve::{
+    Displaced, DisplacedCurve, DisplacedFrame, DisplacedPoint, Jet, Path, ReferencePoint, TwoPulley, Unaligned,
+    UnalignedFrame,
+};
+use crate::scalar::Real;
+use pushbelt::variator::belt_ring::MeshCurve;
+
+impl<C: MeshCurve + OnPulleys> MeshCurve for Unaligned<C> {
+    type Shape = (C, C::Shape);
+
+    fn shape(curve: &TwoPulley, path: &Path<f64>) -> Self::Shape {
+        (C::on_pulleys(curve), C::shape(curve, path))
+    }
+
+    fn mesh_frame<T: Real>((curve, shape): &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> Self::Frame<T> {
+        Self::frame_of(curve, C::mesh_frame(shape, by))
+    }
+
+    #[inline(always)]
+    fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2] {
+        C::arc_radii(frame.aligned())
+    }
+}
+
+/// A curve around two pulleys.
+trait OnPulleys {
+    /// The curve from that about the axes.
+    fn on_pulleys(curve: &TwoPulley) -> Self;
+}
+
+impl OnPulleys for TwoPulley {
+    fn on_pulleys(curve: &TwoPulley) -> Self {
+        curve.clone()
+    }
+}
+
+impl OnPulleys for Displaced {
+    fn on_pulleys(curve: &TwoPulley) -> Self {
+        Self { curve: curve.clone() }
+    }
+}
+
+/// Where the mesh stands still, ξ and dξ do.
+impl DisplacedCurve for Unaligned<Displaced> {
+    fn slopes<T: Real>(
+        frame: &UnalignedFrame<DisplacedFrame<T>>,
+        _segment: usize,
+        fraction: T::Constant,
+        point: &ReferencePoint<T>,
+    ) -> DisplacedPoint<T> {
+        let of = |segment| {
+            let (f, df) = Self::within(frame, segment, fraction);
+            let mut slopes = frame.frame.slopes(segment, df + T::constant(f), point);
+            for by in &mut slopes.shape {
+                by.r -= point.t * by.xi;
+                (by.xi, by.growth) = (T::zero(), T::zero());
+            }
+            slopes
+        };
+        Self::gather::<T, _>(frame, fraction, of, DisplacedPoint::with_lane)
+    }
+}

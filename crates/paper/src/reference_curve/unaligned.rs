@@ -1,0 +1,259 @@
+//! A curve for a mesh that does not follow its arcs. Mesh points stand at fixed ξ, as the paper's elements do, and arc
+//! borders move through them as Θ changes.
+//!
+//! With F(ξ, Θ) the curve and ξ(η, Θ) its own mesh: ∂F/∂Θ = ∂r/∂Θ|_η − ξ_Θ t, χ_Θ|_ξ = χ_Θ|_η − ξ_Θ κ, and so on; the
+//! curvature of an arc does not depend on ξ, so κ_Θ is the same. What is lost is what the paper's (18) loses: when a
+//! border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature misses ½EI\[κ²\] dξ_k/dΘ.
+
+use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use crate::scalar::Real;
+
+/// `curve` as one segment.
+#[derive(Clone, Debug)]
+pub struct Unaligned<C> {
+    /// The curve whose arcs the mesh does not follow.
+    pub curve: C,
+}
+
+/// [`Unaligned`] at one Θ.
+#[derive(Clone, Debug)]
+pub struct UnalignedFrame<F> {
+    pub(crate) frame: F,
+    length: f64,
+    segments: usize,
+}
+
+impl<F> UnalignedFrame<F> {
+    /// The frame of the curve itself, whose segments are its arcs and strands.
+    #[must_use]
+    pub fn aligned(&self) -> &F {
+        &self.frame
+    }
+}
+
+impl<C: ReferenceCurve> Unaligned<C> {
+    /// What `frame` of `curve` is to a mesh that does not follow its arcs.
+    #[must_use]
+    pub fn frame_of<T: Real>(curve: &C, frame: C::Frame<T>) -> UnalignedFrame<C::Frame<T>> {
+        UnalignedFrame {
+            frame,
+            length: curve.length(),
+            segments: curve.segments(),
+        }
+    }
+
+    /// Segment in which the fraction of the whole curve lies.
+    fn segment<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, fraction: f64) -> usize {
+        let mut rest = fraction * frame.length;
+        (0..frame.segments - 1)
+            .find(|&segment| {
+                rest -= C::segment_length(&frame.frame, segment).v.re();
+                rest < 0.0
+            })
+            .unwrap_or(frame.segments - 1)
+    }
+
+    /// The results of `of` for the segment of each place in a pack, merged by `merge`.
+    pub(crate) fn gather<T: Real, R>(
+        frame: &UnalignedFrame<C::Frame<T>>,
+        fraction: T::Constant,
+        of: impl Fn(usize) -> R,
+        merge: impl Fn(R, usize, R) -> R,
+    ) -> R {
+        let first = Self::segment(frame, fraction.lane(0));
+        (1..T::WIDTH).fold(of(first), |found, lane| {
+            let segment = Self::segment(frame, fraction.lane(lane));
+            if segment == first {
+                found
+            } else {
+                merge(found, lane, of(segment))
+            }
+        })
+    }
+
+    /// The fraction of `segment` that belongs to a fraction of the whole curve: its value, and a part that is zero but
+    /// carries the derivatives with respect to Θ.
+    pub(crate) fn within<T: Real>(
+        frame: &UnalignedFrame<C::Frame<T>>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> (T::Constant, T) {
+        let mut rest = T::constant(fraction * frame.length);
+        for before in 0..segment {
+            rest -= C::segment_length(&frame.frame, before).v;
+        }
+        let fraction = rest / C::segment_length(&frame.frame, segment).v;
+        let value = fraction.value();
+        (value, fraction - T::constant(value))
+    }
+
+    fn point_in<T: Real>(
+        frame: &UnalignedFrame<C::Frame<T>>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> ReferencePoint<T> {
+        let (f, df) = Self::within(frame, segment, fraction);
+        let p = C::point(&frame.frame, segment, f);
+        let chi = C::tangent_angle(&frame.frame, segment, f).chi;
+        let length = C::segment_length(&frame.frame, segment);
+        // To the place itself, df away: derivatives along the segment at fixed η.
+        let step = length.v * df;
+        let t = p.t + p.n * (p.kappa * step);
+        let n = p.n - p.t * (p.kappa * step);
+        let r_theta = p.r_theta + (p.t * length.d + p.n * (length.v * chi.d)) * df;
+        let r_theta2 = p.r_theta2
+            + (p.t * (length.dd - length.v * chi.d * chi.d) + p.n * (length.d * chi.d * 2.0 + length.v * chi.dd)) * df;
+        let chi_theta = chi.d + (length.d * p.kappa + length.v * p.kappa_theta) * df;
+        let (along, along2) = (p.xi.d + length.d * df, p.xi.dd + length.dd * df);
+        // From fixed η to fixed ξ.
+        let chi_theta = chi_theta - along * p.kappa;
+        ReferencePoint {
+            r: p.r + p.t * step,
+            r_theta: r_theta - t * along,
+            r_theta2: r_theta2 - n * (along * chi_theta * 2.0) - n * (along * along * p.kappa) - t * along2,
+            t,
+            n,
+            chi_theta,
+            kappa: p.kappa,
+            kappa_theta: p.kappa_theta,
+            xi: Jet {
+                v: T::constant(fraction * frame.length),
+                ..Jet::constant(0.0)
+            },
+        }
+    }
+
+    fn tangent_angle_in<T: Real>(
+        frame: &UnalignedFrame<C::Frame<T>>,
+        segment: usize,
+        fraction: T::Constant,
+    ) -> TangentAngle<T> {
+        let (f, df) = Self::within(frame, segment, fraction);
+        let TangentAngle { chi, kappa } = C::tangent_angle(&frame.frame, segment, f);
+        let length = C::segment_length(&frame.frame, segment);
+        let place = C::point(&frame.frame, segment, f).xi;
+        let (along, along2) = (place.d + length.d * df, place.dd + length.dd * df);
+        let by_fraction = [
+            length.v * kappa.v,
+            length.d * kappa.v + length.v * kappa.d,
+            length.dd * kappa.v + length.d * kappa.d * 2.0 + length.v * kappa.dd,
+        ];
+        let d = chi.d + by_fraction[1] * df - along * kappa.v;
+        let dd = chi.dd + by_fraction[2] * df - along * kappa.d * 2.0 - along2 * kappa.v;
+        TangentAngle {
+            chi: Jet {
+                v: chi.v + by_fraction[0] * df,
+                d,
+                dd,
+            },
+            kappa,
+        }
+    }
+}
+
+/// Scalars that carry derivatives carry first ones. Places in the lanes of a pack may lie on different segments; Θ is
+/// the same in all.
+impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
+    type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
+
+    fn length(&self) -> f64 {
+        self.curve.length()
+    }
+
+    fn segments(&self) -> usize {
+        1
+    }
+
+    fn has_ratio(&self) -> bool {
+        self.curve.has_ratio()
+    }
+
+    fn frame<T: Real>(&self, theta: T) -> Self::Frame<T> {
+        Self::frame_of(&self.curve, self.curve.frame(theta))
+    }
+
+    fn segment_length<T: Real>(frame: &Self::Frame<T>, _segment: usize) -> Jet<T> {
+        Jet::constant(frame.length)
+    }
+
+    fn point<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> ReferencePoint<T> {
+        let of = |segment| Self::point_in(frame, segment, fraction);
+        Self::gather::<T, _>(frame, fraction, of, ReferencePoint::with_lane)
+    }
+
+    fn tangent_angle<T: Real>(frame: &Self::Frame<T>, _segment: usize, fraction: T::Constant) -> TangentAngle<T> {
+        let of = |segment| Self::tangent_angle_in(frame, segment, fraction);
+        Self::gather::<T, _>(frame, fraction, of, TangentAngle::with_lane)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference_curve::TwoPulley;
+    use crate::scalar::{LANES, Lanes, Tangent};
+    use nalgebra::Vector2;
+    use num_dual::Dual64;
+
+    /// Derivatives at fixed ξ, and their derivatives through the scalar, against differences.
+    #[test]
+    fn derivatives_match_differences() {
+        let curve = Unaligned {
+            curve: TwoPulley::new(0.168, 0.703),
+        };
+        let h = 1e-5;
+        let theta = 0.3;
+        let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
+        for k in 0..40 {
+            let f = (f64::from(k) + 0.35) / 40.0;
+            let at = |theta: f64| Unaligned::<TwoPulley>::point::<f64>(&curve.frame(theta), 0, f);
+            let angle = |theta: f64| Unaligned::<TwoPulley>::tangent_angle::<f64>(&curve.frame(theta), 0, f);
+            let (p, plus, minus) = (at(theta), at(theta + h), at(theta - h));
+            let (chi, chi_plus, chi_minus) = (angle(theta).chi, angle(theta + h).chi, angle(theta - h).chi);
+            assert!((p.xi.v - f * 0.703).abs() < 1e-15);
+            close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
+            close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-7);
+            close(p.n * p.chi_theta, (plus.t - minus.t) / (2.0 * h), 1e-7);
+            assert!((chi.d - (chi_plus.v - chi_minus.v) / (2.0 * h)).abs() < 1e-7);
+            assert!((chi.d - p.chi_theta).abs() < 1e-12);
+            assert!((chi.dd - (chi_plus.d - chi_minus.d) / (2.0 * h)).abs() < 1e-6);
+            let dual = Unaligned::<TwoPulley>::point(&curve.frame(Dual64::new(theta, 1.0)), 0, f);
+            close(dual.r.map(|x| x.eps), p.r_theta, 1e-12);
+            close(dual.r_theta.map(|x| x.eps), p.r_theta2, 1e-11);
+            close(dual.t.map(|x| x.eps), p.n * p.chi_theta, 1e-11);
+            assert!((dual.chi_theta.eps - chi.dd).abs() < 1e-10);
+        }
+    }
+
+    /// Places of a pack lie on different segments; each lane is what it would be alone.
+    #[test]
+    fn lanes_of_a_pack_stand_where_they_stand_alone() {
+        let pulleys = TwoPulley::new(0.168, 0.703);
+        let theta = -0.35;
+        let pack = Unaligned::frame_of(
+            &pulleys,
+            pulleys.shape(theta).frame(Tangent::<2>::seed(Lanes::from(0.0), 1, 1.0)),
+        );
+        let alone = Unaligned { curve: pulleys }.frame(Dual64::new(theta, 1.0));
+        for k in 0..40 {
+            let f: [f64; LANES] = std::array::from_fn(|lane| ((f64::from(k) + 23.0 * lane as f64) / 40.0 + 0.01) % 1.0);
+            let packed = Unaligned::<TwoPulley>::point(&pack, 0, Lanes::new(f));
+            for (lane, &f) in f.iter().enumerate() {
+                let single = Unaligned::<TwoPulley>::point(&alone, 0, f);
+                for (packed, single) in [
+                    (packed.r.x, single.r.x),
+                    (packed.t.y, single.t.y),
+                    (packed.r_theta.y, single.r_theta.y),
+                    (packed.chi_theta, single.chi_theta),
+                    (packed.kappa, single.kappa),
+                    (packed.kappa_theta, single.kappa_theta),
+                    (packed.xi.v, single.xi.v),
+                ] {
+                    let size = 1.0 + single.re.abs() + single.eps.abs();
+                    assert!((packed.re.to_array()[lane] - single.re).abs() < 1e-13 * size);
+                    assert!((packed.eps[1].to_array()[lane] - single.eps).abs() < 1e-12 * size);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,431 @@
+//! `ALE` and `ALE0` as a ring model: the kinematics and the law that the variator uses, element by element.
+//!
+//! r = R(ξ, Θ) + Σ A_i S_i q_fi (10). A_i is the identity, or [t, n]_ref, see [`Directions`]. s and Θ repeat motions
+//! that q_f can make, so node 0 is locked to the reference curve: along the curve because of s, across it because of Θ.
+//! A curve without a ratio needs the first lock only; a second would hold the free ring. `ALE0` locks every node: the
+//! ring then has s and Θ alone.
+//!
+//! In space (D = 3) nodes deflect along z too. Nothing is locked there: s and Θ don't move along z.
+
+use super::Ring;
+use super::ale;
+use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane};
+use super::mesh::{self, RingMesh, Station};
+use super::model::{Coordinates, DIRECTIONS, Energy, RingFormulation, Shape};
+use super::particle::{Particle, ParticleLoad, load_of_particle};
+use super::rotated::{RotatedElement, rotated_load, rotated_point};
+use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
+use crate::scalar::Real;
+use nalgebra::{SVector, Vector2};
+
+/// Holds for a deflection with D components and N = 4D + 2: an element's motion has N unknowns, which are deflection and
+/// slope of two nodes, s and Θ.
+pub trait Unknowns<const N: usize> {}
+/// The type that stands for a deflection with D components.
+#[derive(Debug)]
+pub enum Deflection<const D: usize> {}
+impl Unknowns<DIRECTIONS> for Deflection<2> {}
+impl Unknowns<14> for Deflection<3> {}
+
+/// Form in which the inertia is integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inertia {
+    /// It keeps energy and drift momentum of the discrete ring exactly (`ale::add_conservative_inertia`).
+    Conservative,
+    /// It has the force of inertia at each point (`ale::add_inertia`).
+    Pointwise,
+}
+
+/// Directions in which the overlay is counted: the matrices A_i of (10).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Directions {
+    /// A_i = identity: x and y. The paper's choice for the variator, and the default.
+    #[default]
+    Fixed,
+    /// A_i = [t, n]_ref: along the reference curve and inwards. The deflection turns with the curve as Θ changes.
+    /// Slopes of nodes are those of the deflection itself, resolved in t and n, so that the ring has one tangent where
+    /// an arc meets a strand and A_i' jumps.
+    Reference,
+}
+
+/// A ring in the Eulerian view on a reference curve; its deflection has D components.
+#[derive(Clone, Debug)]
+pub struct AleRing<C, const D: usize = 2> {
+    /// Parameters of the beam.
+    pub ring: Ring,
+    /// The curve from which the overlay is counted.
+    pub curve: C,
+    /// Division of the curve into elements.
+    pub mesh: RingMesh,
+    /// Form of the inertia; conservative unless changed.
+    pub inertia: Inertia,
+    /// Directions of the overlay; fixed unless changed.
+    pub directions: Directions,
+    flexible: bool,
+}
+
+/// Motion of an element and of the reference curve.
+struct Parts<T: Real, const D: usize> {
+    /// Overlay: in x and y, or along t and n; in space along z too.
+    element: ElementMotion<T, D>,
+    reference: ReferenceMotion<T>,
+    /// Ends of an element with [`Directions::Reference`].
+    rotated: Option<RotatedElement<T>>,
+}
+
+impl<C: ReferenceCurve> AleRing<C> {
+    /// A ring that deflects in the plane (`ALE`).
+    #[must_use]
+    pub fn flexible(ring: Ring, curve: C, mesh: RingMesh) -> Self {
+        Self::new(ring, curve, mesh, true)
+    }
+
+    /// A ring that keeps to the reference curve, `q_f` = 0 (`ALE0`).
+    #[must_use]
+    pub fn rigid(ring: Ring, curve: C, mesh: RingMesh) -> Self {
+        Self::new(ring, curve, mesh, false)
+    }
+}
+
+impl<C: ReferenceCurve> AleRing<C, 3> {
+    /// A ring that deflects in the plane and along z.
+    #[must_use]
+    pub fn spatial(ring: Ring, curve: C, mesh: RingMesh) -> Self {
+        Self::new(ring, curve, mesh, true)
+    }
+}
+
+impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
+    /// Node unknowns.
+    const BLOCK: usize = 2 * D;
+
+    fn new(ring: Ring, curve: C, mesh: RingMesh, flexible: bool) -> Self {
+        Self {
+            ring,
+            curve,
+            mesh,
+            inertia: Inertia::Conservative,
+            directions: Directions::Fixed,
+            flexible,
+        }
+    }
+
+    fn parts<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, motion: &[Motion<T>]) -> Parts<T, D> {
+        let (drift, theta) = (&motion[2 * Self::BLOCK], motion[2 * Self::BLOCK + 1]);
+        let reference = ReferenceMotion {
+            theta,
+            s_dot: drift.rate,
+            s_ddot: drift.acceleration,
+        };
+        let place = &self.mesh.elements[element];
+        let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
+        if !self.flexible {
+            return Parts {
+                element: ElementMotion::rigid(length),
+                reference,
+                rotated: None,
+            };
+        }
+        let node = |i: usize, of: fn(&Motion<T>) -> T| Node {
+            a: SVector::from_fn(|k, _| of(&motion[Self::BLOCK * i + 2 * k])),
+            b: SVector::from_fn(|k, _| of(&motion[Self::BLOCK * i + 2 * k + 1])),
+        };
+        let mut nodes = [0, 1].map(|i| Motion {
+            value: node(i, |m| m.value),
+            rate: node(i, |m| m.rate),
+            acceleration: node(i, |m| m.acceleration),
+        });
+        let rotated = match self.directions {
+            Directions::Fixed => None,
+            Directions::Reference => {
+                let curvature = [place.start, place.start + place.share]
+                    .map(|fraction| C::tangent_angle(frame, place.segment, fraction).kappa);
+                Some(RotatedElement::new(curvature, &reference.theta, &mut nodes))
+            }
+        };
+        Parts {
+            element: ElementMotion::flexible(length, &reference.theta, &nodes),
+            reference,
+            rotated,
+        }
+    }
+
+    fn reference_point<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        station: &Station,
+    ) -> ReferencePoint<T> {
+        C::point(frame, self.mesh.elements[element].segment, station.fraction)
+    }
+
+    fn point<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        station: &Station,
+        parts: &Parts<T, D>,
+    ) -> RingPoint<T, D> {
+        let reference = self.reference_point(frame, element, station);
+        if parts.rotated.is_none() {
+            return RingPoint::new(reference, &station.shape, &parts.element, &parts.reference);
+        }
+        let segment = self.mesh.elements[element].segment;
+        let angle = C::tangent_angle(frame, segment, station.fraction);
+        rotated_point(reference, &angle, &station.shape, &parts.element, &parts.reference)
+    }
+
+    /// γ' that damping acts on: its mean over an element, 1/m. Zero where nothing damps.
+    fn strain_gradient<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, parts: &Parts<T, D>) -> T {
+        if self.ring.damping == 0.0 {
+            return T::zero();
+        }
+        // Weights of an element sum to one.
+        self.mesh.stations[element].iter().fold(T::zero(), |sum, station| {
+            sum + self.point(frame, element, station, parts).strain_gradient * station.weight
+        })
+    }
+
+    /// Adds a load over the length `weight`, m, on the ring at a station.
+    fn add<T: Real<Constant = f64>>(
+        station: &Station,
+        parts: &Parts<T, D>,
+        point: &RingPoint<T, D>,
+        load: &Load<T, D>,
+        weight: T,
+        sum: &mut ElementLoad<T, D>,
+    ) {
+        if parts.rotated.is_none() {
+            sum.add(load, point, &station.shape, &parts.element, weight);
+        } else {
+            rotated_load(
+                load,
+                point,
+                &station.shape,
+                &parts.element,
+                &parts.reference,
+                weight,
+                sum,
+            );
+        }
+    }
+
+    fn rows<T: Real<Constant = f64>, const N: usize>(sum: &ElementLoad<T, D>, parts: &Parts<T, D>) -> [T; N] {
+        let ([mut left, mut right], mut theta) = sum.nodes(&parts.element);
+        if let Some(rotated) = &parts.rotated {
+            rotated.nodes([&mut left, &mut right], &mut theta);
+        }
+        let nodes = [left, right];
+        std::array::from_fn(|k| match k.checked_sub(2 * Self::BLOCK) {
+            None => {
+                let (node, k) = (&nodes[k / Self::BLOCK], k % Self::BLOCK);
+                if k.is_multiple_of(2) {
+                    node.a[k / 2]
+                } else {
+                    node.b[k / 2]
+                }
+            }
+            Some(0) => sum.s,
+            Some(_) => theta,
+        })
+    }
+
+    /// The ring at the mesh point that is at the local coordinate x of an element.
+    #[must_use]
+    pub fn mesh_point(
+        &self,
+        frame: &C::Frame<f64>,
+        element: usize,
+        x: f64,
+        motion: &[Motion<f64>],
+    ) -> RingPoint<f64, D> {
+        let station = self.mesh.elements[element].station(x, 0.0, 0.0);
+        self.point(frame, element, &station, &self.parts(frame, element, motion))
+    }
+
+    fn integrate(
+        &self,
+        frame: &C::Frame<f64>,
+        element: usize,
+        motion: &[Motion<f64>],
+        mut f: impl FnMut(&RingPoint<f64, D>, f64),
+    ) {
+        let parts = self.parts(frame, element, motion);
+        let strain_gradient = self.strain_gradient(frame, element, &parts);
+        for station in &self.mesh.stations[element] {
+            let mut point = self.point(frame, element, station, &parts);
+            point.strain_gradient = strain_gradient;
+            f(&point, parts.element.length.v * station.weight);
+        }
+    }
+}
+
+impl<C: ReferenceCurve + std::fmt::Debug, const D: usize, const N: usize> RingFormulation<D, N> for AleRing<C, D>
+where
+    Deflection<D>: Unknowns<N>,
+{
+    const BLOCK: usize = Self::BLOCK;
+    const LAGRANGIAN: bool = false;
+
+    type Frame<T: Real> = C::Frame<T>;
+
+    fn ring(&self) -> &Ring {
+        &self.ring
+    }
+
+    fn ring_mut(&mut self) -> &mut Ring {
+        &mut self.ring
+    }
+
+    fn length(&self) -> f64 {
+        self.curve.length()
+    }
+
+    fn elements(&self) -> usize {
+        self.mesh.elements.len()
+    }
+
+    fn quadrature(&self) -> &'static [(f64, f64)] {
+        self.mesh.quadrature
+    }
+
+    fn is_length(&self, k: usize) -> bool {
+        k.is_multiple_of(2)
+    }
+
+    fn held(&self) -> Vec<usize> {
+        let blocks = self.elements() * Self::BLOCK;
+        let ratio = self.curve.has_ratio();
+        // At ξ = 0, the leftmost point, y is along the curve and x across it.
+        let (along, across) = match self.directions {
+            Directions::Fixed => (2, 0),
+            Directions::Reference => (0, 2),
+        };
+        let mut held = match (self.flexible, ratio) {
+            (false, _) => (0..blocks).collect(),
+            (true, true) => vec![along, across],
+            (true, false) => vec![along],
+        };
+        if !ratio {
+            held.push(blocks + 1);
+        }
+        held
+    }
+
+    fn frame<T: Real>(&self, theta: T) -> C::Frame<T> {
+        self.curve.frame(theta)
+    }
+
+    fn locate(&self, frame: &C::Frame<f64>, _s: f64, xi: f64) -> (usize, f64) {
+        let (segment, fraction) = self.curve.locate(frame, xi);
+        let (element, along) = mesh::find(&self.mesh.elements, segment, fraction);
+        (element, 2.0 * along - 1.0)
+    }
+
+    fn place_on(&self, shape: Shape<'_, D>, q: &mut [f64]) {
+        let frame = self.curve.frame(q[self.elements() * Self::BLOCK + 1]);
+        for (block, element) in q.chunks_exact_mut(Self::BLOCK).zip(&self.mesh.elements) {
+            let point = C::point::<f64>(&frame, element.segment, element.start);
+            let [r, slope] = shape(point.xi.v);
+            let (mut a, mut b) = (r - embed(point.r), slope - embed(point.t));
+            if self.directions == Directions::Reference {
+                for v in [&mut a, &mut b] {
+                    let planar: Vector2<f64> = in_plane(v);
+                    (v[0], v[1]) = (planar.dot(&point.t), planar.dot(&point.n));
+                }
+            }
+            for k in 0..D {
+                (block[2 * k], block[2 * k + 1]) = (a[k], b[k]);
+            }
+        }
+    }
+
+    fn place_on_curve(&self, q: &mut [f64]) {
+        q[..self.elements() * Self::BLOCK].fill(0.0);
+    }
+
+    fn particle<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        x: f64,
+        motion: &Coordinates<T, N>,
+    ) -> (Particle<T, D>, T) {
+        let station = self.mesh.elements[element].station(x, 0.0, 0.0);
+        let parts = self.parts(frame, element, motion);
+        let point = self.point(frame, element, &station, &parts);
+        (Particle::from(&point), parts.element.length.v * 0.5)
+    }
+
+    fn project<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        x: f64,
+        motion: &Coordinates<T, N>,
+        load: &ParticleLoad<T, D>,
+    ) -> [T; N] {
+        let station = self.mesh.elements[element].station(x, 0.0, 0.0);
+        let parts = self.parts(frame, element, motion);
+        let point = self.point(frame, element, &station, &parts);
+        let mut sum = ElementLoad::zero();
+        Self::add(
+            &station,
+            &parts,
+            &point,
+            &load_of_particle(load, &point),
+            T::one(),
+            &mut sum,
+        );
+        Self::rows(&sum, &parts)
+    }
+
+    fn balance<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        motion: &Coordinates<T, N>,
+    ) -> [T; N] {
+        let parts = self.parts(frame, element, motion);
+        let length = parts.element.length;
+        let growth = length.d / length.v;
+        let strain_gradient = self.strain_gradient(frame, element, &parts);
+        let mut sum = ElementLoad::zero();
+        for station in &self.mesh.stations[element] {
+            let mut point = self.point(frame, element, station, &parts);
+            point.strain_gradient = strain_gradient;
+            let mut load = Load::zero();
+            match self.inertia {
+                Inertia::Pointwise => ale::add_inertia(&self.ring, &point, &mut load),
+                Inertia::Conservative => {
+                    let rate = parts.reference.theta.rate;
+                    ale::add_conservative_inertia(&self.ring, &point, growth, rate, &mut load);
+                }
+            }
+            ale::add_elasticity(&self.ring, &point, growth, &mut load);
+            Self::add(station, &parts, &point, &load, length.v * station.weight, &mut sum);
+        }
+        Self::rows(&sum, &parts)
+    }
+
+    fn energy(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> Energy {
+        let ring = &self.ring;
+        let mut sum = Energy::default();
+        self.integrate(frame, element, motion, |p, weight| {
+            sum += Energy {
+                kinetic: weight * ale::kinetic_energy_density(ring, p),
+                membrane: weight * 0.5 * ring.axial_stiffness * p.strain().powi(2),
+                bending: weight * ale::bending_energy_density(ring, p),
+            };
+        });
+        sum
+    }
+
+    fn dissipation(&self, frame: &C::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> f64 {
+        let mut sum = 0.0;
+        self.integrate(frame, element, motion, |p, weight| {
+            sum += weight * ale::dissipation_density(&self.ring, p);
+        });
+        sum
+    }
+}

@@ -1,0 +1,15 @@
+//! Ring models behind one trait, [`model::RingFormulation`]: [`ale_ring::AleRing`], [`ancf::Ancf`] and [`rcm::Rcm`]; and
+//! the ring alone as a [`system`] (paper 5).
+
+pub mod ale_ring;
+pub mod ancf;
+pub(crate) mod beam;
+pub mod lagrangian;
+pub mod mesh;
+pub mod model;
+pub mod particle;
+pub mod rcm;
+pub(crate) mod rotated;
+pub mod system;
+
+pub use pushbelt::ring::{Energy, Ring, ale, kinematics};

@@ -1,0 +1,135 @@
+//! A ring particle: where the ring is at a place, and how its material moves there. Every ring model calculates its
+//! particles from its unknowns, and maps forces on them to forces on its unknowns.
+//!
+//! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and velocities are those of
+//! the material. The mesh of chain and contact stands in space. The chain needs the ring at a mesh point η:
+//! [`Particle::at_station`] makes this [`RingPoint`] from the particle that passes there,
+//!
+//! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
+
+use super::kinematics::{Load, ReferenceMotion, RingPoint, inward_normal};
+use crate::reference_curve::ReferencePoint;
+use crate::scalar::{Real, turn_right, zero_vector};
+use nalgebra::SVector;
+
+/// The ring at a place, and its material there.
+#[derive(Clone, Copy, Debug)]
+pub struct Particle<T: Real, const D: usize = 2> {
+    /// Position r, m.
+    pub r: SVector<T, D>,
+    /// r'.
+    pub slope: SVector<T, D>,
+    /// r'', 1/m.
+    pub bend: SVector<T, D>,
+    /// Velocity v, m/s.
+    pub velocity: SVector<T, D>,
+    /// Velocity gradient v' = D(r')/Dt, 1/s.
+    pub velocity_slope: SVector<T, D>,
+    /// Acceleration Dv/Dt, m/s².
+    pub acceleration: SVector<T, D>,
+}
+
+impl<T: Real, const D: usize> Particle<T, D> {
+    /// |r'| and 1/|r'|.
+    #[inline(always)]
+    pub fn stretch(&self) -> (T, T) {
+        self.slope.dot(&self.slope).root_and_inverse()
+    }
+
+    /// Axial strain γ = |r'| − 1 (20).
+    #[inline(always)]
+    pub fn strain(&self) -> T {
+        self.stretch().0 - 1.0
+    }
+
+    /// Dγ/Dt, 1/s.
+    #[inline(always)]
+    pub fn strain_rate(&self) -> T {
+        self.slope.dot(&self.velocity_slope) * self.stretch().1
+    }
+
+    /// The ring at a mesh point that is at `reference` now and follows its curve.
+    #[inline(always)]
+    pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T, D> {
+        let (w, w_dot) = motion.material_speed(&reference.xi);
+        let slope_dot = self.velocity_slope - self.bend * w;
+        let (stretch, inverse_stretch) = self.stretch();
+        let t = self.slope * inverse_stretch;
+        RingPoint {
+            reference,
+            r: self.r,
+            r_dot: self.velocity - self.slope * w,
+            r_ddot: self.acceleration - self.slope * w_dot - slope_dot * (w * 2.0) - self.bend * (w * w),
+            slope: self.slope,
+            slope_dot,
+            bend: self.bend,
+            stretch,
+            inverse_stretch,
+            t,
+            n: inward_normal(&t),
+            w,
+            w_dot,
+            strain_gradient: t.dot(&self.bend),
+        }
+    }
+}
+
+impl<T: Real> Particle<T> {
+    /// Turning of the tangent per unstretched length, (r' × r'')/|r'|², 1/m; positive inwards.
+    #[inline(always)]
+    pub fn curvature(&self) -> T {
+        let (_, inverse) = self.stretch();
+        turn_right(self.slope).dot(&self.bend) * (inverse * inverse)
+    }
+}
+
+impl<T: Real, const D: usize> From<&RingPoint<T, D>> for Particle<T, D> {
+    #[inline(always)]
+    fn from(point: &RingPoint<T, D>) -> Self {
+        Self {
+            r: point.r,
+            slope: point.slope,
+            bend: point.bend,
+            velocity: point.velocity(),
+            velocity_slope: point.slope_dot + point.bend * point.w,
+            acceleration: point.acceleration(),
+        }
+    }
+}
+
+/// Forces per length on a particle, conjugate to its virtual displacement and to the primes of that.
+#[derive(Clone, Copy, Debug)]
+pub struct ParticleLoad<T: Real, const D: usize = 2> {
+    /// Conjugate to δr, N/m.
+    pub position: SVector<T, D>,
+    /// Conjugate to δr', N.
+    pub slope: SVector<T, D>,
+    /// Conjugate to δr'', N·m.
+    pub bend: SVector<T, D>,
+}
+
+impl<T: Real, const D: usize> ParticleLoad<T, D> {
+    /// No force.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self {
+            position: zero_vector(),
+            slope: zero_vector(),
+            bend: zero_vector(),
+        }
+    }
+}
+
+/// A load on the particle that passes a mesh point: virtual displacements at fixed x̄ are δr|_η + r' δσ, δσ the
+/// drift through the mesh. Of a load k on r'' the part in δσ is left out, because it needs r'''.
+#[inline(always)]
+#[must_use]
+pub fn load_of_particle<T: Real, const D: usize>(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> Load<T, D> {
+    Load {
+        position: load.position,
+        slope: load.slope,
+        bend: load.bend,
+        drift: load.position.dot(&point.slope) + load.slope.dot(&point.bend),
+        theta: T::zero(),
+    }
+}

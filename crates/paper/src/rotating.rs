@@ -1,0 +1,112 @@
+//! `ALE` whose overlay is counted along the directions of the reference curve.
+
+use crate::reference_curve::{self, Jet, ReferencePoint};
+use crate::ring::Ring;
+use crate::ring::kinematics::{Load, Motion, Node, ReferenceMotion, RingPoint};
+use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
+use crate::scalar::Real;
+use pushbelt::variator::belt_ring::{
+    Action, CellRing, Deflecting, Directions, EulerianRing, MeshCurve, Place, ReadUnknowns, RingDensity, RingForces,
+    RingKind, SLOTS, nodes,
+};
+
+/// `ALE` whose deflection is counted in directions that turn with the reference curve.
+pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
+    ring: Deflecting<'a, T, D>,
+    ends: RotatedElement<T>,
+    curve: [reference_curve::TangentAngle<T>; SLOTS],
+}
+
+impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
+    /// The ring between two nodes. `curve` gives angle and curvature of the reference curve at a fraction of the segment;
+    /// `ends` are the fractions at which the element begins and ends.
+    #[inline(always)]
+    pub fn new(
+        ring: &'a Ring,
+        place: &'a Place<'a, T>,
+        motion: &'a ReferenceMotion<T>,
+        mut nodes: [Motion<Node<T, D>>; 2],
+        ends: [T::Constant; 2],
+        curve: impl Fn(T::Constant) -> reference_curve::TangentAngle<T>,
+    ) -> Self {
+        let curvature: [Jet<T>; 2] = ends.map(|fraction| curve(fraction).kappa);
+        let ends = RotatedElement::new(curvature, &motion.theta, &mut nodes);
+        Self {
+            ring: Deflecting::new(ring, place, motion, &nodes),
+            ends,
+            curve: std::array::from_fn(|slot| curve(place.fraction(slot.min(place.stations.len())))),
+        }
+    }
+}
+
+impl<T: Real, const D: usize> EulerianRing<T, D> for Rotating<'_, T, D> {
+    #[inline(always)]
+    fn forces(&self) -> RingForces<T, D> {
+        let mut forces = self.ring.forces();
+        let [left, right] = &mut forces.nodes;
+        self.ends.nodes([left, right], &mut forces.theta);
+        forces
+    }
+}
+
+impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
+    #[inline(always)]
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D> {
+        let Deflecting {
+            place, element, motion, ..
+        } = &self.ring;
+        rotated_point(reference, &self.curve[slot], &place.slot(slot).shape, element, motion)
+    }
+
+    #[inline(always)]
+    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T {
+        self.ring.own_load(slot, point, load)
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>) {
+        let Deflecting {
+            place,
+            element,
+            motion,
+            sum,
+            ..
+        } = &mut self.ring;
+        let shape = &place.slot(slot).shape;
+        rotated_load(&action.load, point, shape, element, motion, action.weight, sum);
+    }
+
+    #[inline(always)]
+    fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T> {
+        self.ring.density(point)
+    }
+}
+
+/// The ring deflects in D components, counted along the reference curve and across it, A_i = [t, n, b]_ref in (10).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RotatingRing<const D: usize>;
+
+impl<const D: usize> Directions for RotatingRing<D> {
+    const NODES: usize = 4 * D;
+    const TENSIONS: usize = 0;
+    const COORDINATES: usize = 1;
+}
+
+impl<const D: usize, C: MeshCurve> RingKind<D, C> for RotatingRing<D> {
+    type Ring<'a, T: Real> = Rotating<'a, T, D>;
+
+    #[inline(always)]
+    fn ring<'a, T: Real>(
+        ring: &'a Ring,
+        (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
+        (frame, segment): (&'a C::Frame<T>, usize),
+        unknowns: &impl ReadUnknowns<T::Constant>,
+        slopes: [f64; 2],
+        seed: impl Fn(T::Constant, usize, f64) -> T,
+    ) -> Rotating<'a, T, D> {
+        let [start, share] = place.of_segment;
+        let curve = |fraction| C::tangent_angle(frame, segment, fraction);
+        let nodes = nodes(unknowns, slopes, seed);
+        Rotating::new(ring, place, motion, nodes, [start, start + share], curve)
+    }
+}

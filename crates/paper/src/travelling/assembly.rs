@@ -1,0 +1,297 @@
+//! Equations of the belt with a ring that travels with its mesh under the cells.
+
+use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
+use crate::ring::model::{DIRECTIONS, Energy, NODAL, RingFormulation as _};
+use crate::scalar::{Lanes, Tangent};
+use crate::solver::View;
+use crate::solver::arrow::Arrow;
+use crate::solver::sdirk::Geometry;
+use crate::travelling::evaluation::{
+    Evaluation, MeanTension, Moving, PASS, Slopes, Still, Values, coordinates, values,
+};
+use crate::travelling::order::Order;
+use crate::travelling::passing::{AMOUNT, CellOver, DRIFT, GAUGE, MOST, THETA};
+use pushbelt::pulley::PerPulley;
+use pushbelt::variator::belt_ring::{
+    Assembly, Belt, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, Sample, Sampler, Transport, Transports,
+};
+
+/// Slopes of a cell's figures in the balance of the amounts, in the directions `at`.
+#[derive(Clone, Copy, Debug)]
+struct CellSlopes {
+    at: [usize; MOST],
+    count: usize,
+    transport: Transport<[f64; MOST]>,
+}
+
+impl Default for CellSlopes {
+    fn default() -> Self {
+        Self {
+            at: [0; MOST],
+            count: 0,
+            transport: Transport::default().map(|()| [0.0; MOST]),
+        }
+    }
+}
+
+/// Cells over a ring of elements `E` that travel.
+#[derive(Clone, Debug)]
+pub(crate) struct TravellingCells<E: LagrangianElement> {
+    ring: LagrangianRing<E, TwoPulley>,
+    mean_tensions: Vec<MeanTension>,
+    slopes: Vec<CellSlopes>,
+    transports: Transports,
+    order: Order,
+}
+
+impl<E: LagrangianElement> TravellingCells<E> {
+    /// Cells of a belt over this ring.
+    pub fn new(belt: &Belt, ring: LagrangianRing<E, TwoPulley>) -> Self {
+        let cells = belt.mesh.cells.len();
+        Self {
+            mean_tensions: vec![MeanTension::default(); ring.elements()],
+            slopes: vec![CellSlopes::default(); cells],
+            transports: Transports::new(cells),
+            order: Order::default(),
+            ring,
+        }
+    }
+
+    /// Adds the balance of the ring's own elements.
+    fn add_ring(&self, layout: &Layout, view: View<'_>, out: &mut [f64]) {
+        for element in 0..self.ring.elements() {
+            let rows = self.ring.balance(&(), element, &values(layout, view, element));
+            for (k, row) in rows[..NODAL].iter().enumerate() {
+                out[layout.nodal(element, k)] += row;
+            }
+        }
+    }
+
+    /// Adds the derivatives of the ring's own elements, and finds those of their mean tensions.
+    fn add_ring_slopes(&mut self, layout: &Layout, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+        for element in 0..self.ring.elements() {
+            let seed = Tangent::<NODAL, f64>::seed;
+            let motion = coordinates(layout, view, element, slopes, seed);
+            let rows: [_; DIRECTIONS] = self.ring.balance(&(), element, &motion);
+            let at: [usize; NODAL] = std::array::from_fn(|k| layout.nodal(element, k));
+            for (&i, row) in at.iter().zip(&rows) {
+                for (&j, slope) in at.iter().zip(row.eps) {
+                    out.add(i, j, slope);
+                }
+            }
+            if E::MEAN_STRAIN {
+                let tension = self.ring.mean_tension(&motion);
+                let mean = &mut self.mean_tensions[element];
+                (mean.value, mean.slopes) = (tension.re, tension.eps);
+            }
+        }
+    }
+
+    /// Adds the derivatives of the balance of the amounts: fluxes through the left faces.
+    fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
+        for face in self.transports.faces(belt) {
+            out.add(face.amounts[1], face.amounts[1], alpha);
+            for (side, cell) in face.cells.into_iter().enumerate() {
+                let of = &self.slopes[cell];
+                let slopes = face.slopes(side, &of.transport);
+                for (&column, slope) in of.at.iter().zip(slopes).take(of.count) {
+                    for (row, slope) in face.amounts.into_iter().zip([slope, -slope]) {
+                        if let Some(index) = out.index(row, column) {
+                            out.add_at(index, slope);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Frames of the curve, still and moving with the first directions of a pass.
+struct Frames {
+    still: TwoPulleyFrame<Slopes>,
+    moving: [TwoPulleyFrame<Slopes>; PASS],
+}
+
+/// Adds the derivatives of a cell's rows to the matrix, and records those of its figures in the balance of the amounts.
+fn add_cell_slopes<E: LagrangianElement>(
+    evaluation: &Evaluation<'_, E>,
+    over: &CellOver,
+    frames: &Frames,
+    slopes: [f64; 2],
+    (of_cell, transports): (&mut CellSlopes, &mut Transports),
+    (out, resultants): (&mut Arrow, &mut ResultantSlopes),
+) -> PulleyLoad {
+    let at = over.unknowns();
+    let pulley = evaluation.acting.belt.mesh.cells[over.cell].pulley;
+    let (own, count) = (over.nodal(), at.len());
+    of_cell.at[..count].copy_from_slice(at);
+    of_cell.count = count;
+    let mut load = PulleyLoad::default();
+    for first in (0..count).step_by(PASS) {
+        let still = Still { first, slopes };
+        let theta = (own + THETA).wrapping_sub(first);
+        let still_here = first + PASS <= own + DRIFT || first > own + THETA;
+        let rows = if still_here {
+            evaluation.cell(over, &frames.still, still, &mut NoObserver)
+        } else {
+            let frame = frames.moving.get(theta).unwrap_or(&frames.still);
+            evaluation.cell(over, frame, Moving(still), &mut NoObserver)
+        };
+        let columns = &at[first..(first + PASS).min(count)];
+        let mut add = |row: usize, value: &Slopes| {
+            for (&column, &slope) in columns.iter().zip(&value.eps) {
+                if let Some(index) = out.index(row, column) {
+                    out.add_at(index, slope);
+                }
+            }
+        };
+        for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
+            for (k, row) in nodal.iter().enumerate() {
+                add(at[over.first(slot) + k], row);
+            }
+        }
+        for (k, row) in rows.others().iter().enumerate().filter(|(k, _)| *k != AMOUNT) {
+            add(at[own + k], row);
+        }
+        for (axis, force) in rows.balance.resultant.iter().enumerate() {
+            for (&column, &slope) in columns.iter().zip(&force.eps) {
+                resultants.of(pulley, axis)[column] += slope;
+            }
+        }
+        transports.set(over.cell, &rows.balance.transport.map(|of| of.re));
+        for (slopes, of) in of_cell
+            .transport
+            .each_mut()
+            .into_iter()
+            .zip(rows.balance.transport.each())
+        {
+            slopes[first..][..columns.len()].copy_from_slice(&of.eps[..columns.len()]);
+        }
+        load = PulleyLoad::of_cell(&rows.balance);
+    }
+    load
+}
+
+impl<E: LagrangianElement> Assembly for TravellingCells<E> {
+    fn boxed(&self) -> Box<dyn Assembly> {
+        Box::new(self.clone())
+    }
+
+    fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
+        let belt = acting.belt;
+        let layout = &belt.layout;
+        self.add_ring(layout, view, out);
+        if E::MEAN_STRAIN {
+            for (element, mean) in self.mean_tensions.iter_mut().enumerate() {
+                mean.value = self.ring.mean_tension(&values(layout, view, element));
+            }
+        }
+        let frame = belt.curve.frame(belt.theta(view));
+        let s = view.q[layout.drift()];
+        let mut loads = PerPulley::<PulleyLoad>::default();
+        let evaluation = Evaluation {
+            acting,
+            view,
+            ring: &self.ring,
+            mean_tensions: &self.mean_tensions,
+        };
+        for cell in 0..belt.mesh.cells.len() {
+            let over = CellOver::new(belt, &frame, cell, s);
+            let at = over.unknowns();
+            let rows = evaluation.cell(&over, &frame, Values, &mut NoObserver);
+            for (slot, nodal) in rows.ring.nodal.iter().enumerate().skip(1) {
+                for (k, row) in nodal.iter().enumerate() {
+                    out[at[over.first(slot) + k]] += row;
+                }
+            }
+            let own = &at[over.nodal()..];
+            let b = &rows.balance;
+            out[own[0]] += b.speed[0];
+            out[own[1]] += b.speed[1];
+            out[own[DRIFT]] += rows.ring.drift;
+            out[own[THETA]] += rows.ring.theta;
+            out[own[GAUGE]] += rows.ring.gauge[0];
+            out[own[GAUGE + 1]] += rows.ring.gauge[1];
+            loads[belt.mesh.cells[cell].pulley].add(b, 1.0);
+            self.transports.set(cell, &b.transport);
+        }
+        self.transports.add_fluxes(belt, view, out);
+        for i in layout.free() {
+            out[i] = view.y[i];
+        }
+        loads
+    }
+
+    fn jacobian(
+        &mut self,
+        acting: InForce<'_>,
+        view: View<'_>,
+        slopes: [f64; 2],
+        _geometry: Option<Geometry>,
+        (out, resultants): (&mut Arrow, &mut ResultantSlopes),
+    ) -> PerPulley<PulleyLoad> {
+        let belt = acting.belt;
+        let layout = &belt.layout;
+        let [alpha, beta] = slopes;
+        let s = view.q[layout.drift()];
+        let shape = belt.curve.shape(belt.theta(view));
+        let frame = shape.frame(0.0);
+        let frames = Frames {
+            still: shape.frame(Slopes::from(0.0)),
+            moving: std::array::from_fn(|k| shape.frame(Slopes::seed(0.0, k, beta))),
+        };
+        self.order.find(belt, &frame, s);
+        out.reorder(&self.order.order);
+        self.add_ring_slopes(layout, view, slopes, out);
+        let evaluation = Evaluation {
+            acting,
+            view,
+            ring: &self.ring,
+            mean_tensions: &self.mean_tensions,
+        };
+        let mut loads = PerPulley::<PulleyLoad>::default();
+        for (cell, of_cell) in self.slopes.iter_mut().enumerate() {
+            let over = CellOver::new(belt, &frame, cell, s);
+            let into = (of_cell, &mut self.transports);
+            let load = add_cell_slopes(&evaluation, &over, &frames, slopes, into, (out, resultants));
+            loads[belt.mesh.cells[cell].pulley] += load;
+        }
+        self.add_flux_slopes(belt, alpha, out);
+        for i in layout.free() {
+            out.add(i, i, 1.0);
+        }
+        loads
+    }
+
+    fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]) {
+        let belt = acting.belt;
+        let frame = belt.curve.frame(belt.theta(view));
+        let s = view.q[belt.layout.drift()];
+        let evaluation = Evaluation {
+            acting,
+            view,
+            ring: &self.ring,
+            mean_tensions: &self.mean_tensions,
+        };
+        for (cell, place) in belt.mesh.cells.iter().enumerate() {
+            let over = CellOver::new(belt, &frame, cell, s);
+            let mut stations = out[place.group * belt.mesh.points..].iter_mut();
+            let mut record = |sample| {
+                let group = stations.next().expect("a place for each station");
+                group.set(place.lane, &sample);
+            };
+            evaluation.cell(&over, &frame, Values, &mut Sampler(&mut record));
+        }
+    }
+
+    fn ring_energy(&self, belt: &Belt, view: View<'_>) -> (Energy, f64) {
+        let mut sum = (Energy::default(), 0.0);
+        for element in 0..self.ring.elements() {
+            let values = values(&belt.layout, view, element);
+            sum.0 += self.ring.energy(&(), element, &values);
+            sum.1 += self.ring.dissipation(&(), element, &values);
+        }
+        sum
+    }
+}

@@ -1,0 +1,283 @@
+//! A cell over a ring that travels with its mesh, evaluated in plain numbers or with derivatives.
+
+use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
+use crate::ring::beam;
+use crate::ring::kinematics::Motion;
+use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
+use crate::ring::model::{Coordinates, NODAL, RingFormulation as _};
+use crate::scalar::{Real, Tangent};
+use crate::solver::View;
+use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtSlot};
+use pushbelt::pulley::Pulley;
+use pushbelt::variator::belt_ring::{CellInput, CellMotion, InForce, Layout, Observer, Place, SLOTS, balance};
+use std::ops::Mul;
+
+/// Directions differentiated in one pass over a cell.
+pub(super) const PASS: usize = 4;
+/// A number with its derivatives in the directions of a pass.
+pub(super) type Slopes = Tangent<PASS, f64>;
+
+/// Tension of an element that carries its mean strain, N, and its slopes in the element's unknowns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MeanTension {
+    pub value: f64,
+    pub slopes: [f64; NODAL],
+}
+
+/// The scalars in which a cell is evaluated, and the directions of their derivatives.
+pub(super) trait Scalars: Copy {
+    /// Scalar of the equations.
+    type T: Real<Constant = f64> + Mul<Self::W, Output = Self::T>;
+    /// Scalar of places on the ring: a plain number where nothing moves the mesh.
+    type W: Real;
+    /// Factors of ẏ and q in the derivatives.
+    fn slopes(&self) -> [f64; 2];
+    /// The scalar of a value, its direction and its slope.
+    fn seed(&self, value: f64, direction: usize, slope: f64) -> Self::T;
+    /// The scalar of a place on the ring.
+    fn place(&self, place: Self::T) -> Self::W;
+}
+
+/// Plain numbers without derivatives.
+#[derive(Clone, Copy)]
+pub(super) struct Values;
+
+impl Scalars for Values {
+    type T = f64;
+    type W = f64;
+    fn slopes(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+    #[inline(always)]
+    fn seed(&self, value: f64, _direction: usize, _slope: f64) -> f64 {
+        value
+    }
+    #[inline(always)]
+    fn place(&self, place: f64) -> f64 {
+        place
+    }
+}
+
+/// Derivatives in the directions `first` and on, which leave the mesh where it is.
+#[derive(Clone, Copy)]
+pub(super) struct Still {
+    pub first: usize,
+    pub slopes: [f64; 2],
+}
+
+impl Scalars for Still {
+    type T = Slopes;
+    type W = f64;
+    fn slopes(&self) -> [f64; 2] {
+        self.slopes
+    }
+    #[inline(always)]
+    fn seed(&self, value: f64, direction: usize, slope: f64) -> Slopes {
+        Slopes::seed(value, direction.wrapping_sub(self.first), slope)
+    }
+    #[inline(always)]
+    fn place(&self, place: Slopes) -> f64 {
+        place.re
+    }
+}
+
+/// Derivatives in the directions `first` and on, of which one moves the mesh.
+#[derive(Clone, Copy)]
+pub(super) struct Moving(pub Still);
+
+impl Scalars for Moving {
+    type T = Slopes;
+    type W = Slopes;
+    fn slopes(&self) -> [f64; 2] {
+        self.0.slopes
+    }
+    #[inline(always)]
+    fn seed(&self, value: f64, direction: usize, slope: f64) -> Slopes {
+        self.0.seed(value, direction, slope)
+    }
+    #[inline(always)]
+    fn place(&self, place: Slopes) -> Slopes {
+        place
+    }
+}
+
+/// Belt, state and ring at which cells are evaluated.
+pub(super) struct Evaluation<'a, E: LagrangianElement> {
+    pub acting: InForce<'a>,
+    pub view: View<'a>,
+    pub ring: &'a LagrangianRing<E, TwoPulley>,
+    pub mean_tensions: &'a [MeanTension],
+}
+
+/// The unknowns of a cell as scalars, by their directions.
+#[derive(Clone, Copy)]
+struct CellUnknowns<'a, S> {
+    view: View<'a>,
+    at: &'a [usize],
+    scalars: S,
+}
+
+impl<S: Scalars> CellUnknowns<'_, S> {
+    #[inline(always)]
+    fn position(&self, k: usize) -> S::T {
+        let [_, beta] = self.scalars.slopes();
+        self.scalars.seed(self.view.q[self.at[k]], k, beta)
+    }
+
+    #[inline(always)]
+    fn value(&self, k: usize) -> S::T {
+        self.scalars.seed(self.view.y[self.at[k]], k, 1.0)
+    }
+
+    #[inline(always)]
+    fn rate(&self, k: usize) -> S::T {
+        let [alpha, _] = self.scalars.slopes();
+        self.scalars.seed(self.view.y_dot[self.at[k]], k, alpha)
+    }
+}
+
+impl<E: LagrangianElement> Evaluation<'_, E> {
+    /// The balance of a cell and the forces on its ring.
+    #[inline(always)]
+    pub fn cell<S: Scalars, P: Observer<S::T>>(
+        &self,
+        over: &CellOver,
+        frame: &TwoPulleyFrame<S::T>,
+        scalars: S,
+        observer: &mut P,
+    ) -> CellRows<S::T> {
+        let InForce { belt, friction } = self.acting;
+        let of = CellUnknowns {
+            view: self.view,
+            at: over.unknowns(),
+            scalars,
+        };
+        let own = over.nodal();
+        let globals = own + DRIFT;
+        let motion = CellMotion::of_directions(
+            [own, globals, globals + 2],
+            |k| of.position(k),
+            |k| of.value(k),
+            |k| of.rate(k),
+        );
+        let of_mesh = &belt.mesh.cells[over.cell];
+        let element = &belt.mesh.elements[of_mesh.element];
+        let place = Place {
+            // The mesh's own stations have fractions of the segment.
+            of_segment: [0.0, 1.0],
+            face: &of_mesh.face,
+            stations: &of_mesh.stations,
+            axis: belt.law.axes[of_mesh.pulley],
+            plane: belt.law.planes[of_mesh.pulley].constants(),
+            length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
+            layer_drag: self.layer_drag(frame, of_mesh.pulley),
+        };
+        let references: [Option<ReferencePoint<S::T>>; SLOTS] = std::array::from_fn(|slot| {
+            (slot <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(slot)))
+        });
+        let drift = of.position(globals);
+        let per_element = self.ring.element_length().recip();
+        let slots = std::array::from_fn(|slot| {
+            let xi = references[slot].as_ref()?.xi.v;
+            let x = ((xi - drift) * per_element - over.turn[slot]) * 2.0 - 1.0;
+            Some(self.ring_at::<S, P>(over, slot, x, &of))
+        });
+        let multipliers = [of.value(own + GAUGE), of.value(own + GAUGE + 1)];
+        let mut passing = Passing::<_, _, E>::new(slots, &motion.reference, multipliers);
+        let reference = |slot: usize| references[slot].expect("a slot of the cell");
+        let given = CellInput {
+            law: &belt.law,
+            friction,
+            place: &place,
+            motion: &motion,
+        };
+        let balance = balance(&given, &mut passing, reference, observer);
+        CellRows {
+            balance,
+            ring: passing.into_forces(),
+        }
+    }
+
+    /// Drag of the ring's layers on the arc of a pulley, as a share of the load that presses the ring on it.
+    fn layer_drag<T: Real>(&self, frame: &TwoPulleyFrame<T>, pulley: Pulley) -> T {
+        let law = &self.acting.belt.law;
+        let radii = frame.radius.map(|radius| radius.v - law.chain.pitch_offset);
+        law.layers.drag_shares(radii)[pulley as usize]
+    }
+
+    /// The ring at a slot, where its element is at the local coordinate `x` from −1 to 1.
+    #[inline(always)]
+    fn ring_at<S: Scalars, P: Observer<S::T>>(
+        &self,
+        over: &CellOver,
+        slot: usize,
+        x: S::T,
+        of: &CellUnknowns<'_, S>,
+    ) -> RingAtSlot<S::T, S::W, E> {
+        let first = over.first(slot);
+        let unknowns: [Motion<S::T>; NODAL] = std::array::from_fn(|k| Motion {
+            value: of.position(first + k),
+            rate: of.value(first + k),
+            acceleration: of.rate(first + k),
+        });
+        let motion = self.ring.motion(&unknowns);
+        let shape = E::shape(of.scalars.place(x));
+        let particle = E::particle(&motion, &shape);
+        let tension = if E::MEAN_STRAIN {
+            self.mean_tension::<S, P>(over.element(slot), first, of.scalars)
+        } else {
+            beam::tension(self.ring.ring(), particle.strain(), particle.strain_rate())
+        };
+        RingAtSlot {
+            motion,
+            shape,
+            particle,
+            tension,
+        }
+    }
+
+    /// Tension of an element that carries its mean strain, N, whose first direction is `first`. Sampled, it is that of the
+    /// state at hand.
+    #[inline(always)]
+    fn mean_tension<S: Scalars, P: Observer<S::T>>(&self, element: usize, first: usize, scalars: S) -> S::T {
+        if P::SAMPLES {
+            let values = values(&self.acting.belt.layout, self.view, element);
+            return S::T::from(self.ring.mean_tension(&values));
+        }
+        let mean = &self.mean_tensions[element];
+        let slopes = mean.slopes.iter().enumerate();
+        slopes.fold(S::T::from(mean.value), |sum, (k, &slope)| {
+            sum + scalars.seed(0.0, first + k, slope)
+        })
+    }
+}
+
+/// Motion of the unknowns of an element: `seed` makes a scalar of a value, its direction and its slope.
+pub(super) fn coordinates<T: Real>(
+    layout: &Layout,
+    view: View<'_>,
+    element: usize,
+    [alpha, beta]: [f64; 2],
+    seed: impl Fn(f64, usize, f64) -> T,
+) -> Coordinates<T> {
+    std::array::from_fn(|k| {
+        if k >= NODAL {
+            return Motion {
+                value: T::zero(),
+                rate: T::zero(),
+                acceleration: T::zero(),
+            };
+        }
+        let at = layout.nodal(element, k);
+        Motion {
+            value: seed(view.q[at], k, beta),
+            rate: seed(view.y[at], k, 1.0),
+            acceleration: seed(view.y_dot[at], k, alpha),
+        }
+    })
+}
+
+/// Motion of the unknowns of an element as plain numbers.
+pub(super) fn values(layout: &Layout, view: View<'_>, element: usize) -> Coordinates<f64> {
+    coordinates(layout, view, element, [0.0; 2], |value, _, _| value)
+}

@@ -1,0 +1,226 @@
+//! Order of the unknowns in the matrix where the ring travels with its mesh.
+//!
+//! Its nodes pass under the cells, so neighbours change. The vector keeps its order. Each Jacobian sorts cells and nodes
+//! by their position along the belt at that moment, and divides this order into blocks of equal size.
+//! Blocks hold as many unknowns as any coupling reaches, so the matrix is an arrow again.
+
+use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
+use pushbelt::variator::belt_ring::{Belt, BeltMesh, Cell, Layout, SLOTS};
+use pushbelt::variator::settings::Parameters;
+
+/// Nodes of a ring that travels.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Travelling {
+    /// Number of nodes, and of elements.
+    pub nodes: usize,
+    /// Unknowns of a node and the element after it.
+    pub block: usize,
+    /// Unstretched length of an element, m.
+    pub length: f64,
+}
+
+impl Travelling {
+    /// The nodes of a layout.
+    pub fn of(layout: &Layout, curve: &TwoPulley) -> Self {
+        Self {
+            nodes: layout.ring.nodes,
+            block: layout.ring.per_node,
+            length: curve.length() / layout.ring.nodes as f64,
+        }
+    }
+
+    /// Element at the unstretched place x̄, m, around the loop, and its number counted on over turns.
+    #[inline]
+    pub fn element(&self, place: f64) -> (usize, f64) {
+        let count = (place / self.length).floor();
+        (self.wrap(count), count)
+    }
+
+    /// A whole number counted on over turns, as the number of a node.
+    #[inline]
+    fn wrap(&self, count: f64) -> usize {
+        let nodes = self.nodes as f64;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number in 0..nodes"
+        )]
+        let node = (count - (count / nodes).floor() * nodes) as usize;
+        node.min(self.nodes - 1)
+    }
+}
+
+/// Unknowns beyond the farthest coupling that was found, for states in between those examined.
+const MARGIN: usize = 4;
+/// Shapes of the curve, between the end stops, for which the matrix must hold every coupling.
+const SHAPES: u32 = 16;
+/// Drifts within an element at which the couplings are examined.
+const DRIFTS: u32 = 8;
+
+/// Places ξ of the slots of every cell, m.
+fn slots(mesh: &BeltMesh, frame: &TwoPulleyFrame<f64>) -> Vec<([f64; SLOTS], usize)> {
+    let of = |cell: &Cell| {
+        let segment = mesh.elements[cell.element].segment;
+        let mut xi = [0.0; SLOTS];
+        for (xi, station) in xi.iter_mut().zip(std::iter::once(&cell.face).chain(&cell.stations)) {
+            *xi = TwoPulley::point(frame, segment, station.fraction).xi.v;
+        }
+        (xi, 1 + cell.stations.len())
+    };
+    mesh.cells.iter().map(of).collect()
+}
+
+/// Shapes of the curve from one end stop to the other, and the initial one.
+fn shapes(parameters: &Parameters, curve: &TwoPulley) -> Vec<f64> {
+    let lowest = (parameters.secondary.min_radius / parameters.primary.max_radius).ln();
+    let highest = (parameters.secondary.max_radius / parameters.primary.min_radius).ln();
+    (0..=SHAPES)
+        .map(|k| (lowest + (highest - lowest) * f64::from(k) / f64::from(SHAPES)).exp())
+        .chain([parameters.initial.ratio])
+        .filter(|&ratio| curve.radii(ratio).is_ok())
+        .map(ratio_of_theta)
+        .collect()
+}
+
+/// Number and size of the blocks that hold every coupling of a ring that travels, at any ratio that the stops allow.
+pub(crate) fn blocks(layout: &Layout, mesh: &BeltMesh, parameters: &Parameters, curve: &TwoPulley) -> [usize; 2] {
+    let travelling = &Travelling::of(layout, curve);
+    let total = layout.cell_unknowns() + travelling.nodes * travelling.block;
+    let mut places = vec![0; total];
+    let mut reach = 0;
+    for theta in shapes(parameters, curve) {
+        let frame = curve.frame(theta);
+        let slots = slots(mesh, &frame);
+        let faces: Vec<f64> = slots.iter().map(|(xi, _)| xi[0]).collect();
+        for part in 0..DRIFTS {
+            let s = f64::from(part) / f64::from(DRIFTS) * travelling.length;
+            line_up(layout, travelling, &faces, s, &mut places);
+            reach = reach.max(farthest(layout, travelling, &slots, s, &places));
+        }
+    }
+    let count = (total / (reach + MARGIN)).max(3);
+    [count, total.div_ceil(count)]
+}
+
+/// Places along the belt, without gaps: cells and nodes merged.
+fn line_up(layout: &Layout, travelling: &Travelling, faces: &[f64], s: f64, places: &mut [usize]) {
+    let &Travelling { nodes, block, length } = travelling;
+    // The first node after ξ = 0, and where it is.
+    let count = -(s / length).floor();
+    let (first, offset) = (travelling.wrap(count), count * length + s);
+    let mut next = 0;
+    let mut append = |unknown: usize| {
+        places[unknown] = next;
+        next += 1;
+    };
+    let mut passed = 0;
+    let mut append_nodes_before = |to: f64, append: &mut dyn FnMut(usize)| {
+        while passed < nodes && offset + passed as f64 * length < to {
+            for k in 0..block {
+                append(layout.node(first + passed, k));
+            }
+            passed += 1;
+        }
+    };
+    for (cell, face) in faces.iter().enumerate() {
+        append_nodes_before(*face, &mut append);
+        append(layout.belt_speed(cell));
+        append(layout.amount(cell));
+    }
+    append_nodes_before(f64::INFINITY, &mut append);
+}
+
+/// Distance of the two unknowns farthest apart that depend on each other.
+fn farthest(
+    layout: &Layout,
+    travelling: &Travelling,
+    slots: &[([f64; SLOTS], usize)],
+    s: f64,
+    places: &[usize],
+) -> usize {
+    let total = places.len();
+    let distance = |a: usize, b: usize| {
+        let d = places[a].abs_diff(places[b]);
+        d.min(total - d)
+    };
+    let cells = slots.len();
+    let mut found = 0;
+    let nodes_of = |cell: usize, out: &mut Vec<usize>| {
+        let (xi, count) = &slots[cell];
+        for xi in &xi[..*count] {
+            let (element, _) = travelling.element(xi - s);
+            for node in [element, element + 1] {
+                out.push(layout.node(node, 0));
+                out.push(layout.node(node, travelling.block - 1));
+            }
+        }
+    };
+    let (mut own, mut both) = (Vec::new(), Vec::new());
+    for cell in 0..cells {
+        let before = (cell + cells - 1) % cells;
+        own.clear();
+        nodes_of(cell, &mut own);
+        both.clear();
+        both.extend_from_slice(&own);
+        nodes_of(before, &mut both);
+        own.extend([
+            layout.belt_speed(cell),
+            layout.belt_speed(cell + 1),
+            layout.amount(cell),
+        ]);
+        both.extend([
+            layout.belt_speed(before),
+            layout.belt_speed(cell),
+            layout.belt_speed(cell + 1),
+        ]);
+        for (i, &a) in own.iter().enumerate() {
+            for &b in &own[i + 1..] {
+                found = found.max(distance(a, b));
+            }
+        }
+        for row in [layout.amount(before), layout.amount(cell)] {
+            for &b in &both {
+                found = found.max(distance(row, b));
+            }
+        }
+    }
+    found
+}
+
+/// Memory for the order of the unknowns.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Order {
+    faces: Vec<f64>,
+    places: Vec<usize>,
+    /// Place of each unknown in the matrix.
+    pub order: Vec<usize>,
+}
+
+impl Order {
+    /// Finds the order at this shape of the curve and drift s.
+    pub fn find(&mut self, belt: &Belt, frame: &TwoPulleyFrame<f64>, s: f64) {
+        let (layout, mesh) = (&belt.layout, &belt.mesh);
+        let travelling = &Travelling::of(layout, &belt.curve);
+        let total = layout.cell_unknowns() + travelling.nodes * travelling.block;
+        self.faces.clear();
+        self.faces.extend(mesh.cells.iter().map(|cell| {
+            let segment = mesh.elements[cell.element].segment;
+            TwoPulley::point::<f64>(frame, segment, cell.face.fraction).xi.v
+        }));
+        self.places.resize(total, 0);
+        line_up(layout, travelling, &self.faces, s, &mut self.places);
+        let [blocks, size] = layout.ring.apart.unwrap_or([1, total]);
+        let start = |block: usize| (block * total).div_ceil(blocks);
+        self.order.clear();
+        self.order.extend(self.places.iter().map(|&place| {
+            let block = place * blocks / total;
+            block * size + place - start(block)
+        }));
+        // What is left free in the blocks.
+        for block in 0..blocks {
+            let used = start(block + 1) - start(block);
+            self.order.extend((used..size).map(|k| block * size + k));
+        }
+        self.order.extend(blocks * size..layout.len());
+    }
+}

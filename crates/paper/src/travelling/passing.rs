@@ -1,0 +1,261 @@
+//! A Lagrangian ring that passes under the cells: `ANCF` and `RCM` in the variator.
+//!
+//! The stations of chain and contact stand in space. The ring passes under them: the particle at a station ξ is
+//! x̄ = ξ − s (1). The ring's own forces are balanced on its own elements
+//! ([`LagrangianRing`](crate::ring::lagrangian::LagrangianRing)). The loads of chain and contact at a station act on the
+//! nodes of the element that is there.
+//!
+//! s and Θ only move the mesh of the stations, so they repeat motions of the ring, as in `ALE`, and as there two
+//! conditions with multipliers hold them: the reference curve R follows the ring as least squares would have it,
+//!
+//! ∮ (ḋ + d/τ)·G dξ = 0, d = r − R, with G = R' for s and G = ∂R/∂Θ for Θ.
+//!
+//! With δr|_η = δr − r' δw, δw = δs − (∂ξ/∂Θ) δΘ, every virtual motion of the mesh has its row, so the power of chain
+//! and contact arrives at the ring without remainder. The multipliers are small: they carry what the pitch line's
+//! reference curvature (λ = |r'| − e κ_ref) leaves of a change of s alone.
+
+use crate::reference_curve::ReferencePoint;
+use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::ring::kinematics::{Load, ReferenceMotion, RingPoint};
+use crate::ring::lagrangian::LagrangianElement;
+use crate::ring::model::NODAL;
+use crate::ring::particle::{Particle, ParticleLoad};
+use crate::scalar::Real;
+use crate::travelling::order::Travelling;
+use pushbelt::variator::belt_ring::{Action, Belt, CellBalance, CellRing, HOLD, Layout, RingDensity, SLOTS};
+use std::ops::Mul;
+
+/// Time τ within which the reference curve follows the ring, s: some passes of an element.
+const FOLLOWING_TIME: f64 = 0.02;
+
+/// Directions of a cell: unknowns of the elements under its slots, V, V, N, then s, Θ, z, ψ_x, ψ_y, ω and two
+/// multipliers.
+pub(super) const MOST: usize = NODAL * SLOTS + OTHERS;
+pub(super) const OTHERS: usize = 11;
+/// Place of the amount among the others; its row is the flux.
+pub(super) const AMOUNT: usize = 2;
+/// Places of s, Θ and the first multiplier among the others.
+pub(super) const DRIFT: usize = 3;
+pub(super) const THETA: usize = 4;
+pub(super) const GAUGE: usize = 9;
+
+/// A cell with the elements of the ring that are under its slots.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellOver {
+    /// The cell.
+    pub cell: usize,
+    /// Each element once.
+    elements: [usize; SLOTS],
+    count: usize,
+    /// Index in `elements` of the element under each slot.
+    of_slot: [usize; SLOTS],
+    /// Its number counted on over turns.
+    pub turn: [f64; SLOTS],
+    /// Unknowns of the directions.
+    at: [usize; MOST],
+}
+
+impl CellOver {
+    /// The cell over a ring that has drifted by `s`, m.
+    pub fn new(belt: &Belt, frame: &TwoPulleyFrame<f64>, cell: usize, s: f64) -> Self {
+        let of_mesh = &belt.mesh.cells[cell];
+        let segment = belt.mesh.elements[of_mesh.element].segment;
+        let mut over = Self {
+            cell,
+            elements: [0; SLOTS],
+            count: 0,
+            of_slot: [0; SLOTS],
+            turn: [0.0; SLOTS],
+            at: [0; MOST],
+        };
+        let travelling = Travelling::of(&belt.layout, &belt.curve);
+        for (slot, station) in std::iter::once(&of_mesh.face).chain(&of_mesh.stations).enumerate() {
+            let place = TwoPulley::point::<f64>(frame, segment, station.fraction).xi.v - s;
+            let (element, count) = travelling.element(place);
+            over.turn[slot] = count;
+            let known = over.elements[..over.count].iter().position(|&e| e == element);
+            over.of_slot[slot] = known.unwrap_or_else(|| {
+                over.elements[over.count] = element;
+                over.count += 1;
+                over.count - 1
+            });
+        }
+        over.find_unknowns(belt);
+        over
+    }
+
+    fn find_unknowns(&mut self, belt: &Belt) {
+        let (layout, cell): (&Layout, usize) = (&belt.layout, self.cell);
+        for (m, &element) in self.elements[..self.count].iter().enumerate() {
+            for k in 0..NODAL {
+                self.at[NODAL * m + k] = layout.nodal(element, k);
+            }
+        }
+        let pulley = belt.mesh.cells[cell].pulley;
+        let others: [usize; OTHERS] = [
+            layout.belt_speed(cell),
+            layout.belt_speed(cell + 1),
+            layout.amount(cell),
+            layout.drift(),
+            layout.theta(),
+            layout.sheave(pulley),
+            layout.tilt(pulley, 0),
+            layout.tilt(pulley, 1),
+            layout.shaft_speed(pulley),
+            layout.gauge(0),
+            layout.gauge(1),
+        ];
+        let own = self.nodal();
+        self.at[own..own + OTHERS].copy_from_slice(&others);
+    }
+
+    /// Number of directions that belong to the elements.
+    pub fn nodal(&self) -> usize {
+        NODAL * self.count
+    }
+
+    /// Unknowns of all directions: those of the elements, then the others.
+    pub fn unknowns(&self) -> &[usize] {
+        &self.at[..self.nodal() + OTHERS]
+    }
+
+    /// The element under a slot.
+    pub fn element(&self, slot: usize) -> usize {
+        self.elements[self.of_slot[slot]]
+    }
+
+    /// First direction of the element under a slot.
+    pub fn first(&self, slot: usize) -> usize {
+        NODAL * self.of_slot[slot]
+    }
+}
+
+/// The ring at a slot.
+pub(super) struct RingAtSlot<T: Real, W: Real, E: LagrangianElement> {
+    pub motion: E::Motion<T>,
+    pub shape: E::Shape<W>,
+    pub particle: Particle<T>,
+    pub tension: T,
+}
+
+/// Generalised forces of a cell on the ring and on the mesh (inertia − forces).
+pub(super) struct PassingForces<T> {
+    /// Conjugates of the unknowns of the element under each slot.
+    pub nodal: [[T; NODAL]; SLOTS],
+    pub drift: T,
+    pub theta: T,
+    /// The two conditions.
+    pub gauge: [T; 2],
+}
+
+/// The ring that passes under a cell. `W` is the scalar of places on the ring: a plain number where nothing moves the
+/// mesh.
+pub(super) struct Passing<'a, T: Real, W: Real, E: LagrangianElement> {
+    slots: [Option<RingAtSlot<T, W, E>>; SLOTS],
+    motion: &'a ReferenceMotion<T>,
+    multipliers: [T; 2],
+    forces: PassingForces<T>,
+}
+
+impl<'a, T: Real, W: Real, E: LagrangianElement> Passing<'a, T, W, E> {
+    /// The ring at the slots of a cell, held by `multipliers`.
+    #[inline(always)]
+    pub fn new(
+        slots: [Option<RingAtSlot<T, W, E>>; SLOTS],
+        motion: &'a ReferenceMotion<T>,
+        multipliers: [T; 2],
+    ) -> Self {
+        Self {
+            slots,
+            motion,
+            multipliers,
+            forces: PassingForces {
+                nodal: [[T::zero(); NODAL]; SLOTS],
+                drift: T::zero(),
+                theta: T::zero(),
+                gauge: [T::zero(); 2],
+            },
+        }
+    }
+
+    /// Forces of the loads that were applied.
+    pub fn into_forces(self) -> PassingForces<T> {
+        self.forces
+    }
+}
+
+impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> for Passing<'_, T, W, E> {
+    #[inline(always)]
+    fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T> {
+        let at = self.slots[slot].as_ref().expect("a slot of the cell");
+        at.particle.at_station(reference, self.motion)
+    }
+
+    #[inline(always)]
+    fn own_load(&self, slot: usize, _point: &RingPoint<T>, _load: &mut Load<T>) -> T {
+        self.slots[slot].as_ref().expect("a slot of the cell").tension
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, slot: usize, point: &RingPoint<T>, action: &Action<T>) {
+        let Some(at) = &self.slots[slot] else { return };
+        let reference = &point.reference;
+        let weight = action.weight;
+        // What the mesh point would have to do to follow s and Θ.
+        let along = reference.t;
+        let across = reference.r_theta - reference.t * reference.xi.d;
+        let off = (point.r - reference.r) * T::from(FOLLOWING_TIME.recip()) + point.r_dot
+            - reference.r_theta * self.motion.theta.rate;
+        let pull = (along * self.multipliers[0] + across * self.multipliers[1]) * T::from(HOLD);
+        let load = &action.load;
+        let position = load.position + pull;
+        let drift = load.drift - position.dot(&point.slope) - load.slope.dot(&point.bend);
+        let forces = &mut self.forces;
+        forces.drift += drift * weight;
+        forces.theta += (load.theta - pull.dot(&reference.r_theta) - drift * reference.xi.d) * weight;
+        forces.gauge[0] += off.dot(&along) * weight * HOLD;
+        forces.gauge[1] += off.dot(&across) * weight * HOLD;
+        let on_ring = ParticleLoad {
+            position: position * weight,
+            slope: load.slope * weight,
+            bend: load.bend * weight,
+        };
+        let mut force = E::no_force();
+        E::add(&at.motion, &at.shape, &on_ring, 1.0, &mut force);
+        forces.nodal[slot] = E::conjugates(&at.motion, &force);
+    }
+
+    fn density(&self, _point: &RingPoint<T>) -> RingDensity<T> {
+        RingDensity {
+            kinetic: T::zero(),
+            elastic: T::zero(),
+            viscous: T::zero(),
+        }
+    }
+}
+
+/// Rows of a cell.
+pub(super) struct CellRows<T: Real> {
+    pub balance: CellBalance<T>,
+    pub ring: PassingForces<T>,
+}
+
+impl<T: Real> CellRows<T> {
+    /// Rows of V, V and of the globals, in the order of the directions after the elements'.
+    pub fn others(&self) -> [T; OTHERS] {
+        let (b, ring) = (&self.balance, &self.ring);
+        [
+            b.speed[0],
+            b.speed[1],
+            T::zero(),
+            ring.drift,
+            ring.theta,
+            b.axial,
+            -b.tilting[0],
+            -b.tilting[1],
+            -b.torque,
+            ring.gauge[0],
+            ring.gauge[1],
+        ]
+    }
+}

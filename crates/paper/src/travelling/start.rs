@@ -1,0 +1,106 @@
+//! Start of a ring that travels with its mesh, on the shape of the deflecting ring of `ALE`.
+//!
+//! Its nodes pass under the stations, so it has no steady state, only one that repeats with every element. The steady
+//! solver finds the state of `ALE`. Nodes get its r(ξ) and its slope, and the velocity of the material; everything else is
+//! the same. The elements can't follow this shape exactly, and it stretches them; both settle within the first pass of an
+//! element.
+
+use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
+use crate::ring::ale_ring::AleRing;
+use crate::ring::kinematics::Motion;
+use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
+use crate::ring::mesh::{RingMesh, gauss};
+use crate::ring::model::{Coordinates, NODAL, RingFormulation};
+use crate::ring::particle::Particle;
+use crate::solver::State;
+use pushbelt::variator::belt_ring::Belt;
+use std::f64::consts::{PI, TAU};
+
+/// Half the time over which the unknowns of the ring are differentiated, s: it moves by a micrometre.
+const MOMENT: f64 = 1.0e-7;
+
+/// The state in which the `ring` of `belt` has the shape of that of `ale`, which has the same mesh and the deflecting ring.
+#[must_use]
+pub(crate) fn state_on_ale<E: LagrangianElement>(
+    belt: &Belt,
+    ring: &LagrangianRing<E, TwoPulley>,
+    ale: &Belt,
+    state: &State,
+) -> State {
+    let layout = &belt.layout;
+    let mut out = State::zero(layout.len());
+    for (to, from) in belt.cells_at.iter().zip(&ale.cells_at) {
+        out.y[to.speed] = state.y[from.speed];
+        out.y[to.amount] = state.y[from.amount];
+    }
+    for (to, from) in layout.globals().zip(ale.layout.globals()) {
+        out.y[to] = state.y[from];
+        out.q[to] = state.q[from];
+    }
+    out.q[layout.drift()] = 0.0;
+    let shape = AleShape::new(ale, state);
+    let placed = |time: f64| {
+        let at = |xi: f64| {
+            let p = shape.particle(xi);
+            [p.r + p.velocity * time, p.slope + p.velocity_slope * time]
+        };
+        let mut q = vec![0.0; ring.elements() * E::BLOCK + 2];
+        ring.place_on(&at, &mut q);
+        q
+    };
+    let [before, now, after] = [-MOMENT, 0.0, MOMENT].map(placed);
+    let first = layout.node(0, 0);
+    for i in 0..layout.ring.nodes * layout.ring.per_node {
+        let mut change = after[i] - before[i];
+        if !layout.ring.is_length(i % layout.ring.per_node) {
+            // Angles are counted within a turn.
+            change = (change + PI).rem_euclid(TAU) - PI;
+        }
+        out.q[first + i] = now[i];
+        out.y[first + i] = change / (2.0 * MOMENT);
+    }
+    out
+}
+
+/// The deflecting ring in a state.
+struct AleShape<'a> {
+    model: AleRing<TwoPulley>,
+    frame: TwoPulleyFrame<f64>,
+    belt: &'a Belt,
+    state: &'a State,
+}
+
+impl<'a> AleShape<'a> {
+    fn new(belt: &'a Belt, state: &'a State) -> Self {
+        let mesh = RingMesh {
+            elements: belt.mesh.elements.clone(),
+            stations: Vec::new(),
+            quadrature: gauss(3),
+        };
+        Self {
+            model: AleRing::flexible(belt.law.ring.clone(), belt.curve.clone(), mesh),
+            frame: belt.curve.frame(belt.theta(state.view())),
+            belt,
+            state,
+        }
+    }
+
+    /// The particle at ξ, m.
+    fn particle(&self, xi: f64) -> Particle<f64> {
+        let (element, x) = self.model.locate(&self.frame, 0.0, xi);
+        let layout = &self.belt.layout;
+        let motion: Coordinates<f64> = std::array::from_fn(|k| {
+            let at = match k {
+                0..NODAL => layout.node(element + k / 4, k % 4),
+                NODAL => layout.drift(),
+                _ => layout.theta(),
+            };
+            Motion {
+                value: self.state.q[at],
+                rate: self.state.y[at],
+                acceleration: self.state.y_dot[at],
+            }
+        });
+        self.model.particle(&self.frame, element, x, &motion).0
+    }
+}

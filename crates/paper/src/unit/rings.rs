@@ -1,0 +1,149 @@
+//! The variables that choose among the paper's belts.
+
+use crate::belts::{Rotated, Travels, on_mesh};
+use crate::ring::ancf::AncfElement;
+use crate::ring::rcm::RcmElement;
+use pushbelt::fmi::table::{Access, Enumeration, Item};
+use pushbelt::fmi::unit::Identity;
+use pushbelt::unit::{Rings, Rows, Settings, StandardRings, UnitWith};
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::settings::{ParameterError, Parameters, RingModel};
+use std::sync::Arc;
+
+/// The unit of `PushbeltPaper.fmu`.
+pub type PaperUnit = UnitWith<PaperRings>;
+
+/// The content of its `modelDescription.xml`.
+#[must_use]
+pub fn model_description() -> String {
+    pushbelt::fmi::model_description::<PaperUnit>()
+}
+
+const RCM: i32 = 3;
+const ANCF: i32 = 4;
+
+static RING_MODEL: Enumeration = Enumeration {
+    name: "RingModel",
+    description: "Model of the ring",
+    items: &[
+        Item {
+            name: "ALE0",
+            value: RingModel::Ale0 as i32,
+            description: "Reference motion only: drift, ratio and a ring tension carried along by friction",
+        },
+        Item {
+            name: "ALE",
+            value: RingModel::Ale as i32,
+            description: "Reference motion with overlaid deflection: bending, stretch, spiral running",
+        },
+        Item {
+            name: "RCM",
+            value: RCM,
+            description: "Co-rotational elements that travel with the ring",
+        },
+        Item {
+            name: "ANCF",
+            value: ANCF,
+            description: "Absolute nodal coordinates on elements that travel with the ring",
+        },
+    ],
+};
+
+/// The paper's belts, with the parameters that choose among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PaperRings {
+    /// Number of the ring model, an item of `ring.model`.
+    pub model: i32,
+    /// Whether element borders follow the arc borders.
+    pub aligned: bool,
+    /// Whether the deflection is counted along the reference curve and across it.
+    pub reference_directions: bool,
+    /// Elements of a ring that travels with its mesh; 0 for the usual number.
+    pub elements: i32,
+}
+
+impl Default for PaperRings {
+    fn default() -> Self {
+        Self {
+            model: RingModel::Ale as i32,
+            aligned: true,
+            reference_directions: false,
+            elements: 0,
+        }
+    }
+}
+
+impl Rings for PaperRings {
+    const IDENTITY: Identity = Identity {
+        name: "PushbeltPaper",
+        description: "Pushbelt CVT variator with the rings that the paper compares: ALE, ALE0, RCM, ANCF",
+        ..StandardRings::IDENTITY
+    };
+    const RING_MODEL: &'static Enumeration = &RING_MODEL;
+
+    fn add_variables(rows: &mut Rows<Self>) {
+        let model = Access::Setting {
+            get: |settings: &Settings<Self>| settings.rings.model,
+            set: |settings: &mut Settings<Self>, number| {
+                settings.rings.model = number;
+                settings.parameters.ring_model = if number == RingModel::Ale0 as i32 {
+                    RingModel::Ale0
+                } else {
+                    RingModel::Ale
+                };
+            },
+        };
+        rows.choice("ring.model", 1001, &RING_MODEL, "Model of the ring", model);
+        let directions = Access::Setting {
+            get: |settings: &Settings<Self>| settings.rings.reference_directions,
+            set: |settings: &mut Settings<Self>, value| settings.rings.reference_directions = value,
+        };
+        let text = "Whether the deflection is counted along tangent, normal and binormal of the reference curve instead of \
+                    along x, y, z; ring.model ALE with mesh.aligned only";
+        rows.switch("ring.referenceDirections", 1048, text, directions);
+        let elements = Access::Setting {
+            get: |settings: &Settings<Self>| settings.rings.elements,
+            set: |settings: &mut Settings<Self>, value| settings.rings.elements = value,
+        };
+        let text = "Elements of a ring that travels with its mesh (RCM, ANCF), 16 to 400; 0: 32 for RCM, 40 for ANCF. More \
+                    of them need a finer mesh of the cells, which carry the ring in between";
+        rows.count("ring.elements", 1045, text, elements);
+        let aligned = Access::Setting {
+            get: |settings: &Settings<Self>| settings.rings.aligned,
+            set: |settings: &mut Settings<Self>, value| settings.rings.aligned = value,
+        };
+        let text = "Whether element borders follow the arc borders; if not, as many elements are spaced evenly along the belt \
+                    and arc borders move through them. ring.model ALE0 and ALE";
+        rows.switch("mesh.aligned", 1075, text, aligned);
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let is_ale = self.model == RingModel::Ale as i32;
+        if !self.aligned && [RCM, ANCF].contains(&self.model) {
+            let range = "true, unless ring.model is ALE0 or ALE";
+            return Err(ParameterError::of_flag("mesh.aligned", false, range));
+        }
+        if self.reference_directions && !(is_ale && self.aligned) {
+            let range = "false, unless ring.model is ALE and mesh.aligned is true";
+            return Err(ParameterError::of_flag("ring.referenceDirections", true, range));
+        }
+        if self.elements < 0 {
+            let range = "0 for the ring model's usual number, or 16 to 400";
+            return Err(ParameterError::new("ring.elements", self.elements.into(), range.into()));
+        }
+        Ok(())
+    }
+
+    fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing> {
+        let elements = usize::try_from(self.elements).unwrap_or_default();
+        match (self.model, parameters.spatial) {
+            (RCM, _) => Arc::new(Travels::<RcmElement>::new(elements)),
+            (ANCF, _) => Arc::new(Travels::<AncfElement>::new(elements)),
+            (number, _) if number == RingModel::Ale0 as i32 => on_mesh(Ale0, self.aligned),
+            (_, false) if self.reference_directions => Arc::new(Rotated::<2>),
+            (_, true) if self.reference_directions => Arc::new(Rotated::<3>),
+            (_, false) => on_mesh(Ale::<2>, self.aligned),
+            (_, true) => on_mesh(Ale::<3>, self.aligned),
+        }
+    }
+}

@@ -1,0 +1,14 @@
+"""Values of variables that only PushbeltPaper.fmu has. A test compares them with its model description."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class RingModel(IntEnum):
+    """Values of `ring.model` in PushbeltPaper.fmu."""
+
+    ALE0 = 1
+    ALE = 2
+    RCM = 3
+    ANCF = 4

@@ -1,0 +1,17 @@
+//! The list of the exported C functions for a linker.
+
+use super::linear_c;
+use crate::fmi::{fmi2, fmi3};
+
+/// The content of `fmu-build/exports.def`.
+#[must_use]
+pub fn exports() -> String {
+    let mut names = [fmi2::NAMES, fmi3::NAMES, linear_c::NAMES].concat();
+    names.sort_unstable();
+    let names: String = names.iter().map(|name| format!("    {name}\n")).collect();
+    format!(
+        "; The names that a shared library of the FMU exports, as a Windows module definition. Written by `cargo fmu describe`. \
+         `cargo fmu\n; build` gives it to the linker where that needs it, and refuses a library that exports more or less.\n\
+         EXPORTS\n{names}"
+    )
+}

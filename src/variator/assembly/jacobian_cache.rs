@@ -1,0 +1,302 @@
+//! Cache of the cells' derivatives, from which the next Jacobian reuses what is still valid.
+//!
+//! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their
+//! regime from one to the next: contact, friction, push, flow. The derivatives of the others are still good enough for a
+//! simplified Newton method. So each pack of cells stores the unknowns and the regime at which it was differentiated.
+//! Where the geometry still holds but a law has another tangent, only the constitutive tangents are updated.
+
+use crate::scalar::{LANES, Lanes};
+use crate::tape::Tape;
+use crate::variator::assembly::law_part::{LawPart, LawWork, height};
+use crate::variator::assembly::regime::{Regime, Units};
+use crate::variator::assembly::unknowns::Unknowns;
+use crate::variator::cell::directions::Directions;
+
+/// Factor by which 1/(hγ) may be off.
+const RESCALED: f64 = 1.5;
+/// Angle per metre, and per radian of turn, that stands for the way of displaced centres.
+const CENTRE: f64 = 10.0;
+/// Angle by which the ring may have turned, rad.
+const TURNED: f64 = 3.0e-3;
+
+/// What of a pack's derivatives was evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Update {
+    /// None: the cached derivatives are reused.
+    None,
+    /// The constitutive tangents; the geometry is reused.
+    Tangents,
+    /// All derivatives.
+    All,
+}
+
+/// Which cached derivatives are reused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ReusePolicy {
+    /// Those that are still valid.
+    WhereValid,
+    /// The geometry, where derivatives for a similar step size exist.
+    Geometry,
+    /// None.
+    None,
+}
+
+/// Where derivatives were evaluated: unknowns, and factors of ẏ and q; NaN where there are none.
+#[derive(Clone, Debug)]
+pub(crate) struct Origin {
+    pub slopes: [f64; 2],
+    pub unknowns: Unknowns<Lanes>,
+}
+
+impl Origin {
+    fn none() -> Self {
+        Self {
+            slopes: [f64::NAN; 2],
+            unknowns: Unknowns::zero(),
+        }
+    }
+
+    pub(crate) fn exists(&self) -> bool {
+        !self.slopes[0].is_nan()
+    }
+
+    fn forget(&mut self) {
+        self.slopes = [f64::NAN; 2];
+    }
+
+    fn set(&mut self, (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2])) {
+        self.unknowns.clone_from(unknowns);
+        self.slopes = slopes;
+    }
+}
+
+/// Derivatives of a pack of cells, and the unknowns and regime at which they were evaluated.
+#[derive(Clone, Debug)]
+pub(crate) struct JacobianCache {
+    pub origin: Origin,
+    /// Where the slopes of the laws were evaluated, if that was later.
+    pub laws_origin: Origin,
+    pub regime: Regime,
+    /// The derivatives at the origin: rows of the balance, the amount's left out, then the resultant of the contact forces; each a
+    /// direction after the other.
+    pub block: Vec<Lanes>,
+    /// The laws' part, of a ring that has derivatives by hand.
+    pub laws: Option<LawPart>,
+}
+
+impl JacobianCache {
+    /// Memory for the derivatives of a pack.
+    pub(crate) fn new<K: Directions>(laws: Option<LawPart>) -> Self {
+        Self {
+            origin: Origin::none(),
+            laws_origin: Origin::none(),
+            regime: Regime::zero(),
+            block: vec![Lanes::from(0.0); height::<K>() * K::COUNT],
+            laws,
+        }
+    }
+
+    /// Drops the derivatives.
+    pub(crate) fn forget(&mut self) {
+        self.origin.forget();
+        self.laws_origin.forget();
+    }
+
+    /// The derivatives with the slopes of the laws that were evaluated last.
+    pub(crate) fn derivatives<'a, K: Directions>(&'a self, work: &'a mut LawWork) -> &'a [Lanes] {
+        match &self.laws {
+            Some(laws) if self.laws_origin.exists() => laws.with_tangents::<K>(&self.regime.laws, &self.block, work),
+            _ => &self.block,
+        }
+    }
+
+    /// Determines what of the derivatives to evaluate where the pack is in this `regime`, and records unknowns and regime.
+    /// The element of the ring has this `length`.
+    #[inline(always)]
+    pub(crate) fn update<K: Directions>(
+        &mut self,
+        policy: ReusePolicy,
+        (regime, units): (&Regime, &Units),
+        at: (&Unknowns<Lanes>, [f64; 2]),
+        length: Lanes,
+    ) -> Update {
+        let update = match policy {
+            ReusePolicy::WhereValid => self.needs::<K>((regime, units), at, length),
+            ReusePolicy::Geometry if self.has_similar_step(at.1) => Update::Tangents,
+            ReusePolicy::Geometry | ReusePolicy::None => Update::All,
+        };
+        // Without its laws' part a pack has all or nothing.
+        let update = if self.laws.is_none() && update == Update::Tangents {
+            Update::All
+        } else {
+            update
+        };
+        match update {
+            Update::None => {}
+            Update::Tangents => {
+                self.laws_origin.set(at);
+                self.regime.laws = regime.laws;
+            }
+            Update::All => {
+                self.origin.set(at);
+                self.laws_origin.forget();
+                self.regime = *regime;
+            }
+        }
+        update
+    }
+
+    /// Whether there are derivatives, with nearly these factors.
+    fn has_similar_step(&self, slopes: [f64; 2]) -> bool {
+        (1.0 / RESCALED..RESCALED).contains(&(slopes[0] / self.origin.slopes[0]))
+    }
+
+    /// What of the derivatives is no longer valid.
+    #[inline(always)]
+    fn needs<K: Directions>(
+        &self,
+        (regime, units): (&Regime, &Units),
+        (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
+        length: Lanes,
+    ) -> Update {
+        let ratio = slopes[0] / self.origin.slopes[0];
+        let holds = self.has_similar_step(slopes)
+            && self.turned::<K>(unknowns, length) < TURNED
+            && regime.flows_as(&self.regime, ratio);
+        if !holds {
+            Update::All
+        } else if regime.has_laws_of(&self.regime, units) {
+            Update::None
+        } else {
+            Update::Tangents
+        }
+    }
+
+    /// Largest angle by which the ring has turned, or change of Θ or of the centres.
+    #[inline(always)]
+    fn turned<K: Directions>(&self, now: &Unknowns<Lanes>, length: Lanes) -> f64 {
+        let components = K::NODES / 4;
+        let moved = |k: usize| now.position[k] - self.origin.unknowns.position[k];
+        let mut most = 0.0_f64;
+        let mut include = |turn: Lanes| most = turn.to_array().into_iter().fold(most, |most, x| most.max(x.abs()));
+        for k in 0..components {
+            let (left, right) = (2 * k, 2 * (components + k));
+            include(moved(left + 1));
+            include(moved(right + 1));
+            include((moved(right) - moved(left)) / length);
+        }
+        include(moved(K::THETA));
+        for centre in 1..K::COORDINATES {
+            include(moved(K::THETA + centre) * CENTRE);
+        }
+        most
+    }
+
+    /// Writes to a tape, or reads from it, where the derivatives were evaluated, in so many `directions`.
+    pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
+        self.origin.serialize(tape, directions, used);
+        if self.laws.is_some() {
+            self.laws_origin.serialize(tape, directions, used);
+        }
+    }
+}
+
+impl Origin {
+    /// Writes to a tape, or reads from it, the unknowns, in so many `directions`: cell
+    /// by cell, for the first `used` lanes, so that another number of lanes reads them too. The derivatives can be evaluated
+    /// there again. Lanes beyond `used` repeat the last.
+    fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
+        let mut slopes = [self.slopes; LANES];
+        let Unknowns { position, value, rate } = &mut self.unknowns;
+        for (lane, slopes) in slopes[..used].iter_mut().enumerate() {
+            for slope in slopes {
+                tape.real(slope);
+            }
+            for values in [&mut *position, &mut *value, &mut *rate] {
+                for value in &mut values[..directions] {
+                    let mut lanes = value.to_array();
+                    tape.real(&mut lanes[lane]);
+                    *value = Lanes::new(lanes);
+                }
+            }
+        }
+        for values in [position, value, rate] {
+            for value in &mut values[..directions] {
+                let lanes = value.to_array();
+                *value = Lanes::new(std::array::from_fn(|lane| lanes[lane.min(used - 1)]));
+            }
+        }
+        // Cells of one pack share the factors. Those of two packs of another build may not: then there are no derivatives.
+        let bits = |slopes: [f64; 2]| slopes.map(f64::to_bits);
+        if slopes[..used].iter().all(|of| bits(*of) == bits(slopes[0])) {
+            self.slopes = slopes[0];
+        } else {
+            self.forget();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What packs of `widths` cells write for three directions, with numbers that identify the cells.
+    fn written(widths: &[usize], slopes: impl Fn(usize) -> [f64; 2]) -> Vec<u8> {
+        let mut tape = Tape::writer();
+        let mut first = 0;
+        for &used in widths {
+            let mut origin = Origin::none();
+            origin.slopes = slopes(first);
+            for k in 0..3 {
+                let of = |part: u32| {
+                    let number = |lane: usize| f64::from(part) + k as f64 + 10.0 * (first + lane.min(used - 1)) as f64;
+                    Lanes::new(std::array::from_fn(number))
+                };
+                origin.unknowns.position[k] = of(1000);
+                origin.unknowns.value[k] = of(2000);
+                origin.unknowns.rate[k] = of(3000);
+            }
+            origin.serialize(&mut tape, 3, used);
+            first += used;
+        }
+        tape.into_bytes()
+    }
+
+    fn read(bytes: &[u8], used: usize) -> Origin {
+        let mut tape = Tape::reader(bytes);
+        let mut origin = Origin::none();
+        origin.serialize(&mut tape, 3, used);
+        tape.finish().expect("as many as were written");
+        origin
+    }
+
+    #[test]
+    fn packs_of_another_width_are_read() {
+        let wide = written(&[LANES], |_| [4.0, 0.25]);
+        let narrow = written(&[1; LANES], |_| [4.0, 0.25]);
+        assert_eq!(wide, narrow);
+        let origin = read(&narrow, LANES);
+        assert_eq!(origin.slopes, [4.0, 0.25]);
+        for lane in 0..LANES {
+            assert_eq!(origin.unknowns.value[2].to_array()[lane], 2002.0 + 10.0 * lane as f64);
+        }
+        let part = read(&written(&[1], |_| [4.0, 0.25]), 1);
+        assert_eq!(
+            part.unknowns.rate[0].to_array(),
+            [3000.0; LANES],
+            "the last is repeated"
+        );
+    }
+
+    #[test]
+    fn packs_of_different_factors_have_no_derivatives() {
+        let origin = read(&written(&[1; LANES], |first| [4.0 + first as f64, 0.25]), LANES);
+        assert!(origin.slopes[0].is_nan());
+        assert_eq!(
+            origin.unknowns.position[0].to_array()[LANES - 1],
+            1000.0 + 10.0 * (LANES - 1) as f64
+        );
+        let none = read(&written(&[LANES], |_| [f64::NAN; 2]), LANES);
+        assert!(none.slopes[0].is_nan());
+    }
+}

@@ -1,0 +1,123 @@
+//! Probes observe on while a cell is evaluated: they sample it, or keep what derivatives need.
+
+use crate::chain::Stack;
+use crate::contact::energy_density_at;
+use crate::ring::kinematics::{RingPoint, in_plane};
+use crate::scalar::Real;
+use crate::variator::cell::sample::Sample;
+use crate::variator::cell::state::{CellInput, CellState, Station, StationForces};
+use crate::variator::law::flanks::BothFlanks;
+use crate::variator::rings::ring::CellRing;
+use nalgebra::Vector2;
+
+/// Looks on at every station of a cell as it is evaluated.
+pub trait Observer<T: Real, const D: usize = 2> {
+    /// Whether it samples for outputs: a ring that travels then has the tension of the state at hand.
+    const SAMPLES: bool = false;
+    /// Looks at a station.
+    fn observe<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>);
+}
+
+/// A station of a cell that was just evaluated.
+pub struct AtStation<'a, T: Real, const D: usize, R> {
+    pub given: &'a CellInput<'a, T>,
+    pub cell: &'a CellState<T>,
+    pub stack: &'a Stack<T>,
+    /// The ring at the left face of the cell.
+    pub face: &'a RingPoint<T, D>,
+    /// Number of the station in the cell.
+    pub index: usize,
+    pub station: &'a Station<T, D>,
+    pub forces: &'a StationForces<T, D>,
+    pub ring: &'a R,
+}
+
+/// A observer that needs nothing.
+#[derive(Debug)]
+pub struct NoObserver;
+
+impl<T: Real, const D: usize> Observer<T, D> for NoObserver {
+    #[inline(always)]
+    fn observe<R: CellRing<T, D>>(&mut self, _at: &AtStation<'_, T, D, R>) {}
+}
+
+/// A observer that hands samples to a closure.
+pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
+
+impl<T: Real, const D: usize> Observer<T, D> for Sampler<'_, T> {
+    const SAMPLES: bool = true;
+
+    #[inline(always)]
+    fn observe<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>) {
+        (self.0)(at.sample());
+    }
+}
+
+impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
+    /// The values that outputs, losses and energies need.
+    #[inline(always)]
+    fn sample(&self) -> Sample<T> {
+        let Self {
+            cell,
+            face,
+            forces,
+            ring,
+            ..
+        } = *self;
+        let Stack { push, collision, .. } = self.stack;
+        let Station {
+            ring: point,
+            chain,
+            weight,
+        } = self.station;
+        let (flanks, approach) = (&forces.flanks, &forces.approach);
+        let of_ring = ring.density(point);
+        let stack_loss = (*collision * cell.difference - push.viscous * cell.lengthening) * cell.inverse_length;
+        let from_axis = in_plane(&face.r) - Vector2::new(T::constant(self.given.place.axis), T::zero());
+        Sample {
+            xi: point.reference.xi.v,
+            curvature: [point.reference.kappa, face.reference.kappa],
+            weight: *weight,
+            r: [point.r[0], point.r[1]],
+            pitch_radius: approach.rho,
+            face_radius: from_axis.dot(&from_axis).sqrt() - self.given.law.chain.pitch_offset,
+            lambda: chain.lambda,
+            density: cell.density,
+            density_rate: cell.stack_arguments()[1],
+            push: push.force,
+            tension: forces.tension,
+            normal: flanks.loads.normal * 0.5,
+            axial: flanks.on_movable,
+            torque: flanks.loads.torque,
+            resultant: (approach.e_r * flanks.loads.radial + approach.e_t * flanks.loads.around).into(),
+            sliding: approach.flank.tangential,
+            flank_sliding: approach.flank.along_flank,
+            ring_sliding: forces.sliding,
+            penetration: approach.flank.penetration,
+            offset: flanks.offset,
+            lateral: if D == 2 {
+                [T::zero(); 2]
+            } else {
+                [point.r[D - 1], point.slope[D - 1]]
+            },
+            flow: chain.flow,
+            speed: chain.speed,
+            sheave_loss: flanks.loads.loss,
+            ring_loss: forces.ring_friction * forces.sliding,
+            layer_loss: forces.layer_drag * forces.ring_speed,
+            damping_loss: of_ring.viscous + stack_loss + flanks.loads.viscous,
+            kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
+            ring_elastic: of_ring.elastic,
+            flank_elastic: flank_energy(self.given, flanks) * chain.lambda,
+            outward: -((in_plane(&point.r) - point.reference.r).dot(&point.reference.n)),
+        }
+    }
+}
+
+/// Elastic energy of both flanks of an element per pitch-line length, J/m.
+#[inline(always)]
+fn flank_energy<T: Real>(given: &CellInput<'_, T>, flanks: &BothFlanks<T>) -> T {
+    let (contact, cos_beta) = (&given.law.contact, given.law.wedge[1]);
+    let of = |k: usize| energy_density_at(contact, cos_beta, flanks.motions[k].penetration, flanks.forces[k].depth);
+    of(0) + of(1)
+}
