@@ -1,10 +1,13 @@
 """A controller around the variator: read, compute, write, step. Run it where `target/PushbeltVariator.fmu` is."""
 
+import ctypes
 import math
 import shutil
+import sys
 
 import fmpy
-from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.logging import addLoggerProxy
 
 FMU = "target/PushbeltVariator.fmu"
 description, folder = fmpy.read_model_description(FMU), fmpy.extract(FMU)
@@ -17,7 +20,11 @@ outputs = ["primary.speed", "secondary.speed", "ratio.geometric", "primary.radiu
 START = {"secondary.inertia": 4.0, "initial.ratio": 1.6, "initial.primarySpeed": 200.0, "primary.torque": 60.0,
          "secondary.torque": -90.0, "secondary.clampingForce": 16e3}  # fmt: skip
 
-unit.instantiate()
+callbacks = fmi2CallbackFunctions()  # the unit's messages go to standard error; fmpy's own logger mixes them with the results
+callbacks.logger = fmi2CallbackLoggerTYPE(lambda _a, _b, _c, _d, text: print(text.decode(), file=sys.stderr))
+addLoggerProxy(ctypes.byref(callbacks))
+
+unit.instantiate(callbacks=callbacks)
 unit.setupExperiment(startTime=0.0)
 unit.setReal([reference[name] for name in START], list(START.values()))
 unit.enterInitializationMode()

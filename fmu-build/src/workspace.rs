@@ -108,6 +108,14 @@ impl Workspace {
         Ok(file)
     }
 
+    /// The packages of the workspace, as `cargo metadata` prints them.
+    ///
+    /// # Errors
+    /// Cargo can't read a manifest.
+    pub fn members(&self) -> anyhow::Result<Value> {
+        metadata(&["--no-deps"])
+    }
+
     /// Packages with their dependencies, resolved by the lock file, as `cargo metadata` prints them: for every machine, or for
     /// this one alone. For every machine cargo downloads more than it needs to compile for this one.
     ///

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -20,6 +21,8 @@ from pushbelt.fmu.enumerations import RingModel  # noqa: E402
 from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
+LEFT = pytest.StashKey[dict[str, int]]()
+"""Tests of the second tier in each file."""
 
 CHEAP = {
     "ring.model": RingModel.ALE0,
@@ -95,6 +98,42 @@ def run(unit: Variator, steps: range = range(20)) -> list[list[float]]:
         unit.step_to((k + 1) * 1e-3)
         rows.append(readings(unit))
     return rows
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """`cargo fmu test` runs the first tier, `cargo fmu test --all` everything."""
+    parser.addoption("--first-tier", action="store_true", help="leave out tests marked as slow, and those of the paper's FMU")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "slow: left to `cargo fmu test --all`")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leaves out the second tier, and counts what it leaves out in each file."""
+    if not config.getoption("--first-tier"):
+        return
+    second = [item for item in items if item.get_closest_marker("slow") or "paper_fmu" in getattr(item, "fixturenames", ())]
+    chosen = set(second)
+    items[:] = [item for item in items if item not in chosen]
+    config.hook.pytest_deselected(items=second)
+    config.stash[LEFT] = dict(Counter(item.path.name for item in second))
+    if hasattr(config, "workeroutput"):
+        config.workeroutput["left"] = config.stash[LEFT]
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    """Every process of pytest-xdist collects all tests: one answer is enough."""
+    node.config.stash[LEFT] = getattr(node, "workeroutput", {}).get("left", {})
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    """Names what is left to the second tier."""
+    left = config.stash.get(LEFT, {})
+    if left:
+        files = ", ".join(f"{name} ({count})" for name, count in sorted(left.items()))
+        terminalreporter.write_line(f"Left to `cargo fmu test --all`: {sum(left.values())} tests in {files}")
 
 
 @pytest.hookimpl(trylast=True)

@@ -163,7 +163,7 @@ def test_program_runs(coupling: study.Coupling, drive_folder: Path, tmp_path: Pa
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     assert ran.returncode == 0, ran.stderr

@@ -333,9 +333,16 @@ def test_numbers_are_set_as_in_print() -> None:
 def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), "--short"]) == 0
     report = reports.stands_alone(tmp_path / "report.html")
-    for name in ("checks", "cases", "reference", "manoeuvre", "belt", "sources", "limits"):
-        assert f'<h2 id="{name}">' in report
-    section = report[report.index('id="checks"') : report.index('id="cases"')]
+    # What runs comes first; what is looked up is folded, unless a check fails.
+    sections = ["manoeuvre", "cases", "belt", "checks", "reference", "sources", "limits"]
+    assert re.findall(r'<h2 id="(\w+)">', report) == sections
+    assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')
+    folded = re.findall(r'<h2 id="(\w+)">[^<]*</h2>\n<details( open)?><summary>([^<]*)', report)
+    assert folded == [
+        ("checks", " open", "9 of 10 hold"),
+        ("reference", "", "Published, theory and FMU, and why they differ"),
+    ]
+    section = report[report.index('id="checks"') : report.index('id="reference"')]
     verdicts = re.findall(r'class="(?:tick|cross)"[^>]*>(.)</span><span>([^<]*)', section)
     assert len(verdicts) == 10
     # Most events come after the first second.

@@ -36,6 +36,8 @@ from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError, Variator
 
 ROOT = Path(__file__).parents[2]
+PATIENCE = 600.0
+"""Longest wait for a program, s: it ends a test that hangs."""
 CAR = demo_car()
 FRICTION = Friction(0.09, math.radians(11.0))
 MAP = ThrustMap(
@@ -439,21 +441,26 @@ def test_only_points_without_a_linear_model_are_left_out(fmu: Path, monkeypatch:
 # With the FMU
 
 
-def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
-    """Lines that a program of `examples/drivetrain` prints."""
+def finished(fmu: Path, tmp_path: Path, program: Path) -> subprocess.CompletedProcess[str]:
+    """A run of a program of `examples/drivetrain`, or of a changed copy."""
     (tmp_path / "target").mkdir()
     shutil.copy(fmu, tmp_path / "target" / "PushbeltVariator.fmu")
     ran = subprocess.run(
-        [sys.executable, ROOT / "examples" / "drivetrain" / f"{program}.py"],
+        [sys.executable, program],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT / "python")},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE,
         check=False,
     )
     assert ran.returncode == 0, ran.stderr
-    return ran.stdout.splitlines()
+    return ran
+
+
+def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
+    """Lines that a program of `examples/drivetrain` prints."""
+    return finished(fmu, tmp_path, ROOT / "examples" / "drivetrain" / f"{program}.py").stdout.splitlines()
 
 
 @pytest.mark.parametrize(
@@ -471,6 +478,17 @@ def test_controller_reaches_its_target(fmu: Path, tmp_path: Path) -> None:
     assert end.endswith("target 0.8")
     assert ratios[0] == pytest.approx(1.6, rel=1e-3)
     assert ratios[2:] == pytest.approx([0.8] * len(ratios[2:]), rel=0.05)
+
+
+def test_warnings_are_not_among_the_results(fmu: Path, tmp_path: Path) -> None:
+    """The controller with a start where the belt slips through: the unit warns that it finds no steady state."""
+    code = (ROOT / "examples" / "drivetrain" / "controller.py").read_text(encoding="utf-8")
+    changed = tmp_path / "controller.py"
+    changed.write_text(code.replace('"primary.torque": 60.0', '"primary.torque": 600.0').replace("range(300)", "range(2)"))
+    ran = finished(fmu, tmp_path, changed)
+    assert "steady" in ran.stderr
+    first, last = ran.stdout.splitlines()
+    assert first.startswith("t 0.0 s") and last.startswith("ratio ")
 
 
 def test_a_freed_instance_is_not_called(archive: Archive) -> None:

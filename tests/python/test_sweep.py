@@ -377,7 +377,7 @@ def process(stack: ExitStack, folder: Path, module: str, *arguments: str) -> sub
     return started
 
 
-def wait_until(condition, seconds: float = 90.0) -> None:
+def wait_until(condition, seconds: float = 600.0) -> None:
     """Waits for a condition."""
     end = time.monotonic() + seconds
     while not condition():
@@ -398,7 +398,7 @@ def cluster_of_processes(folder: Path) -> Iterator[tuple[str, list[subprocess.Po
         address = json.loads(file.read_text())["address"]
         # On a busy machine one worker may have done all before the other comes.
         with Client(address, set_as_default=False) as client:
-            client.wait_for_workers(len(workers), timeout=60)
+            client.wait_for_workers(len(workers), timeout=600)
         yield address, workers
 
 
@@ -440,7 +440,7 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
         first.wait()
     kept = {path: path.stat().st_mtime_ns for path in folder.glob("points-*.parquet")}
     assert 3 <= len(kept) < 12
-    second = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
+    second = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600, check=False)
     assert second.returncode == 0, second.stderr
     assert f"{2 * len(kept)} of 24 points are there already" in second.stdout
     assert {path: path.stat().st_mtime_ns for path in kept} == kept

@@ -1,20 +1,38 @@
-//! `cargo fmu test`: the Rust tests, then the Python tests that drive the FMU.
+//! `cargo fmu test`: the Rust tests, then the Python tests that drive the FMU, in two tiers.
+//!
+//! The first tier is for every edit: each part of the code, the packed FMU, one report of each kind. Its Rust tests link the
+//! library that the FMU has, so that the model is compiled once for both. The second tier, with `--all`, is everything:
+//! Rust in the dev profile, with debug assertions and checks of overflow, the programs under valgrind, the paper's belts,
+//! documentation and the slow Python tests.
 
 use std::num::NonZero;
 use std::thread;
 
-use anyhow::{anyhow, ensure};
+use anyhow::{Context, ensure};
 use clap::Args;
+use serde_json::Value;
 
 use crate::cargo;
-use crate::commands::build;
+use crate::commands::{build, side_by_side};
 use crate::progress;
 use crate::python::{BUILDING, Environment, RUNNING};
-use crate::workspace::Workspace;
+use crate::workspace::{PAPER_PACKAGE, Workspace};
+
+/// This tool, whose tests are compiled as it is.
+const TOOL: &str = env!("CARGO_PKG_NAME");
+
+/// Packages whose Rust tests are in the second tier alone.
+const SECOND_TIER_PACKAGES: [&str; 1] = [PAPER_PACKAGE];
+
+/// Files of Rust tests, of other packages, that are in the second tier alone: they run for long, or need valgrind.
+const SECOND_TIER: [&str; 2] = ["sequences", "variator_real_time"];
 
 /// Options of the tests.
 #[derive(Args)]
 pub struct Arguments {
+    /// Run all tests, those of the second tier too
+    #[arg(long, conflicts_with_all = ["windows", "passed_on"])]
+    all: bool,
     /// Run only the Rust tests
     #[arg(long, conflicts_with = "python")]
     rust: bool,
@@ -26,7 +44,7 @@ pub struct Arguments {
     windows: bool,
     #[command(flatten)]
     build: build::Arguments,
-    /// Passed on to `cargo test` (with --rust) or to pytest (with --python)
+    /// Passed on to `cargo test` (with --rust) or to pytest (with --python), which then choose from all tests
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     passed_on: Vec<String>,
 }
@@ -44,40 +62,42 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.windows {
         return windows_tests(workspace, &arguments.passed_on);
     }
-    // The FMU and the packages are ready by the time the Rust tests are through: these compile one crate after the
-    // other for minutes.
-    let environment = thread::scope(|scope| {
-        let ready = scope.spawn(|| -> anyhow::Result<Option<Environment>> {
+    // Packages are installed while the model compiles, and the other FMUs are packed while the Rust tests run.
+    let ((), environment) = side_by_side(
+        || {
+            if !arguments.python {
+                return rust_tests(workspace, arguments);
+            }
+            Ok(())
+        },
+        || {
             build::run_both(workspace, &arguments.build)?;
+            let paper = !arguments.rust && (arguments.all || !arguments.passed_on.is_empty());
+            if paper {
+                build::run_paper(workspace)?;
+            }
             let needed = !arguments.rust;
             needed.then(|| Environment::prepare(workspace, &RUNNING)).transpose()
-        });
-        let tested = if arguments.python {
-            Ok(())
-        } else {
-            rust_tests(workspace, &arguments.passed_on)
-        };
-        let environment = ready.join().map_err(|_| anyhow!("the build panicked"))?;
-        tested.and(environment)
-    })?;
-    if let Some(environment) = environment {
-        progress::headline("Python tests");
-        let mut tests = environment.command();
-        tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--durations=5"]);
-        // One more than there are cores, since some wait for a browser or another program.
-        let processes = thread::available_parallelism().map_or(1, NonZero::get).min(3) + 1;
-        tests.args(["--dist=loadfile", &format!("--numprocesses={processes}")]);
-        if !arguments
-            .passed_on
-            .iter()
-            .any(|word| word.ends_with(".py") || word.contains(".py::"))
-        {
-            tests.arg("tests/python");
-        }
-        tests.args(&arguments.passed_on);
-        cargo::run(&mut tests)?;
+        },
+    )?;
+    environment.map_or(Ok(()), |environment| python_tests(&environment, arguments))
+}
+
+fn python_tests(environment: &Environment, arguments: &Arguments) -> anyhow::Result<()> {
+    progress::headline("Python tests");
+    let mut tests = environment.command();
+    tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--durations=5"]);
+    // One more than there are cores, since some wait for a browser or another program.
+    let processes = thread::available_parallelism().map_or(1, NonZero::get).min(3) + 1;
+    tests.args(["--dist=loadfile", &format!("--numprocesses={processes}")]);
+    if !arguments.all && arguments.passed_on.is_empty() {
+        tests.arg("--first-tier");
     }
-    Ok(())
+    let names_a_file = |word: &String| word.ends_with(".py") || word.contains(".py::");
+    if !arguments.passed_on.iter().any(names_a_file) {
+        tests.arg("tests/python");
+    }
+    cargo::run(tests.args(&arguments.passed_on))
 }
 
 /// The win64 library in wine, beside those of Linux and of this machine.
@@ -104,21 +124,89 @@ fn windows_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<
     cargo::run(&mut tests)
 }
 
-fn rust_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()> {
+fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     progress::headline("Rust tests");
-    let test = |what: &[&str]| {
+    let test = |options: &[String]| {
         let mut tests = cargo::command(workspace);
-        tests.arg("test").args(what).args(passed_on);
-        cargo::run(&mut tests)
+        cargo::run(tests.arg("test").args(options))
     };
-    // Without a name cargo takes the package at the top level, the model.
-    if passed_on.is_empty() {
-        // All but the examples, which compile for a minute and hold no tests.
-        test(&["--lib", "--tests"])?;
-        test(&["--doc"])?;
-        // The tool's own, as the tool is compiled. One of them builds the model, so they are last.
-        test(&["--package", env!("CARGO_PKG_NAME"), "--profile", "tool"])
-    } else {
-        test(&[])
+    let words = |text: &str| -> Vec<String> { text.split(' ').map(str::to_owned).collect() };
+    if !arguments.passed_on.is_empty() {
+        return test(&arguments.passed_on);
+    }
+    if arguments.all {
+        // All but the examples, which hold no tests; clippy compiles them.
+        test(&words(&format!("--workspace --exclude {TOOL} --lib --tests")))?;
+        test(&words(&format!("--workspace --exclude {TOOL} --doc")))?;
+        return test(&words(&format!(
+            "--package {TOOL} --profile tool --all-features -- --include-ignored"
+        )));
+    }
+    let (chosen, left) = first_tier(&workspace.members()?)?;
+    test(&chosen)?;
+    test(&words(&format!("--package {TOOL} --profile tool")))?;
+    println!(
+        "Left to `cargo fmu test --all`: documentation tests, {}",
+        left.join(", ")
+    );
+    Ok(())
+}
+
+/// Options of `cargo test` for the first tier, and what they leave out, from what `cargo metadata` prints of the workspace.
+fn first_tier(metadata: &Value) -> anyhow::Result<(Vec<String>, Vec<String>)> {
+    let mut chosen = vec!["--release".to_owned(), "--lib".to_owned()];
+    let mut left = Vec::new();
+    for package in metadata["packages"].as_array().context("cargo names no packages")? {
+        let name = package["name"].as_str().context("a package has a name")?;
+        let targets: Vec<&Value> = package["targets"].as_array().into_iter().flatten().collect();
+        let tested = |target: &&&Value| target["test"] == true;
+        if name == TOOL || !targets.iter().any(|target| tested(&target)) {
+            continue;
+        }
+        if SECOND_TIER_PACKAGES.contains(&name) {
+            left.push(name.to_owned());
+            continue;
+        }
+        chosen.extend(["--package".to_owned(), name.to_owned()]);
+        for target in targets.iter().filter(tested) {
+            let is_file = target["kind"]
+                .as_array()
+                .is_some_and(|kinds| kinds.iter().any(|kind| kind == "test"));
+            let file = target["name"].as_str().context("a target has a name")?;
+            if SECOND_TIER.contains(&file) {
+                left.push(file.to_owned());
+            } else if is_file {
+                chosen.extend(["--test".to_owned(), file.to_owned()]);
+            }
+        }
+    }
+    Ok((chosen, left))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_first_tier_leaves_out_is_there() {
+        let (chosen, mut left) = first_tier(&Workspace::find().unwrap().members().unwrap()).unwrap();
+        left.sort_unstable();
+        let mut expected: Vec<&str> = SECOND_TIER.into_iter().chain(SECOND_TIER_PACKAGES).collect();
+        expected.sort_unstable();
+        assert_eq!(left, expected);
+        for word in [
+            "pushbelt",
+            "pushbelt-tape",
+            "pushbelt-solver",
+            "pushbelt-fmi",
+            "fmi2",
+            "slave",
+        ] {
+            assert!(chosen.iter().any(|chosen| chosen == word), "{word}: {chosen:?}");
+        }
+        assert!(
+            !chosen.iter().any(|word| word == TOOL || left.contains(word)),
+            "{chosen:?}"
+        );
     }
 }
