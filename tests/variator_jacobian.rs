@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
+use pushbelt::reference_curve::{Displaced, TwoPulley};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::{State, System};
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::system::VariatorSystem;
 use pushbelt_lab::disturbed::{
-    TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, product, small,
+    DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed, product,
+    small,
 };
 
 /// The small variator in space.
@@ -21,14 +23,17 @@ fn spatial() -> Parameters {
 
 #[test]
 fn derivatives_by_hand_are_those_of_forward_differentiation() {
-    let of = |parameters: &Parameters, ring: Arc<dyn BeltRing>, tilt: f64| {
+    let of = |parameters: &Parameters, ring: Arc<dyn BeltRing>, tilt: f64, error: DerivativeError| {
         let mut parameters = parameters.clone();
         parameters.primary.tilt.stiffness = tilt;
-        assert_derivatives_by_hand(&parameters, &ring);
+        assert_derivatives_by_hand(&parameters, &ring, error);
     };
-    of(&small(RingModel::Ale), Arc::new(Ale::<2>), 7e5);
-    of(&spatial(), Arc::new(Ale::<3>), 7e5);
-    of(&small(RingModel::Ale0), Arc::new(Ale0), 1e12);
+    let ale = deflecting_derivative_error::<2, TwoPulley>;
+    of(&small(RingModel::Ale), Arc::new(Ale::<2>), 7e5, ale);
+    let in_space = deflecting_derivative_error::<3, TwoPulley>;
+    of(&spatial(), Arc::new(Ale::<3>), 7e5, in_space);
+    let ale0 = guided_derivative_error::<Displaced>;
+    of(&small(RingModel::Ale0), Arc::new(Ale0), 1e12, ale0);
 }
 
 /// Where nothing has changed derivatives are kept. A cell that begins to slip gets new slopes of its laws, with those that

@@ -8,10 +8,10 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::Geometry;
 use crate::solver::{System, View};
 use crate::tape::Tape;
-use crate::variator::assembly::equations::{Assembly, InForce};
-use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
+use crate::variator::belt::equations::{Assembly, InForce};
+use crate::variator::belt::ring::BeltRing;
+use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
-use crate::variator::belt_ring::BeltRing;
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
@@ -193,15 +193,6 @@ impl VariatorSystem {
     #[must_use]
     pub fn differentiations(&self) -> [u64; 2] {
         self.assembly.differentiations()
-    }
-
-    /// Largest difference between derivatives by hand and by forward differentiation, for tests.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn worst_derivative(&self, view: View<'_>, alpha: f64) -> f64 {
-        let friction = &self.friction();
-        let belt = &*self.belt;
-        self.assembly.worst_derivative(InForce { belt, friction }, view, alpha)
     }
 }
 

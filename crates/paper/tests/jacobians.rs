@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use pushbelt::reference_curve::ReferenceCurve;
 use pushbelt::solver::System;
-use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
 use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt_lab::disturbed::{
-    TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed_with, small,
+    DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed_with, small,
 };
 use pushbelt_paper::belts::{Even, Rotated};
+use pushbelt_paper::reference_curve::{Displaced, TwoPulley, Unaligned};
 use pushbelt_paper_lab::{ancf, rcm, travelling};
 
 /// The small variator in the plane.
@@ -35,9 +36,13 @@ fn even() -> [(Parameters, Arc<dyn BeltRing>); 2] {
 
 #[test]
 fn derivatives_by_hand_on_an_even_mesh_are_those_of_forward_differentiation() {
-    for (mut parameters, ring) in even() {
+    let errors: [DerivativeError; 2] = [
+        deflecting_derivative_error::<2, Unaligned<TwoPulley>>,
+        guided_derivative_error::<Unaligned<Displaced>>,
+    ];
+    for ((mut parameters, ring), error) in even().into_iter().zip(errors) {
         parameters.primary.tilt.stiffness = 7e5;
-        assert_derivatives_by_hand(&parameters, &ring);
+        assert_derivatives_by_hand(&parameters, &ring, error);
     }
 }
 

@@ -3,11 +3,11 @@
 use crate::reference_curve::Jet;
 use crate::scalar::{Lanes, Real};
 use crate::solver::View;
-use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
 use crate::variator::belt::Belt;
+use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::observer::{Observer, Sampler};
 use crate::variator::cell::sample::Sample;

@@ -8,7 +8,6 @@ use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::solver::sdirk::Geometry;
 use crate::tape::Tape;
-use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
 use crate::variator::assembly::jacobian::worst_of_pack;
@@ -17,10 +16,11 @@ use crate::variator::assembly::jacobian_cache::{JacobianCache, ReusePolicy, Upda
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
-use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
 use crate::variator::belt::Belt;
+use crate::variator::belt::equations::{Assembly, InForce};
+use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
 use crate::variator::cell::observer::NoObserver;
 use crate::variator::cell::sample::Sample;
@@ -66,6 +66,17 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
             kind,
             curve: PhantomData,
         }
+    }
+
+    fn derivative_error(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
+        let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
+        let of_pack = |(pack, cache): (&Pack, &JacobianCache)| {
+            let mut unknowns = Unknowns::zero();
+            InPlace { pack, view }.gather::<K>(&mut unknowns);
+            let at = (&unknowns, [alpha, 1.0 / alpha]);
+            worst_of_pack::<K, D, C>(acting, (&self.kind, pack), &frames, at, cache, &self.transport_slopes)
+        };
+        self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
     }
 
     /// Adds the derivatives of the balance of the amounts: fluxes through the left faces, which no pulley moves.
@@ -219,17 +230,6 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     fn differentiations(&self) -> [u64; 2] {
         self.differentiations
     }
-
-    fn worst_derivative(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
-        let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
-        let of_pack = |(pack, cache): (&Pack, &JacobianCache)| {
-            let mut unknowns = Unknowns::zero();
-            InPlace { pack, view }.gather::<K>(&mut unknowns);
-            let at = (&unknowns, [alpha, 1.0 / alpha]);
-            worst_of_pack::<K, D, C>(acting, (&self.kind, pack), &frames, at, cache, &self.transport_slopes)
-        };
-        self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
-    }
 }
 
 /// Equations of a belt whose ring keeps to the curve `C` (`ALE0`).
@@ -249,6 +249,25 @@ pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dy
 #[must_use]
 pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
     Box::new(PackedCells::<Forward<K>, D, C>::new(Forward(kind), belt))
+}
+
+/// Largest difference, in a state, between the derivatives of [`guided_equations`] by hand and by forward differentiation, as
+/// a share of the largest entry of its column.
+#[doc(hidden)]
+#[must_use]
+pub fn guided_derivative_error<C: MeshCurve + DisplacedCurve>(acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
+    PackedCells::<_, 2, C>::new(GuidedRing, acting.belt).derivative_error(acting, view, alpha)
+}
+
+/// The same of [`deflecting_equations`].
+#[doc(hidden)]
+#[must_use]
+pub fn deflecting_derivative_error<const D: usize, C: MeshCurve>(
+    acting: InForce<'_>,
+    view: View<'_>,
+    alpha: f64,
+) -> f64 {
+    PackedCells::<_, D, C>::new(DeflectingRing::<D>, acting.belt).derivative_error(acting, view, alpha)
 }
 
 /// Adds the loads of a pack on the pulleys.
