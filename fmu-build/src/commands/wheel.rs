@@ -17,7 +17,7 @@ const DATE: &str = "315532800";
 /// What goes into the wheel, and where it goes.
 #[derive(Args)]
 pub struct Arguments {
-    /// Pack this FMU instead of building the portable one (seconds); it has the binaries that it has
+    /// Pack this FMU instead of building the portable one; it has the binaries that it has
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
     /// Folder that the wheel is written to [default: target/wheels]
