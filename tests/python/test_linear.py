@@ -457,6 +457,7 @@ def test_the_page_shows_the_controller_that_runs(page: str) -> None:
     assert len([line for line in shown.splitlines() if line.strip()]) <= 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [1, 3, 5])
 @pytest.mark.parametrize("size", [0.002, 0.02])
 def test_nonlinear_steps_follow_the_linear_loop(
@@ -469,6 +470,7 @@ def test_nonlinear_steps_follow_the_linear_loop(
     assert controller.reached(belt) == pytest.approx(controller.reached(linear), abs=0.011)
 
 
+@pytest.mark.slow
 def test_the_loop_is_as_fast_at_every_ratio_only_with_its_gain(
     controller: ModuleType, fmu: Path, monkeypatch: Any
 ) -> None:
@@ -484,6 +486,7 @@ def test_the_loop_is_as_fast_at_every_ratio_only_with_its_gain(
     assert other > 2.5 * own
 
 
+@pytest.mark.slow
 def test_the_shift_follows_and_the_page_has_what_it_prints(
     page: str, controller: ModuleType, fmu: Path, tmp_path: Path, monkeypatch: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
