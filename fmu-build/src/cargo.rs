@@ -165,7 +165,7 @@ fn shared_library(build: &mut Command) -> anyhow::Result<PathBuf> {
     library.context("cargo built no shared library: is `cdylib` still among the crate types?")
 }
 
-/// What cargo says about a compiled target.
+/// A compiled target, from cargo's messages.
 struct Artifact {
     name: String,
     crate_types: Vec<String>,

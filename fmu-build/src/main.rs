@@ -39,7 +39,7 @@ struct Arguments {
     command: Command,
 }
 
-/// How long the commands take, measured by `time cargo fmu …`. No other help text says so.
+/// How long the commands take, measured by `time cargo fmu …`. This is the only place for such times.
 const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
   seconds      build, demo, compare, describe, linearize

@@ -290,7 +290,7 @@ def test_slip_controller_finds_its_set_point() -> None:
     control = SlipControl(FRICTION, MAP, 0.2)
     wanted = control.set_point(MEASURED.ratio, 0.9)
     assert wanted == pytest.approx(0.013)
-    # A belt whose slip grows with torque over force, and with 20 % less friction than the controller believes.
+    # A belt whose slip grows with torque over force, and with 20 % less friction than the controller assumes.
     force, needed = 12000.0, FRICTION.clamping_force(MEASURED, 1.0) / 0.8
     for _ in range(1500):
         slip = wanted * (needed / (0.9 * force)) ** 3
@@ -598,7 +598,7 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
 
 
 def test_slip_control_rescues_a_belt_of_low_friction(archive: Archive, table: ThrustMap) -> None:
-    """The controllers believe in 0.09, the belt has 0.063: the fixed safety factor of 1.3 doesn't cover that."""
+    """The controllers assume 0.09, the belt has 0.063: the fixed safety factor of 1.3 doesn't cover that."""
     section = wltc_class_3b().section(10.0, 19.0)
     fixed, slip = (
         simulate.run(archive, CAR, table, simulate.Setup(strategy, strategy, section, friction=0.7))

@@ -195,7 +195,7 @@ def test_every_check_has_a_verdict_a_goal_and_a_source(short_validation: Path) -
 
 
 def test_the_theorys_limit_is_met(short_validation: Path) -> None:
-    """Of all goals this one can't depend on a parameter that nobody has measured."""
+    """Of all goals this one can't depend on a parameter that is not measured."""
     with (short_validation / "checks.csv").open(encoding="utf-8", newline="") as file:
         verdicts = {check["statement"]: check["verdict"] for check in csv.DictReader(file)}
     assert verdicts["In the theory's limit the thrust ratio is the theory's"] == "meets"

@@ -1,4 +1,4 @@
-//! `cargo fmu validate`: the FMU beside theory and measurements, and a report.
+//! `cargo fmu validate`: comparison of the FMU with theory and measurements, and a report.
 
 use clap::Args;
 
