@@ -7,7 +7,7 @@
 //! | room | what it holds |
 //! |---|---|
 //! | [`reference_curve`] | the belt's closed curve r(ξ, Θ) and its derivatives |
-//! | [`ring`] | beam kinematics, elastic energy, inertia; the ring alone as a system |
+//! | [`ring`] | beam kinematics, elastic energy, inertia |
 //! | `chain`, [`contact`], [`pulley`], [`tilt`], [`shaft`] | push elements, flank contact with friction, sheaves and their tilt, drag of shafts: pure laws |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::run::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |

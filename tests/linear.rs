@@ -23,7 +23,6 @@ const OUTPUTS: [(&str, f64, Read); 6] = [
 fn parameters() -> Parameters {
     let mut parameters = Parameters {
         mesh: Mesh {
-            aligned: true,
             primary_arc: 8,
             secondary_arc: 8,
             strand: 4,
@@ -69,7 +68,7 @@ fn run(inputs: &Inputs, start: &Variator, times: &[f64]) -> Vec<Vec<f64>> {
 }
 
 /// Small they must be: elements change between sticking and sliding, and a torque step of 0.2 N·m already moves the
-/// ratio 20 % less than the linear model says.
+/// ratio 20 % less than the linear model.
 #[test]
 fn small_steps_of_each_load_are_followed() {
     let model = model(100.0);
@@ -177,7 +176,7 @@ fn an_end_stop_takes_its_part() {
 }
 
 #[test]
-fn what_has_no_linear_model_says_why() {
+fn errors_explain_why_there_is_no_linear_model() {
     let nothing: [&dyn Fn(&Outputs) -> f64; 0] = [];
     let slow = linearise(&parameters(), &Inputs::default(), 1e-3, &nothing).err();
     assert!(matches!(slow, Some(LinearError::NoMode(_))), "{slow:?}");
@@ -268,7 +267,7 @@ fn a_state_that_a_run_rests_in_has_a_linear_model() {
 
 /// A torque beyond capacity is carried in part: the model is that of the state from which the run starts.
 #[test]
-fn a_point_that_is_not_the_one_that_was_given_says_so() {
+fn a_remark_names_a_point_that_was_not_given() {
     let mut beyond = Inputs::default();
     beyond.primary.torque = 400.0;
     let mut variator = Variator::new(parameters()).expect("valid");
@@ -285,7 +284,7 @@ fn a_point_that_is_not_the_one_that_was_given_says_so() {
 
 /// Between given speeds the belt may slip through for ever.
 #[test]
-fn a_belt_that_slips_through_says_so() {
+fn a_remark_names_a_belt_that_slips_through() {
     let mut parameters = parameters();
     (parameters.primary.drive, parameters.secondary.drive) = (Drive::Speed, Drive::Speed);
     let mut inputs = Inputs::default();

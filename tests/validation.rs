@@ -136,14 +136,14 @@ fn the_wedge_must_open_wider_than_the_friction_angle() {
 }
 
 #[test]
-fn flags_are_told_as_flags() {
+fn messages_show_flags_as_flags() {
     let error = refused(|p| {
-        p.ring_model = RingModel::Ancf;
-        p.mesh.aligned = false;
+        p.ring_model = RingModel::Ale0;
+        p.spatial = true;
     });
     assert_eq!(
         error.to_string(),
-        "mesh.aligned = false is out of range: true, unless ring.model is ALE0 or ALE"
+        "ring.spatial = true is out of range: false, unless ring.model is ALE"
     );
 }
 

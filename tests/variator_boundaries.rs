@@ -1,4 +1,4 @@
-//! Whatever a master connects to shafts and sheaves, and whatever it does with them, the run goes on.
+//! Runs continue with every kind of load and motion that a master connects to shafts and sheaves.
 
 use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
 use pushbelt::variator::settings::{Inputs, Outputs, StartState};
@@ -55,7 +55,7 @@ fn torque_or_speed_at_either_shaft() {
                     o.primary.shaft_torque < 0.0 && o.secondary.shaft_torque > 0.0,
                     "power goes from P to S"
                 );
-                run.assert_books();
+                run.assert_balances();
             }
         }
     }
@@ -97,7 +97,7 @@ fn clamping_force_or_held_sheave_at_either_pulley() {
                     run.warned("both sheaves are held"),
                     primary == Axial::Held && secondary == Axial::Held
                 );
-                run.assert_books();
+                run.assert_balances();
             }
         }
     }
@@ -155,7 +155,7 @@ fn end_stops_hold_and_are_left_again() {
                 (left.ratio_geometric - again.ratio_geometric).abs() > 5e-3,
                 "the stop is not left"
             );
-            run.assert_books();
+            run.assert_balances();
         }
     }
 }
@@ -167,7 +167,7 @@ fn a_launch_in_reverse_mirrors_a_launch_forward() {
         let at = |sign: f64| -> Outputs {
             let mut run = Run::new(at_rest(model, 1.5), inputs((sign * 40.0, 9e3), (sign * -5.0, 10e3)));
             let outputs = run.go(0.2, 2e-3);
-            run.assert_books();
+            run.assert_balances();
             outputs
         };
         let (forward, reverse) = (at(1.0), at(-1.0));
@@ -208,7 +208,7 @@ fn at_standstill_the_clamped_belt_holds_the_torque() {
             "the drive creeps away"
         );
         assert_close(o.secondary.axial_force, 8e3, 0.02, "secondary force");
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -238,7 +238,7 @@ fn a_standstill_starts_clamped() {
         println!("{model:?}: {counts:?}");
         assert!(counts.factorizations <= 20 && counts.residuals <= 200);
         run.go(0.1, 1e-3);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -296,7 +296,7 @@ fn a_sheave_held_from_a_standstill_has_nearly_its_ratio() {
 
 /// Clamped without torque, on the default mesh too: what rings then has hardly any energy to be wrong about.
 #[test]
-fn at_standstill_the_books_are_kept() {
+fn energy_balance_at_standstill() {
     for model in MODELS {
         let mut parameters = variator(model);
         parameters.initial.primary_speed = 0.0;
@@ -304,14 +304,14 @@ fn at_standstill_the_books_are_kept() {
         let mut run = Run::new(parameters, inputs((0.0, 10e3), (0.0, 10e3)));
         run.go(0.15, 1e-3);
         println!("{model:?}: {:.2} of what is allowed", run.residual);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
 /// Inputs that change in proportion to time do their work all along the step: a clamping force to and fro at low speed,
 /// a shaft brought to speed by its set point.
 #[test]
-fn ramped_inputs_keep_the_books() {
+fn energy_balance_under_ramped_inputs() {
     for model in MODELS {
         for speed in [20.0, 2.0] {
             let mut parameters = coarse(model);
@@ -323,14 +323,14 @@ fn ramped_inputs_keep_the_books() {
                 run.ramp(0.01, 0.01, &rates);
             }
             println!("{model:?}, {speed} rad/s: {:.2} of what is allowed", run.residual);
-            run.assert_books();
+            run.assert_balances();
         }
         let mut parameters = variator(model);
         parameters.secondary.inertia = 0.3;
         let mut run = brought_to_speed(parameters, 0.3, 1e-3);
         println!("{model:?}, to speed: {:.2} of what is allowed", run.residual);
         assert_close(run.variator.outputs().primary.speed, 120.0, 0.01, "primary speed");
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -364,14 +364,14 @@ fn clamping_forces_gone_and_back() {
         assert!(open.primary.shaft_torque.abs() < 5.0 && open.slip > 0.1);
         assert_close(closed.secondary.axial_force, 9e3, 0.05, "secondary force");
         assert!(closed.slip.abs() < 0.03 && !closed.macro_slip, "slip {}", closed.slip);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
-/// A strand under net compression, Q > T, would buckle: told. Friction alone keeps T − Q above σV², so it takes a load
+/// A strand under net compression, Q > T, would buckle: a warning. Friction alone keeps T − Q above σV², so it takes a load
 /// that turns round while the clamping force goes, at a low speed, at once, and elements that no oil brakes.
 #[test]
-fn a_push_strand_in_net_compression_is_told() {
+fn a_push_strand_in_net_compression_gives_a_warning() {
     for model in MODELS {
         let mut parameters = coarse(model);
         parameters.initial.primary_speed = 20.0;
@@ -380,7 +380,7 @@ fn a_push_strand_in_net_compression_is_told() {
         parameters.solver.input_ramp = 0.0;
         let mut run = Run::new(parameters, inputs((40.0, 11e3), (-39.0, 9e3)));
         run.go(5e-3, 1e-3);
-        assert!(!run.warned("buckle"), "{model:?}: told without cause");
+        assert!(!run.warned("buckle"), "{model:?}: warning without cause");
         run.inputs = inputs((-150.0, 1e3), (150.0, 1e3));
         run.go(0.02, 1e-3);
         let force = strand_force(&run.variator);
@@ -397,8 +397,8 @@ fn a_push_strand_in_net_compression_is_told() {
         assert!(strand_force(&run.variator) > 0.0);
         run.inputs = inputs((-150.0, 1e3), (150.0, 1e3));
         run.go(0.02, 1e-3);
-        let told = run.messages.iter().filter(|m| m.text.contains("buckle")).count();
-        assert_eq!(told, 1, "{model:?}");
+        let warnings = run.messages.iter().filter(|m| m.text.contains("buckle")).count();
+        assert_eq!(warnings, 1, "{model:?}");
     }
 }
 
@@ -452,9 +452,9 @@ fn a_start_in_equilibrium_at_an_end_stop_stays_there() {
     }
 }
 
-/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may go on from the ratio that it had there.
+/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may start from the ratio that it had there.
 #[test]
-fn a_run_goes_on_from_beyond_an_end_stop() {
+fn a_run_may_start_beyond_an_end_stop() {
     for model in MODELS {
         let mut parameters = coarse(model);
         parameters.primary.drive = Drive::Speed;
@@ -463,7 +463,7 @@ fn a_run_goes_on_from_beyond_an_end_stop() {
         let rests = run.go(1.0, 5e-3).ratio_geometric;
         parameters.initial.ratio = rests;
         let mut next = Run::new(parameters, loads);
-        assert!(next.told("beyond an end stop"), "{model:?}: {rests}");
+        assert!(next.reported("beyond an end stop"), "{model:?}: {rests}");
         let o = next.go(0.3, 5e-3);
         println!("{model:?}: rests at {rests:.4}, then at {:.4}", o.ratio_geometric);
         assert_close(o.ratio_geometric, rests, 2e-3, "ratio");
@@ -533,9 +533,9 @@ fn a_steady_start_at_a_set_point_does_not_bang() {
     }
 }
 
-/// Shafts held at speeds 12 % apart have a steady state, in which the belt slips through: told from the start on.
+/// Shafts held at speeds 12 % apart have a steady state, in which the belt slips through: reported from the start.
 #[test]
-fn a_start_in_macro_slip_is_told() {
+fn a_start_in_macro_slip_is_reported() {
     for model in MODELS {
         for (share, slips) in [(0.88, true), (0.99, false)] {
             let mut parameters = coarse(model);
@@ -553,7 +553,7 @@ fn a_start_in_macro_slip_is_told() {
     }
 }
 
-/// Torque beyond capacity has no steady state: the run starts from the nearest one, and says which and why.
+/// Torque beyond capacity has no steady state: the run starts from the nearest one, and reports which and why.
 #[test]
 fn torque_beyond_capacity_starts_from_the_nearest_state() {
     for (model, torque) in MODELS
@@ -574,11 +574,11 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
         assert!(!o.macro_slip && o.slip < 0.03);
         assert_eq!(o.start_state, StartState::ReducedTorque);
         assert_eq!(run.go(0.02, 1e-3).start_state, StartState::ReducedTorque);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
-/// Beyond capacity a pulley whose speed is free runs away until drag holds it, at four times the speed that was asked for. That
+/// Beyond capacity a pulley whose speed is free runs away until drag holds it, at four times the requested speed. That
 /// is a steady state, and no start.
 #[test]
 fn a_pulley_that_ran_away_is_no_start() {
@@ -595,9 +595,9 @@ fn a_pulley_that_ran_away_is_no_start() {
     assert!(!o.macro_slip && o.slip < 0.03);
 }
 
-/// What a run started from is told: also where nothing steady was asked for, or nothing was found.
+/// A run reports what it started from, also where no steady state was requested or found.
 #[test]
-fn what_a_run_starts_from_is_told() {
+fn a_run_reports_what_it_starts_from() {
     for model in MODELS {
         let start = |change: &dyn Fn(&mut Parameters), force: f64| {
             let mut parameters = coarse(model);

@@ -147,8 +147,8 @@ fn over_torque_slips_at_capacity_and_recovers() {
             before.slip, after.slip
         );
         assert!(flagged && seen > 10, "{model:?} did not slip");
-        for told in ["begins to slip through", "grips again"] {
-            assert!(run.told(told), "{model:?}: {told}");
+        for text in ["begins to slip through", "grips again"] {
+            assert!(run.reported(text), "{model:?}: {text}");
         }
         assert!(worst < 5e-3, "{model:?}: torque off by {worst}");
         assert!(
@@ -156,7 +156,7 @@ fn over_torque_slips_at_capacity_and_recovers() {
             "{model:?}: slip {}",
             after.slip
         );
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -182,7 +182,7 @@ fn speeds_pulled_apart_slip_at_capacity_and_recover() {
         assert!(!gripping.macro_slip && o.macro_slip && !after.macro_slip);
         assert_close(ratio, 1.0, 5e-3, "torque at full slip");
         assert!(after.slip.abs() < 0.03);
-        run.assert_books();
+        run.assert_balances();
     }
 }
 
@@ -192,7 +192,7 @@ const STEPS: [f64; 4] = [0.99, 0.995, 1.005, 1.01];
 /// Geometric ratio of the steps. At 1 the ring changes the pulley on which it drags, and the equilibrium has a step there.
 const RATIO: f64 = 1.25;
 
-/// The variator that the theory knows: neither ring friction nor play, by which the equilibrium depends on force and speed.
+/// The variator of the theory: neither ring friction nor play, by which the equilibrium depends on force and speed.
 fn of_theory(model: RingModel) -> Parameters {
     let mut parameters = belt_alone(variator(model));
     parameters.friction.ring = 0.0;
@@ -300,7 +300,7 @@ fn arcs_about_free_centres_shift_as_the_deflecting_ring_does() {
                 "{model:?} s {s}, {force} N: {:.4} 1/s, energy residual {:.2} of what is allowed",
                 found.gain, found.run.residual
             );
-            found.run.assert_books();
+            found.run.assert_balances();
             found.gain
         });
         assert_close(guided, deflecting, 0.2, "gain of ALE0");

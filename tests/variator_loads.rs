@@ -63,7 +63,7 @@ fn held_inputs_reach_their_values_and_energy_is_accounted_for() {
                 "torque at the end of a step",
             );
         }
-        run.assert_books();
+        run.assert_balances();
         run.variator.outputs().primary.speed
     });
     println!("primary speed at the end: {speeds:?} rad/s");

@@ -503,12 +503,3 @@ fn accurate_steps_say_what_they_left() {
     let found = trace(Load::Firing, &coarse(RingModel::Ale0), 1.0, 0.05, |_| ());
     assert!(found.defect > 0.0 && found.defect < 1.0, "{}", found.defect);
 }
-
-#[test]
-fn a_ring_that_travels_is_refused() {
-    let error = Variator::new(in_real_time(variator(RingModel::Rcm))).expect_err("refused");
-    assert!(
-        error.to_string().starts_with("solver.mode = 2 is out of range"),
-        "{error}"
-    );
-}

@@ -48,7 +48,7 @@ fn whole_manoeuvre(model: RingModel, ratios: [f64; 2], work: [u64; 3]) {
     assert_close(high, ratios[1], 0.02, "highest ratio");
     assert!(slipped);
     assert!(!last.macro_slip && last.slip.abs() < 0.03);
-    run.assert_books();
+    run.assert_balances();
     let counts = run.variator.counts();
     let found = [counts.steps, counts.residuals, counts.factorizations];
     for ((found, pinned), what) in found
@@ -81,7 +81,7 @@ fn the_launch_keeps_its_books_ale() {
         o.primary.speed,
         o.slip
     );
-    run.assert_books();
+    run.assert_balances();
 }
 
 /// The deflecting ring: over-torque, from the steady state near which the manoeuvre is by then, and recovery.
@@ -96,7 +96,7 @@ fn the_over_torque_keeps_its_books_ale() {
     );
     let o = run.variator.outputs();
     assert!(slipped && !o.macro_slip && o.slip.abs() < 0.03, "slip {}", o.slip);
-    run.assert_books();
+    run.assert_balances();
 }
 
 /// Macro-slip of a belt that runs at 40 to 70 m/s, in communication steps of 1 ms and of 50 µs: short steps see what long

@@ -421,12 +421,12 @@ impl Strand {
         let mean = |figure: fn(&Sample) -> f64| inner.iter().map(|s| figure(s) * s.weight).sum::<f64>() / length;
         let middle = stations.len() / 2;
         let (a, b) = (stations[middle - 3].r, stations[middle + 2].r);
-        let way = [b[0] - a[0], b[1] - a[1]];
+        let chord = [b[0] - a[0], b[1] - a[1]];
         let tension = mean(|s| s.tension);
         let stretch = 1.0 + tension / p.ring.axial_stiffness;
         Self {
             at: stations[middle].r,
-            direction: way.map(|x| x / way[0].hypot(way[1])),
+            direction: chord.map(|x| x / chord[0].hypot(chord[1])),
             tension,
             push: mean(|s| s.push),
             ring_momentum: p.ring.mass_per_length * state.outputs.ring_speed.powi(2) * stretch,

@@ -6,13 +6,13 @@
 //!
 //! - `--quick` runs everything once,
 //! - `--errors` adds the errors against finer meshes and tighter tolerances (some minutes), with `--loads` those under loads too,
-//! - `--directions` adds `ALE` with A_i = [t, n],
 //! - `--cycle` adds 1800 s of driving (half a minute),
 //! - `--loads` adds loads that jump, ripple or are noisy, 20 s each or as long as `--seconds` says (an hour, or minutes),
 //! - `--only fg` runs the loads of these letters alone,
 //! - `--real-time` adds these loads in real time, beside accurate runs with a tolerance of 1e-6,
-//! - `--rings` adds the ring models beside each other (a minute),
 //! - `--proposals` adds what separate integration and a reduced overlay would take.
+//!
+//! `cargo bench --package pushbelt-paper` compares the ring models of the paper.
 
 mod cycle;
 mod errors;
@@ -20,7 +20,6 @@ mod loads;
 mod picture;
 mod proposals;
 mod real_time;
-mod rings;
 mod tracked;
 
 use std::hint::black_box;
@@ -64,9 +63,6 @@ struct Options {
     /// Errors against finer meshes and a tighter tolerance; with --loads those under loads, too
     #[arg(long)]
     errors: bool,
-    /// The overlay along the reference curve and across it, too
-    #[arg(long)]
-    directions: bool,
     /// 1800 s of driving
     #[arg(long)]
     cycle: bool,
@@ -85,9 +81,6 @@ struct Options {
     /// How long each of these loads is run, s
     #[arg(long, default_value_t = 20.0)]
     seconds: f64,
-    /// The ring models beside each other
-    #[arg(long)]
-    rings: bool,
     /// What separate integration of reference and overlay, and an overlay of few modes, would take
     #[arg(long)]
     proposals: bool,
@@ -121,9 +114,6 @@ fn main() {
     let costs = manoeuvres(&mut table, &trace, &options);
     steady_states(&mut table, &options);
     let growth = pieces_and_memory(&mut table, &trace);
-    if options.directions {
-        reference_directions(&mut table, &trace);
-    }
     if options.cycle {
         cycle::rides(&mut table);
     }
@@ -135,9 +125,6 @@ fn main() {
     }
     if options.real_time {
         real_time::measure(&mut table, &options.only, options.effort, options.seconds);
-    }
-    if options.rings {
-        rings::measure(&mut table);
     }
     if options.proposals {
         proposals::measure(&mut table, &trace);
@@ -305,18 +292,6 @@ fn manoeuvre_row(table: &mut Table, name: &str, trace: &[Inputs], time: f64, cou
         format!("{time:.2} s, {:.1} x real time, {}", span / time, text(counts)),
         json!({"seconds": time, "real_time_factor": span / time, "counts": numbers(counts)}),
     );
-}
-
-/// What it costs to count the overlay in directions that turn with the reference curve.
-fn reference_directions(table: &mut Table, trace: &[Inputs]) {
-    const NAME: &str = "Ale, A_i = [t, n]";
-    let parameters = || Parameters {
-        reference_directions: true,
-        ..variator(RingModel::Ale)
-    };
-    let (time, counts) = manoeuvre(parameters(), trace, |advance| advance());
-    manoeuvre_row(table, NAME, trace, time, &counts);
-    pieces_row(table, NAME, &pieces(parameters(), 1));
 }
 
 fn pieces_row(table: &mut Table, name: &str, pieces: &Pieces) {

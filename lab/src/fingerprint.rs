@@ -130,7 +130,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// The report that the program's arguments ask for: none, `--write FILE` or `--compare FILE`.
+    /// The report according to the program's arguments: none, `--write FILE` or `--compare FILE`.
     ///
     /// # Errors
     /// Other arguments, or a file that can't be read.
@@ -146,7 +146,7 @@ impl Report {
         Ok(report)
     }
 
-    /// Writes the figures if the arguments ask for it.
+    /// Writes the figures if the arguments say so.
     ///
     /// # Errors
     /// The file can't be written.

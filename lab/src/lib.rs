@@ -2,6 +2,8 @@
 
 mod c_functions;
 pub mod checks;
+pub mod curves;
+pub mod disturbed;
 pub mod fingerprint;
 pub mod inside;
 pub mod laws;

@@ -38,7 +38,7 @@ impl LoadCase {
             .map(|(name, theta)| Self::new(parameters, name, theta, torque))
     }
 
-    /// What the steady solver is asked for.
+    /// The task of the steady solver.
     pub fn task(&self) -> SteadyTask {
         SteadyTask {
             shaft: pair(ShaftMode::Transmit(self.torque), ShaftMode::Fixed),

@@ -142,7 +142,7 @@ impl Driven {
             variator.initialise(0.0, &start).expect("a start");
             variator
         };
-        // The start holds the ratio. A run begins with the force that the belt wants there: another would be a jump.
+        // The start holds the ratio. A run begins with the force that holds the belt there: another would be a jump.
         let primary = started(clamping).outputs().primary.axial_force;
         let variator = started(primary);
         Self {

@@ -1,10 +1,13 @@
-//! Runs that keep the books of energy and of the element amount.
+//! Runs with the energy balance and the balance of the element amount.
 
+use std::sync::Arc;
+
+use pushbelt::variator::belt_ring::BeltRing;
 use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::Parameters;
 use pushbelt::variator::settings::{Inputs, Outputs};
 
-/// A run that keeps its books: energy and element amount at every output point.
+/// A run with the balances of energy and element amount at every output point.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The variator.
@@ -15,7 +18,7 @@ pub struct Run {
     pub residual: f64,
     /// Largest relative change of the element amount.
     pub amount_change: f64,
-    /// What the variator said.
+    /// Messages of the variator.
     pub messages: Vec<Message>,
     largest_energy: f64,
     amount: f64,
@@ -24,7 +27,13 @@ pub struct Run {
 impl Run {
     /// Initialises.
     pub fn new(parameters: Parameters, inputs: Inputs) -> Self {
-        let mut variator = Variator::new(parameters).expect("valid parameters");
+        let ring = parameters.ring_of_model();
+        Self::with_ring(parameters, ring, inputs)
+    }
+
+    /// Initialises with a ring other than that of the parameters.
+    pub fn with_ring(parameters: Parameters, ring: Arc<dyn BeltRing>, inputs: Inputs) -> Self {
+        let mut variator = Variator::with_ring(parameters, ring).expect("valid parameters");
         variator.initialise(0.0, &inputs).expect("a state to start from");
         let mut run = Self {
             amount: amount(&variator),
@@ -35,11 +44,11 @@ impl Run {
             messages: Vec::new(),
             largest_energy: 0.0,
         };
-        run.look();
+        run.record();
         run
     }
 
-    fn look(&mut self) {
+    fn record(&mut self) {
         let moved = self.variator.ledger().moved;
         let time = self.variator.time();
         let o = self.variator.outputs();
@@ -67,8 +76,8 @@ impl Run {
         let steps = (span / step).round().max(1.0) as u32;
         for k in 1..=steps {
             let to = from + span * f64::from(k) / f64::from(steps);
-            self.variator.advance(to, &self.inputs).expect("the run goes on");
-            self.look();
+            self.variator.advance(to, &self.inputs).expect("a step");
+            self.record();
             see(to, self.variator.outputs());
         }
     }
@@ -89,8 +98,8 @@ impl Run {
             let at = |k: u32| span * f64::from(k) / f64::from(steps);
             self.variator
                 .advance_along(from + at(k + 1), &after(at(k)), rates)
-                .expect("the run goes on");
-            self.look();
+                .expect("a step");
+            self.record();
         }
         self.inputs = after(span);
     }
@@ -101,13 +110,13 @@ impl Run {
     }
 
     /// Whether a message contains `text`, be it a warning or a remark.
-    pub fn told(&self, text: &str) -> bool {
+    pub fn reported(&self, text: &str) -> bool {
         self.messages.iter().any(|m| m.text.contains(text))
     }
 
-    /// The books of energy and of the element amount, at every output point so far.
+    /// The balances of energy and of the element amount, at every output point so far.
     #[track_caller]
-    pub fn assert_books(&self) {
+    pub fn assert_balances(&self) {
         self.assert_amount();
         assert!(
             self.residual <= 1.0,

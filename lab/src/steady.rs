@@ -1,8 +1,11 @@
 //! Steady states, with the fields along the belt.
 
+use std::sync::Arc;
+
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
+use pushbelt::variator::belt_ring::BeltRing;
 use pushbelt::variator::cell::sample::Sample;
 use pushbelt::variator::settings::{Outputs, Parameters};
 use pushbelt::variator::steady::solve::{SteadyTask, solve};
@@ -84,8 +87,19 @@ impl Steady {
 
 /// The steady state of a task. `speeds` are those of the shafts, rad/s; a speed that the task leaves free is a first guess.
 pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>) -> Steady {
+    steady_with(parameters, parameters.ring_of_model(), task, speeds)
+}
+
+/// [`steady`] with a ring other than that of the parameters.
+pub fn steady_with(
+    parameters: &Parameters,
+    ring: Arc<dyn BeltRing>,
+    task: &SteadyTask,
+    speeds: PerPulley<f64>,
+) -> Steady {
     parameters.validate().expect("valid parameters");
-    let mut system = VariatorSystem::new(parameters);
+    ring.check(parameters).expect("parameters that fit the ring");
+    let mut system = VariatorSystem::with_ring(parameters, ring);
     let start = Start {
         ratio: task.ratio,
         primary_speed: speeds.primary,
@@ -113,5 +127,10 @@ pub fn steady(parameters: &Parameters, task: &SteadyTask, speeds: PerPulley<f64>
 
 /// The steady state of a load case.
 pub fn load_case(parameters: &Parameters, case: &LoadCase) -> Steady {
-    steady(parameters, &case.task(), speeds(ratio(case.theta), SPEED))
+    load_case_with(parameters, parameters.ring_of_model(), case)
+}
+
+/// [`load_case`] with a ring other than that of the parameters.
+pub fn load_case_with(parameters: &Parameters, ring: Arc<dyn BeltRing>, case: &LoadCase) -> Steady {
+    steady_with(parameters, ring, &case.task(), speeds(ratio(case.theta), SPEED))
 }

@@ -51,8 +51,8 @@ pub fn rigid(mut parameters: Parameters) -> Parameters {
     parameters
 }
 
-/// The belt alone: shafts without drag, layers of the ring without friction, Coulomb friction on the sheaves. For claims of theories that
-/// know no other.
+/// The belt alone: shafts without drag, layers of the ring without friction, Coulomb friction on the sheaves. For claims of theories
+/// that have no other losses.
 pub fn belt_alone(mut parameters: Parameters) -> Parameters {
     parameters.primary.drag = ShaftDrag::NONE;
     parameters.secondary.drag = ShaftDrag::NONE;

@@ -9,12 +9,10 @@
 
 mod curve;
 mod displaced;
-mod drive;
 mod jet;
 mod two_pulley;
 
 pub use curve::{ReferenceCurve, ReferencePoint, TangentAngle};
 pub use displaced::{COORDINATES, Displaced, DisplacedCurve, DisplacedFrame, DisplacedPoint, Path, PointSlopes};
-pub use drive::{Drive, DriveError, DriveFrame, Pulley, Tensioner};
 pub use jet::Jet;
 pub use two_pulley::{GeometryError, TwoPulley, TwoPulleyFrame, TwoPulleyShape, ratio_of_theta};

@@ -8,10 +8,10 @@ use crate::solver::arrow::{Arrow, Shape};
 use crate::solver::sdirk::Geometry;
 use crate::solver::{System, View};
 use crate::tape::Tape;
-use crate::variator::assembly::equations::{Assembly, InForce};
-use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
+use crate::variator::belt::equations::{Assembly, InForce};
+use crate::variator::belt::ring::BeltRing;
+use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
-use crate::variator::belt_ring::BeltRing;
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
@@ -118,7 +118,8 @@ impl VariatorSystem {
     }
 
     /// The Jacobian, with derivatives as in [`Assembly::jacobian`].
-    pub(crate) fn form_jacobian(
+    #[doc(hidden)]
+    pub fn form_jacobian(
         &mut self,
         geometry: Option<Geometry>,
         time: f64,
@@ -204,13 +205,6 @@ impl VariatorSystem {
             (plane.side, plane.middle) = (-plane.side, -plane.middle);
         }
         Self::with_belt(parameters, belt)
-    }
-
-    /// Largest difference between derivatives by hand and by forward differentiation.
-    pub(crate) fn worst_derivative(&self, view: View<'_>, alpha: f64) -> f64 {
-        let friction = &self.friction();
-        let belt = &*self.belt;
-        self.assembly.worst_derivative(InForce { belt, friction }, view, alpha)
     }
 }
 

@@ -150,8 +150,8 @@ fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
 }
 
 #[test]
-fn what_is_not_offered_says_so() {
-    let importer = Importer::running(c"not offered");
+fn what_is_not_supported_is_refused() {
+    let importer = Importer::running(c"not supported");
     let c = importer.c;
     let says = |status, flag: &str| {
         assert_eq!(status, Error);

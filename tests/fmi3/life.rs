@@ -147,7 +147,7 @@ fn a_run_goes_through_its_states() {
 }
 
 #[test]
-fn what_is_not_offered_says_so() {
+fn what_is_not_supported_is_refused() {
     let importer = Importer::running(Handles::default());
     let c = importer.c;
     let (mut flag, mut number, mut count) = (0, 0.0, 0);
@@ -199,7 +199,7 @@ fn what_is_not_offered_says_so() {
     let messages = importer.heard.messages.borrow();
     let said: Vec<_> = messages
         .iter()
-        .filter(|(_, _, text)| text.contains("not offered"))
+        .filter(|(_, _, text)| text.contains("not supported"))
         .collect();
     assert_eq!(said.len(), refused.len());
     for ((status, words), (_, category, text)) in refused.iter().zip(said) {

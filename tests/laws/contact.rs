@@ -92,7 +92,7 @@ fn axial(penetration: f64) -> f64 {
     force([penetration, 0.0, 0.0, 0.0]).normal * cos_beta()
 }
 
-/// The flank presses with −∂E/∂g on its sheave's way: E by num-dual.
+/// The axial force of the flank on its sheave is −∂E/∂g: E by num-dual.
 fn assert_force_is_the_slope_of_the_energy(penetration: f64) {
     let energy = energy_density(&contact(), cos_beta(), Dual64::from_re(penetration).derivative());
     let found = axial(penetration);

@@ -1,8 +1,9 @@
-//! The laws of contact, chain, ring and end stops, each regime in a test of its own: derivatives against differences,
+//! The laws of contact, chain, ring and end stops and the reference curve, each regime in a test of its own: derivatives against differences,
 //! forces against the energy that they come from, signs of what is lost.
 
 mod chain;
 mod contact;
+mod curve;
 mod ring;
 mod stops;
 

@@ -15,7 +15,7 @@ fn force(z: f64) -> f64 {
     TRAVEL.stop_force(z, 0.0).force
 }
 
-/// 20 µm beyond a stop: stiffness by way, towards the middle.
+/// 20 µm beyond a stop: stiffness times penetration, towards the middle.
 #[test]
 fn the_closing_stop_pushes_open() {
     let expected = -STOP_STIFFNESS * 20e-6;

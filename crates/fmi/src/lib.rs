@@ -22,6 +22,8 @@
 //! There are no globals and no threads; every instance owns all its data.
 
 #![warn(missing_docs)]
+// The program of the README is a test.
+#![cfg_attr(doctest, doc = include_str!("../README.md"))]
 
 #[forbid(unsafe_code)]
 mod bytes;
@@ -53,6 +55,13 @@ pub mod table;
 pub mod unit;
 #[forbid(unsafe_code)]
 mod xml;
+
+/// What the file of a unit imports.
+pub mod prelude {
+    pub use crate::table::{Access, Causality, Range, Table, UnitDefinition, Variable};
+    pub use crate::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure};
+    pub use crate::{Tape, Unit, setting};
+}
 
 pub use fmi2::{guid, model_description};
 pub use pushbelt_tape::Tape;

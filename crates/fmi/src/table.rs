@@ -13,6 +13,18 @@ pub struct UnitDefinition {
     pub display: &'static [(&'static str, f64)],
 }
 
+impl UnitDefinition {
+    /// A unit without display units.
+    #[must_use]
+    pub const fn new(name: &'static str, exponents: &'static [(&'static str, i32)]) -> Self {
+        Self {
+            name,
+            exponents,
+            display: &[],
+        }
+    }
+}
+
 /// One value of an enumeration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
@@ -74,6 +86,17 @@ pub enum Access<S, R, T> {
     Element(fn(&R, usize) -> T, usize),
 }
 
+/// Access to a field of the settings, by its name.
+#[macro_export]
+macro_rules! setting {
+    ($($field:ident).+) => {
+        $crate::table::Access::Setting {
+            get: |settings| settings.$($field).+,
+            set: |settings, value| settings.$($field).+ = value,
+        }
+    };
+}
+
 impl<S, R, T> Access<S, R, T> {
     /// The value; `None` for a reading without readings.
     fn read(&self, settings: &S, readings: Option<&R>) -> Option<T> {
@@ -101,6 +124,16 @@ pub struct Range {
     pub max: Option<f64>,
     /// Typical size, for scaling.
     pub nominal: Option<f64>,
+}
+
+/// Values from a number on.
+impl From<f64> for Range {
+    fn from(min: f64) -> Self {
+        Self {
+            min: Some(min),
+            ..Self::default()
+        }
+    }
 }
 
 impl Range {

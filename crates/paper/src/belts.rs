@@ -102,7 +102,7 @@ impl<const D: usize> BeltRing for Rotated<D> {
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {
-        eulerian_equations::<RotatingRing<D>, D, TwoPulley>(belt)
+        eulerian_equations::<RotatingRing<D>, D, TwoPulley>(RotatingRing, belt)
     }
 
     fn directions(&self, belt: &Belt, frame: &TwoPulleyFrame<f64>, node: usize) -> Option<[Vector2<f64>; 2]> {

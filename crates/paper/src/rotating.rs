@@ -97,6 +97,7 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for RotatingRing<D> {
 
     #[inline(always)]
     fn ring<'a, T: Real>(
+        &self,
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         (frame, segment): (&'a C::Frame<T>, usize),

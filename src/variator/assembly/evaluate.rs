@@ -3,11 +3,11 @@
 use crate::reference_curve::Jet;
 use crate::scalar::{Lanes, Real};
 use crate::solver::View;
-use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
 use crate::variator::belt::Belt;
+use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance;
 use crate::variator::cell::observer::{Observer, Sampler};
 use crate::variator::cell::sample::Sample;
@@ -25,16 +25,16 @@ pub(crate) fn frame<C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes
 #[inline(never)]
 pub(crate) fn sampled_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    pack: &Pack,
+    of: (&K, &Pack),
     frame: &C::Frame<Lanes>,
     unknowns: &impl ReadUnknowns<Lanes>,
     record: &mut dyn FnMut(Sample<Lanes>),
 ) {
     let seed = |value, _, _| value;
-    pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, [0.0; 2], seed, &mut Sampler(record));
+    pack_balance::<_, _, K, D, C>(acting, of, frame, unknowns, [0.0; 2], seed, &mut Sampler(record));
 }
 
-/// The balance of a pack of cells; `seed` makes a scalar of a value, its direction and its slope.
+/// The balance of a pack of cells with this kind of ring; `seed` makes a scalar of a value, its direction and its slope.
 #[inline(always)]
 pub(crate) fn pack_balance<
     T: Real<Constant = Lanes>,
@@ -44,7 +44,7 @@ pub(crate) fn pack_balance<
     C: MeshCurve,
 >(
     InForce { belt, friction }: InForce<'_>,
-    pack: &Pack,
+    (kind, pack): (&K, &Pack),
     frame: &C::Frame<T>,
     unknowns: &impl ReadUnknowns<Lanes>,
     slopes: [f64; 2],
@@ -55,7 +55,7 @@ pub(crate) fn pack_balance<
     let place = pack.place::<T, C>(&belt.law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
-    let mut ring = K::ring::<T>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
+    let mut ring = kind.ring::<T>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
     let given = CellInput {
         law: &belt.law,
         friction,

@@ -5,7 +5,6 @@ use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
 use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::{Lanes, Real, Tangent};
-use crate::variator::assembly::equations::InForce;
 use crate::variator::assembly::evaluate::pack_balance;
 use crate::variator::assembly::jacobian_cache::{JacobianCache, ReusePolicy, Update};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
@@ -13,6 +12,7 @@ use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::pack::Pack;
 use crate::variator::assembly::regime::{Regime, RegimeObserver, Units};
 use crate::variator::assembly::unknowns::{ReadUnknowns, Unknowns, motion, rows};
+use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance_in;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS};
 use crate::variator::cell::laws::{ArgumentRecorder, Arguments};
@@ -24,7 +24,6 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{CellRing, VaryingRing};
 use num_traits::Zero;
 use std::cell::OnceCell;
-use std::marker::PhantomData;
 
 /// Directions differentiated in one pass over a pack of cells.
 const PASS: usize = 2;
@@ -48,6 +47,7 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
     /// The balance of a pack at `unknowns`. Evaluates the derivatives that `policy` does not reuse from the `cache`, by hand
     /// if the ring has such derivatives. Returns what was evaluated.
     fn update(
+        &self,
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
@@ -76,6 +76,7 @@ impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
     frames_along!(COORDINATES);
 
     fn update(
+        &self,
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
@@ -83,7 +84,7 @@ impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
         policy: ReusePolicy,
         cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, Update) {
-        by_hand::<Self, 2, C, COORDINATES>(acting, pack, frames, at, policy, cache)
+        by_hand::<Self, 2, C, COORDINATES>(acting, (self, pack), frames, at, policy, cache)
     }
 }
 
@@ -91,6 +92,7 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
     frames_along!(1);
 
     fn update(
+        &self,
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
@@ -98,13 +100,13 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
         policy: ReusePolicy,
         cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
     ) -> (CellBalance<Lanes>, Update) {
-        by_hand::<Self, D, C, 1>(acting, pack, frames, at, policy, cache)
+        by_hand::<Self, D, C, 1>(acting, (self, pack), frames, at, policy, cache)
     }
 }
 
 /// A ring of kind `K`, whose cells are differentiated by forward differentiation alone.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Forward<K>(PhantomData<K>);
+pub(crate) struct Forward<K>(pub K);
 
 impl<K: Directions> Directions for Forward<K> {
     const NODES: usize = K::NODES;
@@ -117,6 +119,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> RingKind<D, C> for Forward
 
     #[inline(always)]
     fn ring<'a, T: Real>(
+        &self,
         ring: &'a Ring,
         at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
@@ -124,7 +127,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> RingKind<D, C> for Forward
         slopes: [f64; 2],
         seed: impl Fn(T::Constant, usize, f64) -> T,
     ) -> Self::Ring<'a, T> {
-        K::ring(ring, at, curve, unknowns, slopes, seed)
+        self.0.ring(ring, at, curve, unknowns, slopes, seed)
     }
 }
 
@@ -136,6 +139,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
     }
 
     fn update(
+        &self,
         acting: InForce<'_>,
         pack: &Pack,
         frames: &Self::Frames,
@@ -150,15 +154,22 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
             regime: &mut regime,
         };
         let plain = |value, _, _| value;
-        let (b, _) =
-            pack_balance::<_, _, Self, D, C>(acting, pack, &frames.plain, unknowns, slopes, plain, &mut observer);
+        let (b, _) = pack_balance::<_, _, Self, D, C>(
+            acting,
+            (self, pack),
+            &frames.plain,
+            unknowns,
+            slopes,
+            plain,
+            &mut observer,
+        );
         let place = pack.place::<Lanes, C>(&acting.belt.law, &frames.plain);
         let units = units(acting, &place, slopes[0]);
-        let with_tangents = cache.0.update::<Self>(policy, (&regime, &units), at, place.length.v);
-        if with_tangents == Update::All {
-            forward::<Self, D, C>(acting, pack, &frames.shape, at, cache);
+        let update = cache.0.update::<Self>(policy, (&regime, &units), at, place.length.v);
+        if update == Update::All {
+            forward::<Self, D, C>(acting, (self, pack), &frames.shape, at, cache);
         }
-        (b, with_tangents)
+        (b, update)
     }
 }
 
@@ -166,7 +177,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
 #[inline(never)]
 fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     acting: InForce<'_>,
-    pack: &Pack,
+    (kind, pack): (&K, &Pack),
     frames: &Frames<C, N>,
     at: (&Unknowns<Lanes>, [f64; 2]),
     policy: ReusePolicy,
@@ -181,7 +192,7 @@ where
     let place = pack.place::<Lanes, C>(&belt.law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let on_curve = (frame, pack.segment);
-    let mut ring = K::ring::<Lanes>(
+    let mut ring = kind.ring::<Lanes>(
         &belt.law.ring,
         (&place, &motion.reference),
         on_curve,
@@ -227,8 +238,7 @@ where
     }
     let mut arguments = Arguments::zero();
     let recorder = &mut ArgumentRecorder(&mut arguments);
-    let (rows, transport) =
-        pack_pass::<N, K, D, C>(acting, pack, frames.moving(), (unknowns, slopes), K::THETA, recorder);
+    let (rows, transport) = pack_pass::<N, K, D, C>(acting, (kind, pack), frames.moving(), at, K::THETA, recorder);
     for i in 0..N {
         columns.record::<K>(
             K::THETA + i,
@@ -266,7 +276,7 @@ impl<const D: usize> Observer<Lanes, D> for ForceRecorder<'_, D> {
 /// Differentiates a pack by forward differentiation alone.
 fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    pack: &Pack,
+    (kind, pack): (&K, &Pack),
     shape: &C::Shape,
     (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
     (cache, transports): (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
@@ -275,7 +285,7 @@ fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     for first in (0..K::COUNT).step_by(PASS) {
         let frame = C::mesh_frame(shape, |k| moving((K::THETA + k).wrapping_sub(first), slopes));
         let at = (unknowns, slopes);
-        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, pack, &frame, at, first, &mut NoObserver);
+        let (rows, transport) = pack_pass::<PASS, K, D, C>(acting, (kind, pack), &frame, at, first, &mut NoObserver);
         for (i, k) in (first..K::COUNT.min(first + PASS)).enumerate() {
             columns.record::<K>(k, &rows.map(|row| row.eps[i]), &transport.map(|of| of.eps[i]));
         }
@@ -286,14 +296,14 @@ fn forward<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
 #[inline(never)]
 fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    pack: &Pack,
+    of: (&K, &Pack),
     frame: &C::Frame<Tangent<N>>,
     (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
     first: usize,
     observer: &mut impl Observer<Tangent<N>, D>,
 ) -> ([Tangent<N>; MOST_ROWS], Transport<Tangent<N>>) {
     let seed = |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
-    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, pack, frame, unknowns, slopes, seed, observer);
+    let (b, ring) = pack_balance::<_, _, K, D, C>(acting, of, frame, unknowns, slopes, seed, observer);
     (rows::<_, K, D>(&b, &ring), b.transport)
 }
 
@@ -301,7 +311,7 @@ fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
 /// entry of its column, and of all figures of the transport (at least 1e-6: they are of the order of 1).
 pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
-    pack: &Pack,
+    (kind, pack): (&K, &Pack),
     frames: &K::Frames,
     at: (&Unknowns<Lanes>, [f64; 2]),
     cache: &JacobianCache,
@@ -314,8 +324,14 @@ pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve
     let mut transports = [transports.to_vec(), transports.to_vec()];
     cache[0].forget();
     let of_hand = (&mut cache[0], &mut transports[0][..]);
-    K::update(acting, pack, frames, at, ReusePolicy::None, of_hand);
-    forward::<K, D, C>(acting, pack, K::shape(frames), at, (&mut cache[1], &mut transports[1]));
+    kind.update(acting, pack, frames, at, ReusePolicy::None, of_hand);
+    forward::<K, D, C>(
+        acting,
+        (kind, pack),
+        K::shape(frames),
+        at,
+        (&mut cache[1], &mut transports[1]),
+    );
     for lane in 0..pack.group.used {
         let [hand, forward] = cache.each_ref().map(|cache| {
             let entry = |row: usize, column: usize| cache.block[row * count + column].to_array()[lane];

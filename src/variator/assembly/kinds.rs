@@ -75,7 +75,8 @@ impl MeshCurve for Displaced {
     }
 }
 
-/// A ring whose mesh stands still, in D components, on the curve `C`.
+/// A ring whose mesh stands still, in D components, on the curve `C`. A value of it holds what the ring has beside the
+/// parameters of the beam.
 pub trait RingKind<const D: usize, C: MeshCurve>: Directions {
     /// The ring inside a cell.
     type Ring<'a, T: Real>: EulerianRing<T, D>;
@@ -83,6 +84,7 @@ pub trait RingKind<const D: usize, C: MeshCurve>: Directions {
     /// The ring between two nodes of a cell `at` a place under a reference motion, from the cell's `unknowns`; `seed` makes
     /// a scalar of a value, its direction and its slope. `curve` gives frame and segment of the reference curve there.
     fn ring<'a, T: Real>(
+        &self,
         ring: &'a Ring,
         at: (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
@@ -97,6 +99,7 @@ impl<C: MeshCurve + DisplacedCurve> RingKind<2, C> for GuidedRing {
 
     #[inline(always)]
     fn ring<'a, T: Real>(
+        &self,
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         curve: (&'a C::Frame<T>, usize),
@@ -113,6 +116,7 @@ impl<const D: usize, C: MeshCurve> RingKind<D, C> for DeflectingRing<D> {
 
     #[inline(always)]
     fn ring<'a, T: Real>(
+        &self,
         ring: &'a Ring,
         (place, motion): (&'a Place<'a, T>, &'a ReferenceMotion<T>),
         _: (&'a C::Frame<T>, usize),

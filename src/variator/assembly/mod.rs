@@ -1,6 +1,5 @@
 //! From unknowns to equations: cells in packs, their balance and its derivatives added up.
 
-pub(crate) mod equations;
 mod evaluate;
 mod global_slopes;
 pub(crate) mod jacobian;
@@ -10,6 +9,5 @@ mod law_part;
 mod pack;
 pub(crate) mod packed;
 mod regime;
-pub(crate) mod sums;
 pub(crate) mod transports;
 pub(crate) mod unknowns;

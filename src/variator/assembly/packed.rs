@@ -8,7 +8,6 @@ use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::solver::sdirk::Geometry;
 use crate::tape::Tape;
-use crate::variator::assembly::equations::{Assembly, InForce};
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
 use crate::variator::assembly::jacobian::worst_of_pack;
@@ -17,10 +16,11 @@ use crate::variator::assembly::jacobian_cache::{JacobianCache, ReusePolicy, Upda
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
-use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::assembly::transports::Transports;
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
 use crate::variator::belt::Belt;
+use crate::variator::belt::equations::{Assembly, InForce};
+use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
 use crate::variator::cell::observer::NoObserver;
 use crate::variator::cell::sample::Sample;
@@ -44,12 +44,13 @@ pub(crate) struct PackedCells<K, const D: usize, C> {
     unknowns: Box<Unknowns<Lanes>>,
     globals: GlobalSlopes,
     work: LawWork,
-    kind: PhantomData<(K, C)>,
+    kind: K,
+    curve: PhantomData<C>,
 }
 
 impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> {
     /// The cells of a belt.
-    pub fn new(belt: &Belt) -> Self {
+    pub fn new(kind: K, belt: &Belt) -> Self {
         let cells = belt.mesh.cells.len();
         let packs = packs::<K>(belt);
         Self {
@@ -62,8 +63,20 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
             unknowns: Box::new(Unknowns::zero()),
             globals: GlobalSlopes::new::<K>(),
             work: LawWork::new::<K>(),
-            kind: PhantomData,
+            kind,
+            curve: PhantomData,
         }
+    }
+
+    fn derivative_error(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
+        let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
+        let of_pack = |(pack, cache): (&Pack, &JacobianCache)| {
+            let mut unknowns = Unknowns::zero();
+            InPlace { pack, view }.gather::<K>(&mut unknowns);
+            let at = (&unknowns, [alpha, 1.0 / alpha]);
+            worst_of_pack::<K, D, C>(acting, (&self.kind, pack), &frames, at, cache, &self.transport_slopes)
+        };
+        self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
     }
 
     /// Adds the derivatives of the balance of the amounts: fluxes through the left faces, which no pulley moves.
@@ -101,7 +114,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         for pack in &self.packs {
             let (b, ring) = pack_balance::<_, _, K, D, C>(
                 acting,
-                pack,
+                (&self.kind, pack),
                 &frame,
                 &InPlace { pack, view },
                 [0.0; 2],
@@ -151,7 +164,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
             InPlace { pack, view }.gather::<K>(&mut self.unknowns);
             let of_pack = (&mut *cache, &mut *self.transport_slopes);
             let at = (&*self.unknowns, slopes);
-            let (b, update) = K::update(acting, pack, &frames, at, policy(number), of_pack);
+            let (b, update) = self.kind.update(acting, pack, &frames, at, policy(number), of_pack);
             for (count, of) in self.differentiations.iter_mut().zip([Update::All, Update::Tangents]) {
                 *count += u64::from(update == of);
             }
@@ -177,9 +190,15 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         let frame = frame::<C>(acting.belt, view);
         let mut places = out.iter_mut();
         for pack in &self.packs {
-            sampled_balance::<K, D, C>(acting, pack, &frame, &InPlace { pack, view }, &mut |sample| {
-                *places.next().expect("a place for each station") = sample;
-            });
+            sampled_balance::<K, D, C>(
+                acting,
+                (&self.kind, pack),
+                &frame,
+                &InPlace { pack, view },
+                &mut |sample| {
+                    *places.next().expect("a place for each station") = sample;
+                },
+            );
         }
     }
 
@@ -196,7 +215,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
                     let frames = K::frames(&acting.belt.curve, &path::<K>(&origin.unknowns), origin.slopes);
                     let at = (&origin.unknowns, origin.slopes);
                     let of_pack = (&mut *cache, &mut *self.transport_slopes);
-                    K::update(acting, pack, &frames, at, policy, of_pack);
+                    self.kind.update(acting, pack, &frames, at, policy, of_pack);
                 }
             }
         }
@@ -211,36 +230,44 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     fn differentiations(&self) -> [u64; 2] {
         self.differentiations
     }
-
-    fn worst_derivative(&self, acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
-        let frames = K::frames(&acting.belt.curve, &acting.belt.path(view), [alpha, 1.0 / alpha]);
-        let of_pack = |(pack, cache): (&Pack, &JacobianCache)| {
-            let mut unknowns = Unknowns::zero();
-            InPlace { pack, view }.gather::<K>(&mut unknowns);
-            let at = (&unknowns, [alpha, 1.0 / alpha]);
-            worst_of_pack::<K, D, C>(acting, pack, &frames, at, cache, &self.transport_slopes)
-        };
-        self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
-    }
 }
 
 /// Equations of a belt whose ring keeps to the curve `C` (`ALE0`).
 #[must_use]
 pub fn guided_equations<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<GuidedRing, 2, C>::new(belt))
+    Box::new(PackedCells::<GuidedRing, 2, C>::new(GuidedRing, belt))
 }
 
 /// Equations of a belt whose ring deflects from the curve `C` in D components (`ALE`).
 #[must_use]
 pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(belt))
+    Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(DeflectingRing, belt))
 }
 
-/// Equations of a belt with a ring of kind `K` in D components, whose mesh lies on the curve `C`. Their derivatives come
+/// Equations of a belt with a ring of this kind in D components, whose mesh lies on the curve `C`. Their derivatives come
 /// from forward differentiation of the ring's functions.
 #[must_use]
-pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dyn Assembly> {
-    Box::new(PackedCells::<Forward<K>, D, C>::new(belt))
+pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
+    Box::new(PackedCells::<Forward<K>, D, C>::new(Forward(kind), belt))
+}
+
+/// Largest difference, in a state, between the derivatives of [`guided_equations`] by hand and by forward differentiation, as
+/// a share of the largest entry of its column.
+#[doc(hidden)]
+#[must_use]
+pub fn guided_derivative_error<C: MeshCurve + DisplacedCurve>(acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
+    PackedCells::<_, 2, C>::new(GuidedRing, acting.belt).derivative_error(acting, view, alpha)
+}
+
+/// The same of [`deflecting_equations`].
+#[doc(hidden)]
+#[must_use]
+pub fn deflecting_derivative_error<const D: usize, C: MeshCurve>(
+    acting: InForce<'_>,
+    view: View<'_>,
+    alpha: f64,
+) -> f64 {
+    PackedCells::<_, D, C>::new(DeflectingRing::<D>, acting.belt).derivative_error(acting, view, alpha)
 }
 
 /// Adds the loads of a pack on the pulleys.

@@ -15,17 +15,24 @@ use nalgebra::{SVector, Vector2};
 /// Arguments of the cell law: constants, friction, place and motion.
 #[derive(Debug)]
 pub struct CellInput<'a, T: Real> {
+    /// Constants of the laws.
     pub law: &'a CellLaw,
+    /// Friction in force.
     pub friction: &'a Friction,
+    /// Place of the cell on the belt.
     pub place: &'a Place<'a, T>,
+    /// State of the cell, the ring aside.
     pub motion: &'a CellMotion<T>,
 }
 
 /// Ring and chain at a station, and the length dξ that it stands for, m.
 #[derive(Clone, Copy, Debug)]
 pub struct Station<T: Real, const D: usize> {
+    /// The ring.
     pub ring: RingPoint<T, D>,
+    /// The push elements.
     pub chain: ChainPoint<T, D>,
+    /// dξ, m.
     pub weight: T,
 }
 

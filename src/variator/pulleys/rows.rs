@@ -10,7 +10,7 @@ use crate::scalar::Tangent;
 use crate::shaft::Drag;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
+use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::mesh::layout::Layout;
 use crate::variator::pulleys::loads::{Boundary, RATIO_STIFFNESS, ShaftMode, SheaveMode};

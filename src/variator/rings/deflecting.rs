@@ -20,7 +20,8 @@ pub struct Deflecting<'a, T: Real, const D: usize = 2> {
     pub element: ElementMotion<T, D>,
     /// Motion of the reference curve.
     pub motion: &'a ReferenceMotion<T>,
-    growth: T,
+    /// (∂l/∂Θ)/l, l the length of the element.
+    pub growth: T,
     /// Sum of the loads that were applied.
     pub sum: ElementLoad<T, D>,
 }

@@ -1,6 +1,5 @@
-//! What a cell asks of its ring, and the rings that keep to the reference curve or deflect from it.
+//! The ring inside a cell: rings that keep to the reference curve, and rings that deflect from it.
 
 pub(crate) mod deflecting;
 pub(crate) mod guided;
 pub(crate) mod ring;
-pub(crate) mod standard;

@@ -5,7 +5,7 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::Settled;
 use crate::solver::newton::{Counts, Newton};
 use crate::solver::sdirk::Stalled;
-use crate::variator::belt_ring::BeltRing;
+use crate::variator::belt::ring::BeltRing;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::course::Held;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};

@@ -5,7 +5,7 @@ use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
-use crate::variator::belt_ring::BeltRing;
+use crate::variator::belt::ring::BeltRing;
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
 use crate::variator::run::course::Held;
 use crate::variator::run::pace::Pace;

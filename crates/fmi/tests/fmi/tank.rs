@@ -2,7 +2,7 @@
 
 use pushbelt_fmi::table::{Access, Array, Causality, Enumeration, Item, Kind, Range, Table, UnitDefinition, Variable};
 use pushbelt_fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure};
-use pushbelt_fmi::{Tape, Unit};
+use pushbelt_fmi::{Tape, Unit, setting};
 
 pub const START: u32 = 1;
 pub const GAIN: u32 = 2;
@@ -93,15 +93,6 @@ static SHAPES: Enumeration = Enumeration {
     ],
 };
 
-macro_rules! field {
-    ($name:ident) => {
-        Access::Setting {
-            get: |valves: &Valves| valves.$name,
-            set: |valves, value| valves.$name = value,
-        }
-    };
-}
-
 impl Unit for Tank {
     type Settings = Valves;
     type Readings = Gauges;
@@ -116,40 +107,42 @@ impl Unit for Tank {
     };
 
     fn table() -> Table<Valves, Gauges> {
-        let real = |reference, name, causality, access| {
+        let real = |reference, name, causality, access: Access<Valves, Gauges, f64>| {
             Variable::real(reference, name, "", causality, "1", access).within(Range {
                 min: Some(-1e3),
                 max: (causality == Causality::Tunable).then_some(10.0),
                 nominal: None,
             })
         };
-        let other = |reference, name: &str, causality, kind| Variable {
+        let other = |reference, name: &str, causality, kind: Kind<Valves, Gauges>| Variable {
             reference,
             name: name.into(),
             description: String::new(),
             causality,
             kind,
         };
-        let (floors, shape, locked) = (field!(floors), field!(shape), field!(locked));
         let range = Some((1, 9));
         let full = Access::Reading(|gauges: &Gauges| gauges.full);
         let mut variables = vec![
-            real(START, "start", Causality::Parameter, field!(start)),
-            real(GAIN, "gain", Causality::Tunable, field!(gain)),
-            real(INFLOW, "inflow", Causality::Input, field!(inflow)),
-            real(BRIM, "brim", Causality::Input, field!(brim)),
+            real(START, "start", Causality::Parameter, setting!(start)),
+            real(GAIN, "gain", Causality::Tunable, setting!(gain)),
+            real(INFLOW, "inflow", Causality::Input, setting!(inflow)),
+            real(BRIM, "brim", Causality::Input, setting!(brim)),
             real(
                 LEVEL,
                 "level",
                 Causality::Output,
                 Access::Reading(|gauges: &Gauges| gauges.level),
             ),
-            real(MARK, "mark", Causality::Input, field!(mark)),
+            real(MARK, "mark", Causality::Input, setting!(mark)),
             other(
                 FLOORS,
                 "floors",
                 Causality::Parameter,
-                Kind::Integer { range, access: floors },
+                Kind::Integer {
+                    range,
+                    access: setting!(floors),
+                },
             ),
             other(
                 SHAPE,
@@ -157,10 +150,17 @@ impl Unit for Tank {
                 Causality::Parameter,
                 Kind::Enumeration {
                     of: &SHAPES,
-                    access: shape,
+                    access: setting!(shape),
                 },
             ),
-            other(LOCKED, "locked", Causality::Parameter, Kind::Boolean { access: locked }),
+            other(
+                LOCKED,
+                "locked",
+                Causality::Parameter,
+                Kind::Boolean {
+                    access: setting!(locked),
+                },
+            ),
             other(FULL, "full", Causality::Output, Kind::Boolean { access: full }),
         ];
         variables.extend((0..DEPTHS).zip(DEPTH..).map(|(at, reference)| {

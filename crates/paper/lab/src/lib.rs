@@ -1,6 +1,7 @@
 //! The ring alone: specimens, ring models behind one trait, and measurements that both the tests and the report on the
-//! paper (`examples/paper_rings`) use.
+//! paper (`examples/paper_rings`) use. Beside them, rings for a variator.
 
+mod belts;
 mod cases;
 mod derivatives;
 mod motion;
@@ -9,6 +10,7 @@ mod reference_motion;
 mod specimens;
 mod swings;
 
+pub use belts::*;
 pub use cases::*;
 pub use derivatives::*;
 pub use motion::*;

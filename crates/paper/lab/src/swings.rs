@@ -55,7 +55,7 @@ pub struct Running {
 }
 
 /// A ring that runs on a circle carries EAγ = m_r ṡ²(1 + γ) and keeps its shape where stations see it. One turn; steps
-/// 0: as many as a tolerance of 1e-5 asks for.
+/// 0: as many as a tolerance of 1e-5 needs.
 pub fn running_ring<S: Case>(elements: usize, steps: usize) -> Running {
     let ring = band(0.185e-3);
     let radius = BAND_LENGTH / TAU;

@@ -1,17 +1,26 @@
 //! The overlay in directions that turn with the reference curve, A_i = [t, n, b]_ref in (10), instead of fixed ones:
 //! the same belt in other coordinates.
 
+use std::sync::Arc;
+
+use pushbelt::unit::Rings;
+use pushbelt::variator::belt_ring::{Ale, BeltRing};
 use pushbelt::variator::settings::{Drive, Parameters, RingModel};
 use pushbelt_lab::load_cases::LoadCase;
 use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::load_case;
+use pushbelt_lab::steady::load_case_with;
 use pushbelt_lab::variators::{inputs, variator};
+use pushbelt_paper::belts::Rotated;
+use pushbelt_paper::unit::PaperRings;
 
-fn turning(parameters: &Parameters) -> Parameters {
-    Parameters {
-        reference_directions: true,
-        ..parameters.clone()
-    }
+/// Fixed directions and those of the curve, in the plane.
+fn plane() -> [Arc<dyn BeltRing>; 2] {
+    [Arc::new(Ale::<2>), Arc::new(Rotated::<2>)]
+}
+
+/// The same in space.
+fn space() -> [Arc<dyn BeltRing>; 2] {
+    [Arc::new(Ale::<3>), Arc::new(Rotated::<3>)]
 }
 
 /// The two choices interpolate between nodes otherwise, so they differ by what a finer mesh changes, and less on it.
@@ -22,7 +31,7 @@ fn both_choices_find_the_same_steady_states() {
         let off = [1, 2].map(|refinement| {
             let mut fixed = parameters.clone();
             fixed.mesh = fixed.mesh.refined(refinement);
-            let [fixed, turning] = [fixed.clone(), turning(&fixed)].map(|parameters| load_case(&parameters, &case));
+            let [fixed, turning] = plane().map(|ring| load_case_with(&fixed, ring, &case));
             let (f, t) = (&fixed.outputs, &turning.outputs);
             let off = |of: fn(&pushbelt::variator::settings::Outputs) -> f64| of(t) / of(f) - 1.0;
             let off = [off(|o| o.thrust_ratio), off(|o| o.ring_tension_max), off(|o| o.efficiency)];
@@ -57,7 +66,7 @@ fn misaligned_pulleys_load_both_alike() {
     };
     parameters.geometry.pulley_offset = 5e-4;
     let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
-    let [f, t] = [parameters.clone(), turning(&parameters)].map(|parameters| load_case(&parameters, &case).outputs);
+    let [f, t] = space().map(|ring| load_case_with(&parameters, ring, &case).outputs);
     assert!(f.lateral_max > 1e-4);
     for (of, allowed) in [
         ((f.lateral_max, t.lateral_max), 1e-3),
@@ -69,24 +78,21 @@ fn misaligned_pulleys_load_both_alike() {
     }
 }
 
-/// In a shift the directions turn under the belt. Energy and elements are kept as in fixed ones.
+/// In a shift the directions turn under the belt. The balances of energy and elements hold as in fixed ones.
 #[test]
-fn a_shift_keeps_its_books() {
-    let [fixed, turned] = [false, true].map(|reference_directions| {
-        let mut parameters = Parameters {
-            reference_directions,
-            ..variator(RingModel::Ale)
-        };
+fn energy_balance_of_a_shift() {
+    let [fixed, turned] = plane().map(|ring| {
+        let mut parameters = variator(RingModel::Ale);
         parameters.primary.drive = Drive::Speed;
-        let mut run = Run::new(parameters, inputs((0.0, 13e3), (-49.0, 10e3)));
+        let name = format!("{ring:?}");
+        let mut run = Run::with_ring(parameters, ring, inputs((0.0, 13e3), (-49.0, 10e3)));
         run.inputs.primary.clamping_force = 1.2 * run.variator.outputs().primary.axial_force;
         let mut residual = 0.0_f64;
         run.watch(0.1, 1e-3, |_, o| residual = residual.max(o.energy_residual.abs()));
-        run.assert_amount();
-        run.assert_books();
+        run.assert_balances();
         let outputs = run.variator.outputs().clone();
         println!(
-            "turning {reference_directions}: ratio {:.5}, {residual:.2} J, {:?}",
+            "{name}: ratio {:.5}, {residual:.2} J, {:?}",
             outputs.ratio_geometric,
             run.variator.counts()
         );
@@ -100,17 +106,18 @@ fn a_shift_keeps_its_books() {
 /// They belong to the ring that deflects, on the mesh whose elements don't reach across an arc border.
 #[test]
 fn only_the_deflecting_ring_on_the_aligned_mesh_has_them() {
-    let mut even = turning(&variator(RingModel::Ale));
-    even.validate().expect("ALE on its own mesh");
-    even.mesh.aligned = false;
-    for refused in [
-        even,
-        turning(&variator(RingModel::Ale0)),
-        turning(&variator(RingModel::Rcm)),
-    ] {
-        assert_eq!(
-            refused.validate().expect_err("no such ring").variable,
-            "ring.referenceDirections"
-        );
+    let turning = PaperRings {
+        reference_directions: true,
+        ..PaperRings::default()
+    };
+    turning.check().expect("ALE on its own mesh");
+    let of_model = |model| PaperRings { model, ..turning };
+    let even = PaperRings {
+        aligned: false,
+        ..turning
+    };
+    for refused in [even, of_model(RingModel::Ale0 as i32), of_model(3)] {
+        let error = refused.check().expect_err("no such ring");
+        assert_eq!(error.variable, "ring.referenceDirections");
     }
 }

@@ -1,20 +1,20 @@
 //! Another belt system with the same ring code: a steel belt around two pulleys and an idler that presses on its back.
 //!
-//! `cargo run --release --example idler`
+//! `cargo run --release --package pushbelt-paper --example idler`
 //!
 //! Prints the geometry; how well each ring model keeps the belt's shape when it runs (a string in balance, EAγ = m ṡ²(1
 //! + γ) on any closed curve); and the swing of a tensioner arm, Θ, on the bending energy of a belt.
 
-use pushbelt::reference_curve::{Drive, DriveError, Pulley, ReferenceCurve, Tensioner};
-use pushbelt::ring::Ring;
-use pushbelt::ring::ale_ring::AleRing;
-use pushbelt::ring::ancf::Ancf;
-use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingFormulation;
-use pushbelt::ring::rcm::Rcm;
-use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::{Sdirk, Stalled};
+use pushbelt_paper::reference_curve::{Drive, DriveError, Pulley, ReferenceCurve, Tensioner};
+use pushbelt_paper::ring::Ring;
+use pushbelt_paper::ring::ale_ring::AleRing;
+use pushbelt_paper::ring::ancf::Ancf;
+use pushbelt_paper::ring::mesh::RingMesh;
+use pushbelt_paper::ring::model::RingFormulation;
+use pushbelt_paper::ring::rcm::Rcm;
+use pushbelt_paper::ring::system::RingSystem;
 use std::error::Error;
 
 /// Belt speed, m/s.

@@ -1,39 +1,16 @@
-//! The seam between a variator and its ring: [`BeltRing`], and what a ring model of one's own is built from.
-//!
-//! [`Variator::with_ring`](crate::variator::Variator::with_ring) takes any ring. A ring whose mesh stands still in space
-//! implements [`EulerianRing`] for one cell, generic over the scalar, and names its unknowns by [`Directions`];
-//! [`eulerian_equations`] evaluates and differentiates the cells. A ring of another kind implements [`Assembly`] itself,
-//! with the balance of a cell, [`balance`], for elements, flanks and friction.
-//!
-//! `examples/own_ring.rs` is a ring model in one file.
+//! What a variator requires of a ring model.
 
 use crate::reference_curve::{TwoPulley, TwoPulleyFrame};
 use crate::solver::State;
+use crate::variator::belt::Belt;
+use crate::variator::belt::equations::Assembly;
+use crate::variator::mesh::belt_mesh::{BeltMesh, CellDivision};
+use crate::variator::mesh::layout::RingUnknowns;
 use crate::variator::settings::parameters::{Mesh, Parameters};
 use crate::variator::settings::validation::ParameterError;
 use nalgebra::Vector2;
 use std::fmt::Debug;
 use std::sync::Arc;
-
-pub use crate::chain::Transport;
-pub use crate::variator::assembly::equations::{Assembly, InForce};
-pub use crate::variator::assembly::kinds::{MeshCurve, RingKind};
-pub use crate::variator::assembly::packed::{deflecting_equations, eulerian_equations, guided_equations};
-pub use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
-pub use crate::variator::assembly::transports::{Face, Transports};
-pub use crate::variator::assembly::unknowns::{Part, ReadUnknowns, nodes};
-pub use crate::variator::belt::{Belt, HOLD};
-pub use crate::variator::cell::balance::balance;
-pub use crate::variator::cell::directions::{Direction, Directions};
-pub use crate::variator::cell::observer::{NoObserver, Observer, Sampler};
-pub use crate::variator::cell::sample::Sample;
-pub use crate::variator::cell::state::CellInput;
-pub use crate::variator::law::place::{CellBalance, CellMotion, Place};
-pub use crate::variator::mesh::belt_mesh::{BeltMesh, Cell, CellDivision, SLOTS};
-pub use crate::variator::mesh::layout::{Layout, RingUnknowns};
-pub use crate::variator::rings::deflecting::Deflecting;
-pub use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces};
-pub use crate::variator::rings::standard::{Ale, Ale0, cells_of_deflecting};
 
 /// A model of a belt's ring.
 pub trait BeltRing: Debug + Send + Sync {

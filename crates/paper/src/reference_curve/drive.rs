@@ -14,8 +14,7 @@
 //! one pulley on an arm about a pivot; Θ is the arm's angle, and the arm's length a(Θ) keeps the belt's length, as
 //! r_P(Θ) does in a variator.
 
-use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
-use super::jet::Jet;
+use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};

@@ -1,7 +1,7 @@
 //! The free ring of the paper's 5.3, to compare a beam code with: a steel band without supports, 0.70 m around, 0.185
 //! mm × 9.5 mm, E = 2.1e11 N/m², ρ = 7800 kg/m³, stress-free when straight.
 //!
-//! `cargo run --release --example free_ring -- --model rcm --shape two-arc`
+//! `cargo run --release --package pushbelt-paper --example free_ring -- --model rcm --shape two-arc`
 //!
 //! - `--shape circle`: a small oscillation about the circle, set going in its first bending mode. A thin ring has
 //!   f₂ = (1/2π) √(36/5) √(EI/(m R⁴)) = 9.534 Hz.
@@ -13,16 +13,16 @@
 use clap::{Parser, ValueEnum};
 use cpu_time::ProcessTime;
 use nalgebra::Vector2;
-use pushbelt::reference_curve::{Circle, ReferenceCurve, TwoPulley};
-use pushbelt::ring::Ring;
-use pushbelt::ring::ale_ring::AleRing;
-use pushbelt::ring::ancf::Ancf;
-use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingFormulation;
-use pushbelt::ring::rcm::Rcm;
-use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
+use pushbelt_paper::reference_curve::{Circle, ReferenceCurve, TwoPulley};
+use pushbelt_paper::ring::Ring;
+use pushbelt_paper::ring::ale_ring::AleRing;
+use pushbelt_paper::ring::ancf::Ancf;
+use pushbelt_paper::ring::mesh::RingMesh;
+use pushbelt_paper::ring::model::RingFormulation;
+use pushbelt_paper::ring::rcm::Rcm;
+use pushbelt_paper::ring::system::RingSystem;
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::time::Duration;

@@ -1,24 +1,24 @@
 //! The ring tests of the paper's 5.3, for every ring model, as CSV files: what `cargo fmu paper` shows of rings alone.
 //!
-//! `cargo run --release --example paper_rings -- --output target/paper/rings`
+//! `cargo run --release --package pushbelt-paper --example paper_rings -- --output target/paper/rings`
 //!
-//! It measures with the functions that the tests of the ring judge by (`pushbelt_lab::ring`). A line of the output says what
-//! has been done: its number, how many there are, and a name.
+//! It measures with the functions of the tests of the ring (`pushbelt_paper_lab`). A line of the output names what has
+//! been done: its number, how many there are, and a name.
 
 mod tables;
 
 use clap::Parser;
 use cpu_time::ProcessTime;
 use nalgebra::SymmetricEigen;
-use pushbelt::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
-use pushbelt::ring::ale_ring::AleRing;
-use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingFormulation;
-use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
 use pushbelt_lab::checks::orders;
-use pushbelt_lab::ring::*;
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
+use pushbelt_paper::ring::ale_ring::AleRing;
+use pushbelt_paper::ring::mesh::RingMesh;
+use pushbelt_paper::ring::model::RingFormulation;
+use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::*;
 use std::f64::consts::TAU;
 use std::fmt::Debug;
 use std::fs;

@@ -1,16 +1,26 @@
 //! Elements evenly spaced along the belt, as the paper's: the same laws hold, and what it costs that arc borders move
 //! through them.
 
-use pushbelt::variator::settings::{Drive, Outputs, Parameters, RingModel};
+use std::sync::Arc;
+
+use pushbelt::unit::Rings;
+use pushbelt::variator::Variator;
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing};
+use pushbelt::variator::settings::{Drive, Outputs, RingModel};
 use pushbelt_lab::checks::assert_close;
 use pushbelt_lab::load_cases::{LoadCase, ratio};
 use pushbelt_lab::run::Run;
-use pushbelt_lab::steady::load_case;
+use pushbelt_lab::steady::load_case_with;
 use pushbelt_lab::variators::{SPEED, inputs, variator};
+use pushbelt_paper::belts::Even;
+use pushbelt_paper::unit::PaperRings;
 
-fn on(mut parameters: Parameters, aligned: bool) -> Parameters {
-    parameters.mesh.aligned = aligned;
-    parameters
+fn ale() -> Arc<dyn BeltRing> {
+    Arc::new(Ale::<2>)
+}
+
+fn even_ale() -> Arc<dyn BeltRing> {
+    Arc::new(Even(Ale::<2>))
 }
 
 /// What the even mesh may differ by from the aligned one in a load case.
@@ -19,7 +29,7 @@ struct Bounds {
     thrust: f64,
     /// The range of the ring tension, at least so many times as wide.
     spread: f64,
-    /// Power that no law accounts for, as a share of the driving power.
+    /// Energy residual per time, as a share of the driving power.
     power: f64,
 }
 
@@ -51,7 +61,7 @@ const BOUNDS: [Bounds; 3] = [
 fn steady_states_are_near_those_of_the_aligned_mesh() {
     let parameters = variator(RingModel::Ale);
     for (case, bounds) in LoadCase::three(&parameters, 50.0).iter().zip(BOUNDS) {
-        let [aligned, even] = [true, false].map(|aligned| load_case(&on(parameters.clone(), aligned), case));
+        let [aligned, even] = [ale(), even_ale()].map(|ring| load_case_with(&parameters, ring, case));
         let (a, e) = (&aligned.outputs, &even.outputs);
         let spread = |o: &Outputs| o.ring_tension_max - o.ring_tension_min;
         println!(
@@ -69,9 +79,9 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
             even.counts.factorizations,
             aligned.counts.factorizations
         );
-        let mut fine = on(parameters.clone(), false);
+        let mut fine = parameters.clone();
         fine.mesh = fine.mesh.refined(3);
-        let fine = load_case(&fine, case).outputs.thrust_ratio;
+        let fine = load_case_with(&fine, even_ale(), case).outputs.thrust_ratio;
         println!("{}: {fine:.4} with three times the elements", case.name);
         assert_close(e.thrust_ratio, a.thrust_ratio, bounds.thrust, case.name);
         assert_close(fine, a.thrust_ratio, 0.02, case.name);
@@ -85,12 +95,13 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
 /// squeezed, steps are thrown away, and energy appears and vanishes that no law accounts for.
 #[test]
 fn a_shift_shows_what_borders_inside_elements_cost() {
-    let [aligned, even, fine] = [(true, 1), (false, 1), (false, 3)].map(|(aligned, refinement)| {
-        let mut parameters = on(variator(RingModel::Ale), aligned);
+    let [aligned, even, fine] = [(ale(), 1), (even_ale(), 1), (even_ale(), 3)].map(|(ring, refinement)| {
+        let name = format!("{ring:?}");
+        let mut parameters = variator(RingModel::Ale);
         parameters.mesh = parameters.mesh.refined(refinement);
         parameters.primary.drive = Drive::Speed;
         let start = inputs((0.0, 13e3), (-49.0, 10e3));
-        let mut run = Run::new(parameters, start);
+        let mut run = Run::with_ring(parameters, ring, start);
         run.inputs.primary.clamping_force = 1.2 * run.variator.outputs().primary.axial_force;
         let from = run.variator.outputs().ratio_geometric;
         let mut residual = 0.0_f64;
@@ -99,7 +110,7 @@ fn a_shift_shows_what_borders_inside_elements_cost() {
         let o = run.variator.outputs().clone();
         let shift = from - o.ratio_geometric;
         println!(
-            "aligned {aligned}, {refinement} times: shifted by {shift:.4}, {residual:.2} J, {:?}",
+            "{name}, {refinement} times: shifted by {shift:.4}, {residual:.2} J, {:?}",
             run.variator.counts()
         );
         assert!((o.primary.speed / SPEED - 1.0).abs() < 1e-2);
@@ -121,29 +132,37 @@ fn a_shift_shows_what_borders_inside_elements_cost() {
 /// `ALE0` runs on it too; rings that travel don't.
 #[test]
 fn only_eulerian_rings_stand_on_it() {
-    let parameters = on(variator(RingModel::Ale0), false);
+    let parameters = variator(RingModel::Ale0);
     let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
-    let found = load_case(&parameters, &case);
-    let aligned = load_case(&on(parameters, true), &case);
+    let found = load_case_with(&parameters, Arc::new(Even(Ale0)), &case);
+    let aligned = load_case_with(&parameters, Arc::new(Ale0), &case);
     let [even, aligned] = [&found, &aligned].map(|state| state.outputs.thrust_ratio);
     println!("ALE0: thrust ratio {even:.4}, aligned {aligned:.4}");
     // Contact begins within an element there.
     assert_close(even, aligned, 0.08, "thrust ratio");
     assert!((found.outputs.ratio_geometric / ratio(0.0) - 1.0).abs() < 1e-4);
-    for model in [RingModel::Rcm, RingModel::Ancf] {
-        let refused = on(variator(model), false).validate().expect_err("no mesh for it");
-        assert_eq!(refused.variable, "mesh.aligned");
+    for model in [3, 4] {
+        let rings = PaperRings {
+            model,
+            aligned: false,
+            ..PaperRings::default()
+        };
+        let refused = rings.check().expect_err("no mesh for it");
+        assert_eq!(
+            refused.to_string(),
+            "mesh.aligned = false is out of range: true, unless ring.model is ALE0 or ALE"
+        );
     }
 }
 
-/// Where arcs may reach the quarters of the belt, a cell that stands still does not know its pulley.
+/// Where arcs may reach the quarters of the belt, the pulley of a cell that stands still is not fixed.
 #[test]
 fn arcs_longer_than_half_the_belt_are_refused() {
-    let mut parameters = on(variator(RingModel::Ale), false);
-    parameters.validate().expect("stops of the default");
+    let mut parameters = variator(RingModel::Ale);
+    Variator::with_ring(parameters.clone(), even_ale()).expect("stops of the default");
     parameters.secondary.max_radius = 0.112;
     parameters.primary.min_radius = 1.0e-3;
-    assert_eq!(parameters.validate().expect_err("too long").variable, "mesh.aligned");
-    parameters.mesh.aligned = true;
-    parameters.validate().expect("the aligned mesh follows");
+    let refused = Variator::with_ring(parameters.clone(), even_ale()).expect_err("too long");
+    assert_eq!(refused.variable, "mesh.aligned");
+    Variator::with_ring(parameters, ale()).expect("the aligned mesh follows");
 }

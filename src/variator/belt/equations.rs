@@ -9,8 +9,8 @@ use crate::solver::View;
 use crate::solver::arrow::Arrow;
 use crate::solver::sdirk::Geometry;
 use crate::tape::Tape;
-use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::Belt;
+use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::cell::sample::Sample;
 use std::fmt::Debug;
 
@@ -64,13 +64,6 @@ pub trait Assembly: Debug + Send + Sync {
     /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
     fn differentiations(&self) -> [u64; 2] {
         [0; 2]
-    }
-
-    /// Largest difference between derivatives by hand and by forward differentiation, as a share of the largest entry
-    /// of its column.
-    #[doc(hidden)]
-    fn worst_derivative(&self, _acting: InForce<'_>, _view: View<'_>, _alpha: f64) -> f64 {
-        f64::NAN
     }
 }
 

@@ -2,17 +2,17 @@
 //! mesh.
 
 use nalgebra::DVector;
-use pushbelt::reference_curve::{ReferenceCurve, Unaligned};
-use pushbelt::ring::ale_ring::{AleRing, Inertia};
-use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
-use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingFormulation;
-use pushbelt::ring::particle::Particle;
-use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_lab::checks::{assert_order, list};
-use pushbelt_lab::ring::*;
+use pushbelt_paper::reference_curve::{ReferenceCurve, Unaligned};
+use pushbelt_paper::ring::ale_ring::{AleRing, Inertia};
+use pushbelt_paper::ring::kinematics::{Motion, ReferenceMotion};
+use pushbelt_paper::ring::mesh::RingMesh;
+use pushbelt_paper::ring::model::RingFormulation;
+use pushbelt_paper::ring::particle::Particle;
+use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::*;
 use std::f64::consts::TAU;
 
 /// A smooth deflection of a few per cent of the ring, in motion, the same on every mesh. With `amplitude` 0 the state
@@ -278,7 +278,7 @@ fn a_lock_to_the_reference_curve_bears_a_force() {
     let centre = |system: &RingSystem<AleRing<_>>, state: &State, k: usize| {
         system.integrate(state.view(), |p| p.r[k]) / system.model.length()
     };
-    let way = |theta_held: bool| {
+    let path = |theta_held: bool| {
         let mut system = flexible(solid_curve(), eight());
         system.tolerance = 1.0e-6;
         if theta_held {
@@ -306,7 +306,7 @@ fn a_lock_to_the_reference_curve_bears_a_force() {
         assert!((after.bending + after.membrane - before.bending - before.membrane).abs() < 1e-9 * before.bending);
         ways
     };
-    let (locked, theta_held) = (way(false), way(true));
+    let (locked, theta_held) = (path(false), path(true));
     println!("centre of mass, m: node locked {locked:?}, Θ held {theta_held:?}");
     assert!(locked[3][0].abs() > 1e-3);
     assert!(locked[0][0].abs() < 0.1 * locked[3][0].abs());
@@ -324,7 +324,7 @@ fn evenly_spaced_inertia_is_lagranges() {
     assert!(off < 1e-8, "{off}");
 }
 
-/// A mesh point that follows its arc sees of its particle what the kinematics says, with Θ in motion.
+/// A mesh point that follows its arc sees of its particle what the kinematics gives, with Θ in motion.
 #[test]
 fn mesh_points_see_their_particles() {
     let system = flexible(solid_curve(), RingMesh::even(&[2, 3, 4, 3, 2], 3));

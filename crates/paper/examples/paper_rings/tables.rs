@@ -42,7 +42,7 @@ impl<T: Into<Self>> From<Option<T>> for Cell {
     }
 }
 
-/// A table on its way to a file.
+/// A table of a CSV file.
 pub struct Table {
     file: &'static str,
     text: String,

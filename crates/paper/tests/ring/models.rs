@@ -2,18 +2,18 @@
 
 use nalgebra::{SVector, Vector2};
 use num_dual::Dual64;
-use pushbelt::reference_curve::ReferenceCurve;
-use pushbelt::ring::Ring;
-use pushbelt::ring::ancf::AncfElement;
-use pushbelt::ring::kinematics::{Motion, ReferenceMotion};
-use pushbelt::ring::lagrangian::{LagrangianElement, LagrangianRing};
-use pushbelt::ring::model::RingFormulation;
-use pushbelt::ring::particle::ParticleLoad;
-use pushbelt::ring::rcm::RcmElement;
-use pushbelt::ring::system::RingSystem;
 use pushbelt_lab::checks::{assert_order, list, orders};
 use pushbelt_lab::noise;
-use pushbelt_lab::ring::*;
+use pushbelt_paper::reference_curve::ReferenceCurve;
+use pushbelt_paper::ring::Ring;
+use pushbelt_paper::ring::ancf::AncfElement;
+use pushbelt_paper::ring::kinematics::{Motion, ReferenceMotion};
+use pushbelt_paper::ring::lagrangian::{LagrangianElement, LagrangianRing};
+use pushbelt_paper::ring::model::RingFormulation;
+use pushbelt_paper::ring::particle::ParticleLoad;
+use pushbelt_paper::ring::rcm::RcmElement;
+use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::*;
 use std::f64::consts::TAU;
 
 /// P (12) is the velocity.
@@ -170,8 +170,8 @@ fn elastic_force_is_the_gradient_of_the_energy<S: Case<D, N>, const D: usize, co
     assert!(off < 1e-7, "{off}");
 }
 
-/// What the damping force takes is what the model says it takes.
-fn damping_takes_what_it_says<S: Case<D, N>, const D: usize, const N: usize>() {
+/// The power of the damping force is the dissipation of the model.
+fn power_of_damping_is_the_dissipation<S: Case<D, N>, const D: usize, const N: usize>() {
     let damped = Ring {
         damping: 1.0e-4,
         ..solid()
@@ -376,7 +376,7 @@ macro_rules! suite {
     (@laws $case:ty) => {
         suite!(@laws $case: velocity_follows_the_particle, acceleration_follows_the_particle, primes_are_derivatives,
             a_station_sees_the_particle_pass, projection_is_the_transpose, elastic_force_is_the_gradient_of_the_energy,
-            damping_takes_what_it_says, inertia_is_lagranges);
+            power_of_damping_is_the_dissipation, inertia_is_lagranges);
     };
     (@laws $case:ty: $($test:ident),*) => {$(
         #[test]
@@ -391,6 +391,6 @@ macro_rules! suite {
         }
     )*};
 }
-suite!(plane: ale: pushbelt_lab::ring::Ale, ale_turning: pushbelt_lab::ring::AleTurning, ancf: pushbelt_lab::ring::AbsoluteNodal,
-    rcm: pushbelt_lab::ring::CoRotational;
-    space: ale_spatial: pushbelt_lab::ring::AleSpatial, ale_spatial_turning: pushbelt_lab::ring::AleSpatialTurning);
+suite!(plane: ale: pushbelt_paper_lab::Ale, ale_turning: pushbelt_paper_lab::AleTurning, ancf: pushbelt_paper_lab::AbsoluteNodal,
+    rcm: pushbelt_paper_lab::CoRotational;
+    space: ale_spatial: pushbelt_paper_lab::AleSpatial, ale_spatial_turning: pushbelt_paper_lab::AleSpatialTurning);

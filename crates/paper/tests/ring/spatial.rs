@@ -2,18 +2,18 @@
 
 use nalgebra::{Complex, DMatrix, Rotation3, Vector2, Vector3};
 use num_dual::Dual64;
-use pushbelt::reference_curve::{ReferenceCurve, TwoPulley};
-use pushbelt::ring::Ring;
-use pushbelt::ring::ale_ring::{AleRing, Directions};
-use pushbelt::ring::kinematics::Motion;
-use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingFormulation;
-use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_lab::checks::{assert_order, list};
 use pushbelt_lab::noise;
-use pushbelt_lab::ring::*;
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
+use pushbelt_paper::ring::Ring;
+use pushbelt_paper::ring::ale_ring::{AleRing, Directions};
+use pushbelt_paper::ring::kinematics::Motion;
+use pushbelt_paper::ring::mesh::RingMesh;
+use pushbelt_paper::ring::model::RingFormulation;
+use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::*;
 use std::f64::consts::{PI, TAU};
 
 type Spatial<C> = RingSystem<AleRing<C, 3>, 3, 14>;
@@ -190,12 +190,16 @@ fn critical_speed() {
     }
 }
 
-fn circle(elements: usize, ring: Ring) -> Spatial<pushbelt::reference_curve::Circle> {
+fn circle(elements: usize, ring: Ring) -> Spatial<pushbelt_paper::reference_curve::Circle> {
     RingSystem::new(AleRing::spatial(ring, band_circle(), RingMesh::even(&[elements], 4)))
 }
 
 /// A ring of 40 elements on its circle after a rigid motion.
-fn placed(system: &Spatial<pushbelt::reference_curve::Circle>, turn: &Rotation3<f64>, shift: Vector3<f64>) -> State {
+fn placed(
+    system: &Spatial<pushbelt_paper::reference_curve::Circle>,
+    turn: &Rotation3<f64>,
+    shift: Vector3<f64>,
+) -> State {
     let curve = band_circle();
     let frame = curve.frame::<f64>(0.0);
     let space = |v: Vector2<f64>| turn * Vector3::new(v.x, v.y, 0.0);
@@ -205,7 +209,7 @@ fn placed(system: &Spatial<pushbelt::reference_curve::Circle>, turn: &Rotation3<
     })
 }
 
-/// A shift along z costs no energy and no force. A tilt costs ½π EI_b ψ²/R, because (24) knows no twist: the sections
+/// A shift along z costs no energy and no force. A tilt costs ½π EI_b ψ²/R, because (24) has no twist: the sections
 /// stay upright. Stretch and the bending in the plane find nothing in it.
 #[test]
 fn rigid_motions() {

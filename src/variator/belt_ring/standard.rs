@@ -1,10 +1,10 @@
 //! The rings that `ring.model` and `ring.spatial` choose: `ALE0`, `ALE`, and `ALE` in space.
 
 use crate::reference_curve::{Displaced, TwoPulley};
-use crate::variator::assembly::equations::Assembly;
 use crate::variator::assembly::packed::{deflecting_equations, guided_equations};
 use crate::variator::belt::Belt;
-use crate::variator::belt_ring::BeltRing;
+use crate::variator::belt::equations::Assembly;
+use crate::variator::belt::ring::BeltRing;
 use crate::variator::mesh::belt_mesh::{BeltMesh, CellDivision};
 use crate::variator::mesh::layout::RingUnknowns;
 use crate::variator::settings::parameters::{Mesh, Parameters, RingModel};

@@ -1,13 +1,13 @@
 //! Another belt system through the same ring code: three pulleys, one of them a back-side idler (paper section 7).
 
-use pushbelt::reference_curve::{Drive, Pulley, ReferenceCurve, Tensioner};
-use pushbelt::ring::Ring;
-use pushbelt::ring::ale_ring::AleRing;
-use pushbelt::ring::mesh::RingMesh;
-use pushbelt::ring::model::RingFormulation;
-use pushbelt::ring::system::RingSystem;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_lab::ring::*;
+use pushbelt_paper::reference_curve::{Drive, Pulley, ReferenceCurve, Tensioner};
+use pushbelt_paper::ring::Ring;
+use pushbelt_paper::ring::ale_ring::AleRing;
+use pushbelt_paper::ring::mesh::RingMesh;
+use pushbelt_paper::ring::model::RingFormulation;
+use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::*;
 
 fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
     Pulley { center: [x, y], radius }

@@ -1,9 +1,13 @@
 //! The belt: constants of its cells, mesh, layout of the unknowns, reference curve. It never changes in a run.
 
+pub(crate) mod equations;
+pub(crate) mod ring;
+pub(crate) mod sums;
+
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{COORDINATES, Jet, Path, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::solver::View;
-use crate::variator::belt_ring::BeltRing;
+use crate::variator::belt::ring::BeltRing;
 use crate::variator::law::place::{CellLaw, SheavePlane};
 use crate::variator::mesh::belt_mesh::BeltMesh;
 use crate::variator::mesh::layout::Layout;

@@ -1,0 +1,124 @@
+//! The Jacobian of a variator with each of the paper's rings: against differences, and its updates.
+
+use std::sync::Arc;
+
+use pushbelt::reference_curve::ReferenceCurve;
+use pushbelt::solver::System;
+use pushbelt::variator::belt_ring::{Ale, Ale0, BeltRing, deflecting_derivative_error, guided_derivative_error};
+use pushbelt::variator::settings::{Parameters, RingModel};
+use pushbelt_lab::disturbed::{
+    DerivativeError, TIME, assert_derivatives_by_hand, assert_jacobian, assert_update_of_slopes, disturbed_with, small,
+};
+use pushbelt_paper::belts::{Even, Rotated};
+use pushbelt_paper::reference_curve::{Displaced, TwoPulley, Unaligned};
+use pushbelt_paper_lab::{ancf, rcm, travelling};
+
+/// The small variator in the plane.
+fn plane() -> Parameters {
+    small(RingModel::Ale)
+}
+
+/// The small variator in space.
+fn space() -> Parameters {
+    Parameters {
+        spatial: true,
+        ..plane()
+    }
+}
+
+/// The rings on an even mesh in the plane.
+fn even() -> [(Parameters, Arc<dyn BeltRing>); 2] {
+    [
+        (plane(), Arc::new(Even(Ale::<2>))),
+        (small(RingModel::Ale0), Arc::new(Even(Ale0))),
+    ]
+}
+
+#[test]
+fn derivatives_by_hand_on_an_even_mesh_are_those_of_forward_differentiation() {
+    let errors: [DerivativeError; 2] = [
+        deflecting_derivative_error::<2, Unaligned<TwoPulley>>,
+        guided_derivative_error::<Unaligned<Displaced>>,
+    ];
+    for ((mut parameters, ring), error) in even().into_iter().zip(errors) {
+        parameters.primary.tilt.stiffness = 7e5;
+        assert_derivatives_by_hand(&parameters, &ring, error);
+    }
+}
+
+#[test]
+fn an_update_of_the_slopes_of_laws_on_an_even_mesh_makes_the_current_jacobian() {
+    for (parameters, ring) in even() {
+        assert_update_of_slopes(&parameters, &ring);
+    }
+}
+
+/// The nodes of a ring that travels are interchangeable: counted from another one, with s an element on, the
+/// residual is the same.
+#[test]
+fn a_travelling_ring_may_be_counted_from_any_node() {
+    for ring in travelling() {
+        let (mut system, state) = disturbed_with(&plane(), ring, 200.0);
+        let (layout, n) = (system.belt.layout, state.y.len());
+        let (count, block) = (layout.ring.nodes, layout.ring.per_node);
+        let length = system.belt.curve.length() / count as f64;
+        // Index of an unknown when the nodes are counted from the one before.
+        let counted_on = |i: usize| {
+            let first = layout.node(0, 0);
+            let nodes = first..first + count * block;
+            if nodes.contains(&i) {
+                first + (i - first + block) % nodes.len()
+            } else {
+                i
+            }
+        };
+        let mut other = state.clone();
+        for i in 0..n {
+            other.y[counted_on(i)] = state.y[i];
+            other.y_dot[counted_on(i)] = state.y_dot[i];
+            other.q[counted_on(i)] = state.q[i];
+        }
+        for _ in 0..count + 1 {
+            other.q[layout.drift()] -= length;
+        }
+        let mut residuals = [vec![0.0; n], vec![0.0; n]];
+        system.residual(TIME, state.view(), &mut residuals[0]);
+        system.residual(TIME, other.view(), &mut residuals[1]);
+        let largest = residuals[0].iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        for i in 0..n {
+            let [one, two] = [residuals[0][i], residuals[1][counted_on(i)]];
+            assert!((one - two).abs() < 1e-9 * largest, "row {i}: {one} {two}, {largest}");
+        }
+    }
+}
+
+#[test]
+fn jacobians_of_rings_that_travel_match_differences() {
+    for (ring, speed) in [(rcm(), 200.0), (ancf(), -200.0)] {
+        assert_jacobian(disturbed_with(&plane(), ring, speed), 0.4);
+    }
+}
+
+#[test]
+fn jacobian_on_evenly_spaced_elements_matches_differences() {
+    let cases: [(Parameters, Arc<dyn BeltRing>, f64); 3] = [
+        (plane(), Arc::new(Even(Ale::<2>)), 200.0),
+        (space(), Arc::new(Even(Ale::<3>)), -200.0),
+        (small(RingModel::Ale0), Arc::new(Even(Ale0)), 200.0),
+    ];
+    for (parameters, ring, speed) in cases {
+        assert_jacobian(disturbed_with(&parameters, ring, speed), 0.4);
+    }
+}
+
+/// Friction bends more sharply over a step of these coordinates, so the steps are shorter.
+#[test]
+fn jacobian_in_directions_of_the_curve_matches_differences() {
+    let cases: [(Parameters, Arc<dyn BeltRing>, f64); 2] = [
+        (plane(), Arc::new(Rotated::<2>), 200.0),
+        (space(), Arc::new(Rotated::<3>), -200.0),
+    ];
+    for (parameters, ring, speed) in cases {
+        assert_jacobian(disturbed_with(&parameters, ring, speed), 0.16);
+    }
+}

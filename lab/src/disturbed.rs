@@ -1,0 +1,186 @@
+//! A small variator far from any steady state, and its derivatives: against differences, and with updated slopes of the
+//! laws alone.
+
+use std::sync::Arc;
+
+use pushbelt::pulley::{PerPulley, Pulley};
+use pushbelt::solver::arrow::Arrow;
+use pushbelt::solver::differences::compare;
+use pushbelt::solver::sdirk::Geometry;
+use pushbelt::solver::{State, System, View};
+use pushbelt::variator::belt_ring::{BeltRing, InForce};
+use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
+use pushbelt::variator::settings::{Parameters, RingModel};
+use pushbelt::variator::steady::start::{Start, kinematic_state};
+use pushbelt::variator::system::VariatorSystem;
+
+use crate::noise;
+
+/// Time of the residual, s: the loads are constant.
+pub const TIME: f64 = 0.0;
+/// Clamping forces, N.
+pub const CLAMPING: PerPulley<f64> = PerPulley {
+    secondary: 1.0e4,
+    primary: 1.3e4,
+};
+
+/// A small variator with this ring, in the plane.
+pub fn small(ring_model: RingModel) -> Parameters {
+    let mut parameters = Parameters {
+        ring_model,
+        ..Parameters::default()
+    };
+    parameters.geometry.pulley_offset = 5.0e-4;
+    (parameters.mesh.primary_arc, parameters.mesh.secondary_arc) = (4, 4);
+    parameters.mesh.strand = 3;
+    parameters
+}
+
+/// A variator at a state in which the belt slides, sticks, is under push and has gaps.
+pub fn disturbed(parameters: &Parameters, speed: f64) -> (VariatorSystem, State) {
+    disturbed_with(parameters, parameters.ring_of_model(), speed)
+}
+
+/// [`disturbed`] with a ring other than that of the parameters.
+pub fn disturbed_with(parameters: &Parameters, ring: Arc<dyn BeltRing>, speed: f64) -> (VariatorSystem, State) {
+    let mut system = VariatorSystem::with_ring(parameters, ring);
+    system.loads = Loads::constant(Boundary {
+        sheave: CLAMPING.map(SheaveMode::Force),
+        shaft: PerPulley {
+            secondary: ShaftMode::Torque(-40.0),
+            primary: ShaftMode::Torque(50.0),
+        },
+    });
+    let start = Start {
+        ratio: 1.2,
+        primary_speed: speed,
+        clamping: CLAMPING,
+    };
+    let on_other = system.belt.ring.starts_on();
+    let travels = on_other.is_some();
+    let mut state = if let Some(other) = on_other {
+        let other = VariatorSystem::with_ring(parameters, other).belt;
+        let on_other = kinematic_state(&other, &start).expect("the belt closes");
+        system.belt.ring.start_from(&system.belt, &other, &on_other)
+    } else {
+        kinematic_state(&system.belt, &start).expect("the belt closes")
+    };
+    let mut random = noise(7);
+    let n = state.y.len();
+    let mut size = vec![0.0; n];
+    let beta = 1.0e-4;
+    system.newton_scale(beta, &mut size);
+    for (i, &size) in size.iter().enumerate() {
+        state.y[i] += 200.0 * size * random();
+        state.y_dot[i] = 2000.0 * size * random();
+        if system.has_position()[i] {
+            state.q[i] += 2000.0 * size * beta * random();
+        }
+    }
+    if travels {
+        state.q[system.belt.layout.drift()] += 0.0123;
+    }
+    (system, state)
+}
+
+/// The Jacobian against central differences, whose steps are `step` times the negligible errors.
+#[track_caller]
+pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) {
+    let (alpha, beta) = (1.0e4, 1.0e-4);
+    let mut size = vec![0.0; state.y.len()];
+    system.newton_scale(beta, &mut size);
+    // Strains of a ring that travels are differences of places: EA·ε of rounding in each force.
+    let mut coarse = vec![false; size.len()];
+    if system.belt.ring.starts_on().is_some() {
+        let layout = &system.belt.layout;
+        for k in (0..layout.ring.per_node).filter(|&k| layout.ring.is_length(k)) {
+            (0..layout.ring.nodes).for_each(|node| coarse[layout.node(node, k)] = true);
+        }
+    }
+    let h = |i: usize| size[i] * if coarse[i] { 2.0 } else { step };
+    let name = system.belt.ring.name();
+    compare(&mut system, TIME, &state, [alpha, beta], h, |entry| {
+        let noise = 1e-15 * (entry.rounded + 1e3 / h(entry.column));
+        let allowed = 2e-4 * entry.exact.abs() + 1e-6 * entry.largest + 20.0 * noise;
+        assert!(
+            (entry.difference - entry.exact).abs() < allowed,
+            "{name}, row {}: {entry:?}",
+            entry.row
+        );
+    });
+}
+
+/// Largest difference between derivatives by hand and by forward differentiation in a state, with the factor α of rates.
+pub type DerivativeError = fn(InForce<'_>, View<'_>, f64) -> f64;
+
+/// The derivatives by hand are those that forward differentiation finds, to rounding.
+#[track_caller]
+pub fn assert_derivatives_by_hand(parameters: &Parameters, ring: &Arc<dyn BeltRing>, error: DerivativeError) {
+    for speed in [200.0, -200.0, 0.0] {
+        let (system, state) = disturbed_with(parameters, Arc::clone(ring), speed);
+        let (belt, friction) = (&*system.belt, &system.friction());
+        let worst = error(InForce { belt, friction }, state.view(), 1.0e4);
+        assert!(worst < 1e-9, "{ring:?}, {speed} rad/s: {worst:e}");
+    }
+}
+
+/// The product of a matrix with a vector that has no zeros.
+pub fn product(matrix: &Arrow) -> Vec<f64> {
+    let x: Vec<f64> = (0..matrix.shape().len()).map(|i| 1.0 + (i % 7) as f64).collect();
+    let mut product = vec![0.0; x.len()];
+    matrix.multiply(&x, &mut product);
+    product
+}
+
+/// The Jacobian at the second state after an update of the slopes of the laws alone, whose geometry is that of the
+/// first state: it differs from the exact one by less than `share` of what `change` and the states make.
+#[track_caller]
+fn assert_updated(
+    system: &mut VariatorSystem,
+    states: [&State; 2],
+    change: impl FnOnce(&mut VariatorSystem),
+    share: f64,
+) {
+    let slopes = [1.0e4, 1.0e-4];
+    let matrix = || Arrow::new(system.shape());
+    let [mut first, mut found, mut exact] = [matrix(), matrix(), matrix()];
+    system.jacobian(TIME, states[0].view(), slopes[0], slopes[1], &mut first);
+    change(system);
+    let mut form = |geometry, out: &mut Arrow| {
+        system.form_jacobian(Some(geometry), TIME, states[1].view(), slopes, out);
+    };
+    form(Geometry::Kept, &mut found);
+    form(Geometry::All, &mut exact);
+    let [first, found, exact] = [&first, &found, &exact].map(product);
+    let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+    let (changed, off) = (largest(&first, &exact), largest(&found, &exact));
+    assert!(changed > 1e3 && off < share * changed, "{changed:e}, {off:e}");
+}
+
+/// An update of the slopes of the laws alone makes the current Jacobian: where laws have other slopes and the same
+/// forces, and close to the state at which the geometry was evaluated.
+#[track_caller]
+pub fn assert_update_of_slopes(parameters: &Parameters, ring: &Arc<dyn BeltRing>) {
+    let (mut system, mut state) = disturbed_with(parameters, Arc::clone(ring), 200.0);
+    // A tenth of a roughness and of a friction velocity further.
+    let mut further = state.clone();
+    for pulley in Pulley::BOTH {
+        further.q[system.belt.layout.sheave(pulley)] += 0.1 * parameters.contact.roughness;
+    }
+    for at in &system.belt.cells_at {
+        further.y[at.speed] += 0.1 * parameters.friction.velocity;
+    }
+    assert_updated(&mut system, [&state, &further], |_| (), 1e-3);
+    // At rest laws of rates have slopes and no forces.
+    state.y.fill(0.0);
+    state.y_dot.fill(0.0);
+    let of_rates = |system: &mut VariatorSystem| {
+        let law = &mut Arc::make_mut(&mut system.belt).law;
+        law.chain.damping *= 3.0;
+        law.chain.film_damping *= 3.0;
+        law.contact.damping *= 3.0;
+        law.settling += 1.0e3;
+        system.friction_velocity *= 2.0;
+    };
+    assert_updated(&mut system, [&state, &state], of_rates, 1e-9);
+}
