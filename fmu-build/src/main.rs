@@ -32,46 +32,51 @@ use clap::{Parser, Subcommand};
 use crate::workspace::Workspace;
 
 /// Builds, tests, demonstrates and measures PushbeltVariator.fmu.
-///
-/// Times are for two processors. The first command takes three minutes more: it compiles the model and installs the Python
-/// packages for all others.
 #[derive(Parser)]
-#[command(name = "cargo fmu", bin_name = "cargo fmu", version)]
+#[command(name = "cargo fmu", bin_name = "cargo fmu", version, after_help = TIMES)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
 }
 
+/// How long the commands take, measured by `time cargo fmu …`. This is the only place for such times.
+const TIMES: &str = "\
+Times on two processor cores, once the model is compiled and the Python packages are installed:
+  seconds      build, demo, compare, describe, linearize
+  a minute     drive, sweep, calibrate (60 points), bench
+  minutes      test (8 the first time), validate (3), paper, wheel, docs
+  20 minutes   test --all
+The first command of a new clone compiles and installs for three minutes more.";
+
 #[derive(Subcommand)]
 enum Command {
-    /// Compile the binary and pack target/PushbeltVariator.fmu, or with --fmi3 target/PushbeltVariator3.fmu (2 minutes; seconds if nothing changed)
+    /// Compile the binary and pack target/PushbeltVariator.fmu, or with --fmi3 target/PushbeltVariator3.fmu
     Build(commands::build::Options),
-    /// Run the Rust tests, and the Python tests with the FMU (up to 30 minutes on two cores)
+    /// Run the first tier of the Rust and Python tests, or with --all every test
     Test(commands::test::Arguments),
-    /// Simulate published load cases with the FMU and write target/demo/report.html (10 seconds)
+    /// Simulate published load cases with the FMU and write target/demo/report.html
     Demo(commands::demo::Arguments),
-    /// Drive a car with the FMU on the WLTC and write target/drive/report.html (1 minute)
+    /// Drive a car with the FMU on the WLTC and write target/drive/report.html
     Drive(commands::drive::Arguments),
-    /// Run the paper's examples with every ring model and write target/paper/report.html (5 minutes)
+    /// Run the paper's examples with every ring model and write target/paper/report.html
     Paper(commands::paper::Arguments),
-    /// Solve for 2288 steady states with the FMU and write target/sweep/report.html (1 minute)
+    /// Solve for 2288 steady states with the FMU and write target/sweep/report.html
     Sweep(commands::sweep::Arguments),
-    /// Fit parameters to a table of measured steady points and write target/calibrate/report.html (1 minute for 60 points)
+    /// Fit parameters to a table of measured steady points and write target/calibrate/report.html
     Calibrate(commands::calibrate::Arguments),
-    /// Put the FMU beside theory and measurements and write target/validate/report.html (3 minutes)
+    /// Compare the FMU with theory and measurements and write target/validate/report.html
     Validate(commands::validate::Arguments),
-    /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU inside (5 minutes)
+    /// Write target/wheels/pushbelt-…-py3-none-any.whl, the Python package with the portable FMU inside
     Wheel(commands::wheel::Arguments),
-    /// Lay two runs over each other and write target/compare/report.html (seconds)
+    /// Compare two runs and write target/compare/report.html
     Compare(commands::compare::Arguments),
-    /// Measure the speed of the model (1 minute)
+    /// Measure the speed of the model
     Bench(commands::bench::Arguments),
-    /// Write linear models A, B, C, D about steady working points and target/linearize/report.html (seconds)
+    /// Write linear models A, B, C, D about steady working points and target/linearize/report.html
     Linearize(commands::linearize::Arguments),
-    /// Write modelDescription.xml, modelDescription3.xml, terminalsAndIcons.xml, docs/variables.md and python/pushbelt/_version.py from the variable table (seconds)
+    /// Write modelDescription.xml, modelDescription3.xml, terminalsAndIcons.xml, docs/variables.md and python/pushbelt/_version.py from the variable table
     Describe,
-    /// Write the documentation as a book, target/book/index.html, and check its links (2 minutes; seconds if nothing
-    /// changed)
+    /// Write the documentation as a book, target/book/index.html, and check its links
     Docs,
 }
 

@@ -114,7 +114,7 @@ fn ensure_installed(triple: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiler flags: those of the environment instead of the workspace's own (which ask for AVX2), and the paths of this
+/// Compiler flags: those of the environment instead of the workspace's own (which require AVX2), and the paths of this
 /// machine taken out of messages. So the bytes don't depend on where the sources lie.
 fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
     let given = std::env::var("RUSTFLAGS").unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Python: finding an interpreter, and a virtual environment that holds exactly what the lock file says.
+//! Python: finding an interpreter, and a virtual environment with the packages of a lock file.
 
 use std::ffi::OsString;
 use std::fs;

@@ -50,7 +50,7 @@ class Series:
     hatched: Sequence[bool] | None = None
     """Of bars: which are hatched."""
     labels: Sequence[str] | None = None
-    """What hover says of each point, before the values."""
+    """Hover text of each point, before the values."""
     bar_width: float | None = None
 
 
@@ -68,7 +68,7 @@ class Field:
     ticks: tuple[Tick, ...] = ()
     """Of the colour bar."""
     shown: ArrayLike | None = None
-    """What hover says in place of the values, where these are places on a scale."""
+    """Hover text in place of the values, where these are places on a scale."""
     lines_only: bool = False
     bar: bool = True
 
@@ -216,7 +216,7 @@ def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
         keep |= {start, end - 1, start + int(np.nanargmin(part)), start + int(np.nanargmax(part))}
         keep |= {start + int(k) for k in np.flatnonzero(np.diff(np.isnan(part)))}
     order = np.array(sorted(keep))
-    # A point that lies on the line between its neighbours, as a reader sees it, says nothing.
+    # A point that lies on the line between its neighbours, as a reader sees it, is left out.
     finite = y[np.isfinite(y)]
     eye = 2e-4 * float(np.ptp(finite)) if finite.size else 0.0
     return _without_straight(x[order], y[order], eye)

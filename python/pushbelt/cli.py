@@ -16,7 +16,7 @@ PROGRAMS = {
     "sweep": ("maps of steady states over ratio, torque, friction and speed, and a report", "sweep"),
     "validate": ("the FMU beside theory and measurements, and a report", "reports"),
     "linearize": ("linear models about steady working points, for controller design, and a report", "reports"),
-    "compare": ("two runs laid over each other, and a report", "reports"),
+    "compare": ("comparison of two runs, and a report", "reports"),
     "calibrate": ("parameters from a table of measured points, and a report", "reports"),
 }
 """What each does, and the extra that has the packages it needs."""

@@ -68,7 +68,7 @@ def packed_plotly() -> str:
 
 
 def plotly_notices() -> str:
-    """What the library says of itself and of the parts inside it."""
+    """Notices of the library and of the parts inside it."""
     script = _plotly()
     parts = script[script.rindex("/*! Bundled license information:") :]
     return script[: script.index("*/")].strip("/* \n") + "\n\n" + parts[3 : parts.index("\n*/")]

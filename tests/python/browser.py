@@ -18,8 +18,10 @@ from typing import Any
 import websocket
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
+ANSWER = 600.0
+"""Longest wait for an answer of the browser, s: it ends a test that hangs, and is no measure of speed."""
 PATIENCE = 600.0
-"""Longest wait for an answer or a condition, s: it ends a test that hangs, and is no measure of speed."""
+"""Longest wait until a condition holds, s."""
 KEY_CODES = {"Enter": 13, "End": 35, "ArrowLeft": 37, "ArrowRight": 39}
 
 
@@ -32,7 +34,7 @@ class Page:
     """One page, and all that it has reported."""
 
     def __init__(self, address: str) -> None:
-        self._socket = websocket.create_connection(address, timeout=PATIENCE, suppress_origin=True)
+        self._socket = websocket.create_connection(address, timeout=ANSWER, suppress_origin=True)
         self._numbers = itertools.count(1)
         self.complaints: list[str] = []
         """Errors and warnings of the console, and what failed to load."""
@@ -130,13 +132,13 @@ def page(program: str) -> Iterator[Page]:
 
 
 def _address(file: Path, process: subprocess.Popen[bytes]) -> str:
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + ANSWER
     while not (file.is_file() and len(lines := file.read_text().split()) == 2):
         if process.poll() is not None or time.monotonic() > end:
             raise RuntimeError(f"the browser did not start (status {process.poll()})")
         time.sleep(0.05)
     connection = websocket.create_connection(
-        f"ws://127.0.0.1:{lines[0]}{lines[1]}", timeout=PATIENCE, suppress_origin=True
+        f"ws://127.0.0.1:{lines[0]}{lines[1]}", timeout=ANSWER, suppress_origin=True
     )
     connection.send(json.dumps({"id": 1, "method": "Target.getTargets"}))
     targets = json.loads(connection.recv())["result"]["targetInfos"]

@@ -23,6 +23,8 @@ from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
 STATUS = pytest.StashKey[int]()
 LEFT = pytest.StashKey[dict[str, int]]()
 """Tests of the second tier in each file."""
+SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "short_validation", "wheel"}
+"""What takes most of a minute to make: tests that use one of these are in the second tier, as those marked as slow."""
 
 CHEAP = {
     "ring.model": RingModel.ALE0,
@@ -102,7 +104,7 @@ def run(unit: Variator, steps: range = range(20)) -> list[list[float]]:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """`cargo fmu test` runs the first tier, `cargo fmu test --all` everything."""
-    parser.addoption("--first-tier", action="store_true", help="leave out tests marked as slow, and those of the paper's FMU")
+    parser.addoption("--first-tier", action="store_true", help="leave out the second tier")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -113,7 +115,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Leaves out the second tier, and counts what it leaves out in each file."""
     if not config.getoption("--first-tier"):
         return
-    second = [item for item in items if item.get_closest_marker("slow") or "paper_fmu" in getattr(item, "fixturenames", ())]
+    second = [
+        item
+        for item in items
+        if item.get_closest_marker("slow") or SLOW_FIXTURES.intersection(getattr(item, "fixturenames", ()))
+    ]
     chosen = set(second)
     items[:] = [item for item in items if item not in chosen]
     config.hook.pytest_deselected(items=second)

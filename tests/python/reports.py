@@ -37,7 +37,7 @@ def look_at(report: Path) -> None:
     if program is None:
         if os.environ.get("CI"):
             pytest.fail("no Chromium on the search path: install the package chromium")
-        pytest.skip("no Chromium on the search path, so nobody has looked at the report")
+        pytest.skip("no Chromium on the search path, so the report is not looked at")
     with browser.page(program) as page:
         for width in WIDTHS:
             page.open(report, width)

@@ -19,7 +19,7 @@ from pushbelt.calibrate.model import Model
 from pushbelt.calibrate.parameters import ParameterError, choose
 from pushbelt.calibrate.table import Measured, Point, TableError
 from pushbelt.calibrate.worker import Found, Job
-from pushbelt.fmu.data import parameter_set, torque_capacity
+from pushbelt.fmu.data import RESOURCES, parameter_set, torque_capacity
 from pushbelt.fmu.unit import Archive
 
 BASE = {**parameter_set("bench168"), **__main__.COARSE}
@@ -243,6 +243,7 @@ def solver(fmu: Path, archive: Archive) -> InProcess:
     return InProcess(fmu, archive)
 
 
+@pytest.mark.slow
 def test_the_step_of_the_differences_stands_on_a_plateau(
     solver: InProcess, variables: Mapping[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -323,6 +324,24 @@ def write(points: Sequence[Point], path: Path) -> None:
             writer.writerow(row)
 
 
+def test_one_parameter_of_a_table_without_noise_is_recovered(fmu: Path, solver: InProcess, tmp_path: Path) -> None:
+    points = solver.measure([STEADY[1], STEADY[4], STEADY[7]], seed=None)
+    write(points, tmp_path / "table.csv")
+    known = json.loads((RESOURCES / "parameters" / "bench168.json").read_text(encoding="utf-8"))
+    for name in ("friction.ring", "belt.play"):
+        known["parameters"][name]["value"] = TRUTH[name]
+    (tmp_path / "known.json").write_text(json.dumps(known), encoding="utf-8")
+    out = tmp_path / "out"
+    words = [str(tmp_path / "table.csv"), "--fmu", str(fmu), "--output", str(out), "--short"]
+    words += ["--variator", str(tmp_path / "known.json"), "--fit", "friction.pulley=0.085"]
+    assert __main__.main(words) == 0
+    entry = json.loads((out / "parameters.json").read_text(encoding="utf-8"))["parameters"]["friction.pulley"]
+    assert entry["value"] == pytest.approx(TRUTH["friction.pulley"], rel=1e-3)
+    reports.stands_alone(out / "report.html")
+    reports.look_at(out / "report.html")
+
+
+@pytest.mark.slow
 def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess, tmp_path: Path) -> None:
     """Within their 95 % intervals, which are narrow; report, parameters and residuals are written."""
     points = solver.measure([*STEADY, *SHIFTS], seed=168)
@@ -356,6 +375,7 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
     reports.look_at(out / "report.html")
 
 
+@pytest.mark.slow
 def test_a_parameter_that_moves_nothing_is_said(solver: InProcess, variables: Mapping[str, Any]) -> None:
     """A damper does nothing in a steady state: it keeps its value, and the others are fitted without it."""
     points = solver.measure([STEADY[1], STEADY[4], STEADY[6]], seed=None)
@@ -372,6 +392,7 @@ def test_a_parameter_that_moves_nothing_is_said(solver: InProcess, variables: Ma
     assert damping.value == damping.parameter.start
 
 
+@pytest.mark.slow
 def test_points_without_a_steady_state_do_not_break_the_fit(solver: InProcess, variables: Mapping[str, Any]) -> None:
     """With the start's friction none of these is carried: it is raised first. One that never can be stays outside."""
     asked = [STEADY[2], STEADY[5], STEADY[8]]

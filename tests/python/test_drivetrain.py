@@ -290,7 +290,7 @@ def test_slip_controller_finds_its_set_point() -> None:
     control = SlipControl(FRICTION, MAP, 0.2)
     wanted = control.set_point(MEASURED.ratio, 0.9)
     assert wanted == pytest.approx(0.013)
-    # A belt whose slip grows with torque over force, and with 20 % less friction than the controller believes.
+    # A belt whose slip grows with torque over force, and with 20 % less friction than the controller assumes.
     force, needed = 12000.0, FRICTION.clamping_force(MEASURED, 1.0) / 0.8
     for _ in range(1500):
         slip = wanted * (needed / (0.9 * force)) ** 3
@@ -465,7 +465,11 @@ def printed(fmu: Path, tmp_path: Path, program: str) -> list[str]:
 
 @pytest.mark.parametrize(
     ("program", "last"),
-    [("wiring", "step  1 ms"), ("calibrate", "| `ring.axialStiffness`"), ("friction_velocity", "5e-05 m/s")],
+    [
+        ("wiring", "step  1 ms"),
+        ("calibrate", "| `ring.axialStiffness`"),
+        pytest.param("friction_velocity", "5e-05 m/s", marks=pytest.mark.slow),
+    ],
 )
 def test_programs_run(fmu: Path, tmp_path: Path, program: str, last: str) -> None:
     assert last in printed(fmu, tmp_path, program)[-1]
@@ -484,7 +488,9 @@ def test_warnings_are_not_among_the_results(fmu: Path, tmp_path: Path) -> None:
     """The controller with a start where the belt slips through: the unit warns that it finds no steady state."""
     code = (ROOT / "examples" / "drivetrain" / "controller.py").read_text(encoding="utf-8")
     changed = tmp_path / "controller.py"
-    changed.write_text(code.replace('"primary.torque": 60.0', '"primary.torque": 600.0').replace("range(300)", "range(2)"))
+    changed.write_text(
+        code.replace('"primary.torque": 60.0', '"primary.torque": 600.0').replace("range(300)", "range(2)")
+    )
     ran = finished(fmu, tmp_path, changed)
     assert "steady" in ran.stderr
     first, last = ran.stdout.splitlines()
@@ -592,7 +598,7 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
 
 
 def test_slip_control_rescues_a_belt_of_low_friction(archive: Archive, table: ThrustMap) -> None:
-    """The controllers believe in 0.09, the belt has 0.063: the fixed safety factor of 1.3 doesn't cover that."""
+    """The controllers assume 0.09, the belt has 0.063: the fixed safety factor of 1.3 doesn't cover that."""
     section = wltc_class_3b().section(10.0, 19.0)
     fixed, slip = (
         simulate.run(archive, CAR, table, simulate.Setup(strategy, strategy, section, friction=0.7))
@@ -653,6 +659,7 @@ def test_pressure_feedback_counts_near_capacity(
     assert lagging["macroSlip"].sum() > 0.0
 
 
+@pytest.mark.slow
 def test_ratio_loop_makes_up_for_a_wrong_law_over_force(archive: Archive, table: ThrustMap) -> None:
     """The controller inverts the shift law with F = F_S: it underrates what a small force shifts, and the loop corrects it."""
     section = wltc_class_3b().section(10.0, 130.0)

@@ -76,7 +76,7 @@ def test_a_model_is_about_the_point_that_is_asked_for(belt: Variator) -> None:
 
 
 def test_small_steps_of_the_variator_follow_it(fmu: Path, belt: Variator) -> None:
-    """The run knows nothing of the model: 20 N more on P, within 2 % of the linear response."""
+    """The run is independent of the model: 20 N more on P, within 2 % of the linear response."""
     model = belt.linearize(0.7, 60.0, speed=150.0, force=9e3, frequency=20.0)
     start = {**COARSE, "initial.ratio": 0.7, "initial.primarySpeed": 150.0, "solver.tolerance": 1e-6, **model.held}
     times = 0.02 * np.arange(1, 16)
@@ -300,7 +300,7 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
         (["initial.ratio=one"], "initial.ratio = 'one' is no number"),
         (["initial.ratio=nan"], "initial.ratio = nan is not finite"),
         (["initial.ratio=1", "initial.ratio=2"], "initial.ratio is given twice"),
-        (["initial.ratio=1:2:0"], "the last number says how many"),
+        (["initial.ratio=1:2:0"], "the last number is the count"),
         (["secondary.torque=-1,-2"], "secondary.torque follows from the point"),
         (["ring.model=ALE9"], "ring.model = 'ALE9' is none of ALE0"),
         (["ring.model=ALE0,ALE9"], "ring.model = 'ALE9' is none of ALE0"),
@@ -457,6 +457,7 @@ def test_the_page_shows_the_controller_that_runs(page: str) -> None:
     assert len([line for line in shown.splitlines() if line.strip()]) <= 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [1, 3, 5])
 @pytest.mark.parametrize("size", [0.002, 0.02])
 def test_nonlinear_steps_follow_the_linear_loop(
@@ -469,6 +470,7 @@ def test_nonlinear_steps_follow_the_linear_loop(
     assert controller.reached(belt) == pytest.approx(controller.reached(linear), abs=0.011)
 
 
+@pytest.mark.slow
 def test_the_loop_is_as_fast_at_every_ratio_only_with_its_gain(
     controller: ModuleType, fmu: Path, monkeypatch: Any
 ) -> None:
@@ -484,6 +486,7 @@ def test_the_loop_is_as_fast_at_every_ratio_only_with_its_gain(
     assert other > 2.5 * own
 
 
+@pytest.mark.slow
 def test_the_shift_follows_and_the_page_has_what_it_prints(
     page: str, controller: ModuleType, fmu: Path, tmp_path: Path, monkeypatch: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -94,6 +94,7 @@ def test_full_tangential_slip(wrap: float, sign: float) -> None:
     assert arc.centre == pytest.approx(atan2(moment.imag, moment.real) % (2.0 * pi), abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", (0.45, 0.7, 2.2))
 @pytest.mark.parametrize("torque", (-60.0, 0.0, 60.0))
 def test_torque_and_clamping_force(ratio: float, torque: float) -> None:

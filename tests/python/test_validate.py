@@ -152,28 +152,39 @@ def test_a_point_without_a_steady_state_leaves_its_reason(bench: Bench) -> None:
     assert len(solved) == 2
 
 
+# The report
+
+
+def test_a_section_alone_makes_a_report(fmu: Path, tmp_path: Path) -> None:
+    words = ["--fmu", str(fmu), "--output", str(tmp_path), "--short", "--section", "thrust"]
+    assert __main__.main(words) == 0
+    page = reports.stands_alone(tmp_path / "report.html")
+    assert re.findall(r'<h2 id="thrust">', page) and "Wedge angle</h2>" not in page
+    reports.look_at(tmp_path / "report.html")
+
+
 # All of it
 
 
 @pytest.fixture(scope="module")
-def short_run(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def short_validation(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("validate")
     assert __main__.main(["--fmu", str(fmu), "--output", str(folder), "--short"]) == 0
     return folder
 
 
-def test_the_report_has_every_section_and_needs_nothing_else(short_run: Path) -> None:
-    page = reports.stands_alone(short_run / "report.html")
+def test_the_report_has_every_section_and_needs_nothing_else(short_validation: Path) -> None:
+    page = reports.stands_alone(short_validation / "report.html")
     for title in ("Continuum theory", "Speed of ratio change", "Efficiency", "Slip", "Wedge angle", "Two variators"):
         assert f">{title}</h2>" in page
     assert reports.figures(page) > 10
     content = re.sub(r"<(style|script)[^>]*>.*?</\1>", "", page, flags=re.DOTALL)
     assert not re.search(r"\bnan\b", content.lower())
-    reports.look_at(short_run / "report.html")
+    reports.look_at(short_validation / "report.html")
 
 
-def test_every_check_has_a_verdict_a_goal_and_a_source(short_run: Path) -> None:
-    with (short_run / "checks.csv").open(encoding="utf-8", newline="") as file:
+def test_every_check_has_a_verdict_a_goal_and_a_source(short_validation: Path) -> None:
+    with (short_validation / "checks.csv").open(encoding="utf-8", newline="") as file:
         checks = list(csv.DictReader(file))
     assert len(checks) > 35
     assert {check["section"] for check in checks} >= {"Slip", "Efficiency", "Continuum theory"}
@@ -183,17 +194,17 @@ def test_every_check_has_a_verdict_a_goal_and_a_source(short_run: Path) -> None:
         assert bool(check["by"]) == (check["verdict"] == "misses"), check
 
 
-def test_the_theorys_limit_is_met(short_run: Path) -> None:
-    """Of all goals this one can't depend on a parameter that nobody has measured."""
-    with (short_run / "checks.csv").open(encoding="utf-8", newline="") as file:
+def test_the_theorys_limit_is_met(short_validation: Path) -> None:
+    """Of all goals this one can't depend on a parameter that is not measured."""
+    with (short_validation / "checks.csv").open(encoding="utf-8", newline="") as file:
         verdicts = {check["statement"]: check["verdict"] for check in csv.DictReader(file)}
     assert verdicts["In the theory's limit the thrust ratio is the theory's"] == "meets"
 
 
-def test_tables_are_there_as_csv_and_markdown(short_run: Path) -> None:
-    text = (short_run / "tables.md").read_text(encoding="utf-8")
+def test_tables_are_there_as_csv_and_markdown(short_validation: Path) -> None:
+    text = (short_validation / "tables.md").read_text(encoding="utf-8")
     for name in ("limit", "shift-gains", "efficiency-map", "traction", "thrust-ratio", "sensitivity"):
-        with (short_run / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+        with (short_validation / f"{name}.csv").open(encoding="utf-8", newline="") as file:
             header, *rows = csv.reader(file)
         assert rows and all(len(row) == len(header) for row in rows), name
     assert text.count("\n## ") + text.startswith("## ") == len(SECTIONS)

@@ -32,7 +32,10 @@ def limit_case(bench: Bench, *case: float | against_theory.Level) -> Deviation:
     return result
 
 
-@pytest.mark.parametrize("ratio", against_theory.RATIOS)
+@pytest.mark.parametrize(
+    "ratio",
+    [ratio if ratio == 1.0 else pytest.param(ratio, marks=pytest.mark.slow) for ratio in against_theory.RATIOS],
+)
 def test_thrust_ratio_in_the_limit(bench: Bench, ratio: float) -> None:
     """Driving and braking, at each traction that is compared."""
     tractions = [r for i, r in against_theory.cases(bench) if i == ratio]
@@ -51,6 +54,7 @@ def ladder_errors(bench: Bench, ratio: float, traction: float) -> list[float]:
     return [abs(limit_case(bench, ratio, traction, level).thrust_error) for level in against_theory.LADDER]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ratio", "traction"), [(1.0, -0.35), (2.2, 0.35)])
 def test_every_step_of_the_ladder_comes_closer(bench: Bench, ratio: float, traction: float) -> None:
     """And the last is less than half as far off as the first."""
@@ -60,6 +64,7 @@ def test_every_step_of_the_ladder_comes_closer(bench: Bench, ratio: float, tract
     assert errors[-1] <= TOLERANCE
 
 
+@pytest.mark.slow
 def test_the_ladder_is_close_throughout_in_overdrive(bench: Bench) -> None:
     """Errors of stiffness and mesh cancel there, so that they don't fall step by step; the last is below 1 %."""
     errors = ladder_errors(bench, 0.45, 0.35)

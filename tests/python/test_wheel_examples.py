@@ -49,6 +49,7 @@ def outside(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_car_launches_shifts_and_stops(car: ModuleType, outside: Path) -> None:
     run = car.main()
     time, torque, ratio = run["time"], run["primary.torque"], run["ratio.geometric"]
@@ -66,6 +67,7 @@ def test_the_car_launches_shifts_and_stops(car: ModuleType, outside: Path) -> No
     assert (outside / "car.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_a_clutch_with_too_steep_a_law_chatters(car: ModuleType, outside: Path) -> None:
     """What the rule for inertias outside guards against; until the clutch locks both are calm."""
     run = car.main(naive=True, end=3.0)

@@ -21,7 +21,7 @@ pub struct Arguments {
     /// Parameters that are fitted, between commas, each with or without a start value: friction.pulley=0.08,belt.play
     #[arg(long, value_name = "NAMES")]
     fit: Option<String>,
-    /// Fit on a coarse mesh, for a first look (half the time)
+    /// Fit on a coarse mesh, for a first look
     #[arg(long)]
     short: bool,
     /// Passed on to the program, such as --bounds belt.play=0:1e-3 or --variator belt155; `-- --help` lists its options

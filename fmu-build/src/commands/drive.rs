@@ -9,11 +9,10 @@ use crate::workspace::Workspace;
 /// Options of the drive.
 #[derive(Args)]
 pub struct Arguments {
-    /// Drive 30 s of the cycle instead of all 1800 s (15 seconds)
+    /// Drive 30 s of the cycle instead of all 1800 s
     #[arg(long)]
     short: bool,
     /// Run vehicle and control as FMUs too, coupled by an SSP package in ecos and libcosim, and compare with the drive
-    /// (20 seconds)
     #[arg(long)]
     cosim: bool,
     /// Passed on to the program; `-- --help` lists its options

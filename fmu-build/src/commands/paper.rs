@@ -13,7 +13,7 @@ const RINGS: &str = "paper_rings";
 /// Options of the paper's examples.
 #[derive(Args)]
 pub struct Arguments {
-    /// Run two load cases and coarse tests of rings (less than a minute)
+    /// Run two load cases and coarse tests of rings
     #[arg(long)]
     short: bool,
     /// Passed on to the program; `-- --help` lists its options

@@ -9,7 +9,7 @@ use crate::workspace::Workspace;
 /// Options of the study.
 #[derive(Args)]
 pub struct Arguments {
-    /// Solve for 60 points instead of 2288 (some seconds)
+    /// Solve for 60 points instead of 2288
     #[arg(long)]
     short: bool,
     /// Address of a dask scheduler, tcp://host:port [default: a cluster on this machine]

@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Run only the Python tests
     #[arg(long)]
     python: bool,
-    /// Build the portable FMU and run its win64 library in wine; builds exchange stored states (10 minutes)
+    /// Build the portable FMU and run its win64 library in wine; builds exchange stored states
     #[arg(long, conflicts_with_all = ["rust", "python"])]
     windows: bool,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! `cargo fmu validate`: the FMU beside theory and measurements, and a report.
+//! `cargo fmu validate`: comparison of the FMU with theory and measurements, and a report.
 
 use clap::Args;
 
@@ -9,7 +9,7 @@ use crate::workspace::Workspace;
 /// Options of the validation.
 #[derive(Args)]
 pub struct Arguments {
-    /// Solve for few points of each section (half a minute)
+    /// Solve for few points of each section
     #[arg(long)]
     short: bool,
     /// Passed on to the program, such as --section shifting; `-- --help` lists its options

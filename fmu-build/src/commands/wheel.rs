@@ -11,13 +11,13 @@ use crate::python::{Environment, PACKING};
 use crate::workspace::{MODEL_IDENTIFIER, Machines, Workspace, copy_tree};
 use crate::{cargo, licenses, progress};
 
-/// 1 January 1980, the first day that an archive can tell: the bytes of a wheel don't depend on when it was built.
+/// 1 January 1980, the first date that an archive can hold: the bytes of a wheel don't depend on when it was built.
 const DATE: &str = "315532800";
 
 /// What goes into the wheel, and where it goes.
 #[derive(Args)]
 pub struct Arguments {
-    /// Pack this FMU instead of building the portable one (seconds); it has the binaries that it has
+    /// Pack this FMU instead of building the portable one; it has the binaries that it has
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
     /// Folder that the wheel is written to [default: target/wheels]
@@ -71,7 +71,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Lays out what the build backend packs: the package with FMU and published data inside, and the licences beside it.
+/// Copies what the build backend packs: the package with FMU and published data inside, and the licences.
 fn lay_out(workspace: &Workspace, fmu: &Path, tree: &Path) -> anyhow::Result<()> {
     if tree.exists() {
         fs::remove_dir_all(tree).with_context(|| format!("can't remove {}", tree.display()))?;

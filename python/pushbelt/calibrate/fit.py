@@ -27,7 +27,7 @@ AT_BOUND = 1e-3
 RAISE = 1.1
 """Factor by which the friction is raised while points lack a steady state at the start."""
 PARTNER = 0.9
-"""Correlation from which on two parameters can hardly be told apart."""
+"""Correlation from which on two parameters can hardly be separated."""
 
 
 class FitError(RuntimeError):
@@ -41,7 +41,7 @@ class Undetermined:
     half: float
     """Half of its interval, in its coordinate; infinite if it moves nothing."""
     partner: str | None
-    """Parameter that it can't be told from."""
+    """Parameter that it can't be separated from."""
     correlation: float
 
 

@@ -56,7 +56,7 @@ class Model:
         self._solve = solve
 
     def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
-        """What the model says of all points, for several sets of values."""
+        """Results of the model at all points, for several sets of values."""
         jobs = [(values, point) for values in assignments for point in self.points]
         self.solves += len(jobs)
         found, count = self._solve(jobs), len(self.points)

@@ -39,7 +39,7 @@ def why_undetermined(estimate: Estimate) -> str:
     half = "any size" if reason.half > 1e3 else f"±{100.0 * reason.half:.0f} %"
     text = f"can't be identified from this table (its interval would be {half}), so it stays at its start value"
     if reason.partner is not None:
-        text += f"; the table can't tell it from {reason.partner} (correlation {reason.correlation:.2f})"
+        text += f"; the table can't separate it from {reason.partner} (correlation {reason.correlation:.2f})"
     return text
 
 
@@ -135,7 +135,7 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
 
 
 def _correlated(results: Results) -> list[tuple[str, str, float]]:
-    """Pairs of parameters that can hardly be told apart."""
+    """Pairs of parameters that can hardly be separated."""
     names = [estimate.parameter.name for estimate in results.fit.determined]
     matrix = results.fit.correlations
     return [

@@ -23,7 +23,7 @@ SHIFT_TOLERANCE = 1e-7
 """Tolerance of the integration in a shift: with 1e-6 differences over a third of `model.STEP` scatter by 4 %, with this
 by 0.6 %."""
 RATIO_TOLERANCE, MOST_SOLVES = 1e-8, 10
-"""Speed ratio met within this, relative, and steady states after which that is given up."""
+"""Speed ratio met within this, relative, and steady states after which the search ends."""
 
 Job = tuple[Mapping[str, float], Point]
 """Values of the fitted variables, and a point."""
@@ -31,7 +31,7 @@ Job = tuple[Mapping[str, float], Point]
 
 @dataclass(frozen=True)
 class Found:
-    """What the model says of a point."""
+    """Results of the model at a point."""
 
     values: Mapping[str, float]
     """Model values by quantity; none where there is no steady state."""
@@ -60,7 +60,7 @@ def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs:
 
 
 def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Point) -> Found:
-    """What the model says of a point; what the FMU refuses is a reason too."""
+    """Results of the model at a point; what the FMU refuses is a reason too."""
     if directory not in _open:
         _open[directory] = Variator(Archive(directory, fmpy.read_model_description(str(fmu))), {})
     try:
@@ -71,7 +71,7 @@ def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float]
 
 
 def solve(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
-    """What the model says of a point. Raises UnitError where the FMU refuses a call."""
+    """Results of the model at a point. Raises UnitError where the FMU refuses a call."""
     if point.shifting:
         return _shift(unit, parameters, point)
     if point.ratio is not None:
@@ -98,7 +98,7 @@ def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, f
 
 
 def _initialise(unit: Variator, values: Mapping[str, float], torque: float) -> Found | None:
-    """Starts in a steady state; if there is none, says why."""
+    """Starts in a steady state; if there is none, returns the reason."""
     unit.restart(values)
     unit.initialise()
     if unit.not_steady is None:

@@ -7,7 +7,7 @@ runs further in by the sum of both over the slope of the groove,
     Δϱ = −(w + g)/tan β.
 
 The points of the profile hold Δϱ and p, so the tilt that opens the groove is found from them: two unknowns and the arc's mean, by least
-squares. What is left over says whether the groove opens as that of a tilted cone.
+squares. The remainder shows whether the groove opens as that of a tilted cone.
 
 The moment is taken from the normal force at the points, scaled so that it gives the axial force. Its amount gives |ψ| by the law of the
 tilt. Its direction is less sure: the pressure has peaks of some millimetres at the borders of the arc, the points are 10 mm apart, and

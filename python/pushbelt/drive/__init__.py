@@ -5,6 +5,6 @@ Data flows one way, each step of 10 ms:
     cycle → driver → car (engine, launch clutch) ─┐
                      control → hydraulics ────────┴→ FMU (variator, vehicle as inertia) → measured → driver, control
 
-`thrust_map` asks the FMU for its steady states first. `simulate` runs the loop, `report` shows what came out;
+`thrust_map` solves for the FMU's steady states first. `simulate` runs the loop, `report` shows what came out;
 `python -m pushbelt.drive` does all of it.
 """

@@ -20,7 +20,7 @@ AIR_DENSITY = 1.2
 
 @dataclass(frozen=True)
 class Car:
-    """What `demoCar` in `resources/variators.json` says, and typical values for what it leaves open."""
+    """The values of `demoCar` in `resources/variators.json`, and typical values for the rest."""
 
     mass: float
     """kg."""

@@ -1,7 +1,7 @@
 """Controllers of the variator: clamping, slip, ratio. Discrete, one call a control step; SI units.
 
 They read what a transmission measures: speeds, the ratio (from a sheave position), the torque that the engine control
-estimates. Friction, geometry and the thrust-ratio map are what they know of the variator.
+estimates. Friction, geometry and the thrust-ratio map are all that they have of the variator.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Friction:
-    """What the clamping law needs to know of the belt."""
+    """Parameters of the belt in the clamping law."""
 
     coefficient: float
     """μ."""
@@ -187,7 +187,7 @@ class SlipControl:
 class RatioControl:
     """Primary clamping force from the thrust-ratio map and a PI controller on the shift speed.
 
-    The ratio error asks for a shift speed, λ* = clip(k (ln i* − ln i), ±λ_max) with λ = d(ln i)/dt. The belt shifts with
+    The ratio error demands a shift speed, λ* = clip(k (ln i* − ln i), ±λ_max) with λ = d(ln i)/dt. The belt shifts with
     the excess ε = ln(F_P/(κ F_S)) of the thrust ratio over the one that holds, λ = −ω_P F R(ε), so
 
         F_P = κ(i, u) F_S exp(R⁻¹(−λ*/(ω_P F))) − C (k_p e + k_i ∫e dt),   e = λ* − λ

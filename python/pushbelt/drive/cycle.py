@@ -68,7 +68,7 @@ def wltc_class_3b() -> Cycle:
 
     Raises CycleMissingError where its table is not installed.
     """
-    # Only the table is loaded. The package asks for a `jsonschema` that is too old for others, hence --no-deps.
+    # Only the table is loaded. The package requires a `jsonschema` that is too old for others, hence --no-deps.
     try:
         from wltp.cycles import class3
     except ModuleNotFoundError as error:

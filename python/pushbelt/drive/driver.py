@@ -11,7 +11,7 @@ from .piecewise import clip
 
 @dataclass(frozen=True)
 class Demand:
-    """What the driver asks for."""
+    """The driver's demands."""
 
     force: float
     """At the road, N: driving above 0, braking below."""
@@ -22,7 +22,7 @@ class Demand:
 
 
 class Driver:
-    """Looks ahead, knows the road load, and corrects by a PI controller.
+    """Feed-forward from the road load and the speed ahead, and a PI controller.
 
     F = m a_ref + F_road(v_ref) + m (k_p e + k_i ∫e dt), e = v_ref − v, with a_ref over the next half second. The
     integral stands still while the force is at a limit, and at standstill.

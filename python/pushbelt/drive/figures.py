@@ -142,7 +142,7 @@ def energy_shares(fixed: Run, slip: Run) -> Chart:
 
 
 def low_friction(fixed: Run, slip: Run) -> Chart:
-    """Slip, secondary force and loss of both strategies on a belt with less friction than they believe in."""
+    """Slip, secondary force and loss of both strategies on a belt with less friction than they assume."""
 
     def lines(values) -> list[Series]:
         return [

@@ -1,4 +1,4 @@
-"""Limits and linear interpolation of plain numbers: controllers ask for one at a time, where arrays are slow."""
+"""Limits and linear interpolation of plain numbers: controllers need one at a time, where arrays are slow."""
 
 from __future__ import annotations
 

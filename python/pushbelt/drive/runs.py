@@ -16,7 +16,7 @@ from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 
 LOW_FRICTION = 0.7
-"""Friction in the runs with low friction, as a share of what the controllers believe."""
+"""Friction in the runs with low friction, as a share of what the controllers assume."""
 
 FRAMES = 600
 """Moments of a drive at most at which the belt is recorded."""
@@ -39,7 +39,7 @@ class Plan:
     ring: str = "ALE"
     """Ring model of the first."""
     low_friction: tuple[float, float] = (10.0, 20.0)
-    """Section that both strategies drive with less friction than they believe in, s."""
+    """Section that both strategies drive with less friction than they assume, s."""
     trace: str = "wltc"
     """The cycle, a name in `CYCLES`."""
     variator: str = simulate.VARIATOR

@@ -23,7 +23,7 @@ from .transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, Transmi
 from .vehicle import Vehicle, VehicleSignals
 
 STEP = 0.01
-"""Communication and control step unless a set-up says otherwise, s."""
+"""Communication and control step unless a set-up has its own, s."""
 MESHES: Mapping[str, Mapping[str, float]] = {
     "coarse": {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3},
     "default": {},
@@ -77,7 +77,7 @@ class Setup:
     snapshots: tuple[float, ...] = ()
     """Times of the whole cycle at which the fields along the belt are recorded, s."""
     friction: float = 1.0
-    """Friction of the belt as a share of what the controllers believe."""
+    """Friction of the belt as a share of what the controllers assume."""
     variator: str = VARIATOR
     """Parameter set, or its file."""
     step: float = STEP
@@ -172,7 +172,7 @@ class Record:
             self.snapshots[self._moments[k]] = BeltState(unit.outputs(), unit.profile())
 
     def _utilisation(self, outputs: Outputs) -> float:
-        """Torque utilisation with the sign of the torque, by the friction that the controllers believe in."""
+        """Torque utilisation with the sign of the torque, by the friction that the controllers assume."""
         belt = self._friction
         capacity = slip_torque(
             belt.coefficient, belt.wedge_angle, outputs["secondary.axialForce"], outputs["primary.radius"]

@@ -33,13 +33,13 @@ SHIFT_SHARES = (0.3, 0.4, 0.55, 0.75, 1.3, 1.8, 2.4, 3.0)
 SHIFT_UTILISATIONS = (-0.3, 0.3)
 """Torque utilisations at which it is measured."""
 OTHER_FORCE = 5e3
-"""Secondary clamping force at which it is measured once more, N: that tells how it grows with force."""
+"""Secondary clamping force at which it is measured once more, N: the difference is its growth with force."""
 OTHER_SHARES, OTHER_UTILISATION = (0.75, 1.3), 0.3
 """Primary forces, as shares of what holds the ratio, and torque utilisation there."""
 STILL = 1e-4
 """Slip that a step of the utilisation moves by at least, where both of its ends are steady states."""
 NEARBY = 0.2
-"""How far the excess may be from where it is believed to be, for the shift gain."""
+"""How far the excess may be from the expected place, for the shift gain."""
 SHIFT_TIME, SHIFT_STEP, SHIFT_REACH = 0.1, 0.005, 0.05
 """For how long, s, in which steps, s, and over which change of ln i at most."""
 

@@ -12,7 +12,7 @@ from .piecewise import clip
 from .thrust_map import ThrustMap
 
 RATIO_LIMITS = 0.46, 2.2
-"""Ratios that the strategy asks for; the car starts at the upper one."""
+"""Range of the target ratio; the car starts at the upper end."""
 START_PRESSURE = 8e5
 """Of both circuits, Pa."""
 

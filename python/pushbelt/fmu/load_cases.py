@@ -18,7 +18,7 @@ TORQUE_TOLERANCE = 1e-4
 """Belt torque met within this, relative."""
 
 MOST_EVALUATIONS = 20
-"""Evaluations after which the search is given up."""
+"""Evaluations after which the search ends."""
 
 DRIFT_TIME = 0.2
 """How long a steady state is stepped on to see whether it stays, s."""

@@ -107,7 +107,7 @@ class Variator:
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._record)
         # fmpy hands the messages of all instances to the logger that was registered last: none may ever be freed, and
-        # the environment tells whose message it is.
+        # the environment identifies the instance of a message.
         self._callbacks.componentEnvironment = id(self.log)
         self._logs[id(self.log)] = self.log
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(self._callbacks))
@@ -290,12 +290,12 @@ class Variator:
         free.argtypes, free.restype = [ctypes.c_void_p], None
         text = ctypes.c_void_p()
 
-        def ask() -> None:
+        def call() -> None:
             if function(self._slave.component, frequency, ctypes.byref(text)) > fmi2.fmi2Warning:
                 raise UnitError("pushbeltLinearize failed")
 
         try:
-            self._call(ask)
+            self._call(call)
             return json.loads(ctypes.string_at(text))
         finally:
             free(text)

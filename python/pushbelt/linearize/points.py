@@ -111,7 +111,7 @@ def _words(name: str, text: str) -> list[str]:
         return [word.strip() for word in text.split(",")]
     first, last = (_number(name, word) for word in parts[:2])
     if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= 1000:
-        raise PointError(f"{name}={text}: the last number says how many values there are, 2 to 1000")
+        raise PointError(f"{name}={text}: the last number is the count of values, 2 to 1000")
     return [repr(float(value)) for value in np.linspace(first, last, int(parts[2]))]
 
 

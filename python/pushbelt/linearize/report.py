@@ -57,7 +57,7 @@ def chosen(grid: LinearGrid) -> Drawn:
 
 
 def title(grid: LinearGrid, point: dict[str, float]) -> str:
-    """What tells a point from the others."""
+    """What distinguishes a point from the others."""
     several = {name: value for name, value in point.items() if len(grid.axes[name]) > 1} or point
     return ", ".join(f"{name} {value:.4g} {UNITS.get(name, '')}".rstrip() for name, value in several.items())
 

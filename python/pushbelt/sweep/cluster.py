@@ -118,7 +118,7 @@ def rows(
     """Rows of the chunks as they finish; `waiting` is called now and then.
 
     Chunks of a worker that is lost go to another. A chunk that loses one worker after the other is taken apart: its
-    points come last, each with no other on its way, so that the one that kills is told from its neighbours.
+    points come last, each with no other on its way, so that the one that kills is distinguished from its neighbours.
     """
     given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
     suspects: list[Any] = []
@@ -146,7 +146,7 @@ def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[
             time.sleep(POLL)
             continue
         for future in futures.next_batch(block=False):
-            # A worker that dies with a result nobody has fetched takes it along: it is on its way again.
+            # A result that was not fetched is lost with its worker: it is solved for again.
             if future.status in ("pending", "lost"):
                 futures.add(future)
             else:

@@ -56,7 +56,7 @@ def measure(study: Study, scheduler: str | None, workers: int | None) -> Speed:
 def table(study: Study, scheduler: str | None, workers: int | None) -> str:
     """A table of what a cluster does: with one worker and with two, or as it was asked for.
 
-    The load of this machine before says whether the workers had it to themselves.
+    The load of this machine before shows whether other programs were running.
     """
     busy = f"Of {os.cpu_count()} processors here {os.getloadavg()[0]:.1f} were asked for before." if LOAD else ""
     counts = [workers] if scheduler or workers else [1, 2]

@@ -41,7 +41,7 @@ class Point:
 
 
 def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, float]:
-    """What a point sets, by FMU variable; of the parameters it takes the geometry, to know the torque.
+    """What a point sets, by FMU variable; the torque follows from the geometry among the parameters.
 
     Plain numbers: workers can't load the enumerations of this package.
     """

@@ -1,7 +1,7 @@
 """The FMU beside the continuum theory at the FMU's own radii, torque and force; and what leads it into the theory's
 limit.
 
-The theory knows no ring friction, no play, no compression of contact and chain, no losses of layers and shafts, and
+The theory has no ring friction, no play, no compression of contact and chain, no losses of layers and shafts, and
 friction
 that doesn't fall. In its limit the FMU has none of that either; at default parameters it has all of it.
 """
@@ -251,7 +251,7 @@ def cases(bench: Bench, ratios: Sequence[float] = RATIOS) -> list[tuple[float, f
 
 
 def limit_case(bench: Bench, ratio: float, traction: float, level: Level = LIMIT) -> StartValues:
-    """Settings of a steady start in the theory's limit, with the shaft torque that the theory asks for."""
+    """Settings of a steady start in the theory's limit, with the shaft torque of the theory."""
     beta, mu = bench.given("geometry.wedgeAngle"), bench.given("friction.pulley")
     wrap_p, wrap_s, radius_p, radius_s = _geometry(bench, ratio)
     theory = cmm.variator(wrap_p, wrap_s, beta, mu, traction)

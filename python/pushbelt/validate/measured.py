@@ -37,9 +37,9 @@ THEORY = Source(
 )
 """The continuum theory."""
 ESTIMATE = Source("engineering value", "estimate, no measurement of a variator alone is public")
-"""What nobody has published."""
+"""Not published."""
 OWN = Source("requirement of this model", "follows from what its parameters mean")
-"""What a parameter that nobody knows well may move."""
+"""Effect of an uncertain parameter."""
 
 
 def opening(force: float) -> float:

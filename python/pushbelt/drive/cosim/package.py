@@ -1,6 +1,6 @@
 """The system as a package: `drive.ssp`, System Structure and Parameterization 1.0.
 
-One table, `WIRES`, says what is connected; a variable has the same name in every unit.
+One table, `WIRES`, lists the connections; a variable has the same name in every unit.
 """
 
 from __future__ import annotations

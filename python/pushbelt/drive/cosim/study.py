@@ -99,15 +99,15 @@ def build(fmu: Path, table: thrust_map.ThrustMap, plan: Plan, folder: Path) -> P
     """Writes the package and the FMUs in it to a folder; returns its path."""
     vehicle, control = fmus.build(folder, table)
     parameters = simulate.unit_parameters(demo_car(), "ALE", "coarse")
-    # libcosim knows no enumerations; ALE is the default of the FMU.
+    # libcosim has no enumerations; ALE is the default of the FMU.
     del parameters["ring.model"]
     start, stop = plan.section
-    believed = {name: parameters[name] for name in ("friction.pulley", "geometry.wedgeAngle")}
+    assumed = {name: parameters[name] for name in ("friction.pulley", "geometry.wedgeAngle")}
     path = folder / PACKAGE
     components = {
         "variator": package.Component(fmu, {**parameters, **simulate.at_rest()}),
         "vehicle": package.Component(vehicle, {"cycle.start": start, "cycle.stop": stop}),
-        "control": package.Component(control, {"slipControl": plan.strategy == "slip", **believed}),
+        "control": package.Component(control, {"slipControl": plan.strategy == "slip", **assumed}),
     }
     package.write(path, components, plan.duration)
     return path

@@ -14,7 +14,7 @@ MAP_FILE = "thrust-ratio-map.csv"
 
 
 class Unit(Fmi2Slave):
-    """A unit whose variables live in `values`, by name: SI units, numbers or Booleans."""
+    """A unit with its variables in `values`, by name: SI units, numbers or Booleans."""
 
     author = "The pushbelt developers"
 
@@ -33,7 +33,7 @@ class Unit(Fmi2Slave):
         """Advances from a time by a step, s."""
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
-        """The model description. pythonfmu leaves out the initial unknowns, which importers ask for."""
+        """The model description. pythonfmu leaves out the initial unknowns, which importers require."""
         root = super().to_xml(model_options or {})
         structure = root.find("ModelStructure")
         unknowns = SubElement(structure, "InitialUnknowns")

@@ -41,7 +41,7 @@ NO_TORQUE_FORCES, NO_TORQUE_SPEED = (10e3, 20e3), 104.72
 """N, rad/s: a published state of the laboratory rig."""
 
 VARIANTS = (({}, ""), ({"friction.ring": 0.0}, ", no ring friction"))
-"""Changed parameters: the theory knows no ring friction."""
+"""Changed parameters: the theory has no ring friction."""
 
 COLUMNS = (
     Column("Case"),
@@ -180,7 +180,7 @@ def _without_torque(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
 
 
 def _theory_table(bench: Bench, plan: Plan) -> Table:
-    """The theory alone, for those who want to compare with another model."""
+    """The theory alone, for comparison with another model."""
     belt = against_theory.belt_of(bench)
     tractions = plan.thin((-0.5, -0.4, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5))
     rows = []

@@ -114,7 +114,7 @@ def run(bench: Bench, plan: Plan) -> Section:
     return Section(
         "sensitivity",
         "Which parameter moves what",
-        "One parameter at a time, about the default parameters. Where a number nobody knows well moves much, "
+        "One parameter at a time, about the default parameters. Where an uncertain number moves much, "
         "calibrate it.",
         _checks(relative),
         (

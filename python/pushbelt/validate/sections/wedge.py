@@ -1,6 +1,6 @@
 """A wedge angle of 9° instead of 11°, in overdrive.
 
-The torque of full slip, 2 μ F R/cos β, hardly knows the angle at equal force. The ring's tension does: without torque
+The torque of full slip, 2 μ F R/cos β, hardly depends on the angle at equal force. The ring's tension does: without torque
 it is about 2 tan β F/α. So the gain in capacity is read at equal ring tension, each angle at the same safety factor.
 Under torque part of the tension comes from the torque, whatever the angle. The source doesn't say which it means.
 """

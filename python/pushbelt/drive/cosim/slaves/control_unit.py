@@ -20,13 +20,13 @@ class ControlUnit(Unit):
 
     def __init__(self, **keywords: object) -> None:
         super().__init__(**keywords)
-        believed = parameter_set("bench168")
+        assumed = parameter_set("bench168")
         self.declare(
             PARAMETER,
             {
                 "slipControl": (True, "Slip control, otherwise a fixed safety factor"),
-                "friction.pulley": (believed["friction.pulley"], "Friction that the control believes in, 1"),
-                "geometry.wedgeAngle": (believed["geometry.wedgeAngle"], "Half the wedge angle, rad"),
+                "friction.pulley": (assumed["friction.pulley"], "Friction that the control assumes, 1"),
+                "geometry.wedgeAngle": (assumed["geometry.wedgeAngle"], "Half the wedge angle, rad"),
             },
         )
         self.declare(
