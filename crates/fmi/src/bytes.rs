@@ -7,7 +7,7 @@
 //! Numbers are little-endian. The GUID stands for the variable table and so for the meaning of the settings. The
 //! checksum is over all before it. Bytes that do not fit are refused with a sentence that names the reason.
 
-use super::hash::Fnv;
+use super::hash;
 
 /// How stored states begin.
 const MAGIC: &[u8; 8] = b"FMUstate";
@@ -23,10 +23,10 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEAD + content.len() + CHECKSUM);
     bytes.extend_from_slice(MAGIC);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
-    bytes.extend_from_slice(&Fnv::of(guid.as_bytes()).to_le_bytes());
+    bytes.extend_from_slice(&hash::of_bytes(guid.as_bytes()).to_le_bytes());
     bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
     bytes.extend_from_slice(content);
-    let checksum = Fnv::of_words(&bytes);
+    let checksum = hash::of_words(&bytes);
     bytes.extend_from_slice(&checksum.to_le_bytes());
     bytes
 }
@@ -49,7 +49,7 @@ pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> 
         ));
     }
     let (owner, rest) = rest.split_first_chunk().ok_or_else(too_short)?;
-    if u128::from_le_bytes(*owner) != Fnv::of(guid.as_bytes()) {
+    if u128::from_le_bytes(*owner) != hash::of_bytes(guid.as_bytes()) {
         return Err(format!(
             "the stored state is that of an FMU with another GUID than {guid}"
         ));
@@ -63,7 +63,7 @@ pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> 
         ));
     }
     let (content, checksum) = rest.split_last_chunk().ok_or_else(too_short)?;
-    if u128::from_le_bytes(*checksum) != Fnv::of_words(&bytes[..HEAD + content.len()]) {
+    if u128::from_le_bytes(*checksum) != hash::of_words(&bytes[..HEAD + content.len()]) {
         return Err("the stored state is damaged: its checksum is wrong".into());
     }
     Ok(content)

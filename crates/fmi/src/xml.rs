@@ -1,60 +1,109 @@
-//! Elements and numbers of a description, whatever its version.
+//! XML as a tree of elements.
 
-use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::fmt::Display;
 
-use quick_xml::writer::Writer;
-
-use super::hash::Fnv;
-
-/// Names and values of an element's attributes.
-pub(super) type Attributes = Vec<(&'static str, String)>;
-
-/// A hash in the form of a GUID.
-pub(super) fn token(hash: &Fnv) -> String {
-    let digits = format!("{:032x}", hash.value());
-    format!(
-        "{{{}-{}-{}-{}-{}}}",
-        &digits[..8],
-        &digits[8..12],
-        &digits[12..16],
-        &digits[16..20],
-        &digits[20..]
-    )
+/// An element with attributes and children.
+pub(super) struct Element {
+    tag: &'static str,
+    attributes: Vec<(&'static str, String)>,
+    children: Vec<Element>,
 }
 
-/// An element without content.
-pub(super) fn empty<W: Write>(xml: &mut Writer<W>, tag: &str, attributes: Attributes) -> io::Result<()> {
-    let mut element = xml.create_element(tag);
-    for (name, value) in &attributes {
-        element = element.with_attribute((*name, value.as_str()));
+impl Element {
+    pub(super) fn new(tag: &'static str) -> Self {
+        Self {
+            tag,
+            attributes: Vec::new(),
+            children: Vec::new(),
+        }
     }
-    element.write_empty().map(|_| ())
-}
 
-/// An element with content.
-pub(super) fn parent<W: Write>(
-    xml: &mut Writer<W>,
-    tag: &str,
-    attributes: Attributes,
-    content: impl FnOnce(&mut Writer<W>) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut element = xml.create_element(tag);
-    for (name, value) in &attributes {
-        element = element.with_attribute((*name, value.as_str()));
+    /// With one more attribute.
+    pub(super) fn with(mut self, name: &'static str, value: impl Display) -> Self {
+        self.attributes.push((name, value.to_string()));
+        self
     }
-    element.write_inner_content(content).map(|_| ())
+
+    /// With one more attribute, if it has a value.
+    pub(super) fn with_some(self, name: &'static str, value: Option<impl Display>) -> Self {
+        match value {
+            Some(value) => self.with(name, value),
+            None => self,
+        }
+    }
+
+    /// With one more child.
+    pub(super) fn child(mut self, child: Self) -> Self {
+        self.children.push(child);
+        self
+    }
+
+    /// With a child of this name around other elements, if there are any.
+    pub(super) fn list(self, tag: &'static str, elements: impl IntoIterator<Item = Self>) -> Self {
+        let list = Self::new(tag).children(elements);
+        if list.children.is_empty() {
+            self
+        } else {
+            self.child(list)
+        }
+    }
+
+    /// With more children.
+    pub(super) fn children(mut self, children: impl IntoIterator<Item = Self>) -> Self {
+        self.children.extend(children);
+        self
+    }
+
+    /// A file with this element.
+    pub(super) fn document(&self) -> String {
+        let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
+        self.write(&mut text, 0);
+        text
+    }
+
+    fn write(&self, text: &mut String, indent: usize) {
+        let tag = self.tag;
+        *text += &format!("{:indent$}<{tag}", "");
+        for (name, value) in &self.attributes {
+            *text += &format!(" {name}=\"{}\"", escaped(value));
+        }
+        if self.children.is_empty() {
+            *text += "/>\n";
+            return;
+        }
+        *text += ">\n";
+        for child in &self.children {
+            child.write(text, indent + 2);
+        }
+        *text += &format!("{:indent$}</{tag}>\n", "");
+    }
 }
 
-/// The shortest decimal text that reads back as the same number.
-pub(super) fn number(value: f64) -> String {
-    let mut text = String::new();
-    let size = value.abs();
-    let written = if size == 0.0 || (1e-4..1e6).contains(&size) {
-        write!(text, "{value}")
-    } else {
-        write!(text, "{value:e}")
-    };
-    written.expect("memory takes all text");
+fn escaped(value: &str) -> String {
+    let mut text = String::with_capacity(value.len());
+    for character in value.chars() {
+        match character {
+            '&' => text += "&amp;",
+            '<' => text += "&lt;",
+            '>' => text += "&gt;",
+            '"' => text += "&quot;",
+            '\'' => text += "&apos;",
+            other => text.push(other),
+        }
+    }
     text
+}
+
+/// A number in the shortest decimal text that reads back as the same number.
+pub(super) struct Number(pub f64);
+
+impl Display for Number {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let size = self.0.abs();
+        if size == 0.0 || (1e-4..1e6).contains(&size) {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
 }
