@@ -4,12 +4,12 @@
 //! "FMUstate"  version  GUID hash  length of the content  content            checksum
 //! 8 bytes     4        16         8                      length             16
 //! ```
-//! Numbers are little-endian. The GUID stands for the variable table and so for the meaning of the settings. The
-//! checksum is over all before it. Bytes that do not fit are refused with a sentence that names the reason.
+//! Numbers are little-endian. The GUID identifies the variable table and so the meaning of the settings. The
+//! checksum covers all bytes before it. Bytes that do not fit are refused with the reason.
 
 use super::hash;
 
-/// How stored states begin.
+/// The first bytes of a stored state.
 const MAGIC: &[u8; 8] = b"FMUstate";
 /// Version of the layout, to be raised with every change of what is stored.
 const VERSION: u32 = 9;
@@ -31,10 +31,10 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The content, if the bytes are whole and meant for this FMU.
+/// The content, if the bytes are complete and a state of this FMU.
 ///
 /// # Errors
-/// A sentence that says what is wrong.
+/// The reason, as a sentence.
 pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
     let too_short = || format!("{} bytes are no stored state: they end too early", bytes.len());
     let (magic, rest) = bytes.split_first_chunk::<8>().ok_or_else(too_short)?;
@@ -58,7 +58,7 @@ pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> 
     let expected = u64::from_le_bytes(*length).checked_add(CHECKSUM as u64);
     if expected != Some(rest.len() as u64) {
         return Err(format!(
-            "the stored state is incomplete or followed by something else: {} bytes",
+            "the stored state is incomplete or followed by other bytes: {} bytes",
             bytes.len()
         ));
     }

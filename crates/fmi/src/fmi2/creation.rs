@@ -44,7 +44,7 @@ impl Sink for Importer {
 ///
 /// # Safety
 /// The strings and `functions` are null or valid during the call; the logger in it can be called, with the environment
-/// beside it, until the instance is freed.
+/// in it, until the instance is freed.
 pub(super) unsafe fn instantiate<U: Unit>(
     name: *const c_char,
     fmu_type: c_int,

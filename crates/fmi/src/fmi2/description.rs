@@ -65,8 +65,8 @@ fn scalar_variable<S, R>(variable: &Variable<S, R>, settings: &S) -> Element {
     head.child(typed(Element::new(tag), variable, settings))
 }
 
-/// In a run no output depends directly on an input: all effects pass through states. In initialisation mode the
-/// outputs do depend on parameters and inputs, since a steady start solves for them, so no list is given there.
+/// In a run no output depends directly on an input: all effects pass through states. In initialisation mode outputs may depend on
+/// parameters and inputs, so there is no list.
 fn model_structure<S, R>(table: &Table<S, R>) -> Element {
     let unknowns = || {
         let numbered = table.variables().iter().zip(1..);

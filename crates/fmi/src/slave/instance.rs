@@ -137,7 +137,7 @@ impl<U: Unit> Slave<U> {
     /// a warning among them the status is a warning.
     ///
     /// # Errors
-    /// The call is not allowed now, or the query gives an error.
+    /// The call is not allowed now, or the query fails.
     pub fn query<T>(
         &mut self,
         query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<T, String>,
