@@ -25,7 +25,7 @@ struct Column {
 /// are its states. A warning for each thing in which the point is not the one that was given.
 ///
 /// # Errors
-/// A sentence that says why there is none.
+/// The reason, as a sentence.
 pub fn model<R: Rings>(
     unit: &mut UnitWith<R>,
     settings: &Settings<R>,

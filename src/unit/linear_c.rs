@@ -1,6 +1,6 @@
 //! The C functions beyond the standard: the linear model of an instance. `resources/pushbelt.h` declares them for C.
 
-use std::ffi::c_char;
+use libc::c_char;
 
 use super::linear;
 use super::variator_unit::VariatorUnit;

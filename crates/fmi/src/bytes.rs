@@ -4,12 +4,12 @@
 //! "FMUstate"  version  GUID hash  length of the content  content            checksum
 //! 8 bytes     4        16         8                      length             16
 //! ```
-//! Numbers are little-endian. The GUID stands for the variable table and so for the meaning of the settings. The
-//! checksum is over all before it. Bytes that do not fit are refused with a sentence that names the reason.
+//! Numbers are little-endian. The GUID identifies the variable table and so the meaning of the settings. The
+//! checksum covers all bytes before it. Bytes that do not fit are refused with the reason.
 
-use super::hash::Fnv;
+use super::hash;
 
-/// How stored states begin.
+/// The first bytes of a stored state.
 const MAGIC: &[u8; 8] = b"FMUstate";
 /// Version of the layout, to be raised with every change of what is stored.
 const VERSION: u32 = 9;
@@ -23,18 +23,18 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEAD + content.len() + CHECKSUM);
     bytes.extend_from_slice(MAGIC);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
-    bytes.extend_from_slice(&Fnv::of(guid.as_bytes()).to_le_bytes());
+    bytes.extend_from_slice(&hash::of_bytes(guid.as_bytes()).to_le_bytes());
     bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
     bytes.extend_from_slice(content);
-    let checksum = Fnv::of_words(&bytes);
+    let checksum = hash::of_words(&bytes);
     bytes.extend_from_slice(&checksum.to_le_bytes());
     bytes
 }
 
-/// The content, if the bytes are whole and meant for this FMU.
+/// The content, if the bytes are complete and a state of this FMU.
 ///
 /// # Errors
-/// A sentence that says what is wrong.
+/// The reason, as a sentence.
 pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
     let too_short = || format!("{} bytes are no stored state: they end too early", bytes.len());
     let (magic, rest) = bytes.split_first_chunk::<8>().ok_or_else(too_short)?;
@@ -49,7 +49,7 @@ pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> 
         ));
     }
     let (owner, rest) = rest.split_first_chunk().ok_or_else(too_short)?;
-    if u128::from_le_bytes(*owner) != Fnv::of(guid.as_bytes()) {
+    if u128::from_le_bytes(*owner) != hash::of_bytes(guid.as_bytes()) {
         return Err(format!(
             "the stored state is that of an FMU with another GUID than {guid}"
         ));
@@ -58,12 +58,12 @@ pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> 
     let expected = u64::from_le_bytes(*length).checked_add(CHECKSUM as u64);
     if expected != Some(rest.len() as u64) {
         return Err(format!(
-            "the stored state is incomplete or followed by something else: {} bytes",
+            "the stored state is incomplete or followed by other bytes: {} bytes",
             bytes.len()
         ));
     }
     let (content, checksum) = rest.split_last_chunk().ok_or_else(too_short)?;
-    if u128::from_le_bytes(*checksum) != Fnv::of_words(&bytes[..HEAD + content.len()]) {
+    if u128::from_le_bytes(*checksum) != hash::of_words(&bytes[..HEAD + content.len()]) {
         return Err("the stored state is damaged: its checksum is wrong".into());
     }
     Ok(content)

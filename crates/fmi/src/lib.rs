@@ -7,7 +7,7 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`table`] | variables; each fact about a variable stands there once |
+//! | [`table`] | variables; the only place for facts about a variable |
 //! | [`mod@unit`] | the trait of a model |
 //! | [`state`] | which function the standard allows in which state (its table 4.2.4) |
 //! | [`slave`] | one instance: its calls, for both versions |
@@ -69,3 +69,7 @@ pub use slave::Slave;
 pub use snapshot::Snapshot;
 pub use table::Table;
 pub use unit::Unit;
+
+/// The C types of the exported functions, for the macros of this crate.
+#[doc(hidden)]
+pub use libc;

@@ -6,11 +6,11 @@
 pub enum Status {
     /// The call was done.
     Ok = 0,
-    /// The call was done; a message says what may be wrong.
+    /// The call was done; a message has a warning.
     Warning = 1,
     /// A value was not taken, or a step was not completed; another value or a smaller step may work.
     Discard = 2,
-    /// The call failed; the run can't go on without reset or a stored state.
+    /// The call failed; the run can't continue without reset or a stored state.
     Error = 3,
     /// All instances are lost. Never returned here.
     Fatal = 4,
@@ -23,7 +23,7 @@ pub enum Status {
 pub enum Category {
     /// Why a call failed.
     Error,
-    /// What looks wrong but lets the run go on.
+    /// What may be wrong; the run continues.
     Warning,
     /// Why a value or a step was discarded.
     Discard,
@@ -57,7 +57,7 @@ impl Category {
         }
     }
 
-    /// The bit that stands for the category in [`Log::enabled`].
+    /// The bit of the category in [`Log::enabled`].
     fn bit(self) -> u8 {
         1 << self as u8
     }
@@ -87,7 +87,7 @@ pub struct Log {
 
 impl Log {
     /// Errors, warnings and discarded steps are logged even when debug logging is off: they are no debugging aid, and
-    /// an importer that does not want them passes no logger.
+    /// an importer without use for them passes no logger.
     const QUIET: [Category; 3] = [Category::Error, Category::Warning, Category::Discard];
 
     /// A log into `sink`, if there is one, for FMI 2.0.
@@ -118,7 +118,7 @@ impl Log {
         self.choose(self.debug, &[]);
     }
 
-    /// Chooses what is logged: with `debug` the given categories, or all if none is given, and errors.
+    /// Chooses what is logged: with `debug` these categories, or all if there are none here, and errors.
     pub fn choose(&mut self, debug: bool, categories: &[Category]) {
         let categories = match (debug, categories.is_empty()) {
             (false, _) => self.quiet,

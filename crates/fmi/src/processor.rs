@@ -1,5 +1,5 @@
-//! Whether the processor has what the code is compiled for. Asked before anything else, in a function that does nothing
-//! else: an instruction that the processor lacks would end the host.
+//! Whether the processor has what the code is compiled for. Checked first, in a function that does nothing
+//! else: an instruction that the processor lacks ends the host.
 
 use std::ffi::CStr;
 
@@ -29,12 +29,12 @@ pub const OBJECTION3: &CStr = objection!("fmi3InstantiateCoSimulation");
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 #[must_use]
 pub fn suffices() -> bool {
-    // Where the compiler may use AVX2, the standard library does not ask the processor for it. It does ask processor and
+    // Where the compiler may use AVX2, the standard library does not check the processor for it. It does check processor and
     // operating system for FMA and BMI2, and no processor has these two without AVX2.
     std::arch::is_x86_feature_detected!("fma") && std::arch::is_x86_feature_detected!("bmi2")
 }
 
-/// Whether the processor has what the code is compiled for: nothing beyond the architecture's first processors is asked for.
+/// Whether the processor has what the code is compiled for: the code needs nothing beyond the architecture's first processors.
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
 #[must_use]
 pub fn suffices() -> bool {

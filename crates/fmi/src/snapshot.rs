@@ -39,7 +39,7 @@ impl<U: Unit> Snapshot<U> {
     /// The state as bytes, for an FMU with this GUID.
     ///
     /// # Errors
-    /// A sentence that says why there are none.
+    /// The reason, as a sentence.
     pub(super) fn to_bytes(&self, table: &Table<U::Settings, U::Readings>, guid: &str) -> Result<Vec<u8>, String> {
         let mut tape = Tape::writer();
         self.clone().serialize(table, &mut tape)?;
@@ -49,7 +49,7 @@ impl<U: Unit> Snapshot<U> {
     /// The state that bytes of an FMU with this GUID hold.
     ///
     /// # Errors
-    /// A sentence that says what is wrong with them.
+    /// The reason, as a sentence.
     pub(super) fn from_bytes(
         table: &Table<U::Settings, U::Readings>,
         guid: &str,

@@ -20,7 +20,7 @@ const LARGEST: u64 = 1 << 20;
 /// The settings that an instance starts from: those of the file in this folder over the defaults; none if there is no file.
 ///
 /// # Errors
-/// A sentence that names file, line, variable and value.
+/// The reason, as a sentence with file, line, variable and value.
 pub fn read<U: Unit>(resources: &Path) -> Result<Option<U::Settings>, String> {
     let path = resources.join(FILE);
     let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());

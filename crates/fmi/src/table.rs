@@ -32,7 +32,7 @@ pub struct Item {
     pub name: &'static str,
     /// Number that is exchanged.
     pub value: i32,
-    /// What it stands for.
+    /// Its meaning.
     pub description: &'static str,
 }
 
@@ -149,7 +149,7 @@ impl Range {
     }
 }
 
-/// Type of a variable with what belongs to it.
+/// Type of a variable, with limits and field.
 pub enum Kind<S, R> {
     /// A real number.
     Real {
@@ -208,7 +208,7 @@ impl Display for Value {
 pub struct Variable<S, R> {
     /// Name, structured by dots and brackets.
     pub name: String,
-    /// Value reference: the handle of the variable, never changed once given.
+    /// Value reference: the handle of the variable, which never changes.
     pub reference: u32,
     /// What the variable is, in one phrase.
     pub description: String,
@@ -218,33 +218,21 @@ pub struct Variable<S, R> {
     pub kind: Kind<S, R>,
 }
 
-/// Why a value was not accepted.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Inadmissible {
+/// Why a value was not accepted: a sentence with name, value and allowed range.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Inadmissible(String);
+
+impl Inadmissible {
     /// The value is NaN or infinite.
-    #[error("{name} = {value} is not a finite number")]
-    NotFinite {
-        /// Name of the variable.
-        name: String,
-        /// The value that was not accepted.
-        value: f64,
-    },
-    /// The value is out of its range.
-    #[error("{name} = {value} is out of range: {range}")]
-    OutOfRange {
-        /// Name of the variable.
-        name: String,
-        /// The value that was not accepted.
-        value: Value,
-        /// Allowed values.
-        range: String,
-    },
+    pub(crate) fn not_finite(name: &str, value: f64) -> Self {
+        Self(format!("{name} = {value} is not a finite number"))
+    }
+
     /// The variable is an output or a local.
-    #[error("{name} is calculated and can't be set")]
-    Calculated {
-        /// Name of the variable.
-        name: String,
-    },
+    pub(crate) fn calculated(name: &str) -> Self {
+        Self(format!("{name} is calculated and can't be set"))
+    }
 }
 
 /// An input that is beyond a limit by less than this, in its unit, is taken for the limit. Another model that ends at
@@ -310,8 +298,7 @@ impl<S, R> Variable<S, R> {
     /// The value is not admissible, or the variable is no setting; nothing has changed.
     pub fn set(&self, settings: &mut S, value: Value) -> Result<(), Inadmissible> {
         if !self.causality.is_setting() {
-            let name = self.name.clone();
-            return Err(Inadmissible::Calculated { name });
+            return Err(Inadmissible::calculated(&self.name));
         }
         match (&self.kind, self.admit(value)?) {
             (Kind::Real { access, .. }, Value::Real(value)) => access.write(settings, value),
@@ -345,10 +332,7 @@ impl<S, R> Variable<S, R> {
             return Ok(value);
         };
         if !value.is_finite() {
-            return Err(Inadmissible::NotFinite {
-                name: self.name.clone(),
-                value,
-            });
+            return Err(Inadmissible::not_finite(&self.name, value));
         }
         let exceeded = match (range.min, range.max) {
             (Some(min), _) if value < min => min,
@@ -358,7 +342,7 @@ impl<S, R> Variable<S, R> {
         if self.causality == Causality::Input && (value - exceeded).abs() < ROUNDING {
             return Ok(exceeded);
         }
-        Err(self.out_of_range(Value::Real(value), range.text(unit)))
+        Err(self.out_of_range(Value::Real(value), &range.text(unit)))
     }
 
     /// Checks an integer or an enumeration value against the limits; the value to be set.
@@ -388,12 +372,11 @@ impl<S, R> Variable<S, R> {
             }
             _ => return Ok(value),
         };
-        Err(self.out_of_range(Value::Integer(value), range))
+        Err(self.out_of_range(Value::Integer(value), &range))
     }
 
-    fn out_of_range(&self, value: Value, range: String) -> Inadmissible {
-        let name = self.name.clone();
-        Inadmissible::OutOfRange { name, value, range }
+    fn out_of_range(&self, value: Value, range: &str) -> Inadmissible {
+        Inadmissible(format!("{} = {value} is out of range: {range}", self.name))
     }
 }
 
@@ -457,7 +440,7 @@ impl std::fmt::Display for Retired {
 }
 
 impl<S, R> Table<S, R> {
-    /// A table of the given variables, in the order in which they appear in the description.
+    /// A table of these variables, in the order in which they appear in the description.
     #[must_use]
     pub fn new(
         units: &'static [UnitDefinition],

@@ -10,7 +10,7 @@ pub struct Experiment {
     pub tolerance: Option<f64>,
     /// Start time, s.
     pub start: f64,
-    /// Time beyond which the master will not step, if it gives one, s.
+    /// Time beyond which the master does not step, if it is defined, s.
     pub stop: Option<f64>,
 }
 
@@ -85,7 +85,7 @@ pub enum StepFailure {
     /// A setting is out of its range; nothing was changed.
     #[error("{0}")]
     Setting(String),
-    /// The step was completed in part. It ended at [`Unit::time`], and a shorter step may go on from there.
+    /// The step was completed in part. It ended at [`Unit::time`], and a shorter step may continue from there.
     #[error("{0}")]
     Discarded(String),
 }
@@ -139,7 +139,7 @@ pub trait Unit: Clone + Sized {
     /// Checks the settings as a whole, when a tunable parameter changes during a run.
     ///
     /// # Errors
-    /// A sentence that names variable, value and allowed range.
+    /// The reason, as a sentence with variable, value and allowed range.
     fn check(_settings: &Self::Settings) -> Result<(), String> {
         Ok(())
     }
@@ -147,13 +147,14 @@ pub trait Unit: Clone + Sized {
     /// Builds the model and finds its state at the start.
     ///
     /// # Errors
-    /// A sentence that gives the reason.
+    /// The reason, as a sentence.
     fn start(settings: &Self::Settings, experiment: &Experiment, remarks: &mut Vec<Remark>) -> Result<Self, String>;
 
     /// The present time, s.
     fn time(&self) -> f64;
 
-    /// Readings at the present time; elements of arrays only if `elements` is true.
+    /// Readings at the present time; elements of arrays only if `elements` is true. In a run they depend on inputs through the
+    /// state only: a changed input has an effect from the next step on.
     fn readings(&mut self, elements: bool) -> &Self::Readings;
 
     /// Begins a communication step with these settings.
@@ -184,7 +185,7 @@ pub trait Unit: Clone + Sized {
     /// Makes the readings those of the time reached within a communication step, for an intermediate update.
     fn update_outputs(&mut self) {}
 
-    /// An event since the communication step began that a master may want to handle, in words.
+    /// A description of an event since the communication step began, if there is one for the master to handle.
     fn event(&self, _step: &CommunicationStep<Self>) -> Option<String> {
         None
     }
@@ -205,7 +206,7 @@ pub trait Unit: Clone + Sized {
     /// A model into which [`Unit::serialize`] can read a state.
     ///
     /// # Errors
-    /// A sentence that gives what is wrong with the settings.
+    /// The reason, as a sentence.
     fn blank(settings: &Self::Settings, experiment: &Experiment) -> Result<Self, String> {
         Self::start(settings, experiment, &mut Vec::new())
     }

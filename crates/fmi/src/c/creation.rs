@@ -23,8 +23,8 @@ pub(crate) struct Arguments<'a> {
     pub debug: bool,
 }
 
-/// An instance for these arguments; `None` after a message if there is none. `master` says what the master handles, or why there
-/// is no instance.
+/// An instance for these arguments; `None` after a message if there is none. `master` returns what the master handles, or why
+/// there is no instance.
 pub(crate) fn create<U: Unit>(
     arguments: Arguments<'_>,
     master: impl FnOnce() -> Result<Master, String>,

@@ -1,10 +1,12 @@
 //! The entry of every C function on an instance, and the conversion of its pointers to slices, references and strings.
 
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::CStr;
+
+use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::log::Status;
-use crate::slave::{CallError, Outcome, Slave, refused};
+use crate::slave::{CallError, Number, Slave, Type, refused};
 use crate::state::Call;
 use crate::unit::Unit;
 
@@ -36,40 +38,40 @@ pub(crate) unsafe fn enter<U: Unit, T: Into<Status>>(
     })
 }
 
-/// A call that reads variables into an array.
+/// A call that reads variables of a type.
 ///
 /// # Safety
 /// As for [`enter`], [`array`] and [`array_mut`].
-pub(crate) unsafe fn read<U: Unit, V>(
+pub(crate) unsafe fn get<U: Unit, N: Number>(
     instance: *mut c_void,
     function: &str,
+    of: Type,
     references: (*const u32, usize),
-    values: (*mut V, usize),
-    get: impl FnOnce(&mut Slave<U>, &[u32], &mut [V]) -> Outcome,
+    values: (*mut N, usize),
 ) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
-        enter(instance, function, |slave| {
-            get(slave, array(references)?, array_mut(values)?)
+        enter(instance, function, |slave: &mut Slave<U>| {
+            slave.get(of, array(references)?, array_mut(values)?)
         })
     }
 }
 
-/// A call that writes variables from an array.
+/// A call that writes variables of a type.
 ///
 /// # Safety
 /// As for [`enter`] and [`array`].
-pub(crate) unsafe fn write<U: Unit, V>(
+pub(crate) unsafe fn set<U: Unit, N: Number>(
     instance: *mut c_void,
     function: &str,
+    of: Type,
     references: (*const u32, usize),
-    values: (*const V, usize),
-    set: impl FnOnce(&mut Slave<U>, &[u32], &[V]) -> Outcome,
+    values: (*const N, usize),
 ) -> Status {
     // SAFETY: as the caller grants.
     unsafe {
-        enter(instance, function, |slave| {
-            set(slave, array(references)?, array(values)?)
+        enter(instance, function, |slave: &mut Slave<U>| {
+            slave.set(of, array(references)?, array(values)?)
         })
     }
 }

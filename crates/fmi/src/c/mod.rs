@@ -1,7 +1,7 @@
 //! What the C functions of both versions share.
 //!
-//! Each C function stands once, as a row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the name, the signature
-//! and the body, and a table hands its rows to another macro. `define!` makes a generic function of each row; `export_fmi2!` and
+//! Each C function is one row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the name, the signature
+//! and the body, and a table passes its rows to another macro. `define!` makes a generic function of each row; `export_fmi2!` and
 //! `export_fmi3!` make the exported functions for one unit, which call the generic ones.
 //!
 //! | file | content |

@@ -3,7 +3,7 @@
 //! The caller of each function grants what the heads of `fmi2` and `fmi3` list. A stored state is null, or a `Box<Snapshot<U>>`
 //! that [`get`] or [`deserialize`] has released and that has not been freed.
 
-use std::ffi::c_void;
+use libc::c_void;
 use std::ptr;
 
 use super::entry::{NULL_RESULT, array, array_mut, enter, result};

@@ -1,6 +1,8 @@
 //! Creation of an instance.
 
-use std::ffi::{CString, c_char, c_int, c_void};
+use std::ffi::CString;
+
+use libc::{c_char, c_int, c_void};
 use std::ptr;
 
 use super::description::guid;
@@ -44,7 +46,7 @@ impl Sink for Importer {
 ///
 /// # Safety
 /// The strings and `functions` are null or valid during the call; the logger in it can be called, with the environment
-/// beside it, until the instance is freed.
+/// in it, until the instance is freed.
 pub(super) unsafe fn instantiate<U: Unit>(
     name: *const c_char,
     fmu_type: c_int,

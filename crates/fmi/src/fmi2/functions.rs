@@ -1,15 +1,15 @@
 //! The C functions of FMI 2.0: signatures (`fmi2FunctionTypes.h`) and bodies.
 
-use std::ffi::{c_char, c_int, c_uint};
+use libc::{c_char, c_int, c_uint};
 
 use super::creation::instantiate;
 use super::types::{CallbackFunctions, Component, FmuState};
 use crate::c::entry::{
-    array, array_mut, enter, free_instance, no_such_type, read, result, set_debug_logging, unsupported, write,
+    array, array_mut, enter, free_instance, get, no_such_type, result, set, set_debug_logging, unsupported,
 };
 use crate::c::{define, stored};
 use crate::log::Status;
-use crate::slave::Slave;
+use crate::slave::{Slave, Type};
 use crate::state::Call;
 use crate::unit::{Experiment, Unit};
 
@@ -47,19 +47,19 @@ macro_rules! fmi2_functions {
 
         // Variables.
         fmi2GetReal(c: Component, vr: *const c_uint, nvr: usize, value: *mut f64) -> Status =
-            read(c, FUNCTION, (vr, nvr), (value, nvr), Slave::<U>::get_real);
+            get::<U, _>(c, FUNCTION, Type::Real, (vr, nvr), (value, nvr));
         fmi2GetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =
-            read(c, FUNCTION, (vr, nvr), (value, nvr), Slave::<U>::get_integer);
+            get::<U, _>(c, FUNCTION, Type::IntegerOrEnumeration, (vr, nvr), (value, nvr));
         fmi2GetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *mut c_int) -> Status =
-            read(c, FUNCTION, (vr, nvr), (value, nvr), Slave::<U>::get_boolean);
+            get::<U, _>(c, FUNCTION, Type::Boolean, (vr, nvr), (value, nvr));
         fmi2GetString(c: Component, vr: *const c_uint, nvr: usize, value: *mut *const c_char) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Get, (vr, nvr), "string");
         fmi2SetReal(c: Component, vr: *const c_uint, nvr: usize, value: *const f64) -> Status =
-            write(c, FUNCTION, (vr, nvr), (value, nvr), Slave::<U>::set_real);
+            set::<U, _>(c, FUNCTION, Type::Real, (vr, nvr), (value, nvr));
         fmi2SetInteger(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =
-            write(c, FUNCTION, (vr, nvr), (value, nvr), Slave::<U>::set_integer);
+            set::<U, _>(c, FUNCTION, Type::IntegerOrEnumeration, (vr, nvr), (value, nvr));
         fmi2SetBoolean(c: Component, vr: *const c_uint, nvr: usize, value: *const c_int) -> Status =
-            write(c, FUNCTION, (vr, nvr), (value, nvr), Slave::<U>::set_boolean);
+            set::<U, _>(c, FUNCTION, Type::Boolean, (vr, nvr), (value, nvr));
         fmi2SetString(c: Component, vr: *const c_uint, nvr: usize, value: *const *const c_char) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Set, (vr, nvr), "string");
 
@@ -129,7 +129,7 @@ fmi2_functions!([define]);
 #[macro_export]
 macro_rules! export_fmi2 {
     ($unit:ty) => {
-        use ::std::ffi::{c_char, c_int, c_uint};
+        use $crate::libc::{c_char, c_int, c_uint};
 
         use $crate::fmi2::{CallbackFunctions, Component, FmuState};
         use $crate::log::Status;

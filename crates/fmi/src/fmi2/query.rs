@@ -1,6 +1,8 @@
-//! Queries beyond the standard: the result is text, which the caller gives back.
+//! Queries beyond the standard: the result is text, which the caller frees.
 
-use std::ffi::{CString, c_char};
+use std::ffi::CString;
+
+use libc::c_char;
 use std::ptr;
 
 use super::types::Component;
@@ -43,7 +45,7 @@ pub unsafe fn query<U: Unit>(
 pub unsafe fn free_text(text: *mut c_char) {
     contain((), || {
         if !text.is_null() {
-            // SAFETY: a `CString` released by `query`, which the caller gives back.
+            // SAFETY: a `CString` released by `query`, as the caller grants.
             drop(unsafe { CString::from_raw(text) });
         }
     });

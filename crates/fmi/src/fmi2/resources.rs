@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// `localhost`; a drive letter loses the slash before it (`file:///C:/a` is `C:/a`).
 ///
 /// # Errors
-/// A sentence that says what is wrong with the URI.
+/// The reason, as a sentence.
 pub fn path(uri: &str) -> Result<PathBuf, String> {
     let scheme_end = uri
         .find(':')

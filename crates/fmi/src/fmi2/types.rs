@@ -1,6 +1,6 @@
 //! The types of the standard (`fmi2FunctionTypes.h`).
 
-use std::ffi::{c_char, c_int, c_void};
+use libc::{c_char, c_int, c_void};
 
 /// `fmi2Component`: an instance.
 pub type Component = *mut c_void;

@@ -1,6 +1,8 @@
 //! Creation of an instance.
 
-use std::ffi::{CString, c_int};
+use std::ffi::CString;
+
+use libc::c_int;
 use std::path::Path;
 use std::ptr;
 

@@ -3,36 +3,25 @@
 //! Names, value references, units and limits are those of FMI 2.0. Where FMI 2.0 has the elements of an array, here is the array, with
 //! the value reference of its first element. Its size is fixed: FMI 2.0 names each element.
 
-use std::io::{self, Write};
-
-use quick_xml::events::{BytesDecl, Event};
-use quick_xml::writer::Writer;
-
 use crate::common_description::{
-    default_experiment, enumeration_head, enumeration_items, head, log_categories, text_of, token_of, type_definitions,
-    typed, unit_definitions, variable_head,
+    default_experiment, head, items, log_categories, token_of, typed, unit_definition, variable_head,
 };
 use crate::log::Category;
 use crate::slave::TIME;
-use crate::table::{Array, Causality, Enumeration, Kind, Table, Variable};
+use crate::table::{Causality, Enumeration, Kind, Table, Variable};
 use crate::unit::Unit;
-use crate::xml::{Attributes, empty, parent};
+use crate::xml::Element;
 
 /// The model description of a unit.
-///
-/// # Panics
-/// It does not panic: writing to memory does not fail.
 #[must_use]
 pub fn model_description<U: Unit>() -> String {
-    let table = U::table();
-    text_of(|to, token| write::<U, _>(to, &table, token))
+    describe::<U>(&instantiation_token::<U>()).document()
 }
 
 /// The instantiation token of a unit: a hash of its description, so that description and binary fit each other.
 #[must_use]
 pub fn instantiation_token<U: Unit>() -> String {
-    let table = U::table();
-    token_of(|to, token| write::<U, _>(to, &table, token))
+    token_of(describe::<U>)
 }
 
 /// Whether a variable can be set or read in intermediate update mode: real inputs and outputs can.
@@ -40,28 +29,24 @@ pub(super) fn is_intermediate<S, R>(variable: &Variable<S, R>) -> bool {
     matches!(variable.kind, Kind::Real { .. }) && matches!(variable.causality, Causality::Input | Causality::Output)
 }
 
-fn write<U: Unit, W: Write>(to: W, table: &Table<U::Settings, U::Readings>, token: &str) -> io::Result<()> {
-    let identity = U::IDENTITY;
-    let mut xml = Writer::new_with_indent(to, b' ', 2);
-    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    parent(
-        &mut xml,
-        "fmiModelDescription",
-        head(&identity, "3.0", ("instantiationToken", token)),
-        |xml| {
-            empty(xml, "CoSimulation", capabilities::<U>())?;
-            unit_definitions(xml, table.units)?;
-            type_definitions(xml, table.enumerations, enumeration_type)?;
-            log_categories(xml, log_category)?;
-            empty(xml, "DefaultExperiment", default_experiment(&identity))?;
-            parent(xml, "ModelVariables", vec![], |xml| model_variables::<U, _>(xml, table))?;
-            parent(xml, "ModelStructure", vec![], |xml| model_structure(xml, table))
-        },
-    )?;
-    xml.get_mut().write_all(b"\n")
+fn describe<U: Unit>(token: &str) -> Element {
+    let (table, settings) = (U::table(), U::Settings::default());
+    let variables = table.variables().iter();
+    let variables = variables.filter_map(|variable| model_variable(&table, variable, &settings));
+    head(&U::IDENTITY, "3.0", ("instantiationToken", token))
+        .child(capabilities::<U>())
+        .list("UnitDefinitions", table.units.iter().map(unit_definition))
+        .list(
+            "TypeDefinitions",
+            table.enumerations.iter().map(|one| enumeration_type(one)),
+        )
+        .child(log_categories(log_category))
+        .child(default_experiment(&U::IDENTITY))
+        .list("ModelVariables", [time()].into_iter().chain(variables))
+        .child(model_structure(&table))
 }
 
-fn capabilities<U: Unit>() -> Attributes {
+fn capabilities<U: Unit>() -> Element {
     let flags = [
         "canGetAndSetFMUState",
         "canSerializeFMUState",
@@ -71,14 +56,12 @@ fn capabilities<U: Unit>() -> Attributes {
         "canReturnEarlyAfterIntermediateUpdate",
         "hasEventMode",
     ];
-    let mut attributes = vec![("modelIdentifier", U::IDENTITY.name.to_string())];
-    attributes.extend(flags.map(|flag| (flag, "true".to_string())));
-    if U::OUTPUT_DERIVATIVES {
-        attributes.push(("maxOutputDerivativeOrder", "1".into()));
-    }
-    // Inputs may jump between the unit's own steps.
-    attributes.push(("recommendedIntermediateInputSmoothness", "-1".into()));
-    attributes
+    let name = Element::new("CoSimulation").with("modelIdentifier", U::IDENTITY.name);
+    let flags = flags.into_iter().fold(name, |element, flag| element.with(flag, true));
+    flags
+        .with_some("maxOutputDerivativeOrder", U::OUTPUT_DERIVATIVES.then_some(1))
+        // Inputs may jump between the unit's internal steps.
+        .with("recommendedIntermediateInputSmoothness", -1)
 }
 
 /// What is logged under a category. Without logging nothing is: in FMI 2.0 it is otherwise.
@@ -91,81 +74,55 @@ fn log_category(category: Category) -> &'static str {
     }
 }
 
-fn enumeration_type<W: Write>(xml: &mut Writer<W>, enumeration: &Enumeration) -> io::Result<()> {
-    parent(xml, "EnumerationType", enumeration_head(enumeration), |xml| {
-        enumeration_items(xml, enumeration)
-    })
+fn enumeration_type(enumeration: &Enumeration) -> Element {
+    Element::new("EnumerationType")
+        .with("name", enumeration.name)
+        .with("description", enumeration.description)
+        .children(items(enumeration))
 }
 
-/// The time, then every variable and array in the order of the table.
-fn model_variables<U: Unit, W: Write>(xml: &mut Writer<W>, table: &Table<U::Settings, U::Readings>) -> io::Result<()> {
-    let time: Attributes = vec![
-        ("name", "time".into()),
-        ("valueReference", TIME.to_string()),
-        ("description", "Time of the simulation".into()),
-        ("causality", "independent".into()),
-        ("variability", "continuous".into()),
-        ("unit", "s".into()),
-    ];
-    empty(xml, "Float64", time)?;
-    let settings = U::Settings::default();
-    table.variables().iter().try_for_each(|variable| {
-        let array = table.array_of(variable.reference);
-        match array {
-            Some(array) if array.first != variable.reference => Ok(()),
-            array => model_variable(xml, variable, array, &settings),
-        }
-    })
+/// The independent variable.
+fn time() -> Element {
+    Element::new("Float64")
+        .with("name", "time")
+        .with("valueReference", TIME)
+        .with("description", "Time of the simulation")
+        .with("causality", "independent")
+        .with("variability", "continuous")
+        .with("unit", "s")
 }
 
-fn model_variable<W: Write, S, R>(
-    xml: &mut Writer<W>,
-    variable: &Variable<S, R>,
-    array: Option<&Array>,
-    settings: &S,
-) -> io::Result<()> {
-    let [name, description] = match array {
+/// The element of a variable or of the array that begins with it; `None` for further elements of an array.
+fn model_variable<S, R>(table: &Table<S, R>, variable: &Variable<S, R>, settings: &S) -> Option<Element> {
+    let array = table.array_of(variable.reference);
+    let names = match array {
+        Some(array) if array.first != variable.reference => return None,
         Some(array) => [&array.name, &array.description],
         None => [&variable.name, &variable.description],
     };
-    let mut attributes = variable_head(variable, [name, description]);
-    if is_intermediate(variable) {
-        attributes.push(("intermediateUpdate", "true".into()));
-    }
-    attributes.extend(typed(variable, settings));
-    let tag = tag(&variable.kind);
-    match array {
-        None => empty(xml, tag, attributes),
-        Some(array) => parent(xml, tag, attributes, |xml| {
-            empty(xml, "Dimension", vec![("start", array.size.to_string())])
-        }),
-    }
-}
-
-/// The element of a variable of this type.
-fn tag<S, R>(kind: &Kind<S, R>) -> &'static str {
-    match kind {
+    let tag = match &variable.kind {
         Kind::Real { .. } => "Float64",
         Kind::Integer { .. } => "Int32",
         Kind::Boolean { .. } => "Boolean",
         Kind::Enumeration { .. } => "Enumeration",
-    }
+    };
+    let head = variable_head(tag, variable, names);
+    let head = head.with_some("intermediateUpdate", is_intermediate(variable).then_some(true));
+    let size = array.map(|array| Element::new("Dimension").with("start", array.size));
+    Some(typed(head, variable, settings).children(size))
 }
 
 /// As in FMI 2.0: no output depends directly on an input in a run, and at the start outputs depend on everything.
-fn model_structure<W: Write, S, R>(xml: &mut Writer<W>, table: &Table<S, R>) -> io::Result<()> {
-    let outputs = || {
-        let variables = table.variables().iter();
-        variables.filter(|variable| variable.causality == Causality::Output)
+fn model_structure<S, R>(table: &Table<S, R>) -> Element {
+    let unknowns = |tag| {
+        let outputs = table
+            .variables()
+            .iter()
+            .filter(|one| one.causality == Causality::Output);
+        outputs.map(move |output| Element::new(tag).with("valueReference", output.reference))
     };
-    let unknown = |variable: &Variable<S, R>| ("valueReference", variable.reference.to_string());
-    outputs().try_for_each(|output| {
-        let independent = [("dependencies", String::new()), ("dependenciesKind", String::new())];
-        empty(
-            xml,
-            "Output",
-            [unknown(output)].into_iter().chain(independent).collect(),
-        )
-    })?;
-    outputs().try_for_each(|output| empty(xml, "InitialUnknown", vec![unknown(output)]))
+    let independent = unknowns("Output").map(|output| output.with("dependencies", "").with("dependenciesKind", ""));
+    Element::new("ModelStructure")
+        .children(independent)
+        .children(unknowns("InitialUnknown"))
 }

@@ -1,6 +1,6 @@
 //! The C functions of FMI 3.0: signatures (`fmi3FunctionTypes.h`) and bodies.
 
-use std::ffi::{c_char, c_int, c_void};
+use libc::{c_char, c_int, c_void};
 use std::ptr::null_mut;
 
 use super::creation::{Callbacks, instantiate, processor_suffices, refuse_instance};
@@ -8,11 +8,11 @@ use super::steps::do_step;
 use super::types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use super::unsupported::{ADJOINT, CO_SIMULATION, DEPENDENCIES, DIRECTIONAL, DISCRETE_STATES, STRUCTURE};
 use crate::c::entry::{
-    array, array_mut, enter, free_instance, no_such_type, read, result, set_debug_logging, unsupported, write,
+    array, array_mut, enter, free_instance, get, no_such_type, result, set, set_debug_logging, unsupported,
 };
 use crate::c::{define, stored};
 use crate::log::Status;
-use crate::slave::Slave;
+use crate::slave::{Slave, Type};
 use crate::state::Call;
 use crate::unit::{Experiment, Unit};
 
@@ -64,7 +64,9 @@ macro_rules! fmi3_functions {
         fmi3GetFloat32(c: Instance, vr: *const Reference, nvr: usize, values: *mut f32, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Get, (vr, nvr), "32-bit real");
         fmi3GetFloat64(c: Instance, vr: *const Reference, nvr: usize, values: *mut f64, n_values: usize) -> Status =
-            read(c, FUNCTION, (vr, nvr), (values, n_values), Slave::<U>::get_float64);
+            enter(c, FUNCTION, |slave: &mut Slave<U>| {
+            slave.get_float64(array((vr, nvr))?, array_mut((values, n_values))?)
+        });
         fmi3GetInt8(c: Instance, vr: *const Reference, nvr: usize, values: *mut i8, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Get, (vr, nvr), "8-bit whole number");
         fmi3GetUInt8(c: Instance, vr: *const Reference, nvr: usize, values: *mut u8, n_values: usize) -> Status =
@@ -74,15 +76,15 @@ macro_rules! fmi3_functions {
         fmi3GetUInt16(c: Instance, vr: *const Reference, nvr: usize, values: *mut u16, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Get, (vr, nvr), "16-bit natural number");
         fmi3GetInt32(c: Instance, vr: *const Reference, nvr: usize, values: *mut i32, n_values: usize) -> Status =
-            read(c, FUNCTION, (vr, nvr), (values, n_values), Slave::<U>::get_int32);
+            get::<U, _>(c, FUNCTION, Type::Integer, (vr, nvr), (values, n_values));
         fmi3GetUInt32(c: Instance, vr: *const Reference, nvr: usize, values: *mut u32, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Get, (vr, nvr), "32-bit natural number");
         fmi3GetInt64(c: Instance, vr: *const Reference, nvr: usize, values: *mut i64, n_values: usize) -> Status =
-            read(c, FUNCTION, (vr, nvr), (values, n_values), Slave::<U>::get_int64);
+            get::<U, _>(c, FUNCTION, Type::Enumeration, (vr, nvr), (values, n_values));
         fmi3GetUInt64(c: Instance, vr: *const Reference, nvr: usize, values: *mut u64, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Get, (vr, nvr), "64-bit natural number");
         fmi3GetBoolean(c: Instance, vr: *const Reference, nvr: usize, values: *mut Boolean, n_values: usize) -> Status =
-            read(c, FUNCTION, (vr, nvr), (values, n_values), Slave::<U>::get_boolean);
+            get::<U, _>(c, FUNCTION, Type::Boolean, (vr, nvr), (values, n_values));
         fmi3GetString(c: Instance, vr: *const Reference, nvr: usize, values: *mut Text, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Get, (vr, nvr), "string");
         fmi3GetBinary(
@@ -93,7 +95,9 @@ macro_rules! fmi3_functions {
         fmi3SetFloat32(c: Instance, vr: *const Reference, nvr: usize, values: *const f32, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Set, (vr, nvr), "32-bit real");
         fmi3SetFloat64(c: Instance, vr: *const Reference, nvr: usize, values: *const f64, n_values: usize) -> Status =
-            write(c, FUNCTION, (vr, nvr), (values, n_values), Slave::<U>::set_float64);
+            enter(c, FUNCTION, |slave: &mut Slave<U>| {
+            slave.set_float64(array((vr, nvr))?, array((values, n_values))?)
+        });
         fmi3SetInt8(c: Instance, vr: *const Reference, nvr: usize, values: *const i8, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Set, (vr, nvr), "8-bit whole number");
         fmi3SetUInt8(c: Instance, vr: *const Reference, nvr: usize, values: *const u8, n_values: usize) -> Status =
@@ -103,15 +107,15 @@ macro_rules! fmi3_functions {
         fmi3SetUInt16(c: Instance, vr: *const Reference, nvr: usize, values: *const u16, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Set, (vr, nvr), "16-bit natural number");
         fmi3SetInt32(c: Instance, vr: *const Reference, nvr: usize, values: *const i32, n_values: usize) -> Status =
-            write(c, FUNCTION, (vr, nvr), (values, n_values), Slave::<U>::set_int32);
+            set::<U, _>(c, FUNCTION, Type::Integer, (vr, nvr), (values, n_values));
         fmi3SetUInt32(c: Instance, vr: *const Reference, nvr: usize, values: *const u32, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Set, (vr, nvr), "32-bit natural number");
         fmi3SetInt64(c: Instance, vr: *const Reference, nvr: usize, values: *const i64, n_values: usize) -> Status =
-            write(c, FUNCTION, (vr, nvr), (values, n_values), Slave::<U>::set_int64);
+            set::<U, _>(c, FUNCTION, Type::Enumeration, (vr, nvr), (values, n_values));
         fmi3SetUInt64(c: Instance, vr: *const Reference, nvr: usize, values: *const u64, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Set, (vr, nvr), "64-bit natural number");
         fmi3SetBoolean(c: Instance, vr: *const Reference, nvr: usize, values: *const Boolean, n_values: usize) -> Status =
-            write(c, FUNCTION, (vr, nvr), (values, n_values), Slave::<U>::set_boolean);
+            set::<U, _>(c, FUNCTION, Type::Boolean, (vr, nvr), (values, n_values));
         fmi3SetString(c: Instance, vr: *const Reference, nvr: usize, values: *const Text, n_values: usize) -> Status =
             no_such_type::<U>(c, FUNCTION, Call::Set, (vr, nvr), "string");
         fmi3SetBinary(
@@ -232,7 +236,7 @@ fmi3_functions!([define]);
 #[macro_export]
 macro_rules! export_fmi3 {
     ($unit:ty) => {
-        use ::std::ffi::{c_char, c_int, c_void};
+        use $crate::libc::{c_char, c_int, c_void};
 
         use $crate::fmi3::{
             Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text,

@@ -1,12 +1,7 @@
 //! `terminalsAndIcons.xml`: variables that belong together at one connection, and where it is drawn. FMI 2.0.4 took the file over as
 //! it is, so it serves both versions.
 
-use std::io::{self, Write};
-
-use quick_xml::events::{BytesDecl, Event};
-use quick_xml::writer::Writer;
-
-use crate::xml::{Attributes, empty, number, parent};
+use crate::xml::{Element, Number};
 
 /// A connection: variables that are connected together, and its place on the icon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,62 +28,39 @@ const HALF_TERMINAL: f64 = 10.0;
 const SCALE: f64 = 0.1;
 
 /// The content of the file.
-///
-/// # Panics
-/// It does not panic: writing to memory does not fail.
 #[must_use]
 pub fn terminals_and_icons(terminals: &[Terminal]) -> String {
-    let mut bytes = Vec::new();
-    write(&mut bytes, terminals).expect("memory takes all bytes");
-    String::from_utf8(bytes).expect("the writer is given text only")
+    let system = extent("CoordinateSystem", [0.0, 0.0], HALF_SIZE).with("suggestedScalingFactorTo_mm", Number(SCALE));
+    let drawn = [system, extent("Icon", [0.0, 0.0], HALF_SIZE)];
+    Element::new("fmiTerminalsAndIcons")
+        .with("fmiVersion", "3.0")
+        .list("GraphicalRepresentation", drawn)
+        .list("Terminals", terminals.iter().map(terminal))
+        .document()
 }
 
-fn write<W: Write>(to: W, terminals: &[Terminal]) -> io::Result<()> {
-    let mut xml = Writer::new_with_indent(to, b' ', 2);
-    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    let head: Attributes = vec![("fmiVersion", "3.0".into())];
-    parent(&mut xml, "fmiTerminalsAndIcons", head, |xml| {
-        parent(xml, "GraphicalRepresentation", vec![], |xml| {
-            let mut system = extent([0.0, 0.0], HALF_SIZE);
-            system.push(("suggestedScalingFactorTo_mm", number(SCALE)));
-            empty(xml, "CoordinateSystem", system)?;
-            empty(xml, "Icon", extent([0.0, 0.0], HALF_SIZE))
-        })?;
-        parent(xml, "Terminals", vec![], |xml| {
-            terminals.iter().try_for_each(|terminal| write_terminal(xml, terminal))
-        })
-    })?;
-    xml.get_mut().write_all(b"\n")
-}
-
-fn write_terminal<W: Write>(xml: &mut Writer<W>, terminal: &Terminal) -> io::Result<()> {
-    let head: Attributes = vec![
-        ("name", terminal.name.into()),
+fn terminal(terminal: &Terminal) -> Element {
+    let members = terminal.members.iter().map(|(member, variable)| {
+        Element::new("TerminalMemberVariable")
+            .with("variableName", variable)
+            .with("memberName", member)
+            .with("variableKind", "signal")
+    });
+    let drawn = extent("TerminalGraphicalRepresentation", terminal.middle, [HALF_TERMINAL; 2]);
+    Element::new("Terminal")
+        .with("name", terminal.name)
         // Members are matched by their names.
-        ("matchingRule", "plug".into()),
-        ("description", terminal.description.into()),
-    ];
-    parent(xml, "Terminal", head, |xml| {
-        terminal.members.iter().try_for_each(|(member, variable)| {
-            let member: Attributes = vec![
-                ("variableName", (*variable).into()),
-                ("memberName", (*member).into()),
-                ("variableKind", "signal".into()),
-            ];
-            empty(xml, "TerminalMemberVariable", member)
-        })?;
-        let mut drawn = extent(terminal.middle, [HALF_TERMINAL; 2]);
-        drawn.push(("iconBaseName", terminal.icon.into()));
-        empty(xml, "TerminalGraphicalRepresentation", drawn)
-    })
+        .with("matchingRule", "plug")
+        .with("description", terminal.description)
+        .children(members)
+        .child(drawn.with("iconBaseName", terminal.icon))
 }
 
-/// The corners of a rectangle.
-fn extent([x, y]: [f64; 2], [half_width, half_height]: [f64; 2]) -> Attributes {
-    vec![
-        ("x1", number(x - half_width)),
-        ("y1", number(y - half_height)),
-        ("x2", number(x + half_width)),
-        ("y2", number(y + half_height)),
-    ]
+/// An element with the corners of a rectangle.
+fn extent(tag: &'static str, [x, y]: [f64; 2], [half_width, half_height]: [f64; 2]) -> Element {
+    Element::new(tag)
+        .with("x1", Number(x - half_width))
+        .with("y1", Number(y - half_height))
+        .with("x2", Number(x + half_width))
+        .with("y2", Number(y + half_height))
 }

@@ -1,6 +1,6 @@
 //! The types of the standard (`fmi3PlatformTypes.h`, `fmi3FunctionTypes.h`).
 
-use std::ffi::{c_char, c_int, c_void};
+use libc::{c_char, c_int, c_void};
 
 pub use crate::slave::{Environment, IntermediateUpdate};
 

@@ -2,7 +2,7 @@
 
 use super::error::{Outcome, refused};
 use super::instance::Slave;
-use super::values::{check_count, find, is_real};
+use super::values::{Type, check_count, find};
 use crate::snapshot::zero_rates;
 use crate::state::Call;
 use crate::table::{Access, Causality, Inadmissible, Kind, Variable};
@@ -17,14 +17,14 @@ impl<U: Unit> Slave<U> {
             return refused("not supported: inputs are held during a step (canInterpolateInputs is false)");
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {
-            check_input(find(&self.table, reference, is_real)?, order, value)?;
+            check_input(find(&self.table, reference, Type::Real)?, order, value)?;
         }
         let rates = self.now.rates.get_or_insert_with(|| zero_rates(&self.table));
         for (&reference, &value) in references.iter().zip(values) {
             if let Kind::Real {
                 access: Access::Setting { set, .. },
                 ..
-            } = find(&self.table, reference, is_real)?.kind
+            } = find(&self.table, reference, Type::Real)?.kind
             {
                 set(rates, value);
             }
@@ -38,7 +38,7 @@ impl<U: Unit> Slave<U> {
         self.allow_intermediate(references)?;
         check_count(references.len(), values.len(), references.len())?;
         for (&reference, &order) in references.iter().zip(orders) {
-            check_output(find(&self.table, reference, is_real)?, order)?;
+            check_output(find(&self.table, reference, Type::Real)?, order)?;
         }
         let Some(unit) = &mut self.now.unit else {
             return refused("there are no calculated values after a failed start");
@@ -53,7 +53,7 @@ impl<U: Unit> Slave<U> {
             if let Kind::Real {
                 access: Access::Reading(get),
                 ..
-            } = find(&self.table, reference, is_real)?.kind
+            } = find(&self.table, reference, Type::Real)?.kind
             {
                 *value = (get(&moment.after) - get(&moment.before)) / moment.span;
             }
@@ -74,8 +74,7 @@ fn check_input<S, R>(variable: &Variable<S, R>, order: i32, value: f64) -> Outco
     }
     if !value.is_finite() {
         // The standard lets values be discarded, but not derivatives.
-        let name = format!("the derivative of {name}");
-        return refused(Inadmissible::NotFinite { name, value }.to_string());
+        return refused(Inadmissible::not_finite(&format!("the derivative of {name}"), value).to_string());
     }
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! An instance, and what is common to all calls: permission, log, and containment of a panic.
 
+use libc::c_void;
 use std::any::Any;
 use std::cell::OnceCell;
-use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::error::{CallError, Outcome, refused};
@@ -137,7 +137,7 @@ impl<U: Unit> Slave<U> {
     /// a warning among them the status is a warning.
     ///
     /// # Errors
-    /// The call is not allowed now, or the query gives an error.
+    /// The call is not allowed now, or the query fails.
     pub fn query<T>(
         &mut self,
         query: impl FnOnce(&mut U, &U::Settings, &mut Vec<Remark>) -> Result<T, String>,

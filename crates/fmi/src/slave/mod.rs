@@ -29,3 +29,4 @@ pub use error::{CallError, Outcome};
 pub use instance::{Environment, IntermediateUpdate, Master, Slave, Version};
 pub use steps::{Ended, Next, StatusKind, Update};
 pub(crate) use values::TIME;
+pub use values::{Number, Type};

@@ -47,7 +47,7 @@ pub struct Update {
 pub struct Ended {
     /// Whether an event has happened.
     pub event: bool,
-    /// Whether it ended earlier than the master wanted.
+    /// Whether it ended before the end that the master had set.
     pub early: bool,
     /// Time reached, s.
     pub time: f64,

@@ -12,111 +12,84 @@ use crate::unit::Unit;
 /// Value reference of the time in FMI 3.0, which no variable of a table has.
 pub(crate) const TIME: u32 = 0;
 
-/// Whether a kind of variable belongs to a type of the interface.
-type Belongs<U> = fn(&Kind<<U as Unit>::Settings, <U as Unit>::Readings>) -> bool;
-
-pub(super) fn is_real<S, R>(kind: &Kind<S, R>) -> bool {
-    matches!(kind, Kind::Real { .. })
+/// Types of the interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    /// `fmi2Real`, `fmi3Float64`.
+    Real,
+    /// `fmi2Integer`: whole numbers and enumerations.
+    IntegerOrEnumeration,
+    /// `fmi3Int32`: whole numbers.
+    Integer,
+    /// `fmi3Int64`: enumerations.
+    Enumeration,
+    /// `fmi2Boolean`, `fmi3Boolean`.
+    Boolean,
 }
 
-fn is_integer<S, R>(kind: &Kind<S, R>) -> bool {
-    matches!(kind, Kind::Integer { .. })
-}
-
-fn is_enumeration<S, R>(kind: &Kind<S, R>) -> bool {
-    matches!(kind, Kind::Enumeration { .. })
-}
-
-fn is_boolean<S, R>(kind: &Kind<S, R>) -> bool {
-    matches!(kind, Kind::Boolean { .. })
-}
-
-fn number(value: Value) -> f64 {
-    match value {
-        Value::Real(value) => value,
-        _ => f64::NAN,
+impl Type {
+    /// Whether variables of a kind have this type.
+    fn includes<S, R>(self, kind: &Kind<S, R>) -> bool {
+        match kind {
+            Kind::Real { .. } => self == Self::Real,
+            Kind::Integer { .. } => matches!(self, Self::Integer | Self::IntegerOrEnumeration),
+            Kind::Enumeration { .. } => matches!(self, Self::Enumeration | Self::IntegerOrEnumeration),
+            Kind::Boolean { .. } => self == Self::Boolean,
+        }
     }
 }
 
-fn integer(value: Value) -> i64 {
-    match value {
-        Value::Integer(value) => value,
-        _ => 0,
+/// A number that C functions exchange; a truth value is 0 or 1, and all but 0 is true.
+pub trait Number: Copy {
+    /// The number for a value.
+    fn from_value(value: Value) -> Self;
+    /// The value of a variable of a type.
+    fn to_value(self, of: Type) -> Value;
+}
+
+impl Number for f64 {
+    fn from_value(value: Value) -> Self {
+        match value {
+            Value::Real(value) => value,
+            Value::Integer(_) | Value::Boolean(_) => Self::NAN,
+        }
+    }
+
+    fn to_value(self, _: Type) -> Value {
+        Value::Real(self)
     }
 }
 
-fn short_integer(value: Value) -> i32 {
-    i32::try_from(integer(value)).unwrap_or_default()
+macro_rules! whole_numbers {
+    ($($type:ty),*) => {$(
+        impl Number for $type {
+            fn from_value(value: Value) -> Self {
+                match value {
+                    Value::Integer(value) => Self::try_from(value).unwrap_or_default(),
+                    Value::Boolean(value) => value.into(),
+                    Value::Real(_) => 0,
+                }
+            }
+
+            fn to_value(self, of: Type) -> Value {
+                match of {
+                    Type::Boolean => Value::Boolean(self != 0),
+                    _ => Value::Integer(self.into()),
+                }
+            }
+        }
+    )*};
 }
 
-fn boolean<V: From<bool>>(value: Value) -> V {
-    V::from(value == Value::Boolean(true))
-}
+whole_numbers!(u8, i32, i64);
 
-fn from_boolean<V: From<bool> + PartialEq>(value: V) -> Value {
-    Value::Boolean(value != V::from(false))
-}
-
-/// Writing takes either all values or none.
 impl<U: Unit> Slave<U> {
-    /// Reads reals, in FMI 2.0.
-    pub fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Outcome {
-        self.get(references, values, is_real, number)
-    }
-
-    /// Writes reals, in FMI 2.0.
-    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
-        self.set(references, values, is_real, Value::Real)
-    }
-
-    /// Reads whole numbers and enumerations, in FMI 2.0.
-    pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Outcome {
-        let belongs: Belongs<U> = |kind| is_integer(kind) || is_enumeration(kind);
-        self.get(references, values, belongs, short_integer)
-    }
-
-    /// Writes whole numbers and enumerations, in FMI 2.0.
-    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Outcome {
-        let belongs: Belongs<U> = |kind| is_integer(kind) || is_enumeration(kind);
-        self.set(references, values, belongs, |value| Value::Integer(value.into()))
-    }
-
-    /// Reads truth values as 0 or 1.
-    pub fn get_boolean<V: From<bool>>(&mut self, references: &[u32], values: &mut [V]) -> Outcome {
-        self.get(references, values, is_boolean, boolean)
-    }
-
-    /// Writes truth values: all but 0 is true.
-    pub fn set_boolean<V: Copy + From<bool> + PartialEq>(&mut self, references: &[u32], values: &[V]) -> Outcome {
-        self.set(references, values, is_boolean, from_boolean)
-    }
-
-    /// Reads whole numbers, in FMI 3.0.
-    pub fn get_int32(&mut self, references: &[u32], values: &mut [i32]) -> Outcome {
-        self.get(references, values, is_integer, short_integer)
-    }
-
-    /// Writes whole numbers, in FMI 3.0.
-    pub fn set_int32(&mut self, references: &[u32], values: &[i32]) -> Outcome {
-        self.set(references, values, is_integer, |value| Value::Integer(value.into()))
-    }
-
-    /// Reads enumerations, in FMI 3.0.
-    pub fn get_int64(&mut self, references: &[u32], values: &mut [i64]) -> Outcome {
-        self.get(references, values, is_enumeration, integer)
-    }
-
-    /// Writes enumerations, in FMI 3.0.
-    pub fn set_int64(&mut self, references: &[u32], values: &[i64]) -> Outcome {
-        self.set(references, values, is_enumeration, Value::Integer)
-    }
-
     /// Reads reals, arrays of reals and the time, in FMI 3.0.
     pub fn get_float64(&mut self, references: &[u32], values: &mut [f64]) -> Outcome {
         self.allow_intermediate(references)?;
         let expanded = expand(&self.table, references, values.len())?;
         if !expanded.contains(&TIME) {
-            return self.read(&expanded, values, is_real, number);
+            return self.read(Type::Real, &expanded, values);
         }
         let known: Vec<u32> = expanded
             .iter()
@@ -124,7 +97,7 @@ impl<U: Unit> Slave<U> {
             .filter(|reference| *reference != TIME)
             .collect();
         let mut found = vec![0.0; known.len()];
-        self.read(&known, &mut found, is_real, number)?;
+        self.read(Type::Real, &known, &mut found)?;
         let mut found = found.into_iter();
         for (value, reference) in values.iter_mut().zip(&*expanded) {
             *value = match reference {
@@ -141,7 +114,7 @@ impl<U: Unit> Slave<U> {
         if expanded.contains(&TIME) {
             return refused("time can't be set");
         }
-        self.set(&expanded, values, is_real, Value::Real)
+        self.set(Type::Real, &expanded, values)
     }
 
     /// Reads or writes variables of a type that no variable has.
@@ -165,30 +138,19 @@ impl<U: Unit> Slave<U> {
         }
     }
 
-    fn get<V>(
-        &mut self,
-        references: &[u32],
-        values: &mut [V],
-        belongs: Belongs<U>,
-        convert: fn(Value) -> V,
-    ) -> Outcome {
+    /// Reads variables of a type, one value each.
+    pub fn get<N: Number>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow_intermediate(references)?;
         check_count(references.len(), values.len(), references.len())?;
-        self.read(references, values, belongs, convert)
+        self.read(of, references, values)
     }
 
-    /// Reads scalars and elements of arrays.
-    fn read<V>(
-        &mut self,
-        references: &[u32],
-        values: &mut [V],
-        belongs: Belongs<U>,
-        convert: fn(Value) -> V,
-    ) -> Outcome {
+    /// The same in intermediate update mode too.
+    fn read<N: Number>(&mut self, of: Type, references: &[u32], values: &mut [N]) -> Outcome {
         self.allow(Call::Get)?;
         let (mut calculated, mut elements) = (false, false);
         for &reference in references {
-            let variable = find(&self.table, reference, belongs)?;
+            let variable = find(&self.table, reference, of)?;
             calculated |= !variable.causality.is_setting();
             elements |= variable.is_element();
         }
@@ -205,35 +167,30 @@ impl<U: Unit> Slave<U> {
         let Snapshot { settings, unit, .. } = &mut self.now;
         let readings = unit.as_mut().map(|unit| unit.readings(elements));
         for (&reference, value) in references.iter().zip(values) {
-            if let Some(found) = find(&self.table, reference, belongs)?.value(settings, readings) {
-                *value = convert(found);
+            if let Some(found) = find(&self.table, reference, of)?.value(settings, readings) {
+                *value = N::from_value(found);
             }
         }
         Ok(())
     }
 
-    fn set<V: Copy>(
-        &mut self,
-        references: &[u32],
-        values: &[V],
-        belongs: Belongs<U>,
-        convert: fn(V) -> Value,
-    ) -> Outcome {
+    /// Writes variables of a type, one value each: either all values are taken or none.
+    pub fn set<N: Number>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
         check_count(references.len(), values.len(), references.len())?;
         let running = self.now.state.is_running();
         let mut has_tunable = false;
         for &reference in references {
-            has_tunable |= self.check_writable(find(&self.table, reference, belongs)?)?;
+            has_tunable |= self.check_writable(find(&self.table, reference, of)?)?;
         }
         for (&reference, &value) in references.iter().zip(values) {
-            find(&self.table, reference, belongs)?.admit(convert(value))?;
+            find(&self.table, reference, of)?.admit(value.to_value(of))?;
         }
         // A tunable parameter must fit the others at once: no initialisation follows that would check it.
         let before = (running && has_tunable).then(|| self.now.settings.clone());
         for (&reference, &value) in references.iter().zip(values) {
-            find(&self.table, reference, belongs)?.set(&mut self.now.settings, convert(value))?;
+            find(&self.table, reference, of)?.set(&mut self.now.settings, value.to_value(of))?;
         }
         if let Some(before) = before
             && let Err(text) = U::check(&self.now.settings)
@@ -251,9 +208,7 @@ impl<U: Unit> Slave<U> {
     fn check_writable(&self, variable: &Variable<U::Settings, U::Readings>) -> Result<bool, CallError> {
         let name = &variable.name;
         match variable.causality {
-            Causality::Output | Causality::Local => {
-                refused(Inadmissible::Calculated { name: name.clone() }.to_string())
-            }
+            Causality::Output | Causality::Local => refused(Inadmissible::calculated(name).to_string()),
             Causality::Parameter if self.now.state.is_running() => {
                 refused(format!("{name} is fixed once the run has started"))
             }
@@ -265,18 +220,14 @@ impl<U: Unit> Slave<U> {
     }
 }
 
-/// The variable with a value reference, if it belongs to a type.
-pub(super) fn find<S, R>(
-    table: &Table<S, R>,
-    reference: u32,
-    belongs: fn(&Kind<S, R>) -> bool,
-) -> Result<&Variable<S, R>, CallError> {
+/// The variable with a value reference, if it has this type.
+pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
         None => match table.retired().iter().find(|retired| retired.reference == reference) {
             Some(retired) => refused(retired.to_string()),
             None => refused(format!("no variable has the value reference {reference}")),
         },
-        Some(variable) if !belongs(&variable.kind) => refused(format!(
+        Some(variable) if !of.includes(&variable.kind) => refused(format!(
             "{} (value reference {reference}) has another type",
             variable.name
         )),

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use pushbelt_fmi::log::{Category, Sink, Status};
-use pushbelt_fmi::slave::StatusKind;
+use pushbelt_fmi::slave::{StatusKind, Type};
 use pushbelt_fmi::state::State;
 use pushbelt_fmi::unit::Experiment;
 use pushbelt_fmi::{Snapshot, guid, model_description};
@@ -31,9 +31,6 @@ calls! {
     "fmi2ExitInitializationMode" exit_initialization_mode();
     "fmi2Terminate" terminate();
     "fmi2Reset" reset();
-    "fmi2GetReal" get_real(references: &[u32], values: &mut [f64]);
-    "fmi2SetReal" set_real(references: &[u32], values: &[f64]);
-    "fmi2GetInteger" get_integer(references: &[u32], values: &mut [i32]);
     "fmi2SetRealInputDerivatives" set_input_derivatives(references: &[u32], orders: &[i32], values: &[f64]);
     "fmi2GetRealOutputDerivatives" get_output_derivatives(references: &[u32], orders: &[i32], values: &mut [f64]);
     "fmi2DoStep" do_step(current: f64, step: f64);
@@ -42,6 +39,22 @@ calls! {
 }
 
 impl Slave {
+    fn get_real(&mut self, references: &[u32], values: &mut [f64]) -> Status {
+        self.0
+            .call("fmi2GetReal", |slave| slave.get(Type::Real, references, values))
+    }
+
+    fn set_real(&mut self, references: &[u32], values: &[f64]) -> Status {
+        self.0
+            .call("fmi2SetReal", |slave| slave.set(Type::Real, references, values))
+    }
+
+    fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Status {
+        self.0.call("fmi2GetInteger", |slave| {
+            slave.get(Type::IntegerOrEnumeration, references, values)
+        })
+    }
+
     /// A call with a result; the result only if it was done.
     fn result<T>(
         &mut self,
