@@ -93,6 +93,10 @@ fn names_and_value_references_are_unique() {
     let references: BTreeSet<_> = table.variables().iter().map(|v| v.reference).collect();
     assert_eq!(names.len(), table.variables().len());
     assert_eq!(references.len(), table.variables().len());
+    for retired in table.retired() {
+        assert!(!references.contains(&retired.reference), "{retired} is given again");
+        assert!(table.by_name(retired.name).is_none(), "{retired}");
+    }
     for variable in table.variables() {
         let found = table.by_reference(variable.reference).expect("listed");
         assert_eq!(found.name, variable.name);

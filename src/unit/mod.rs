@@ -29,7 +29,7 @@ mod variator_unit;
 
 #[cfg(feature = "exports")]
 pub use exports::exports;
-pub use settings::{Rings, Settings, StandardRings};
+pub use settings::{CONTACT_STRAIN, Rings, Settings, StandardRings};
 pub use table::Rows;
 pub use terminals::{TERMINALS, terminals};
 pub use variator_unit::{UnitWith, VariatorUnit, model_description, model_description3};

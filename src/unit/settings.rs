@@ -2,7 +2,7 @@
 
 use super::table::Rows;
 use super::types::{AXIAL, DRIVE, MODE, RING_MODEL, START_STATE};
-use crate::fmi::table::{Access, Enumeration};
+use crate::fmi::table::{Access, Enumeration, Retired};
 use crate::fmi::unit::Identity;
 use crate::variator::belt_ring::BeltRing;
 use crate::variator::settings::{Inputs, ParameterError, Parameters, RingModel};
@@ -31,6 +31,9 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
     /// The enumerations of the unit.
     const ENUMERATIONS: &'static [&'static Enumeration] = &[Self::RING_MODEL, &DRIVE, &AXIAL, &START_STATE, &MODE];
 
+    /// Variables of earlier versions that the unit no longer has.
+    const RETIRED: &'static [Retired];
+
     /// Adds the variables that choose the ring: `ring.model`, and parameters of rings that no other unit has.
     fn add_variables(rows: &mut Rows<Self>);
 
@@ -44,6 +47,22 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
 
     /// The ring that is chosen.
     fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing>;
+}
+
+/// Removed before the FMU had rings of other units.
+pub const CONTACT_STRAIN: Retired = Retired {
+    name: "belt.contactStrain",
+    reference: 1036,
+    instead: "set belt.roughness, the same strain times belt.elementThickness",
+};
+
+/// A variable that only the FMU of the paper's comparison has.
+const fn of_paper(name: &'static str, reference: u32) -> Retired {
+    Retired {
+        name,
+        reference,
+        instead: "the FMU of the comparison with the paper has it (cargo fmu build --paper)",
+    }
 }
 
 /// The rings of the FMU: `ALE0` and `ALE`.
@@ -64,6 +83,12 @@ impl Rings for StandardRings {
         longest_step: 1000.0,
     };
     const RING_MODEL: &'static Enumeration = &RING_MODEL;
+    const RETIRED: &'static [Retired] = &[
+        CONTACT_STRAIN,
+        of_paper("mesh.aligned", 1075),
+        of_paper("ring.referenceDirections", 1048),
+        of_paper("ring.elements", 1045),
+    ];
 
     fn add_variables(rows: &mut Rows<Self>) {
         let access = Access::Setting {

@@ -3,7 +3,7 @@
 //!
 //! Rows of a pulley are written once: `{}` stands for its name, and 100 or 200 is added to the reference.
 //!
-//! Value references, never changed once given (1036 was belt.contactStrain; 1045, 1048 and 1075 belong to rings of other units):
+//! Value references, never changed once given (1036 was belt.contactStrain; 1045, 1048 and 1075 are those of the paper's rings):
 //!
 //! | references | variables |
 //! |---|---|
@@ -292,7 +292,7 @@ pub(super) fn table<R: Rings>() -> Table<Settings<R>, Readings> {
     pulley_parameters!(t, secondary);
     t.of(WHOLE);
     locals(t);
-    Table::new(UNITS, R::ENUMERATIONS, rows.variables).with_arrays(rows.arrays)
+    Table::new(UNITS, R::ENUMERATIONS, rows.variables).with_arrays(rows.arrays).with_retired(R::RETIRED)
 }
 
 #[rustfmt::skip]

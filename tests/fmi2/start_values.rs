@@ -90,6 +90,10 @@ fn a_file_that_can_not_be_used_is_named() {
             b"\nfriction.pully = 0.085",
             "line 2: there is no variable \"friction.pully\"",
         ),
+        (
+            b"mesh.aligned = true",
+            "line 1: mesh.aligned (value reference 1075) was removed: the FMU of the comparison",
+        ),
         (b"friction.pulley = high", "friction.pulley = \"high\" is no number"),
         (b"friction.pulley = nan", "friction.pulley = NaN is not a finite number"),
         (b"friction.pulley = 3", "friction.pulley = 3 is out of range: 0 to 1"),

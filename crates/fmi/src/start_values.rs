@@ -74,9 +74,13 @@ fn set<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Result
         .split_once('=')
         .map(|(name, text)| (name.trim(), text.trim()))
         .ok_or_else(|| format!("{line:?} is not of the form name = value"))?;
-    let variable = table
-        .by_name(name)
-        .ok_or_else(|| format!("there is no variable {name:?}"))?;
+    let variable =
+        table
+            .by_name(name)
+            .ok_or_else(|| match table.retired().iter().find(|retired| retired.name == name) {
+                Some(retired) => retired.to_string(),
+                None => format!("there is no variable {name:?}"),
+            })?;
     let no = |what: &str| format!("{name} = {text:?} is no {what}");
     let value = match &variable.kind {
         Kind::Real { .. } => Value::Real(text.parse().map_err(|_| no("number"))?),

@@ -431,6 +431,29 @@ pub struct Table<S, R> {
     /// (value reference, place in `variables`), sorted. A hash map would draw its seed from the operating system, by a
     /// library that some Windows compatibility layers lack.
     by_reference: Vec<(u32, usize)>,
+    retired: &'static [Retired],
+}
+
+/// A variable that an earlier version had. Its value reference is not given again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Retired {
+    /// Its name.
+    pub name: &'static str,
+    /// Its value reference.
+    pub reference: u32,
+    /// What a user does instead, as a sentence without a full stop.
+    pub instead: &'static str,
+}
+
+impl std::fmt::Display for Retired {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            name,
+            reference,
+            instead,
+        } = self;
+        write!(f, "{name} (value reference {reference}) was removed: {instead}")
+    }
 }
 
 impl<S, R> Table<S, R> {
@@ -453,7 +476,21 @@ impl<S, R> Table<S, R> {
             variables,
             arrays: Vec::new(),
             by_reference,
+            retired: &[],
         }
+    }
+
+    /// The same with variables of earlier versions, for the messages of those who still use them.
+    #[must_use]
+    pub fn with_retired(mut self, retired: &'static [Retired]) -> Self {
+        self.retired = retired;
+        self
+    }
+
+    /// The variables of earlier versions.
+    #[must_use]
+    pub fn retired(&self) -> &'static [Retired] {
+        self.retired
     }
 
     /// The same with some variables as elements of arrays.

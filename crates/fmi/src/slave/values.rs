@@ -272,7 +272,10 @@ pub(super) fn find<S, R>(
     belongs: fn(&Kind<S, R>) -> bool,
 ) -> Result<&Variable<S, R>, CallError> {
     match table.by_reference(reference) {
-        None => refused(format!("no variable has the value reference {reference}")),
+        None => match table.retired().iter().find(|retired| retired.reference == reference) {
+            Some(retired) => refused(retired.to_string()),
+            None => refused(format!("no variable has the value reference {reference}")),
+        },
         Some(variable) if !belongs(&variable.kind) => refused(format!(
             "{} (value reference {reference}) has another type",
             variable.name
