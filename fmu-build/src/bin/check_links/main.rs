@@ -7,6 +7,7 @@ mod site;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use anyhow::{Context, ensure};
 
@@ -15,7 +16,17 @@ use crate::site::Site;
 /// Folder of the API documentation below the book. Its own links are rustdoc's matter.
 const API: &str = "api";
 
-fn main() -> anyhow::Result<()> {
+fn main() -> ExitCode {
+    match check() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn check() -> anyhow::Result<()> {
     let folders: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
     let [book, tree] = folders.as_slice() else {
         anyhow::bail!("usage: check-links BOOK SOURCE-TREE");
