@@ -12,12 +12,14 @@ use crate::tape::Tape;
 use crate::variator::assembly::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
+use crate::variator::law::place::CellLaw;
 use std::fmt::Debug;
 
-/// The belt, and the friction that acts on it.
+/// The belt, and the laws in force.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InForce<'a> {
     pub belt: &'a Belt,
+    pub law: &'a CellLaw,
     pub friction: &'a Friction,
 }
 
