@@ -1,10 +1,10 @@
 //! Loads that jump, ripple or are noisy: what they take, and inputs that ramp.
 
 use pushbelt::tape::Tape;
-use pushbelt::variator::run::Variator;
+use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_lab::checks::{assert_close, assert_pinned};
-use pushbelt_lab::loads::{Driven, LOADS};
+use pushbelt_lab::loads::{Driven, LOADS, Load};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::variators::{coarse, inputs, variator};
 
@@ -111,6 +111,41 @@ fn copies_and_stored_states_continue_alike_while_inputs_change() {
         assert_eq!(variator.state(), copy.state());
         assert_eq!(variator.state(), restored.state());
     }
+}
+
+/// A clutch that hunts takes more work than there is time for. The remark gives its work, so it is the same on a busy machine, and after
+/// a state was stored and read.
+#[test]
+fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
+    let mut driven = Driven::new(Load::Hunting, variator(RingModel::Ale), 2.2);
+    let mut restored = None;
+    let (start, mut remarks) = (driven.variator.counts(), Vec::new());
+    while driven.until() < 1.0 - 1e-9 {
+        let inputs = driven.inputs();
+        let until = driven.until();
+        for run in std::iter::once(&mut driven.variator).chain(&mut restored) {
+            run.advance(until, &inputs).expect("a step");
+            let remark = |message: Message| message.text.contains("of simulation took").then_some(message.text);
+            remarks.extend(run.take_messages().into_iter().filter_map(remark));
+        }
+        if restored.is_none() && until > 0.9 {
+            let mut tape = Tape::writer();
+            driven.variator.serialize(&mut tape);
+            let mut read = Variator::new(driven.variator.parameters().clone()).expect("valid parameters");
+            read.serialize(&mut Tape::reader(&tape.into_bytes()));
+            restored = Some(read);
+        }
+    }
+    let work = driven.variator.counts() - start;
+    let expected = format!(
+        "1.0 s of simulation took {} Jacobians and {} residuals",
+        work.factorizations, work.residuals
+    );
+    assert_eq!(remarks.len(), 2, "{remarks:?}");
+    assert!(
+        remarks.iter().all(|remark| remark.starts_with(&expected)),
+        "{remarks:?}, not {expected}"
+    );
 }
 
 /// What a run took stands in the outputs.

@@ -13,6 +13,7 @@ use crate::variator::belt::ring::BeltRing;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::belt::{Belt, HOLD};
 use crate::variator::cell::sample::Sample;
+use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::layout::{CONDITIONS, TURN};
 use crate::variator::pulleys::loads::{Boundary, LoadRates, Loads};
 use crate::variator::pulleys::rows::Pulleys;
@@ -32,7 +33,8 @@ pub struct VariatorSystem {
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
-    /// Share by which laws are rounded, from 0 to 1.
+    /// Constants of the cells in force: those of the belt, rounded in real time by a share from 0 to 1.
+    pub law: CellLaw,
     rounding: f64,
     assembly: Box<dyn Assembly>,
     /// Working memory.
@@ -64,6 +66,7 @@ impl VariatorSystem {
             loads: Loads::constant(Boundary::HELD),
             parameters: parameters.clone(),
             friction_velocity: parameters.friction.velocity,
+            law: belt.law.clone(),
             rounding: 0.0,
             assembly: belt.ring.equations(&belt),
             resultants: ResultantSlopes::new(belt.layout.len()),
@@ -96,17 +99,16 @@ impl VariatorSystem {
         }
         self.rounding = share;
         let Parameters { contact, belt, .. } = &self.parameters;
-        let law = &mut Arc::make_mut(&mut self.belt).law;
-        law.contact.roughness = Rounded::width(contact.roughness, Rounded::ROUGHNESS, share);
-        law.settling = Rounded::settling(belt.push_stiffness, share);
+        self.law.contact.roughness = Rounded::width(contact.roughness, Rounded::ROUGHNESS, share);
+        self.law.settling = Rounded::settling(belt.push_stiffness, share);
     }
 
     /// The residual, into `out`; returns the loads of the belt on the pulleys.
     pub(crate) fn evaluate(&mut self, time: f64, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad> {
         out.fill(0.0);
         let friction = &self.friction();
-        let belt = &*self.belt;
-        let loads = self.assembly.residual(InForce { belt, friction }, view, out);
+        let (belt, law) = (&*self.belt, &self.law);
+        let loads = self.assembly.residual(InForce { belt, law, friction }, view, out);
         self.pulleys.residual(&self.loads.at(time), &loads, view, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
@@ -129,12 +131,12 @@ impl VariatorSystem {
     ) {
         out.clear();
         let friction = &self.friction();
-        let belt = &*self.belt;
+        let (belt, law) = (&*self.belt, &self.law);
         self.resultants.clear();
         let of_belt = (&mut *out, &mut self.resultants);
         let loads = self
             .assembly
-            .jacobian(InForce { belt, friction }, view, slopes, geometry, of_belt);
+            .jacobian(InForce { belt, law, friction }, view, slopes, geometry, of_belt);
         let boundary = self.loads.at(time);
         self.pulleys
             .jacobian(&boundary, (&loads, &self.resultants), view, slopes, out);
@@ -148,10 +150,10 @@ impl VariatorSystem {
 
     /// Values at the stations of each group of cells.
     pub(crate) fn sample(&self, view: View<'_>, out: &mut Vec<Sample<Lanes>>) {
-        let belt = &*self.belt;
+        let (belt, law) = (&*self.belt, &self.law);
         out.resize(belt.mesh.groups.len() * belt.mesh.points, Sample::default());
         let friction = &self.friction();
-        self.assembly.sample(InForce { belt, friction }, view, out);
+        self.assembly.sample(InForce { belt, law, friction }, view, out);
     }
 
     /// Energies, J, and damping loss, W, of a ring that has elements of its own; else zero.
@@ -176,8 +178,8 @@ impl VariatorSystem {
     /// Evaluates the kept derivatives at the places that were read from a tape.
     pub(crate) fn restore_derivatives(&mut self) {
         let friction = &self.friction();
-        let belt = &*self.belt;
-        self.assembly.restore_derivatives(InForce { belt, friction });
+        let (belt, law) = (&*self.belt, &self.law);
+        self.assembly.restore_derivatives(InForce { belt, law, friction });
     }
 
     /// Writes to a tape, or reads from it, the loads, the rounding and the places of the kept derivatives.

@@ -222,8 +222,6 @@ pub struct Bounded {
     point: Vec<f64>,
     /// Work counts.
     pub counts: Counts,
-    /// Largest defect of the ticks that ended since it was set to zero.
-    pub defect: f64,
 }
 
 impl Bounded {
@@ -250,7 +248,6 @@ impl Bounded {
             first: zeros(),
             point: zeros(),
             counts: Counts::default(),
-            defect: 0.0,
         }
     }
 
@@ -258,11 +255,12 @@ impl Bounded {
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         let Counts {
             steps,
+            rejected,
             residuals,
             factorizations,
             ..
         } = &mut self.counts;
-        for count in [steps, residuals, factorizations] {
+        for count in [steps, rejected, residuals, factorizations] {
             tape.counter(count);
         }
         let mut is_open = self.open.is_some();
@@ -364,7 +362,6 @@ impl Bounded {
             Tick::Rough => Quadrature::End,
         };
         let defect = mark.defect.min(WORST);
-        self.defect = self.defect.max(defect);
         let interval = Interval { end: to, length, rule };
         system.accumulate(self.start.view(), state.view(), interval);
         self.counts.steps += 1;

@@ -50,7 +50,7 @@ const LEAST: f64 = 0.02;
 pub struct Counts {
     /// Accepted steps.
     pub steps: u64,
-    /// Steps rejected by the error control.
+    /// Steps rejected by the error control; in real time, steps whose result was not kept.
     pub rejected: u64,
     /// Stages that Newton did not solve.
     pub failed: u64,

@@ -43,7 +43,7 @@ pub(crate) fn pack_balance<
     const D: usize,
     C: MeshCurve,
 >(
-    InForce { belt, friction }: InForce<'_>,
+    InForce { law, friction, .. }: InForce<'_>,
     (kind, pack): (&K, &Pack),
     frame: &C::Frame<T>,
     unknowns: &impl ReadUnknowns<Lanes>,
@@ -52,12 +52,12 @@ pub(crate) fn pack_balance<
     observer: &mut S,
 ) -> (CellBalance<T>, RingForces<T, D>) {
     let motion = motion::<T, K>(unknowns, slopes, &seed);
-    let place = pack.place::<T, C>(&belt.law, frame);
+    let place = pack.place::<T, C>(law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let at = (frame, pack.segment);
-    let mut ring = kind.ring::<T>(&belt.law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
+    let mut ring = kind.ring::<T>(&law.ring, (&place, &motion.reference), at, unknowns, slopes, &seed);
     let given = CellInput {
-        law: &belt.law,
+        law,
         friction,
         place: &place,
         motion: &motion,

@@ -163,7 +163,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
             plain,
             &mut observer,
         );
-        let place = pack.place::<Lanes, C>(&acting.belt.law, &frames.plain);
+        let place = pack.place::<Lanes, C>(acting.law, &frames.plain);
         let units = units(acting, &place, slopes[0]);
         let update = cache.0.update::<Self>(policy, (&regime, &units), at, place.length.v);
         if update == Update::All {
@@ -186,14 +186,14 @@ fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
 where
     for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
 {
-    let (InForce { belt, friction }, frame, (unknowns, slopes)) = (acting, &frames.plain, at);
+    let (InForce { law, friction, .. }, frame, (unknowns, slopes)) = (acting, &frames.plain, at);
     let plain = |value, _, _| value;
     let motion = motion::<Lanes, K>(unknowns, slopes, plain);
-    let place = pack.place::<Lanes, C>(&belt.law, frame);
+    let place = pack.place::<Lanes, C>(law, frame);
     let reference = |slot: usize| C::point(frame, pack.segment, place.fraction(slot));
     let on_curve = (frame, pack.segment);
     let mut ring = kind.ring::<Lanes>(
-        &belt.law.ring,
+        &law.ring,
         (&place, &motion.reference),
         on_curve,
         unknowns,
@@ -201,7 +201,7 @@ where
         plain,
     );
     let given = CellInput {
-        law: &belt.law,
+        law,
         friction,
         place: &place,
         motion: &motion,
@@ -255,8 +255,8 @@ where
 
 /// What slopes of laws are compared with, in a step with this factor 1/(hγ), 1/s.
 #[inline(always)]
-fn units(InForce { belt, friction }: InForce<'_>, place: &Place<'_, Lanes>, alpha: f64) -> Units {
-    Units::new(&belt.law, friction, alpha, place.length.v * place.stations[0].weight)
+fn units(InForce { law, friction, .. }: InForce<'_>, place: &Place<'_, Lanes>, alpha: f64) -> Units {
+    Units::new(law, friction, alpha, place.length.v * place.stations[0].weight)
 }
 
 /// Keeps the forces at the stations, and records the regime.

@@ -12,13 +12,16 @@ use crate::tape::Tape;
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 use crate::variator::cell::sample::Sample;
+use crate::variator::law::place::CellLaw;
 use std::fmt::Debug;
 
-/// The belt, and the friction that acts on it.
+/// The belt, and the laws in force.
 #[derive(Clone, Copy, Debug)]
 pub struct InForce<'a> {
     /// The belt.
     pub belt: &'a Belt,
+    /// Constants of its cells; in real time they may be rounded.
+    pub law: &'a CellLaw,
     /// Friction in force.
     pub friction: &'a Friction,
 }

@@ -8,6 +8,7 @@ use crate::solver::sdirk::Stalled;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::run::course::Held;
+use crate::variator::run::pace::Pace;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
 use crate::variator::run::variator::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Initial};
@@ -65,6 +66,7 @@ impl Variator {
         }
         self.state.y_dot.fill(0.0);
         self.held = Held::constant(time, inputs);
+        self.pace = Pace::new(inputs);
         self.integrator.newton.counts = Counts::default();
         if let Some(real_time) = &mut self.real_time {
             real_time.begin(&self.state, time);

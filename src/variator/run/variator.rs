@@ -378,10 +378,12 @@ impl Variator {
             residuals,
             defect,
             behind,
+            rollbacks,
         } = &mut self.work;
-        for count in [steps, jacobians, residuals] {
+        for count in [steps, jacobians, residuals, rollbacks] {
             tape.integer(count);
         }
+        self.pace.serialize(tape);
         tape.real(defect);
         tape.real(behind);
         tape.flag(&mut self.macro_slip);

@@ -1,8 +1,6 @@
 //! A communication step on its way, one own step after the other: whoever watches can read at the end of each, change inputs
 //! there or end the communication step. Left alone, it is [`Variator::advance_along`] to the last bit.
 
-use std::time::{Duration, Instant};
-
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::bounded::{Budget, TICK};
 use crate::solver::newton::Counts;
@@ -26,8 +24,8 @@ pub struct Way {
     /// The stretch under way, and its end, s.
     stretch: Option<(Stretch, f64)>,
     ticks: Ticks,
-    /// Time that it took to compute.
-    computed: Duration,
+    /// Work that had been done before.
+    before: Counts,
     /// End stops that the sheaves were at in the beginning.
     stops: PerPulley<Option<Stop>>,
     over: bool,
@@ -104,7 +102,7 @@ impl Variator {
             course,
             stretch: None,
             ticks: Ticks::new([from, to]),
-            computed: Duration::ZERO,
+            before: self.counts(),
             stops: self.stops(),
             over: to - from < SHORTEST_STEP,
         })
@@ -120,9 +118,7 @@ impl Variator {
             self.tick_along(way);
             return Ok(());
         }
-        let clock = Instant::now();
         let outcome = self.integrate_one(&way.course, way.to, &mut way.stretch);
-        way.computed += clock.elapsed();
         let over = outcome.map_err(|stalled| {
             self.count_pace(way);
             StepError::Stalled {
@@ -186,19 +182,23 @@ impl Variator {
         if self.time == way.from {
             return;
         }
-        let (defect, behind) = match &mut self.real_time {
+        let (defect, behind, rollbacks) = match &mut self.real_time {
             Some(real_time) => {
-                let left = (real_time.take_defect() / NEWTON_TOLERANCE, real_time.behind());
+                let of_ticks = (
+                    real_time.take_defect() / NEWTON_TOLERANCE,
+                    real_time.behind(),
+                    real_time.rollbacks(),
+                );
                 self.held = way.course.held(self.time);
                 self.apply();
-                left
+                of_ticks
             }
             None => {
                 self.count_pace(way);
-                (self.integrator.newton.left, 0.0)
+                (self.integrator.newton.left, 0.0, 0)
             }
         };
-        self.work = work(self.counts(), defect, behind);
+        self.work = work(self.counts(), defect, behind, rollbacks);
         self.report_slip();
         self.report_buckling();
         self.hold_external();
@@ -286,16 +286,18 @@ impl Variator {
         PerPulley::from_fn(|pulley| self.system.pulleys.stop_reached(pulley, self.state.view()))
     }
 
-    /// Counts what a way took to compute, and says where that was longer than it is.
+    /// Counts the work of a communication step, and warns where there is too much of it.
     fn count_pace(&mut self, way: &Way) {
-        if let Some(late) = self.pace.count(&way.given, way.to - way.from, way.computed) {
+        let work = self.counts() - way.before;
+        let unknowns = self.state.y.len();
+        if let Some(late) = self.pace.count(&way.given, way.to - way.from, work, unknowns) {
             self.log(true, late);
         }
     }
 }
 
 /// Counts as outputs, with a defect in units of Newton's scale and the time behind the clock, s.
-fn work(counts: Counts, defect: f64, behind: f64) -> Work {
+fn work(counts: Counts, defect: f64, behind: f64, rollbacks: u64) -> Work {
     let output = |count: u64| i32::try_from(count).unwrap_or(i32::MAX);
     Work {
         steps: output(counts.steps + counts.rejected + counts.failed),
@@ -303,5 +305,6 @@ fn work(counts: Counts, defect: f64, behind: f64) -> Work {
         residuals: output(counts.residuals),
         defect,
         behind,
+        rollbacks: output(rollbacks),
     }
 }

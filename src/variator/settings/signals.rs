@@ -225,10 +225,13 @@ pub struct Work {
     pub jacobians: i32,
     /// Residuals evaluated.
     pub residuals: i32,
-    /// What solutions were left to change by the next correction, as a share of what accurate steps tolerate.
+    /// What the solutions of the last communication step were left to change by the next correction, as a share of what accurate steps
+    /// tolerate.
     pub defect: f64,
     /// How far outputs are behind the clock, s: 0 in accurate steps.
     pub behind: f64,
+    /// Rollbacks in real time: how often a step was not kept, and the run went back to the last state that was solved.
+    pub rollbacks: i32,
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs

@@ -146,7 +146,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         scalars: S,
         observer: &mut P,
     ) -> CellRows<S::T> {
-        let InForce { belt, friction } = self.acting;
+        let InForce { belt, law, friction } = self.acting;
         let of = CellUnknowns {
             view: self.view,
             at: over.unknowns(),
@@ -167,8 +167,8 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             of_segment: [0.0, 1.0],
             face: &of_mesh.face,
             stations: &of_mesh.stations,
-            axis: belt.law.axes[of_mesh.pulley],
-            plane: belt.law.planes[of_mesh.pulley].constants(),
+            axis: law.axes[of_mesh.pulley],
+            plane: law.planes[of_mesh.pulley].constants(),
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
             layer_drag: self.layer_drag(frame, of_mesh.pulley),
         };
@@ -186,7 +186,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let mut passing = Passing::<_, _, E>::new(slots, &motion.reference, multipliers);
         let reference = |slot: usize| references[slot].expect("a slot of the cell");
         let given = CellInput {
-            law: &belt.law,
+            law,
             friction,
             place: &place,
             motion: &motion,
@@ -200,7 +200,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
 
     /// Drag of the ring's layers on the arc of a pulley, as a share of the load that presses the ring on it.
     fn layer_drag<T: Real>(&self, frame: &TwoPulleyFrame<T>, pulley: Pulley) -> T {
-        let law = &self.acting.belt.law;
+        let law = self.acting.law;
         let radii = frame.radius.map(|radius| radius.v - law.chain.pitch_offset);
         law.layers.drag_shares(radii)[pulley as usize]
     }

@@ -94,6 +94,8 @@ pub(super) struct RealTime {
     /// The tick that is open, if one is, and for how many milliseconds.
     plan: Plan,
     waiting: u64,
+    /// Largest defect of the ticks that were kept in this communication step.
+    defect: f64,
 }
 
 impl RealTime {
@@ -113,6 +115,7 @@ impl RealTime {
             share: 1.0,
             plan: Plan::NONE,
             waiting: 0,
+            defect: 0.0,
         }
     }
 
@@ -209,6 +212,7 @@ impl RealTime {
             self.go_back(running, state);
         } else {
             self.reached = span[1];
+            self.defect = self.defect.max(defect);
             if defect < SOLVED {
                 self.keep(running, state);
             }
@@ -235,13 +239,18 @@ impl RealTime {
         self.reached = self.solved_at;
         self.backlog.level(self.reached);
         self.share = (SHORTER * self.share).max(SHORTEST);
-        // What outputs say of a tick that wasn't taken.
-        self.ticks.defect = self.ticks.defect.max(BACK);
+        self.ticks.counts.steps -= 1;
+        self.ticks.counts.rejected += 1;
     }
 
     /// Largest defect since it was asked for.
     pub fn take_defect(&mut self) -> f64 {
-        std::mem::take(&mut self.ticks.defect)
+        std::mem::take(&mut self.defect)
+    }
+
+    /// How often the run went back since it began.
+    pub fn rollbacks(&self) -> u64 {
+        self.ticks.counts.rejected
     }
 
     /// How far the state is behind the clock, s.
