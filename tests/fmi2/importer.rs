@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 use pushbelt::fmi::Unit;
-use pushbelt::fmi::fmi2::*;
+use pushbelt::fmi::fmi2::{CallbackFunctions, Component, Logger};
 use pushbelt::fmi::log::Status::{self, Ok};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;

@@ -3,7 +3,7 @@
 use std::ffi::{CStr, c_char, c_int};
 use std::ptr::{null, null_mut};
 
-use pushbelt::fmi::fmi2::*;
+use pushbelt::fmi::fmi2::CallbackFunctions;
 use pushbelt::fmi::log::Status::{self, Discard, Error, Ok};
 use pushbelt::unit::c_abi::*;
 use pushbelt::unit::model_description;

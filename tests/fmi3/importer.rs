@@ -5,7 +5,7 @@ use std::ffi::{CStr, CString, c_int};
 use std::ptr::null;
 
 use pushbelt::fmi::Unit;
-use pushbelt::fmi::fmi3::*;
+use pushbelt::fmi::fmi3::{Boolean, Environment, Instance, Text, instantiation_token};
 use pushbelt::fmi::log::Status::{self, Ok};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;

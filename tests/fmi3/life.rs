@@ -3,7 +3,7 @@
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
 
-use pushbelt::fmi::fmi3::*;
+use pushbelt::fmi::fmi3::{Environment, Text};
 use pushbelt::fmi::log::Status::{self, Error, Ok};
 use pushbelt::unit::c_abi3::*;
 use pushbelt::unit::model_description3;

@@ -71,7 +71,7 @@ macro_rules! __export_for {
         /// The standard's function of this name.
         ///
         /// # Safety
-        #[doc = concat!("The caller grants what the head of [`", stringify!($version), "`](pushbelt_fmi::", stringify!($version), ") lists.")]
+#[doc = concat!("The caller grants what the documentation of `pushbelt_fmi::", stringify!($version), "` lists.")]
         #[allow(clippy::too_many_arguments, reason = "the standard's")]
         #[cfg_attr(not(test), unsafe(no_mangle))]
         pub unsafe extern "C" fn $name($($argument: $type),*) $(-> $result)? {

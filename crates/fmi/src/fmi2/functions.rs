@@ -100,19 +100,22 @@ macro_rules! fmi2_functions {
         fmi2CancelStep(c: Component) -> Status = enter(c, FUNCTION, Slave::<U>::cancel_step);
         fmi2GetStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =
             enter(c, FUNCTION, |slave: &mut Slave<U>| {
-                *result(value)? = slave.step_status(kind)? as c_int;
+                let value = result(value)?;
+                *value = slave.step_status(kind)? as c_int;
                 Ok(())
             });
         fmi2GetRealStatus(c: Component, kind: c_int, value: *mut f64) -> Status =
             enter(c, FUNCTION, |slave: &mut Slave<U>| {
-                *result(value)? = slave.last_successful_time(kind)?;
+                let value = result(value)?;
+                *value = slave.last_successful_time(kind)?;
                 Ok(())
             });
         fmi2GetIntegerStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =
             enter(c, FUNCTION, |slave: &mut Slave<U>| slave.no_status(kind));
         fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut c_int) -> Status =
             enter(c, FUNCTION, |slave: &mut Slave<U>| {
-                *result(value)? = slave.requests_termination(kind)?.into();
+                let value = result(value)?;
+                *value = slave.requests_termination(kind)?.into();
                 Ok(())
             });
         fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status =

@@ -8,11 +8,11 @@ use super::steps::do_step;
 use super::types::{Binary, Boolean, Environment, FmuState, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use super::unsupported::{ADJOINT, CO_SIMULATION, DEPENDENCIES, DIRECTIONAL, DISCRETE_STATES, STRUCTURE};
 use crate::c::entry::{
-    array, array_mut, enter, free_instance, get, no_such_type, result, set, set_debug_logging, unsupported,
+    NULL_RESULT, array, array_mut, enter, free_instance, get, no_such_type, set, set_debug_logging, unsupported,
 };
 use crate::c::{define, stored};
 use crate::log::Status;
-use crate::slave::{Slave, Type};
+use crate::slave::{Slave, Type, refused};
 use crate::state::Call;
 use crate::unit::{Experiment, Unit};
 
@@ -177,14 +177,16 @@ macro_rules! fmi3_functions {
             next_event_time_defined: *mut Boolean, next_event_time: *mut f64
         ) -> Status = enter(c, FUNCTION, |slave: &mut Slave<U>| {
             let flags = [
-                result(discrete_states_need_update)?, result(terminate_simulation)?,
-                result(nominals_of_continuous_states_changed)?, result(values_of_continuous_states_changed)?,
-                result(next_event_time_defined)?,
+                discrete_states_need_update, terminate_simulation, nominals_of_continuous_states_changed,
+                values_of_continuous_states_changed, next_event_time_defined,
             ];
-            let time = result(next_event_time)?;
+            if flags.iter().any(|flag| flag.is_null()) || next_event_time.is_null() {
+                return refused(NULL_RESULT);
+            }
             slave.update_discrete_states()?;
-            flags.into_iter().for_each(|flag| *flag = 0);
-            *time = 0.0;
+            // Not by references: an importer may pass one place several times.
+            flags.into_iter().for_each(|flag| flag.write(0));
+            next_event_time.write(0.0);
             Ok(())
         });
         fmi3EnterContinuousTimeMode(c: Instance) -> Status = unsupported::<U>(c, FUNCTION, CO_SIMULATION);
