@@ -386,7 +386,8 @@ def described(found: Drive, speeds: np.ndarray, strands: np.ndarray) -> str:
 
 
 def cargo(example: str, *arguments: str) -> str:
-    command = ["cargo", "run", "--release", "--quiet", "--example", example, "--", *arguments]
+    package = "pushbelt-paper" if example == "free_ring" else "pushbelt"
+    command = ["cargo", "run", "--release", "--quiet", "--package", package, "--example", example, "--", *arguments]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 

@@ -85,7 +85,7 @@ def _deformable_ring(rings: Rings) -> list[Statement]:
             f"{1e3 * abs(_centre(rings, 'RCM')):.1f} mm)",
             "The left end has to go inwards, and only Θ can take it there. The lock bears a force, because the bending measure (23) "
             "counts from the curve and resists a change of Θ alone: no energy is lost, but momentum goes into the lock. With Θ held "
-            "instead of the node the centre of mass rests to rounding (tests/ring/ale.rs). RCM and ANCF have no such lock.",
+            "instead of the node the centre of mass rests to rounding (crates/paper/tests/ring/ale.rs). RCM and ANCF have no such lock.",
         ),
         Statement(
             "5.3, fig. 7",

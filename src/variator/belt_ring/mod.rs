@@ -30,7 +30,7 @@ pub use crate::variator::cell::directions::{Direction, Directions};
 pub use crate::variator::cell::observer::{NoObserver, Observer, Sampler};
 pub use crate::variator::cell::sample::Sample;
 pub use crate::variator::cell::state::CellInput;
-pub use crate::variator::law::place::{CellBalance, CellLaw, CellMotion, Place};
+pub use crate::variator::law::place::{CellBalance, CellLaw, CellMotion, Place, PulleyMotion, SheavePlane};
 pub use crate::variator::mesh::belt_mesh::{BeltMesh, Cell, CellDivision, SLOTS};
 pub use crate::variator::mesh::layout::{Layout, RingUnknowns};
 pub use crate::variator::rings::deflecting::Deflecting;

@@ -36,8 +36,8 @@ pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// Number of all directions.
     const COUNT: usize = Self::SHEAVE + OF_PULLEY;
 
-    /// Unknown that varies in direction `k`; none for coordinates of the curve, whose derivatives [`variation`](crate::variator::cell::variation)
-    /// does not have.
+    /// Unknown that varies in direction `k`; none for coordinates of the curve, along which derivatives come from forward
+    /// differentiation.
     fn direction(k: usize) -> Option<Direction> {
         if k < Self::NODES {
             return Some(Direction::Ring(k));

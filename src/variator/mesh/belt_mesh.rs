@@ -38,7 +38,7 @@ pub struct Cell {
     pub face: Station,
     /// Quadrature points between its faces.
     pub stations: Vec<Station>,
-    /// Index of its [`Group`].
+    /// Index of its group of cells that are evaluated together.
     pub group: usize,
     /// Lane of the cell in its group.
     pub lane: usize,

@@ -75,7 +75,9 @@ impl Pace {
             .max_by(|a, b| a.0.total_cmp(b.0))
             .unwrap_or((&0.0, INPUTS[0]));
         let cause = if *most > 0.0 {
-            format!("{name} varies most: let it vary more slowly, or inputs ramp over the whole step (inputs.ramp = -1); ")
+            format!(
+                "{name} varies most: let it vary more slowly, or inputs ramp over the whole step (inputs.ramp = -1); "
+            )
         } else {
             String::new()
         };
