@@ -40,7 +40,7 @@ impl Run {
     }
 
     fn look(&mut self) {
-        let moved = self.variator.ledger().moved;
+        let moved = self.variator.energy_balance().moved;
         let time = self.variator.time();
         let o = self.variator.outputs();
         for (value, name) in [

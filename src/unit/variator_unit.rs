@@ -6,7 +6,7 @@ use crate::fmi::Table;
 use crate::fmi::stepping::OwnSteps;
 use crate::fmi::unit::{Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
-use crate::variator::run::{Event, StepError, Variator, Way};
+use crate::variator::run::{CommunicationStep, Event, StepError, Variator};
 use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
 
 /// A variator behind the FMI layer.
@@ -139,38 +139,48 @@ impl Unit for VariatorUnit {
 }
 
 impl OwnSteps for VariatorUnit {
-    type Way = Way;
+    type Way = CommunicationStep;
 
-    fn set_out(&mut self, to: f64, settings: &Settings, rates: Option<&Settings>) -> Result<Way, StepFailure> {
+    fn set_out(
+        &mut self,
+        to: f64,
+        settings: &Settings,
+        rates: Option<&Settings>,
+    ) -> Result<CommunicationStep, StepFailure> {
         self.tune(settings)?;
         let rates = rates.map_or(Inputs::ZERO, |rates| rates.inputs);
-        let way = self.variator.set_out(to, &settings.inputs, &rates);
-        way.map_err(failure)
+        let step = CommunicationStep::begin(&mut self.variator, to, &settings.inputs, &rates);
+        step.map_err(failure)
     }
 
-    fn is_over(&self, way: &Way) -> bool {
+    fn is_over(&self, way: &CommunicationStep) -> bool {
         way.is_over()
     }
 
-    fn own_step(&mut self, way: &mut Way, settings: &Settings, remarks: &mut Vec<Remark>) -> Result<(), StepFailure> {
-        let given = self.variator.give_anew(way, &settings.inputs);
-        let stepped = given.and_then(|()| self.variator.step_along(way));
+    fn own_step(
+        &mut self,
+        way: &mut CommunicationStep,
+        settings: &Settings,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure> {
+        let given = way.set_inputs(&mut self.variator, &settings.inputs);
+        let stepped = given.and_then(|()| way.advance(&mut self.variator));
         self.move_messages(remarks);
         stepped.map_err(failure)?;
-        self.variator.look();
+        self.variator.update_outputs();
         Ok(())
     }
 
-    fn event(&self, way: &Way) -> Option<String> {
-        self.variator.event(way).map(Event::text)
+    fn event(&self, way: &CommunicationStep) -> Option<String> {
+        way.event(&self.variator).map(Event::text)
     }
 
-    fn end_at(&mut self, way: &mut Way, time: f64) {
-        self.variator.end_at(way, time);
+    fn end_at(&mut self, way: &mut CommunicationStep, time: f64) {
+        way.end_at(&mut self.variator, time);
     }
 
-    fn arrive(&mut self, way: &Way, remarks: &mut Vec<Remark>) {
-        self.variator.arrive(way);
+    fn arrive(&mut self, way: &CommunicationStep, remarks: &mut Vec<Remark>) {
+        way.finish(&mut self.variator);
         self.move_messages(remarks);
     }
 }
