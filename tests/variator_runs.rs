@@ -1,4 +1,4 @@
-//! Runs of the variator: the manoeuvre's books, tolerance, communication steps, repeatability, counts.
+//! Runs of the variator: the manoeuvre's energy balance, tolerance, communication steps, repeatability, counts.
 
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
@@ -61,18 +61,18 @@ fn whole_manoeuvre(model: RingModel, ratios: [f64; 2], work: [u64; 3]) {
 }
 
 #[test]
-fn the_whole_manoeuvre_keeps_its_books_ale0() {
+fn energy_balance_of_the_whole_manoeuvre_ale0() {
     whole_manoeuvre(RingModel::Ale0, [0.373, 2.374], [10_050, 24_491, 204]);
 }
 
 #[test]
-fn the_whole_manoeuvre_keeps_its_books_ale() {
+fn energy_balance_of_the_whole_manoeuvre_ale() {
     whole_manoeuvre(RingModel::Ale, [0.371, 2.371], [10_069, 31_573, 530]);
 }
 
 /// The deflecting ring: launch.
 #[test]
-fn the_launch_keeps_its_books_ale() {
+fn energy_balance_of_the_launch_ale() {
     let mut run = drive(Manoeuvre::variator(variator(RingModel::Ale)), 0.0, 0.8, |_, _| {});
     let o = run.variator.outputs();
     assert!(
@@ -86,7 +86,7 @@ fn the_launch_keeps_its_books_ale() {
 
 /// The deflecting ring: over-torque, from the steady state near which the manoeuvre is by then, and recovery.
 #[test]
-fn the_over_torque_keeps_its_books_ale() {
+fn energy_balance_of_the_over_torque_ale() {
     let mut slipped = false;
     let mut run = drive(
         Manoeuvre::before_over_torque(variator(RingModel::Ale)),

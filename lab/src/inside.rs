@@ -23,7 +23,7 @@ pub fn reference_motion(variator: &Variator) -> [f64; 2] {
 /// Smallest net force T − Q in a strand, N: negative where it would buckle.
 #[must_use]
 pub fn strand_force(variator: &Variator) -> f64 {
-    variator.ledger().last.sums.strand_force
+    variator.energy_balance().last.sums.strand_force
 }
 
 /// How the loaded stations of a pulley slide.
@@ -38,7 +38,7 @@ pub struct Sliding {
 /// Sliding on both pulleys.
 #[must_use]
 pub fn sliding(variator: &Variator) -> PerPulley<Sliding> {
-    variator.ledger().last.sums.sliding.map(|sums| Sliding {
+    variator.energy_balance().last.sums.sliding.map(|sums| Sliding {
         mean: sums.weighted / sums.load,
         forward: sums.forward / sums.load,
     })

@@ -49,7 +49,7 @@ impl Run {
     }
 
     fn record(&mut self) {
-        let moved = self.variator.ledger().moved;
+        let moved = self.variator.energy_balance().moved;
         let time = self.variator.time();
         let o = self.variator.outputs();
         for (value, name) in [

@@ -46,7 +46,7 @@ pub fn trace(load: Load, parameters: &Parameters, ratio: f64, seconds: f64, mut 
         trace.defect = trace.defect.max(outputs.work.defect);
     }
     let residual = driven.variator.outputs().energy_residual;
-    trace.unaccounted = residual / driven.variator.ledger().moved;
+    trace.unaccounted = residual / driven.variator.energy_balance().moved;
     trace
 }
 

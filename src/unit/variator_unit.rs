@@ -5,7 +5,7 @@ use super::table;
 use crate::fmi::Table;
 use crate::fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
-use crate::variator::run::{Event, StepError, Variator, Way};
+use crate::variator::run::{self, Event, StepError, Variator};
 use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
 use std::marker::PhantomData;
 
@@ -76,7 +76,7 @@ impl<R: Rings> Unit for UnitWith<R> {
     type Settings = Settings<R>;
     type Readings = Readings;
     /// The variator's communication step, once it has begun.
-    type Progress = Option<Way>;
+    type Progress = Option<run::CommunicationStep>;
 
     const INTERPOLATES_INPUTS: bool = true;
     const OUTPUT_DERIVATIVES: bool = true;
@@ -105,7 +105,7 @@ impl<R: Rings> Unit for UnitWith<R> {
     fn begin(&mut self, step: &mut CommunicationStep<Self>, settings: &Settings<R>) -> Result<(), StepFailure> {
         self.tune(settings)?;
         let rates = step.rates.as_ref().map_or(Inputs::ZERO, |rates| rates.inputs);
-        let begun = self.variator.set_out(step.to, &settings.inputs, &rates);
+        let begun = run::CommunicationStep::begin(&mut self.variator, step.to, &settings.inputs, &rates);
         step.progress = Some(begun.map_err(failure)?);
         Ok(())
     }
@@ -116,36 +116,36 @@ impl<R: Rings> Unit for UnitWith<R> {
         settings: &Settings<R>,
         remarks: &mut Vec<Remark>,
     ) -> Result<(), StepFailure> {
-        let Some(way) = &mut step.progress else {
+        let Some(own) = &mut step.progress else {
             return Ok(());
         };
-        let given = self.variator.give_anew(way, &settings.inputs);
-        let advanced = given.and_then(|()| self.variator.step_along(way));
+        let given = own.set_inputs(&mut self.variator, &settings.inputs);
+        let advanced = given.and_then(|()| own.advance(&mut self.variator));
         self.move_messages(remarks);
         advanced.map_err(failure)
     }
 
     fn is_over(&self, step: &CommunicationStep<Self>) -> bool {
-        step.progress.as_ref().is_none_or(Way::is_over)
+        step.progress.as_ref().is_none_or(run::CommunicationStep::is_over)
     }
 
     fn update_outputs(&mut self) {
-        self.variator.look();
+        self.variator.update_outputs();
     }
 
     fn event(&self, step: &CommunicationStep<Self>) -> Option<String> {
-        self.variator.event(step.progress.as_ref()?).map(Event::text)
+        step.progress.as_ref()?.event(&self.variator).map(Event::text)
     }
 
     fn end_at(&mut self, step: &mut CommunicationStep<Self>, time: f64) {
-        if let Some(way) = &mut step.progress {
-            self.variator.end_at(way, time);
+        if let Some(own) = &mut step.progress {
+            own.end_at(&mut self.variator, time);
         }
     }
 
     fn finish(&mut self, step: &CommunicationStep<Self>, remarks: &mut Vec<Remark>) {
-        if let Some(way) = &step.progress {
-            self.variator.arrive(way);
+        if let Some(own) = &step.progress {
+            own.finish(&mut self.variator);
         }
         self.move_messages(remarks);
     }

@@ -1,11 +1,12 @@
 //! Steady states by pseudo-transient continuation: implicit Euler whose step grows without bound.
 
-use super::newton::{Newton, Stage};
+use super::newton::Newton;
+use super::stage::{Stage, slopes};
 use super::{State, System, View};
 
 /// Shortest pseudo-time step, s.
 const SHORTEST_STEP: f64 = 1.0e-12;
-/// Newton tolerance on the way, over that of the last step: states on the way are passed, not kept.
+/// Newton tolerance of all steps but the last, over that of the last: only its state is kept.
 const COARSE: f64 = 100.0;
 /// Change of a step that `control` refused.
 const REFUSED: f64 = 0.4;
@@ -84,15 +85,13 @@ pub fn settle<S: System>(
         trial.copy_from(state);
         let mut stage = Stage {
             time: settings.time,
-            alpha: 1.0 / report.step,
+            slopes: slopes(1.0 / report.step),
             base: &state.y,
             position: &state.q,
-            y: &mut trial.y,
-            y_dot: &mut trial.y_dot,
-            q: &mut trial.q,
+            state: &mut trial,
         };
         let tolerance = if last { 1.0 } else { COARSE };
-        newton.set_scale(system, stage.alpha);
+        newton.set_scale(system, stage.slopes[0]);
         match newton.solve(system, &mut stage, tolerance, false) {
             Ok(jacobians) => {
                 let solved = Trial {

@@ -20,7 +20,7 @@ pub struct Entry {
     pub rounded: f64,
 }
 
-/// Passes to `check` every entry of ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`; differences in an unknown are over its `step`.
+/// Calls `check` with every entry of ∂F/∂y + α ∂F/∂ẏ + β ∂F/∂q at `time`; differences in an unknown are over its `step`.
 pub fn compare(
     system: &mut impl System,
     time: f64,

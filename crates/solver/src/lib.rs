@@ -1,4 +1,4 @@
-//! Implicit solution of stiff systems around a loop. Knows no belt.
+//! Implicit solution of stiff systems around a loop, independent of any belt.
 //!
 //! A system is F(t, y, ẏ, q) = 0 with q̇ = y for the unknowns that have a position: velocities of a mechanical system
 //! and first-order states stand side by side, positions are eliminated, and the Jacobian is an [`arrow::Arrow`].
@@ -16,6 +16,7 @@ mod line_search;
 pub mod newton;
 pub mod scalar;
 pub mod sdirk;
+pub mod stage;
 #[cfg(test)]
 mod tests;
 

@@ -21,7 +21,7 @@ struct End {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LineSearch {
     before: End,
-    /// Its φ is NaN where it only tells that this is too far.
+    /// Its φ is NaN where only the share is known to be too large.
     beyond: End,
     /// Whether the last share was before the place; none at first.
     last_before: Option<bool>,

@@ -1,9 +1,9 @@
 //! Newton's method for one implicit stage, with reuse of the factored Jacobian.
 
-use super::arrow::{Arrow, ArrowLu};
+use super::System;
 use super::broyden::Broyden;
 use super::line_search::LineSearch;
-use super::{System, View};
+use super::stage::{Chord, Stage};
 use pushbelt_tape::Tape;
 
 /// Most Jacobians in a stage.
@@ -19,7 +19,7 @@ const REUSED: std::ops::Range<f64> = 0.7..1.4;
 /// [`FURTHER`] times.
 const STALE: u64 = 40;
 const FURTHER: usize = 3;
-/// Growth of the step in one iteration at which Broyden's method is given up. Where a law changes its regime steps
+/// Growth of the step in one iteration at which Broyden's method is abandoned. Where a law changes its regime steps
 /// grow and fall again.
 const DIVERGED: f64 = 8.0;
 /// Contraction that the first iteration is trusted with at best, and its growth with each stage that ends without
@@ -31,7 +31,7 @@ const AGEING: f64 = 1.2;
 const FASTER: f64 = 0.8;
 /// Part of the tolerance that may be left after the last iteration.
 const LEFT: f64 = 0.15;
-/// Part of the tolerance below which the first correction says that the guess is the solution.
+/// Part of the tolerance below which the first correction shows that the predictor is the solution.
 const SOLVED: f64 = 1.0e-3;
 /// Part of the tolerance below which corrections may be rounding, so that they need not fall.
 const ROUNDED: f64 = 0.1;
@@ -42,7 +42,7 @@ const RESTRICTION: f64 = 0.25;
 const ALONG: f64 = 0.2;
 /// Residuals after which a search along a step ends at the best place it has found.
 const TRIALS: usize = 6;
-/// Least share of a step that is tried; a stage for which it is too large is given up.
+/// Least share of a step that is tried; a stage for which it is too large is abandoned.
 const LEAST: f64 = 0.02;
 
 /// Work done.
@@ -93,14 +93,11 @@ pub struct NotConverged;
 /// Newton's method with its factored Jacobian, which later stages use again.
 #[derive(Clone, Debug)]
 pub struct Newton {
-    matrix: Arrow,
-    factors: ArrowLu,
+    chord: Chord,
     /// α of the factored matrix; NaN before the first.
     alpha: f64,
-    correction: Vec<f64>,
     step: Vec<f64>,
     guess: Vec<f64>,
-    scale: Vec<f64>,
     broyden: Broyden,
     best: Vec<f64>,
     /// Residuals: at the place evaluated last, and at the best one.
@@ -111,55 +108,10 @@ pub struct Newton {
     /// What iterations with these factors have cost beyond the first of each stage.
     excess: u64,
     /// Largest change that the last iteration of a stage left to make, as a share of the tolerance, as far as its contraction
-    /// tells. Whoever reads it sets it to zero.
+    /// shows. The caller sets it to zero.
     pub left: f64,
     /// Work counts.
     pub counts: Counts,
-}
-
-/// A stage: F(t, y, ẏ, q) = 0 with ẏ = α(y − `base`), q = `position` + y/α.
-#[derive(Debug)]
-pub struct Stage<'a> {
-    /// t, s.
-    pub time: f64,
-    /// 1/(hγ), 1/s.
-    pub alpha: f64,
-    /// y at which ẏ = 0.
-    pub base: &'a [f64],
-    /// q at y = 0.
-    pub position: &'a [f64],
-    /// In: first guess. Out: solution.
-    pub y: &'a mut [f64],
-    /// Out: ẏ.
-    pub y_dot: &'a mut [f64],
-    /// Out: q.
-    pub q: &'a mut [f64],
-}
-
-impl Stage<'_> {
-    /// Sets ẏ and q to those of y.
-    fn complete(&mut self, has_position: &[bool]) {
-        let beta = 1.0 / self.alpha;
-        for ((rate, y), base) in self.y_dot.iter_mut().zip(&*self.y).zip(self.base) {
-            *rate = self.alpha * (y - base);
-        }
-        let new = self
-            .position
-            .iter()
-            .zip(&*self.y)
-            .map(|(position, y)| position + beta * y);
-        for ((q, has), new) in self.q.iter_mut().zip(has_position).zip(new) {
-            *q = if *has { new } else { *q };
-        }
-    }
-
-    fn view(&self) -> View<'_> {
-        View {
-            y: self.y,
-            y_dot: self.y_dot,
-            q: self.q,
-        }
-    }
 }
 
 impl Newton {
@@ -168,13 +120,10 @@ impl Newton {
     pub fn new(system: &impl System) -> Self {
         let shape = system.shape();
         Self {
-            matrix: Arrow::new(shape),
-            factors: ArrowLu::new(shape),
+            chord: Chord::new(system),
             alpha: f64::NAN,
-            correction: vec![0.0; shape.len()],
             step: vec![0.0; shape.len()],
             guess: vec![0.0; shape.len()],
-            scale: vec![0.0; shape.len()],
             broyden: Broyden::new(QUASI_ITERATIONS, shape.len()),
             best: vec![0.0; shape.len()],
             residual: vec![0.0; shape.len()],
@@ -186,9 +135,9 @@ impl Newton {
         }
     }
 
-    /// Passes by a tape all that later solutions depend on: the factored Jacobian is used again.
+    /// Writes to a tape, or reads from it, all that later solutions depend on: the factored Jacobian is used again.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
-        self.factors.serialize(tape);
+        self.chord.serialize(tape);
         tape.real(&mut self.alpha);
         tape.real(&mut self.rate);
         tape.counter(&mut self.excess);
@@ -216,17 +165,17 @@ impl Newton {
 
     /// Forms and factors the Jacobian at the stage.
     fn refresh<S: System>(&mut self, system: &mut S, stage: &Stage<'_>) -> Result<(), NotConverged> {
+        let [alpha, beta] = stage.slopes;
         self.counts.factorizations += 1;
-        system.renew_jacobian(
-            stage.time,
-            stage.view(),
-            stage.alpha,
-            1.0 / stage.alpha,
-            &mut self.matrix,
-        );
         self.alpha = f64::NAN;
-        self.factors.factor(&self.matrix).map_err(|_| NotConverged)?;
-        self.alpha = stage.alpha;
+        let view = stage.state.view();
+        if !self
+            .chord
+            .factor(|matrix| system.renew_jacobian(stage.time, view, alpha, beta, matrix))
+        {
+            return Err(NotConverged);
+        }
+        self.alpha = alpha;
         self.rate = 1.0;
         self.excess = 0;
         Ok(())
@@ -234,14 +183,14 @@ impl Newton {
 
     /// Sets the scale that stages with this α are solved to: the system's.
     pub fn set_scale(&mut self, system: &impl System, alpha: f64) {
-        system.newton_scale(1.0 / alpha, &mut self.scale);
+        system.newton_scale(1.0 / alpha, &mut self.chord.scale);
     }
 
     /// Solves a stage to `tolerance` times the scale that was set last. `reuse` allows a Jacobian from before.
     /// Returns the number of Jacobians formed.
     ///
     /// # Errors
-    /// No convergence; `stage.y` is then meaningless.
+    /// No convergence; `stage.state.y` is then meaningless.
     pub fn solve<S: System>(
         &mut self,
         system: &mut S,
@@ -249,7 +198,7 @@ impl Newton {
         tolerance: f64,
         reuse: bool,
     ) -> Result<usize, NotConverged> {
-        let ratio = stage.alpha / self.alpha;
+        let ratio = stage.slopes[0] / self.alpha;
         let tries = reuse && REUSED.contains(&ratio);
         if tries && self.quasi(system, stage, tolerance, false).is_ok() {
             return Ok(0);
@@ -257,20 +206,20 @@ impl Newton {
         self.damped(system, stage, tolerance, tries)
     }
 
-    /// The residual at `stage.y`, into `self.residual`.
+    /// The residual at `stage.state.y`, into `self.residual`.
     fn evaluate<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
         stage.complete(system.has_position());
-        system.residual(stage.time, stage.view(), &mut self.residual);
+        system.residual(stage.time, stage.state.view(), &mut self.residual);
         self.counts.residuals += 1;
     }
 
-    /// Newton correction at `stage.y` with the factors at hand, into `self.correction`.
+    /// Newton correction at `stage.state.y` with the factors at hand, into `self.chord.correction`.
     fn correct<S: System>(&mut self, system: &mut S, stage: &mut Stage<'_>) {
         self.evaluate(system, stage);
-        self.solve_for_correction();
+        self.chord.correct(&self.residual);
     }
 
-    /// The same with new factors; `known` says that the residual is at hand.
+    /// The same with new factors; `known`: the residual is at hand.
     fn correct_anew<S: System>(
         &mut self,
         system: &mut S,
@@ -283,24 +232,13 @@ impl Newton {
             self.evaluate(system, stage);
         }
         self.refresh(system, stage)?;
-        self.solve_for_correction();
+        self.chord.correct(&self.residual);
         Ok(())
-    }
-
-    /// The correction for the residual at hand.
-    fn solve_for_correction(&mut self) {
-        self.correction.copy_from_slice(&self.residual);
-        self.factors.solve(&mut self.correction);
     }
 
     /// The largest scaled entry of the correction at hand and its scaled 2-norm.
     fn measure(&self) -> Result<(f64, f64), NotConverged> {
-        let (mut largest, mut sum) = (0.0_f64, 0.0);
-        for (d, s) in self.correction.iter().zip(&self.scale) {
-            let x = d / s;
-            largest = largest.max(x.abs());
-            sum += x * x;
-        }
+        let (largest, sum) = self.chord.measure();
         if sum.is_finite() {
             Ok((largest, sum.sqrt()))
         } else {
@@ -308,9 +246,9 @@ impl Newton {
         }
     }
 
-    /// Broyden's method from the factors at hand. Given up when it diverges; `stage.y` is then the best point it reached, and the
+    /// Broyden's method from the factors at hand. It is abandoned when it diverges; `stage.state.y` is then the best point it reached, and the
     /// residual there is at hand.
-    /// `corrected` says that the correction at `stage.y` is at hand.
+    /// `corrected`: the correction at `stage.state.y` is at hand.
     fn quasi<S: System>(
         &mut self,
         system: &mut S,
@@ -325,12 +263,12 @@ impl Newton {
             if !at_hand {
                 self.correct(system, stage);
             }
-            let step = self.broyden.step(&self.correction, &self.scale);
+            let step = self.broyden.step(&self.chord.correction, &self.chord.scale);
             let change = step.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
             let is_finite = self.broyden.is_finite();
             if iteration == 0 || is_finite && change < least {
                 least = change;
-                self.best.copy_from_slice(stage.y);
+                self.best.copy_from_slice(&stage.state.y);
                 self.best_residual.copy_from_slice(&self.residual);
             }
             if !is_finite {
@@ -351,8 +289,8 @@ impl Newton {
                 (change / before).powf(FASTER).min(1.0)
             };
             before = change;
-            self.broyden.add_to(stage.y, &self.scale);
-            // What is left after this step, as far as the rate tells.
+            self.broyden.add_to(&mut stage.state.y, &self.chord.scale);
+            // What is left after this step, as far as the rate shows.
             if change * ahead < LEFT * tolerance {
                 self.left = self.left.max(change * ahead / tolerance);
                 stage.complete(system.has_position());
@@ -364,13 +302,13 @@ impl Newton {
             }
         }
         self.rate = 1.0;
-        stage.y.copy_from_slice(&self.best);
+        stage.state.y.copy_from_slice(&self.best);
         self.residual.copy_from_slice(&self.best_residual);
         Err(NotConverged)
     }
 
     /// Newton with the exact Jacobian, damped where friction saturates: from far off, full steps overshoot from one sliding
-    /// direction to the other for ever. After a full step Broyden's method goes on. `known` says that the residual is at hand.
+    /// direction to the other for ever. After a full step Broyden's method goes on. `known`: the residual is at hand.
     fn damped<S: System>(
         &mut self,
         system: &mut S,
@@ -385,8 +323,8 @@ impl Newton {
                 self.left = self.left.max(largest / tolerance);
                 return Ok(iteration);
             }
-            self.guess.copy_from_slice(stage.y);
-            self.step.copy_from_slice(&self.correction);
+            self.guess.copy_from_slice(&stage.state.y);
+            self.step.copy_from_slice(&self.chord.correction);
             let share = self.search(system, stage, tolerance, norm)?;
             if share >= LineSearch::WHOLE && self.quasi(system, stage, tolerance, true).is_ok() {
                 return Ok(iteration);
@@ -410,7 +348,7 @@ impl Newton {
         let mut share = LineSearch::WHOLE;
         let mut best: Option<(f64, f64)> = None;
         for trial in 1.. {
-            self.go(share, stage.y);
+            self.go(share, &mut stage.state.y);
             self.correct(system, stage);
             let measured = self.measure();
             let along = self.along(norm);
@@ -428,7 +366,7 @@ impl Newton {
             }
             line.record(share, along, accepted.is_some());
             if let Some((share, _)) = best.filter(|_| trial >= TRIALS || line.is_narrow()) {
-                self.go(share, stage.y);
+                self.go(share, &mut stage.state.y);
                 self.residual.copy_from_slice(&self.best_residual);
                 return Ok(share);
             }
@@ -449,7 +387,7 @@ impl Newton {
 
     /// How far the correction points along the step at hand, whose scaled 2-norm is `norm`: 1 if it is the step once more.
     fn along(&self, norm: f64) -> f64 {
-        let products = self.correction.iter().zip(&self.step).zip(&self.scale);
+        let products = self.chord.correction.iter().zip(&self.step).zip(&self.chord.scale);
         products.map(|((d, step), s)| (d / s) * (step / s)).sum::<f64>() / (norm * norm)
     }
 }

@@ -6,7 +6,8 @@
 //! slope. So the estimate is of third order, but of ẏ = −y it shows a seventh of the error.
 
 use super::arrow::Arrow;
-use super::newton::{Newton, Stage};
+use super::newton::Newton;
+use super::stage::{Stage, slopes};
 use super::{State, System, View};
 use pushbelt_tape::Tape;
 
@@ -21,7 +22,7 @@ fn error_weights() -> [f64; 3] {
     [1.0 - b1 - b2, b1 - (1.0 - GAMMA), b2 - GAMMA]
 }
 
-/// What a system adds for time integration.
+/// What time integration needs of a system, beside [`System`].
 pub trait Evolution: System {
     /// Error of a step relative to what is tolerated: accepted up to 1.
     fn error_norm(&self, view: View<'_>, y_error: &[f64], q_error: &[f64]) -> f64;
@@ -106,12 +107,12 @@ pub struct Sdirk {
     pub newton_widening: f64,
     /// Size of the step whose stages are kept; none after an attempt that failed, s.
     kept: Option<f64>,
-    /// Roughness of the way, from 0 to 1.
+    /// Roughness of the solution, from 0 to 1.
     rough: f64,
     /// Fading mean of squared errors, of 1 at most: small as long as motions are smooth.
     error: f64,
     stages: [State; 2],
-    /// ẏ at the end of the last step, before loads jumped: the first stage is guessed with it. An unknown may follow its
+    /// ẏ at the end of the last step, before loads jumped: the predictor of the first stage uses it. An unknown may follow its
     /// load in less than a step, so the slope after a jump would lead far off.
     slope: Vec<f64>,
     base: Vec<f64>,
@@ -120,35 +121,35 @@ pub struct Sdirk {
     q_error: Vec<f64>,
 }
 
-/// A stretch of time that is integrated in steps.
+/// A span of time that is integrated in steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Stretch {
+pub struct Span {
     from: f64,
-    span: f64,
+    to: f64,
     done: f64,
 }
 
-impl Stretch {
+impl Span {
     /// From one time to another, s.
     #[must_use]
     pub fn new(from: f64, to: f64) -> Self {
-        Self {
-            from,
-            span: to - from,
-            done: 0.0,
-        }
+        Self { from, to, done: 0.0 }
     }
 
     /// Whether its end is reached.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.done >= self.span
+        self.done >= self.length()
     }
 
-    /// Time reached, s, up to the rounding of the sum of its steps.
+    fn length(&self) -> f64 {
+        self.to - self.from
+    }
+
+    /// Time reached, s: exact at the end, before it up to the rounding of the sum of its steps.
     #[must_use]
     pub fn reached(&self) -> f64 {
-        self.from + self.done
+        if self.is_over() { self.to } else { self.from + self.done }
     }
 }
 
@@ -162,7 +163,7 @@ const MIN_STEP: f64 = 1.0e-10;
 const EXPONENT: f64 = 1.0 / 3.0;
 /// Safety after a step that was accepted. Hairer, Nørsett and Wanner give 0.8 and 0.9 as usual.
 const SAFETY: f64 = 0.85;
-/// The same where the way is rough, as it shows by steps that are rejected: friction turns and gaps close, so the error jumps from
+/// The same where the solution is rough, as rejected steps show: friction turns and gaps close, so the error jumps from
 /// one step to the next, and longer steps cost more Jacobians.
 const SAFETY_ROUGH: f64 = 0.55;
 /// What a step that is rejected adds to the roughness, of 1 at most, and how that fades with each one that is accepted.
@@ -174,7 +175,7 @@ const LAST: f64 = 0.02;
 const SAFETY_REJECTED: f64 = 0.8;
 /// Limits of the change after a step that was accepted; usual is a growth of 1.5 to 5.
 const CHANGE: [f64; 2] = [0.3, 3.0];
-/// Limits of the change after a step that was rejected. An error just too large asks for 0.8: the upper limit is below
+/// Limits of the change after a step that was rejected. An error just too large gives 0.8: the upper limit is below
 /// that, so that the next attempt has room.
 const CHANGE_REJECTED: [f64; 2] = [0.1, 0.7];
 /// Change after Newton's method failed, as in DASSL and CVODE (Hindmarsh et al. 2005).
@@ -226,7 +227,7 @@ impl Sdirk {
         })
     }
 
-    /// Passes by a tape all that later steps depend on.
+    /// Writes to a tape, or reads from it, all that later steps depend on.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         self.newton.serialize(tape);
         tape.real(&mut self.step);
@@ -265,12 +266,10 @@ impl Sdirk {
         first.q.copy_from_slice(view.q);
         let mut stage = Stage {
             time: time + GAMMA * h,
-            alpha: 1.0 / (h * GAMMA),
+            slopes: slopes(1.0 / (h * GAMMA)),
             base: view.y,
             position: view.q,
-            y: &mut first.y,
-            y_dot: &mut first.y_dot,
-            q: &mut first.q,
+            state: first,
         };
         self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
     }
@@ -285,12 +284,10 @@ impl Sdirk {
         second.q.copy_from_slice(view.q);
         let mut stage = Stage {
             time: time + h,
-            alpha: 1.0 / (h * GAMMA),
+            slopes: slopes(1.0 / (h * GAMMA)),
             base: &self.base,
             position: &self.position,
-            y: &mut second.y,
-            y_dot: &mut second.y_dot,
-            q: &mut second.q,
+            state: second,
         };
         self.newton.solve(system, &mut stage, tolerance, true).ok().map(drop)
     }
@@ -319,25 +316,21 @@ impl Sdirk {
         time: f64,
         to: f64,
     ) -> Result<(), Stalled> {
-        let mut stretch = Stretch::new(time, to);
-        while !stretch.is_over() {
-            self.step(system, state, &mut stretch)?;
+        let mut span = Span::new(time, to);
+        while !span.is_over() {
+            self.step(system, state, &mut span)?;
         }
         Ok(())
     }
 
-    /// Takes one step of a stretch that is not over.
+    /// Takes one step of a span that is not over.
     ///
     /// # Errors
     /// As [`Sdirk::advance`].
-    pub fn step<S: Evolution>(
-        &mut self,
-        system: &mut S,
-        state: &mut State,
-        stretch: &mut Stretch,
-    ) -> Result<(), Stalled> {
-        let Stretch { from, span, done } = *stretch;
-        let rest = span - done;
+    pub fn step<S: Evolution>(&mut self, system: &mut S, state: &mut State, span: &mut Span) -> Result<(), Stalled> {
+        let Span { from, done, .. } = *span;
+        let length = span.length();
+        let rest = length - done;
         loop {
             let longest = self.max_step.min(system.longest_step(state.view()));
             let preferred = self.step.min(longest);
@@ -357,7 +350,7 @@ impl Sdirk {
                         },
                     );
                     self.lengthen(h, error, preferred, longest);
-                    stretch.done = if last { span } else { done + h };
+                    span.done = if last { length } else { done + h };
                     return Ok(());
                 }
                 outcome => {
@@ -391,7 +384,7 @@ impl Sdirk {
         let safety = SAFETY + (SAFETY_ROUGH - SAFETY) * self.rough;
         self.rough *= FADING;
         let factor = (safety * error.max(LEAST_ERROR).powf(-EXPONENT)).clamp(least, most);
-        // A step shortened to meet the end says nothing against the longer one.
+        // A step shortened to meet the end is no reason against the longer one.
         let next = h * factor;
         if next > self.step || h >= UNSHORTENED * preferred || factor < 1.0 {
             self.step = next.min(longest);

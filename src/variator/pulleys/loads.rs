@@ -13,7 +13,7 @@ pub enum SheaveMode {
     /// Θ is drawn to `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ). The steady solver
     /// moves `force` to the reaction.
     Ratio {
-        /// Wanted Θ.
+        /// Set point of Θ.
         theta: f64,
         /// Force at `theta`, N.
         force: f64,

@@ -2,23 +2,24 @@
 
 use crate::pulley::Pulley;
 use crate::solver::sdirk::Stalled;
-use crate::variator::run::course::Course;
+use crate::variator::run::inputs::InputProfile;
+use crate::variator::run::plant::Plant;
 use crate::variator::run::soft_start::SHARPENING;
-use crate::variator::run::variator::{Variator, integrator};
+use crate::variator::run::stepper::{Accurate, COLD_STEP, Stepper};
 use crate::variator::settings::parameters::Axial;
 use crate::variator::settings::signals::Inputs;
 use crate::variator::survey::belt_survey::NO_FORCE;
 
-/// Time in which a clamped belt settles at a standstill, s, and the tolerance of the way there: only its end counts.
+/// Time in which a clamped belt settles at a standstill, s, and the tolerance of the steps: only the end counts.
 const SETTLING: f64 = 0.2;
 const SETTLING_TOLERANCE: f64 = 1.0e-2;
 
-impl Variator {
+impl Plant {
     /// Clamps and settles an unloaded belt at a standstill. Whether there is something to clamp it with.
     ///
     /// # Errors
     /// The time at which it stalled; the belt is then clamped in part.
-    pub(super) fn clamp_at_rest(&mut self, inputs: &Inputs) -> Result<bool, Stalled> {
+    pub fn clamp_at_rest(&mut self, inputs: &Inputs) -> Result<bool, Stalled> {
         let p = &self.system.parameters;
         let loose =
             |pulley: Pulley| p.pulley(pulley).axial == Axial::Force && inputs.pulley(pulley).clamping_force < NO_FORCE;
@@ -33,8 +34,8 @@ impl Variator {
     /// Lets clamping forces come in over the first milliseconds, so that a run without load begins clamped.
     ///
     /// # Errors
-    /// As [`Variator::clamp_at_rest`].
-    pub(super) fn clamp_softly(&mut self, inputs: &Inputs) -> Result<(), Stalled> {
+    /// As [`Plant::clamp_at_rest`].
+    pub fn clamp_softly(&mut self, inputs: &Inputs) -> Result<(), Stalled> {
         self.clamp_before(SHARPENING, self.system.parameters.solver.tolerance, inputs)
     }
 
@@ -46,12 +47,17 @@ impl Variator {
         self.time = start - span;
         self.soft_start.from = self.time;
         let own = std::mem::replace(&mut self.system.parameters.solver.tolerance, tolerance);
-        self.integrator = integrator(&self.system);
-        let course = Course::new(0.0, [self.time, start], &quiet, &quiet, &Inputs::ZERO);
-        let outcome = self.integrate_along(&course, start);
+        let mut accurate = Accurate::new(&self.system, COLD_STEP);
+        let profile = InputProfile::constant(self.time, &quiet);
+        let outcome = loop {
+            match accurate.step(self, &profile, start) {
+                Ok(false) => {}
+                outcome => break outcome,
+            }
+        };
         self.system.parameters.solver.tolerance = own;
         self.time = start;
-        self.forget_history();
-        outcome
+        self.end_soft_start();
+        outcome.map(drop)
     }
 }

@@ -1,28 +1,24 @@
-//! The state that a run starts from: unloaded or steady as the parameters want it, else the nearest that exists.
+//! The state that a run starts from: unloaded or steady as the parameters choose, else the nearest that exists.
 
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
 use crate::solver::continuation::Settled;
-use crate::solver::newton::{Counts, Newton};
+use crate::solver::newton::Newton;
 use crate::solver::sdirk::Stalled;
 use crate::variator::belt::ring::BeltRing;
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
-use crate::variator::run::course::Held;
-use crate::variator::run::pace::Pace;
+use crate::variator::run::plant::Plant;
 use crate::variator::run::soft_start::{LOAD_RAMP, SoftStart};
-use crate::variator::run::variator::{InitialisationError, Variator};
-use crate::variator::settings::parameters::{Axial, Drive, Initial};
-use crate::variator::settings::signals::{Inputs, StartState, Work};
+use crate::variator::run::stepper::{COLD_STEP, WARM_STEP};
+use crate::variator::run::variator::{InitialisationError, Message};
+use crate::variator::settings::parameters::{Axial, Drive, Initial, Mode};
+use crate::variator::settings::signals::{Inputs, StartState};
 use crate::variator::steady::equilibrium::{Equilibrium, solve_equilibrium};
-use crate::variator::steady::solve::{self, SteadyTask, geometric_ratio};
+use crate::variator::steady::solve::{self, SteadyTask};
 use crate::variator::steady::start::{Start, kinematic_state};
 use crate::variator::survey::belt_survey::{NO_FORCE, Survey};
-use crate::variator::survey::ledger::Ledger;
 use crate::variator::survey::observe::macro_slip;
 use std::sync::Arc;
-
-/// First step from a steady state, s.
-const WARM_STEP: f64 = 1.0e-4;
 
 /// Most Newton solves for a steady state.
 const STEADY_SOLVES: usize = 400;
@@ -44,80 +40,92 @@ const USUAL_RADIUS: f64 = 0.3;
 /// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
 const STANDSTILL: f64 = 1.0e-3;
 
-impl Variator {
-    /// Finds the state to start from at `time`.
-    ///
-    /// A state that can't be solved for is replaced by the nearest one, with a warning that names it and the reason.
-    ///
-    /// # Errors
-    /// Inputs out of range, or no state found.
-    pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
-        inputs.validate()?;
-        self.system.round(0.0);
-        self.clamp_initial_ratio();
-        let start = self.start_point(inputs);
-        self.start_state = self.find_state(time, inputs, &start)?;
-        self.warn_of_held_sheaves();
-        if self.real_time.is_some() && self.soft_start.from == time {
-            // A ring without tension is a mechanism, too rough for ticks of bounded work.
-            if let Err(stalled) = self.clamp_softly(inputs) {
-                self.warn_of_no_clamping(&stalled);
-            }
+/// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
+/// gives it and the reason. Returns what it is, and the first step from it, s.
+pub(super) fn find_start(
+    plant: &mut Plant,
+    messages: &mut Vec<Message>,
+    time: f64,
+    inputs: &Inputs,
+) -> Result<(StartState, f64), InitialisationError> {
+    let mut search = StartSearch {
+        plant,
+        messages,
+        inputs,
+    };
+    search.clamp_initial_ratio();
+    let start = search.start_point();
+    let found = search.find_state(time, &start)?;
+    search.warn_of_held_sheaves(found);
+    let is_solved = matches!(
+        found,
+        StartState::Steady | StartState::ReducedTorque | StartState::NoEquilibrium
+    );
+    if plant.system.parameters.solver.mode == Mode::RealTime && plant.soft_start.from == time {
+        // A ring without tension is a mechanism, too rough for steps of bounded work.
+        if let Err(stalled) = plant.clamp_softly(inputs) {
+            messages.push(no_clamping(&stalled));
         }
-        self.state.y_dot.fill(0.0);
-        self.held = Held::constant(time, inputs);
-        self.pace = Pace::new(inputs);
-        self.integrator.newton.counts = Counts::default();
-        if let Some(real_time) = &mut self.real_time {
-            real_time.begin(&self.state, time);
-        }
-        self.work = Work::default();
-        self.apply();
-        self.ledger = Ledger::open(&self.system, self.state.view());
-        self.macro_slip = macro_slip(&self.system, self.state.view(), &self.ledger.last.sums, false);
-        self.warn_of_slip();
-        self.hold_external();
-        self.initial_energy =
-            self.ledger.last.belt_energy(&self.system.belt) + self.system.pulleys.energy(self.state.view());
-        self.stale = true;
-        Ok(())
+    }
+    let is_own = plant.system.belt.ring.starts_on().is_none();
+    Ok((found, if is_solved && is_own { WARM_STEP } else { COLD_STEP }))
+}
+
+fn no_clamping(stalled: &Stalled) -> Message {
+    Message {
+        warning: true,
+        text: format!("the belt was not clamped before the start: {stalled}"),
+    }
+}
+
+/// The search for the state that a run starts from.
+struct StartSearch<'a> {
+    plant: &'a mut Plant,
+    messages: &'a mut Vec<Message>,
+    inputs: &'a Inputs,
+}
+
+impl StartSearch<'_> {
+    fn log(&mut self, warning: bool, text: String) {
+        self.messages.push(Message { warning, text });
     }
 
     /// Moves an initial ratio beyond an end stop to the stop.
     fn clamp_initial_ratio(&mut self) {
-        let (lowest, highest) = self.system.parameters.ratio_range();
-        let asked = self.system.parameters.initial.ratio;
-        let ratio = asked.clamp(lowest, highest);
-        if ratio != asked {
-            self.system.parameters.initial.ratio = ratio;
+        let (lowest, highest) = self.plant.system.parameters.ratio_range();
+        let given = self.plant.system.parameters.initial.ratio;
+        let ratio = given.clamp(lowest, highest);
+        if ratio != given {
+            self.plant.system.parameters.initial.ratio = ratio;
             self.log(
                 false,
                 format!(
-                    "initial.ratio = {asked} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
+                    "initial.ratio = {given} lies beyond an end stop, where only a loaded belt rests: the run starts at {ratio:.6}"
                 ),
             );
         }
     }
 
     /// The kinematic state to start from: a set point of a shaft's speed comes before `initial.primarySpeed`.
-    fn start_point(&mut self, inputs: &Inputs) -> Start {
-        let parameters = &self.system.parameters;
+    fn start_point(&mut self) -> Start {
+        let inputs = self.inputs;
+        let parameters = &self.plant.system.parameters;
         let Initial {
             ratio,
-            primary_speed: asked,
+            primary_speed: given,
             ..
         } = parameters.initial;
         let primary_speed = match (parameters.primary.drive, parameters.secondary.drive) {
             (Drive::Speed, _) => inputs.primary.speed_setpoint,
             (Drive::Torque, Drive::Speed) => inputs.secondary.speed_setpoint * ratio,
-            (Drive::Torque, Drive::Torque) => asked,
+            (Drive::Torque, Drive::Torque) => given,
         };
-        if primary_speed != asked {
+        if primary_speed != given {
             self.log(
                 false,
                 format!(
                     "a shaft follows its set point: the run starts near {primary_speed} rad/s at the primary pulley, not at \
-                     initial.primarySpeed = {asked} rad/s"
+                     initial.primarySpeed = {given} rad/s"
                 ),
             );
         }
@@ -129,11 +137,11 @@ impl Variator {
     }
 
     /// Warns where both sheaves are held: clamping forces have no effect in the run.
-    fn warn_of_held_sheaves(&mut self) {
-        if !self.system.parameters.holds_both_sheaves() {
+    fn warn_of_held_sheaves(&mut self, found: StartState) {
+        if !self.plant.system.parameters.holds_both_sheaves() {
             return;
         }
-        let text = if matches!(self.start_state, StartState::Steady | StartState::ReducedTorque) {
+        let text = if matches!(found, StartState::Steady | StartState::ReducedTorque) {
             "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
              forces are ignored"
         } else {
@@ -143,49 +151,26 @@ impl Variator {
         self.log(true, text.into());
     }
 
-    fn warn_of_no_clamping(&mut self, stalled: &Stalled) {
-        self.log(true, format!("the belt was not clamped before the start: {stalled}"));
-    }
-
-    /// Warns where the belt slips through from the start.
-    fn warn_of_slip(&mut self) {
-        if !self.macro_slip {
-            return;
-        }
-        let speeds = self.system.belt.shaft_speeds(self.state.view());
-        self.log(
-            true,
-            format!(
-                "the belt slips through (macro-slip) in the state that the run starts from: {:.4} rad/s at the primary \
-                 pulley, {:.4} rad/s at the secondary, geometric ratio {:.4}",
-                speeds.primary,
-                speeds.secondary,
-                geometric_ratio(&self.system, self.state.view())
-            ),
-        );
-    }
-
     /// Sets the state that a run starts from.
-    fn find_state(&mut self, time: f64, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
-        self.time = time;
-        (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        self.forget_history();
-        if let Some(ring) = self.system.belt.ring.starts_on() {
-            self.start_on(ring, inputs, start)
-        } else if !self.system.parameters.initial.steady {
-            self.start_unloaded(inputs, start)?;
+    fn find_state(&mut self, time: f64, start: &Start) -> Result<StartState, InitialisationError> {
+        self.plant.time = time;
+        self.plant.end_soft_start();
+        if let Some(ring) = self.plant.system.belt.ring.starts_on() {
+            self.start_on(ring, start)
+        } else if !self.plant.system.parameters.initial.steady {
+            self.start_unloaded(start)?;
             Ok(StartState::Unloaded)
         } else if start.primary_speed.abs() > STANDSTILL {
-            self.start_cold(inputs, start)?;
-            self.solve_steady(inputs, start)
+            self.start_cold(start)?;
+            self.solve_steady(start)
         } else {
-            self.start_unloaded(inputs, start)?;
-            match self.clamp_at_rest(inputs) {
+            self.start_unloaded(start)?;
+            match self.plant.clamp_at_rest(self.inputs) {
                 Ok(true) => Ok(StartState::Clamped),
                 Ok(false) => Ok(StartState::Unloaded),
                 Err(stalled) => {
-                    self.warn_of_no_clamping(&stalled);
-                    self.start_unloaded(inputs, start)?;
+                    self.messages.push(no_clamping(&stalled));
+                    self.start_unloaded(start)?;
                     Ok(StartState::Unloaded)
                 }
             }
@@ -193,45 +178,46 @@ impl Variator {
     }
 
     /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
-    fn start_cold(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
-        self.state =
-            kinematic_state(&self.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))?;
-        if self.system.parameters.secondary.drive == Drive::Speed {
-            let i = self.system.belt.layout.shaft_speed(Pulley::Secondary);
-            self.state.y[i] = inputs.secondary.speed_setpoint;
+    fn start_cold(&mut self, start: &Start) -> Result<(), InitialisationError> {
+        self.plant.state =
+            kinematic_state(&self.plant.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))?;
+        if self.plant.system.parameters.secondary.drive == Drive::Speed {
+            let i = self.plant.system.belt.layout.shaft_speed(Pulley::Secondary);
+            self.plant.state.y[i] = self.inputs.secondary.speed_setpoint;
         }
         Ok(())
     }
 
     /// Starts unloaded; loads and friction come in softly.
-    fn start_unloaded(&mut self, inputs: &Inputs, start: &Start) -> Result<(), InitialisationError> {
+    fn start_unloaded(&mut self, start: &Start) -> Result<(), InitialisationError> {
         let unloaded = Start {
             clamping: PerPulley::default(),
             ..*start
         };
-        self.start_cold(inputs, &unloaded)?;
-        self.soft_start = SoftStart { from: self.time };
+        self.start_cold(&unloaded)?;
+        self.plant.soft_start = SoftStart { from: self.plant.time };
         Ok(())
     }
 
     /// Starts in the state of another ring.
-    fn start_on(
-        &mut self,
-        ring: Arc<dyn BeltRing>,
-        inputs: &Inputs,
-        start: &Start,
-    ) -> Result<StartState, InitialisationError> {
-        let mut other = Self::with_ring(self.system.parameters.clone(), ring)?;
-        let found = other.find_state(self.time, inputs, start)?;
-        self.messages.append(&mut other.messages);
-        self.soft_start = other.soft_start;
-        let belt = &self.system.belt;
-        self.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
+    fn start_on(&mut self, ring: Arc<dyn BeltRing>, start: &Start) -> Result<StartState, InitialisationError> {
+        let parameters = &self.plant.system.parameters;
+        ring.check(parameters)?;
+        let mut other = Plant::new(parameters, ring);
+        let mut search = StartSearch {
+            plant: &mut other,
+            messages: self.messages,
+            inputs: self.inputs,
+        };
+        let found = search.find_state(self.plant.time, start)?;
+        self.plant.soft_start = other.soft_start;
+        let belt = &self.plant.system.belt;
+        self.plant.state = belt.ring.start_from(belt, &other.system.belt, &other.state);
         Ok(found)
     }
 
-    fn steady_task(&self, inputs: &Inputs, torque_share: f64) -> SteadyTask {
-        let p = &self.system.parameters;
+    fn steady_task(&self, torque_share: f64) -> SteadyTask {
+        let (p, inputs) = (&self.plant.system.parameters, self.inputs);
         let own = inputs.secondary.torque * torque_share;
         let primary = inputs.primary.torque * torque_share;
         let (of_secondary, of_primary) = match (p.secondary.drive, p.primary.drive) {
@@ -253,20 +239,26 @@ impl Variator {
                 secondary: of_secondary,
                 primary: of_primary,
             },
-            slip: self.slip_guess(inputs, torque_share),
+            slip: self.slip_guess(torque_share),
             warm: false,
         }
     }
 
     /// Slip in the direction of the power, in proportion to the torque.
-    fn slip_guess(&self, inputs: &Inputs, torque_share: f64) -> f64 {
-        let direction = self.system.belt.shaft_speeds(self.state.view()).primary.signum();
-        SLIP_AT_CAPACITY * direction * (torque_share * self.of_full_slip(inputs)).clamp(-1.0, 1.0)
+    fn slip_guess(&self, torque_share: f64) -> f64 {
+        let direction = self
+            .plant
+            .system
+            .belt
+            .shaft_speeds(self.plant.state.view())
+            .primary
+            .signum();
+        SLIP_AT_CAPACITY * direction * (torque_share * self.of_full_slip()).clamp(-1.0, 1.0)
     }
 
     /// The torque at the primary pulley as a share of about what the secondary clamping force carries in full slip.
-    fn of_full_slip(&self, inputs: &Inputs) -> f64 {
-        let p = &self.system.parameters;
+    fn of_full_slip(&self) -> f64 {
+        let (p, inputs) = (&self.plant.system.parameters, self.inputs);
         let torque = match p.primary.drive {
             Drive::Torque => inputs.primary.torque,
             Drive::Speed => -inputs.secondary.torque / p.initial.ratio,
@@ -275,45 +267,47 @@ impl Variator {
             inputs.secondary.clamping_force,
             USUAL_RADIUS * p.geometry.center_distance,
         );
-        torque / full_slip_torque(&p.friction, self.system.belt.law.wedge[1], force, radius).max(1.0e-6)
+        torque / full_slip_torque(&p.friction, self.plant.system.belt.law.wedge[1], force, radius).max(1.0e-6)
     }
 
-    /// Solves for the steady state that the parameters want, or for the nearest one; returns which it is.
-    fn solve_steady(&mut self, inputs: &Inputs, start: &Start) -> Result<StartState, InitialisationError> {
-        let mut newton = Newton::new(&self.system);
-        let task = self.steady_task(inputs, 1.0);
+    /// Solves for the steady state of the parameters, or for the nearest one; returns which it is.
+    fn solve_steady(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
+        let mut newton = Newton::new(&self.plant.system);
+        let task = self.steady_task(1.0);
         let clamped = task.reaction.other();
         if task.clamping[clamped] < NO_FORCE {
             let (name, force) = (clamped.name(), task.clamping[clamped]);
             let why = format!("no steady state without a clamping force ({name}.clampingForce = {force} N)");
-            return self.start_without_steady_state(&why, inputs, start);
+            return self.start_without_steady_state(&why, start);
         }
-        let found = match self.carry(&mut newton, inputs) {
+        let found = match self.carry(&mut newton) {
             Ok(1.0) => StartState::Steady,
             Ok(share) => {
-                self.warn_of_reduced_torque(inputs, share);
+                self.warn_of_reduced_torque(share);
                 StartState::ReducedTorque
             }
             Err(Settled { step, solves }) => {
                 let why = format!("no steady state was found (pseudo-time step {step:.1e} s after {solves} solves)");
-                return self.start_without_steady_state(&why, inputs, start);
+                return self.start_without_steady_state(&why, start);
             }
         };
-        self.integrator.step = WARM_STEP;
-        let p = &self.system.parameters;
+        let p = &self.plant.system.parameters;
         let free = p.primary.axial == Axial::Force && p.secondary.axial == Axial::Force;
         let found = if p.initial.equilibrium && free {
-            self.balance_forces(&mut newton, inputs, found)
+            self.balance_forces(&mut newton, found)
         } else {
             found
         };
         if free {
-            let axial = Survey::of(&self.system, self.state.view()).sums.axial.primary;
+            let axial = Survey::of(&self.plant.system, self.plant.state.view())
+                .sums
+                .axial
+                .primary;
             self.log(
                 false,
                 format!(
                     "steady start: primary clamping force less axial belt force is {:.1} N",
-                    inputs.primary.clamping_force - axial
+                    self.inputs.primary.clamping_force - axial
                 ),
             );
         }
@@ -321,23 +315,18 @@ impl Variator {
     }
 
     /// Starts unloaded, with a warning that has the reason `why`.
-    fn start_without_steady_state(
-        &mut self,
-        why: &str,
-        inputs: &Inputs,
-        start: &Start,
-    ) -> Result<StartState, InitialisationError> {
+    fn start_without_steady_state(&mut self, why: &str, start: &Start) -> Result<StartState, InitialisationError> {
         self.log(
             true,
             format!("{why}: the run starts unloaded and the loads ramp in over {LOAD_RAMP} s"),
         );
-        self.start_unloaded(inputs, start)?;
+        self.start_unloaded(start)?;
         Ok(StartState::NotFound)
     }
 
     /// Warns that the run starts with this `share` of the given torques.
-    fn warn_of_reduced_torque(&mut self, inputs: &Inputs, share: f64) {
-        let why = if self.of_full_slip(inputs).abs() > CARRIED_AT_LEAST {
+    fn warn_of_reduced_torque(&mut self, share: f64) {
+        let why = if self.of_full_slip().abs() > CARRIED_AT_LEAST {
             " (beyond the capacity of the clamping forces)"
         } else {
             " was found"
@@ -353,32 +342,44 @@ impl Variator {
 
     /// Solves for the steady state at the given torques, or at nearly the largest share of them that has one: torque
     /// beyond capacity has none. The share, or how far the last attempt came.
-    fn carry(&mut self, newton: &mut Newton, inputs: &Inputs) -> Result<f64, Settled> {
-        let cold = self.state.clone();
+    fn carry(&mut self, newton: &mut Newton) -> Result<f64, Settled> {
+        let cold = self.plant.state.clone();
         let (mut share, mut beyond) = (1.0, 1.0);
         loop {
-            let task = self.steady_task(inputs, share);
-            match solve::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES) {
+            let task = self.steady_task(share);
+            match solve::solve(
+                &mut self.plant.system,
+                newton,
+                &mut self.plant.state,
+                &task,
+                STEADY_SOLVES,
+            ) {
                 // Beyond capacity a pulley that slips for ever may be steady too.
                 Ok(_) if share == 1.0 || share <= LEAST_SHARE || !self.slips() => break,
                 Err(report) if share <= LEAST_SHARE || task.shaft == Boundary::HELD.shaft => return Err(report),
                 _ => (beyond, share) = (share, 0.7 * share),
             }
-            self.state.clone_from(&cold);
+            self.plant.state.clone_from(&cold);
         }
         while beyond > CLOSE_SHARE * share {
             let middle = (share * beyond).sqrt();
             let task = SteadyTask {
                 warm: true,
-                ..self.steady_task(inputs, middle)
+                ..self.steady_task(middle)
             };
-            let carried = self.state.clone();
-            let solved = solve::solve(&mut self.system, newton, &mut self.state, &task, STEADY_SOLVES / 4);
+            let carried = self.plant.state.clone();
+            let solved = solve::solve(
+                &mut self.plant.system,
+                newton,
+                &mut self.plant.state,
+                &task,
+                STEADY_SOLVES / 4,
+            );
             if solved.is_ok() && !self.slips() {
                 share = middle;
             } else {
                 beyond = middle;
-                self.state = carried;
+                self.plant.state = carried;
             }
         }
         Ok(share)
@@ -386,17 +387,22 @@ impl Variator {
 
     /// Whether the belt slips through, from the state alone.
     fn slips(&self) -> bool {
-        let view = self.state.view();
-        macro_slip(&self.system, view, &Survey::of(&self.system, view).sums, false)
+        let view = self.plant.state.view();
+        macro_slip(
+            &self.plant.system,
+            view,
+            &Survey::of(&self.plant.system, view).sums,
+            false,
+        )
     }
 
     /// Solves for the ratio too at which the clamping forces balance. `found` is the state that the search starts from.
-    fn balance_forces(&mut self, newton: &mut Newton, inputs: &Inputs, found: StartState) -> StartState {
-        let task = self.steady_task(inputs, 1.0);
-        let holding = solve::reaction(&self.system, self.state.view(), Pulley::Primary);
-        let at_ratio = self.state.clone();
-        let range = self.system.parameters.ratio_range();
-        match solve_equilibrium(&mut self.system, newton, &mut self.state, &task, range) {
+    fn balance_forces(&mut self, newton: &mut Newton, found: StartState) -> StartState {
+        let task = self.steady_task(1.0);
+        let holding = solve::reaction(&self.plant.system, self.plant.state.view(), Pulley::Primary);
+        let at_ratio = self.plant.state.clone();
+        let range = self.plant.system.parameters.ratio_range();
+        match solve_equilibrium(&mut self.plant.system, newton, &mut self.plant.state, &task, range) {
             Ok(Equilibrium { ratio, at_stop: true }) => {
                 self.log(
                     true,
@@ -414,7 +420,7 @@ impl Variator {
                 StartState::Steady
             }
             Err(_) => {
-                self.state = at_ratio;
+                self.plant.state = at_ratio;
                 self.log(
                     true,
                     format!(

@@ -1,13 +1,26 @@
-//! A run of a variator: start, steps, outputs, stored states.
+//! A run of a variator: start, communication steps, outputs, stored states.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `variator` | [`Variator`]: all that a user calls |
+//! | `communication_step` | [`CommunicationStep`]: begin, advance, set inputs, finish |
+//! | `stepper` | the trait behind a communication step, and the accurate integrator |
+//! | `real_time` | the same trait with bounded work |
+//! | `plant` | what a stepper advances: equations, state, inputs in force |
+//! | `inputs` | inputs as functions of time |
+//! | `initial`, `at_rest`, `soft_start` | the state that a run starts from |
+//! | `pace` | the warning of a run that takes too much work |
 
 mod at_rest;
-mod course;
+mod communication_step;
 mod initial;
+mod inputs;
 mod pace;
+mod plant;
 mod real_time;
 pub(crate) mod soft_start;
+mod stepper;
 pub(crate) mod variator;
-mod way;
 
+pub use communication_step::{CommunicationStep, Event};
 pub use variator::{InitialisationError, Message, Moment, StepError, Variator};
-pub use way::{Event, Way};

@@ -3,7 +3,7 @@
 
 use crate::solver::newton::Counts;
 use crate::tape::Tape;
-use crate::variator::run::course::SHORTEST_STEP;
+use crate::variator::run::inputs::SHORTEST_STEP;
 use crate::variator::settings::signals::Inputs;
 
 /// Simulated time over which a run is judged, s.

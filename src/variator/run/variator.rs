@@ -3,27 +3,25 @@
 use crate::pulley::PerPulley;
 use crate::solver::State;
 use crate::solver::newton::Counts;
-use crate::solver::sdirk::Sdirk;
 use crate::tape::Tape;
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
-use crate::variator::run::course::Held;
+use crate::variator::run::communication_step::CommunicationStep;
+use crate::variator::run::initial::find_start;
+use crate::variator::run::inputs::InputSegment;
 use crate::variator::run::pace::Pace;
-use crate::variator::run::real_time::RealTime;
-use crate::variator::run::soft_start::SoftStart;
+use crate::variator::run::plant::Plant;
+use crate::variator::run::stepper::{COLD_STEP, Stepper, stepper};
+use crate::variator::settings::parameters::Parameters;
 #[cfg(doc)]
 use crate::variator::settings::parameters::Solver;
-use crate::variator::settings::parameters::{Axial, Drive, Mode, Parameters};
-use crate::variator::settings::signals::{Inputs, Outputs, Profile, PulleyInputs, Readings, StartState, Work};
+use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
 use crate::variator::settings::validation::ParameterError;
+use crate::variator::steady::solve::geometric_ratio;
 use crate::variator::survey::belt_survey::Survey;
-use crate::variator::survey::ledger::Ledger;
-use crate::variator::survey::observe::{Context, Observer, macro_slip};
+use crate::variator::survey::energy_balance::EnergyBalance;
+use crate::variator::survey::observe::{Context, Observer};
 use crate::variator::system::VariatorSystem;
 use std::sync::Arc;
-
-/// First step from a kinematic state, s.
-const COLD_STEP: f64 = 1.0e-6;
 
 /// Time without net compression in a strand after which it is logged again, s: a strand at the limit does not fill the log.
 const QUIET: f64 = 1.0;
@@ -87,31 +85,23 @@ pub enum StepError {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Variator {
-    pub(super) system: VariatorSystem,
-    pub(super) ledger: Ledger,
-    pub(super) integrator: Sdirk,
-    /// Instead of the integrator, in real time.
-    pub(super) real_time: Option<Box<RealTime>>,
-    pub(super) state: State,
-    pub(super) time: f64,
-    pub(super) soft_start: SoftStart,
-    pub(super) start_state: StartState,
+    pub(super) plant: Plant,
+    pub(super) stepper: Box<dyn Stepper>,
+    start_state: StartState,
     pub(super) macro_slip: bool,
     /// Last time at which a strand was in net compression, s.
-    pub(super) buckled: f64,
+    buckled: f64,
     /// Last time at which the belt began or ceased to slip through, s.
-    pub(super) slipped: f64,
-    pub(super) initial_energy: f64,
+    slipped: f64,
+    initial_energy: f64,
     external_torque: PerPulley<f64>,
     pub(super) work: Work,
-    /// Inputs in force, the time at which they were given, and how they change from then on.
-    pub(super) held: Held,
     pub(super) pace: Pace,
     observer: Observer,
     readings: Box<Readings>,
     pub(super) stale: bool,
     profile_stale: bool,
-    pub(super) messages: Vec<Message>,
+    messages: Vec<Message>,
 }
 
 /// Outputs a moment before and after the present, along the tangent of the state.
@@ -123,23 +113,6 @@ pub struct Moment {
     pub after: Box<Outputs>,
     /// Time between the two, s.
     pub span: f64,
-}
-
-/// Newton's tolerance at the default solver tolerance, in units of the Newton scale: tenfold changes no output of the
-/// manoeuvre in the fourth digit.
-pub(super) const NEWTON_TOLERANCE: f64 = 20.0;
-
-/// How many times wider it is where steps err as much as is tolerated. What an iteration then leaves is some tenth of such an error,
-/// as in CVODE (Hindmarsh et al. 2005). Less so at tighter tolerances: who asks for these compares small differences.
-const NEWTON_WIDENING: f64 = 60.0;
-
-pub(super) fn integrator(system: &VariatorSystem) -> Sdirk {
-    let solver = &system.parameters.solver;
-    let mut integrator = Sdirk::new(system, COLD_STEP, solver.max_step);
-    let share = solver.tolerance / 1.0e-4;
-    integrator.newton_tolerance = (NEWTON_TOLERANCE * share).clamp(0.05, 100.0);
-    integrator.newton_widening = NEWTON_WIDENING * share.min(1.0);
-    integrator
 }
 
 impl Variator {
@@ -159,16 +132,10 @@ impl Variator {
     pub fn with_ring(parameters: Parameters, ring: Arc<dyn BeltRing>) -> Result<Self, ParameterError> {
         parameters.validate()?;
         ring.check(&parameters)?;
-        let system = VariatorSystem::with_ring(&parameters, ring);
-        let in_real_time = system.parameters.solver.mode == Mode::RealTime;
+        let plant = Plant::new(&parameters, ring);
         Ok(Self {
-            integrator: integrator(&system),
-            real_time: in_real_time.then(|| Box::new(RealTime::new(&system))),
-            state: State::zero(system.belt.layout.len()),
-            ledger: Ledger::default(),
-            system,
-            time: 0.0,
-            soft_start: SoftStart::NONE,
+            stepper: stepper(&plant, COLD_STEP),
+            plant,
             start_state: StartState::Unloaded,
             macro_slip: false,
             buckled: f64::NEG_INFINITY,
@@ -176,7 +143,6 @@ impl Variator {
             initial_energy: 0.0,
             external_torque: PerPulley::default(),
             work: Work::default(),
-            held: Held::constant(0.0, &Inputs::default()),
             pace: Pace::default(),
             observer: Observer::default(),
             readings: Box::default(),
@@ -186,65 +152,31 @@ impl Variator {
         })
     }
 
-    pub(super) fn log(&mut self, warning: bool, text: String) {
-        self.messages.push(Message { warning, text });
-    }
-
-    /// Sets the friction velocity of the present time.
-    pub(super) fn soften(&mut self) {
-        let sharp = self.system.parameters.friction.velocity;
-        let velocity = self.soft_start.friction_velocity(self.time, sharp);
-        if self.system.friction_velocity != velocity {
-            self.system.friction_velocity = velocity;
-            // All kept derivatives are of the same law, so a stored state holds one law only.
-            self.system.forget_derivatives();
-        }
-    }
-
-    /// Begins anew from the present state: sharp friction, a new integrator, no kept derivatives.
-    pub(super) fn forget_history(&mut self) {
-        self.soft_start = SoftStart::NONE;
-        self.soften();
-        self.integrator = integrator(&self.system);
-        self.system.forget_derivatives();
-    }
-
-    /// Sets the boundary conditions that follow from the inputs, and friction.
-    pub(super) fn apply(&mut self) {
-        self.soften();
-        let share = self.soft_start.load_share(self.time);
-        let p = &self.system.parameters;
-        let Held { from, inputs, rates } = &self.held;
-        let shaft = |drive: Drive, input: &PulleyInputs| match drive {
-            Drive::Torque => ShaftMode::Torque(share * input.torque),
-            Drive::Speed => ShaftMode::Setpoint(input.speed_setpoint),
-        };
-        let sheave = |axial: Axial, input: &PulleyInputs| match axial {
-            Axial::Force => SheaveMode::Force(share * input.clamping_force),
-            Axial::Held => SheaveMode::Held,
-        };
-        let shaft_rate = |drive: Drive, rate: &PulleyInputs| match drive {
-            Drive::Torque => share * rate.torque,
-            Drive::Speed => rate.speed_setpoint,
-        };
-        let boundary = Boundary {
-            sheave: PerPulley::from_fn(|j| sheave(p.pulley(j).axial, inputs.pulley(j))),
-            shaft: PerPulley::from_fn(|j| shaft(p.pulley(j).drive, inputs.pulley(j))),
-        };
-        let rates = LoadRates {
-            force: PerPulley::from_fn(|j| share * rates.pulley(j).clamping_force),
-            shaft: PerPulley::from_fn(|j| shaft_rate(p.pulley(j).drive, rates.pulley(j))),
-        };
-        self.system
-            .change_loads(*from, boundary, rates, self.time, &mut self.state.y_dot);
-    }
-
-    /// Records the external torques under the present loads.
-    pub(super) fn hold_external(&mut self) {
-        let torques = self.ledger.last.sums.shaft_torque;
-        let boundary = self.system.loads.at(self.time);
-        let pulleys = &self.system.pulleys;
-        self.external_torque = pulleys.external_torques(&boundary, self.state.view(), torques);
+    /// Finds the state to start from at `time`.
+    ///
+    /// A state that can't be solved for is replaced by the nearest one, with a warning that names it and the reason.
+    ///
+    /// # Errors
+    /// Inputs out of range, or no state found.
+    pub fn initialise(&mut self, time: f64, inputs: &Inputs) -> Result<(), InitialisationError> {
+        inputs.validate()?;
+        (self.buckled, self.slipped) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        self.plant.system.round(0.0);
+        let (start_state, first_step) = find_start(&mut self.plant, &mut self.messages, time, inputs)?;
+        self.start_state = start_state;
+        let plant = &mut self.plant;
+        plant.state.y_dot.fill(0.0);
+        self.stepper = stepper(plant, first_step);
+        self.work = Work::default();
+        self.pace = Pace::new(inputs);
+        plant.apply(InputSegment::constant(time, inputs));
+        plant.energy = EnergyBalance::open(&plant.system, plant.state.view());
+        self.initial_energy =
+            plant.energy.last.belt_energy(&plant.system.belt) + plant.system.pulleys.energy(plant.state.view());
+        self.macro_slip = plant.slips(false);
+        self.warn_of_slip();
+        self.update_outputs();
+        Ok(())
     }
 
     /// Advances to time `to` with inputs that are held, after the ramp of [`Solver::input_ramp`].
@@ -261,19 +193,50 @@ impl Variator {
     /// # Errors
     /// Inputs out of range, or a step that can't be done.
     pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        let mut way = self.set_out(to, inputs, rates)?;
-        while !way.is_over() {
-            self.step_along(&mut way)?;
+        let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
+        while !step.is_over() {
+            step.advance(self)?;
         }
-        self.arrive(&way);
+        step.finish(self);
         Ok(())
+    }
+
+    /// Makes outputs those of the present, in an ongoing communication step.
+    pub fn update_outputs(&mut self) {
+        let Plant {
+            system, energy, state, ..
+        } = &self.plant;
+        let boundary = system.loads.at(self.plant.time);
+        let torques = energy.last.sums.shaft_torque;
+        self.external_torque = system.pulleys.external_torques(&boundary, state.view(), torques);
+        self.stale = true;
+    }
+
+    pub(super) fn log(&mut self, warning: bool, text: String) {
+        self.messages.push(Message { warning, text });
+    }
+
+    /// Warns where the belt slips through from the start.
+    fn warn_of_slip(&mut self) {
+        if !self.macro_slip {
+            return;
+        }
+        let Plant { system, state, .. } = &self.plant;
+        let speeds = system.belt.shaft_speeds(state.view());
+        let text = format!(
+            "the belt slips through (macro-slip) in the state that the run starts from: {:.4} rad/s at the primary \
+             pulley, {:.4} rad/s at the secondary, geometric ratio {:.4}",
+            speeds.primary,
+            speeds.secondary,
+            geometric_ratio(system, state.view())
+        );
+        self.log(true, text);
     }
 
     /// Logs when the belt begins to slip through, and when it grips again.
     pub(super) fn report_slip(&mut self) {
-        let to = self.time;
-        let sums = &self.ledger.last.sums;
-        let slips = macro_slip(&self.system, self.state.view(), sums, self.macro_slip);
+        let to = self.plant.time;
+        let slips = self.plant.slips(self.macro_slip);
         if slips != self.macro_slip {
             self.macro_slip = slips;
             if to - self.slipped > CHATTER {
@@ -290,14 +253,14 @@ impl Variator {
 
     /// Warns of a strand whose net force is compression.
     pub(super) fn report_buckling(&mut self) {
-        let to = self.time;
-        let force = self.ledger.last.sums.strand_force;
+        let to = self.plant.time;
+        let force = self.plant.energy.last.sums.strand_force;
         if force < 0.0 {
             if to - self.buckled > QUIET {
                 self.log(
                     true,
                     format!(
-                        "at {to} s the net force in a strand is {force:.0} N: a real push strand would buckle (said again only \
+                        "at {to} s the net force in a strand is {force:.0} N: a real push strand would buckle (repeated only \
                          after {QUIET} s without)"
                     ),
                 );
@@ -310,19 +273,20 @@ impl Variator {
     /// it did between the stages of the last step. Allocates.
     pub fn moment(&mut self) -> Moment {
         let [before, after] = [-MOMENT, MOMENT].map(|after| {
-            let mut state = self.state.clone();
+            let Plant { system, time, .. } = &self.plant;
+            let mut state = self.plant.state.clone();
             for i in 0..state.y.len() {
                 state.q[i] += after * state.y[i];
                 state.y[i] += after * state.y_dot[i];
-                state.y_dot[i] += after * self.integrator.slope_rate(i);
+                state.y_dot[i] += after * self.stepper.slope_rate(i);
             }
-            let boundary = self.system.loads.at(self.time + after);
-            let survey = Survey::of(&self.system, state.view());
+            let boundary = system.loads.at(time + after);
+            let survey = Survey::of(system, state.view());
             let torques = survey.sums.shaft_torque;
-            let context = self.context(self.system.pulleys.external_torques(&boundary, state.view(), torques));
+            let context = self.context(system.pulleys.external_torques(&boundary, state.view(), torques));
             let mut outputs = Box::<Outputs>::default();
             self.observer
-                .observe(&self.system, state.view(), &survey, &context, &mut outputs);
+                .observe(system, state.view(), &survey, &context, &mut outputs);
             outputs
         });
         Moment {
@@ -335,42 +299,39 @@ impl Variator {
     /// Writes to a tape, or reads from it, all that later steps and outputs depend on. To read, build a variator from the same
     /// parameters.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
+        let plant = &mut self.plant;
         if tape.is_reading() {
             // For the kinds of boundary conditions: the loads themselves are on the tape.
-            self.apply();
+            plant.apply(plant.inputs);
         }
-        self.state.serialize(tape);
-        self.integrator.serialize(tape);
-        if let Some(real_time) = &mut self.real_time {
-            real_time.serialize(tape);
-        }
-        self.system.serialize(tape);
-        let ledger = &mut self.ledger;
+        plant.state.serialize(tape);
+        self.stepper.serialize(tape);
+        plant.system.serialize(tape);
         let [torque_s, torque_p] = self.external_torque.each_mut();
         for value in [
-            &mut self.time,
-            &mut self.soft_start.from,
-            &mut self.system.friction_velocity,
+            &mut plant.time,
+            &mut plant.soft_start.from,
+            &mut plant.system.friction_velocity,
             &mut self.buckled,
             &mut self.slipped,
             &mut self.initial_energy,
-            &mut ledger.supplied,
-            &mut ledger.lost,
-            &mut ledger.moved,
+            &mut plant.energy.supplied,
+            &mut plant.energy.lost,
+            &mut plant.energy.moved,
             torque_s,
             torque_p,
-            &mut self.system.parameters.friction.pulley,
-            &mut self.system.parameters.friction.ring,
+            &mut plant.system.parameters.friction.pulley,
+            &mut plant.system.parameters.friction.ring,
         ] {
             tape.real(value);
         }
         // Where the next ramp starts.
-        let mut present = self.held.at(self.time);
+        let mut present = plant.inputs.at(plant.time);
         for value in present.each_mut() {
             tape.real(value);
         }
         if tape.is_reading() {
-            self.held = Held::constant(self.time, &present);
+            plant.inputs = InputSegment::constant(plant.time, &present);
         }
         let Work {
             steps,
@@ -394,8 +355,8 @@ impl Variator {
             None => tape.reject(),
         }
         if tape.is_reading() {
-            self.system.restore_derivatives();
-            self.ledger.last.update(&self.system, self.state.view());
+            plant.system.restore_derivatives();
+            plant.energy.last.update(&plant.system, plant.state.view());
             self.stale = true;
         }
     }
@@ -403,41 +364,37 @@ impl Variator {
     /// Present time, s.
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.time
+        self.plant.time
     }
 
     /// Parameters in force.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
-        &self.system.parameters
+        &self.plant.system.parameters
     }
 
     /// The assembled system, for reports and tests.
     #[must_use]
     pub fn system(&self) -> &VariatorSystem {
-        &self.system
+        &self.plant.system
     }
 
     /// The energy balance, and the belt at the end of the last step, for reports and tests.
     #[must_use]
-    pub fn ledger(&self) -> &Ledger {
-        &self.ledger
+    pub fn energy_balance(&self) -> &EnergyBalance {
+        &self.plant.energy
     }
 
     /// The dynamic state, for reports and tests.
     #[must_use]
     pub fn state(&self) -> &State {
-        &self.state
+        &self.plant.state
     }
 
     /// Work done since the start of the run.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        let mut counts = self.integrator.newton.counts;
-        if let Some(real_time) = &self.real_time {
-            counts += real_time.counts();
-        }
-        counts
+        self.stepper.counts()
     }
 
     /// Changes the two tunable friction coefficients.
@@ -445,15 +402,16 @@ impl Variator {
     /// # Errors
     /// A coefficient out of its range; nothing was changed.
     pub fn set_friction(&mut self, pulley: f64, ring: f64) -> Result<(), ParameterError> {
-        let mut changed = self.system.parameters.clone();
+        let plant = &mut self.plant;
+        let mut changed = plant.system.parameters.clone();
         changed.friction.pulley = pulley;
         changed.friction.ring = ring;
         changed.validate_friction()?;
-        self.system.parameters.friction = changed.friction;
-        self.ledger.last.update(&self.system, self.state.view());
-        self.integrator.newton.forget_rate();
-        // All kept derivatives are of the same law, see `soften`.
-        self.system.forget_derivatives();
+        plant.system.parameters.friction = changed.friction;
+        plant.energy.last.update(&plant.system, plant.state.view());
+        self.stepper.change_laws();
+        // All kept derivatives are of the same law, as in a soft start.
+        plant.system.forget_derivatives();
         self.stale = true;
         Ok(())
     }
@@ -463,8 +421,8 @@ impl Variator {
         Context {
             external_torque,
             macro_slip: self.macro_slip,
-            supplied: self.ledger.supplied,
-            lost: self.ledger.lost,
+            supplied: self.plant.energy.supplied,
+            lost: self.plant.energy.lost,
             initial_energy: self.initial_energy,
             start_state: self.start_state,
             work: self.work,
@@ -483,18 +441,19 @@ impl Variator {
 
     /// Outputs at the present time, and if `profile` is set the profile, whose evaluation costs as much as all of them.
     pub(crate) fn readings(&mut self, profile: bool) -> &Readings {
-        let survey = &self.ledger.last;
+        let Plant {
+            system, energy, state, ..
+        } = &self.plant;
+        let survey = &energy.last;
         if self.stale {
             let context = self.context(self.external_torque);
             let outputs = &mut self.readings.outputs;
-            self.observer
-                .observe(&self.system, self.state.view(), survey, &context, outputs);
+            self.observer.observe(system, state.view(), survey, &context, outputs);
             (self.stale, self.profile_stale) = (false, true);
         }
         if profile && self.profile_stale {
             let profile = &mut self.readings.profile;
-            self.observer
-                .profile(&self.system.belt, self.state.view(), survey, profile);
+            self.observer.profile(&system.belt, state.view(), survey, profile);
             self.profile_stale = false;
         }
         &self.readings

@@ -1,5 +1,5 @@
 //! Evaluation of a state: losses and energies, the energy balance of a run, outputs.
 
 pub mod belt_survey;
-pub(crate) mod ledger;
+pub(crate) mod energy_balance;
 pub mod observe;

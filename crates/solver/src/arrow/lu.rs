@@ -19,7 +19,7 @@ pub struct Singular {
 #[derive(Clone, Debug)]
 pub struct ArrowLu {
     shape: Shape,
-    /// For pivot blocks whose size the compiler doesn't know.
+    /// For pivot blocks of a size unknown to the compiler.
     pivot: Inverter,
     /// D_k⁻¹: a product with it waits for nothing, where two triangular solutions wait for each unknown in turn.
     inverses: Vec<f64>,
@@ -45,8 +45,8 @@ pub struct ArrowLu {
 }
 
 /// Calls a method for the size of a block, B, and of the border together with block 0, W: those of the variator's
-/// Eulerian rings, with one cell an element and in space too, and of `ALE` and `ANCF` rings alone, so that the compiler
-/// knows them. 0 stands for any other; each size takes 20 kB of an FMU for two machines.
+/// Eulerian rings, with one cell an element and in space too, and of `ALE` and `ANCF` rings alone, so that they are
+/// constants. 0 stands for any other; each size takes 20 kB of an FMU for two machines.
 macro_rules! for_size {
     ($lu:expr, $method:ident($argument:expr)) => {
         match ($lu.shape.block, $lu.shape.border) {
@@ -84,7 +84,7 @@ impl ArrowLu {
         }
     }
 
-    /// Passes the factors by a tape.
+    /// Writes the factors to a tape, or reads them from it.
     pub fn serialize(&mut self, tape: &mut Tape<'_>) {
         for part in [
             &mut self.inverses,
@@ -113,7 +113,7 @@ impl ArrowLu {
         for_size!(self, factor_sized(a))
     }
 
-    /// Sizes of a block, and of block 0 together with the border: constants where the compiler knows them.
+    /// Sizes of a block, and of block 0 together with the border: constants if B > 0.
     #[inline(always)]
     fn sizes<const B: usize, const W: usize>(&self) -> [usize; 2] {
         if B > 0 {
@@ -302,7 +302,7 @@ impl ArrowLu {
     }
 }
 
-/// Replaces a matrix of R rows by its inverse; `any` is for those whose size the compiler doesn't know. False if it is
+/// Replaces a matrix of R rows by its inverse; `any` is for sizes unknown to the compiler. False if it is
 /// singular or not finite.
 #[inline(always)]
 fn invert<const R: usize>(any: &mut Inverter, a: &mut [f64]) -> bool {

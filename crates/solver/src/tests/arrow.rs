@@ -80,7 +80,7 @@ proptest! {
     }
 }
 
-/// The smallest, a block and border each of 1, and those whose sizes the compiler knows.
+/// The smallest, a block and border each of 1, and those of sizes known to the compiler.
 #[test]
 fn sizes_with_a_case_of_their_own() {
     for (blocks, block, border) in [

@@ -288,7 +288,7 @@ fn a_stiff_contact_is_met_in_shorter_steps() {
     assert_work(work(counts), [256, 89, 33, 2796, 465], "");
 }
 
-/// Accepted steps fill the time without a gap, the last ends where it was asked to, and each was no longer than the
+/// Accepted steps fill the time without a gap, the last ends exactly at the given time, and each was no longer than the
 /// longest.
 #[test]
 fn steps_fill_the_time() {

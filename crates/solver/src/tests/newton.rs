@@ -1,14 +1,15 @@
 //! Newton's method on hard problems of one or two unknowns, with the work it takes.
 
-use super::super::System;
-use super::super::newton::{Newton, NotConverged, Stage};
+use super::super::newton::{Newton, NotConverged};
+use super::super::stage::{Stage, slopes};
+use super::super::{State, System};
 use super::assert_work;
 use super::problems::{Equations, Real, Test};
 
 /// A stage in which ẏ = y and q = y.
 const ALPHA: f64 = 1.0;
 
-/// Solves from a guess, with what Newton's method knows from before. The solution, or the error.
+/// Solves from a guess, with the factors and rates that Newton's method has from before. The solution, or the error.
 fn solve<E: Equations<N>, const N: usize>(
     newton: &mut Newton,
     system: &mut Test<E, N>,
@@ -17,19 +18,18 @@ fn solve<E: Equations<N>, const N: usize>(
 ) -> Result<[f64; N], NotConverged> {
     let n = system.shape().len();
     let zeros = vec![0.0; n];
-    let (mut y, mut y_dot, mut q) = (system.unknowns(guess), zeros.clone(), zeros.clone());
+    let mut state = State::zero(n);
+    state.y = system.unknowns(guess);
     let mut stage = Stage {
         time: 0.0,
-        alpha: ALPHA,
+        slopes: slopes(ALPHA),
         base: &zeros,
         position: &zeros,
-        y: &mut y,
-        y_dot: &mut y_dot,
-        q: &mut q,
+        state: &mut state,
     };
     newton.set_scale(system, ALPHA);
     newton.solve(system, &mut stage, 1.0, reuse)?;
-    Ok(system.values(&y))
+    Ok(system.values(&state.y))
 }
 
 /// Solves anew; the solution, residual evaluations and factorizations.

@@ -1,6 +1,5 @@
-//! Into how many ticks a millisecond is divided in real time: the more, the longer a run has kept up with the clock. Ticks of 1 ms
-//! follow a ripple of 100 Hz within some percent only, however well they are solved. A load that is hard to solve needs the work for
-//! one tick.
+//! Number of steps in a millisecond of real time: the more, the longer a run has been on time. Steps of 1 ms follow a ripple of 100 Hz
+//! within some percent only, however well they are solved. A load that is hard to solve needs the work of a millisecond for one step.
 
 use crate::solver::bounded::TICK;
 use crate::tape::Tape;
@@ -11,7 +10,7 @@ const WAIT: [u64; 2] = [10, 160];
 const SHORTEST: f64 = TICK / 8.0;
 
 /// A number of ticks that doubles after some time on time, and is one again once a run is late. If divided ticks were late, the next
-/// time on time has to be twice as long: an engine that fires each 14 ms finds whole ticks.
+/// time on time has to be twice as long: so that there are whole ticks where an engine fires each 14 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Division {
     ticks: f64,

@@ -1,13 +1,13 @@
-//! How much the laws are rounded in real time: not at all while ticks find their solution, wholly for some time after one that didn't.
+//! By what share laws are rounded in real time: not at all while steps are solved, wholly for some time after one that was not.
 
 use crate::tape::Tape;
 
 /// Defects (root mean squares of the correction that is left, in units of Newton's scale) from which on the laws begin to be rounded
 /// and are rounded wholly.
 const DEFECTS: [f64; 2] = [150.0, 800.0];
-/// Level after a defect above those. With it and the fading below, the laws stay rounded for nine ticks, so that a torque that flips each
-/// 10 ms finds them so, and are those of the user again after twenty-seven. A fading by 0.9 lets them sharpen between two flips: more
-/// ticks are left unsolved.
+/// Level after a defect above those. With it and the fading below, the laws stay rounded for nine ticks, so that they still are where a torque flips each
+/// 10 ms, and are those of the user again after twenty-seven. With a fading by 0.9 they sharpen between two flips, and more
+/// steps are left unsolved.
 const HIGHEST: f64 = 2.0;
 const FADING: f64 = 0.93;
 /// Level below which the laws are those of the user: ticks on laws that are rounded less are solved less often than calm ones.
@@ -25,12 +25,12 @@ impl Rounding {
         if self.level < CALM { 0.0 } else { self.level.min(1.0) }
     }
 
-    /// Rises: a tick was given up.
+    /// Rises: a step was abandoned.
     pub fn rise(&mut self) {
         self.level = HIGHEST;
     }
 
-    /// Follows a tick that left a defect.
+    /// Follows a step that left a defect.
     pub fn follow(&mut self, defect: f64) {
         let [least, most] = DEFECTS;
         let rough = ((defect / least).ln() / (most / least).ln()).clamp(0.0, 1.0);

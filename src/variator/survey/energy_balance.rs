@@ -10,7 +10,7 @@ use crate::variator::system::VariatorSystem;
 
 /// Energies since the start, J, and the belt at the end of the last accepted step.
 #[derive(Clone, Debug, Default)]
-pub struct Ledger {
+pub struct EnergyBalance {
     /// Energy supplied from outside.
     pub supplied: f64,
     /// Energy lost.
@@ -27,7 +27,7 @@ pub struct Running<'a> {
     /// Equations of the variator.
     pub system: &'a mut VariatorSystem,
     /// Energy balance of the run.
-    pub ledger: &'a mut Ledger,
+    pub energy: &'a mut EnergyBalance,
 }
 
 impl System for Running<'_> {
@@ -113,9 +113,9 @@ impl Evolution for Running<'_> {
         }
         let loads = self.system.loads;
         let [at_start, in_middle, at_end] = [end - h, end - 0.5 * h, end].map(|time| loads.at(time));
-        let first = Powers::of(self.system, &at_start, before, &self.ledger.last.sums);
-        self.ledger.last.update(self.system, after);
-        let second = Powers::of(self.system, &at_end, after, &self.ledger.last.sums);
+        let first = Powers::of(self.system, &at_start, before, &self.energy.last.sums);
+        self.energy.last.update(self.system, after);
+        let second = Powers::of(self.system, &at_end, after, &self.energy.last.sums);
         let forces = [&at_start, &in_middle, &at_end].map(Boundary::clamping_forces);
         let half = 0.5 * h;
         let mut lost = half * (first.lost + second.lost);
@@ -128,10 +128,9 @@ impl Evolution for Running<'_> {
             lost += of_sheave.damped + self.system.pulleys.tilt_loss_beyond_trapezoid(pulley, before, after, h);
             supplied += self.work_on_set_point(pulley, &at_end, before, after);
         }
-        let ledger = &mut self.ledger;
-        ledger.supplied += supplied;
-        ledger.lost += lost;
-        ledger.moved += moved;
+        self.energy.supplied += supplied;
+        self.energy.lost += lost;
+        self.energy.moved += moved;
     }
 }
 
@@ -142,35 +141,35 @@ struct SheaveWork {
 }
 
 impl Running<'_> {
-    /// Energies since the start that a run can go back to, J: supplied, lost, moved.
+    /// Energies since the start, J: supplied, lost, moved.
     pub fn energies(&self) -> [f64; 3] {
-        let Ledger {
+        let EnergyBalance {
             supplied, lost, moved, ..
-        } = *self.ledger;
+        } = *self.energy;
         [supplied, lost, moved]
     }
 
-    /// Energy that is not accounted for up to a state at which the belt was surveyed last, J, but for a constant.
-    pub fn unaccounted(&self, view: View<'_>) -> f64 {
-        let Ledger {
+    /// Energy residual, J, up to a state at which the belt was surveyed last, but for a constant.
+    pub fn energy_residual(&self, view: View<'_>) -> f64 {
+        let EnergyBalance {
             supplied, lost, last, ..
-        } = &*self.ledger;
+        } = &*self.energy;
         supplied - lost - last.belt_energy(&self.system.belt) - self.system.pulleys.energy(view)
     }
 
-    /// Goes back to a state and the energies there.
-    pub fn go_back(&mut self, energies: [f64; 3], view: View<'_>) {
-        let ledger = &mut self.ledger;
-        [ledger.supplied, ledger.lost, ledger.moved] = energies;
-        ledger.last.update(self.system, view);
+    /// Rolls back to a state and the energies there.
+    pub fn roll_back(&mut self, energies: [f64; 3], view: View<'_>) {
+        let energy = &mut self.energy;
+        [energy.supplied, energy.lost, energy.moved] = energies;
+        energy.last.update(self.system, view);
     }
 
     /// The energies of a step by the powers at its end.
     fn accumulate_at_end(&mut self, before: View<'_>, after: View<'_>, interval: Interval) {
         let Interval { end, length: h, .. } = interval;
         let boundary = self.system.loads.at(end);
-        self.ledger.last.update(self.system, after);
-        let powers = Powers::of(self.system, &boundary, after, &self.ledger.last.sums);
+        self.energy.last.update(self.system, after);
+        let powers = Powers::of(self.system, &boundary, after, &self.energy.last.sums);
         let forces = boundary.clamping_forces();
         let (mut supplied, mut moved) = (h * powers.supplied, h * powers.moved);
         for pulley in Pulley::BOTH {
@@ -178,9 +177,9 @@ impl Running<'_> {
             supplied += work + self.work_on_set_point(pulley, &boundary, before, after);
             moved += work.abs();
         }
-        self.ledger.supplied += supplied;
-        self.ledger.lost += h * powers.lost;
-        self.ledger.moved += moved;
+        self.energy.supplied += supplied;
+        self.energy.lost += h * powers.lost;
+        self.energy.moved += moved;
     }
 
     /// Work on the own inertia of a pulley in speed drive: it follows its set point in less than a step, and this work is
@@ -234,7 +233,7 @@ impl Powers {
     }
 }
 
-impl Ledger {
+impl EnergyBalance {
     /// The energy balance of a run that starts at a state.
     #[must_use]
     pub fn open(system: &VariatorSystem, view: View<'_>) -> Self {

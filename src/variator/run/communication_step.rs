@@ -1,0 +1,162 @@
+//! A communication step in own steps: a master can read outputs at the end of each, change inputs there or end the communication step.
+//! Left alone, it is [`Variator::advance_along`] to the last bit.
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::solver::newton::Counts;
+use crate::variator::pulleys::rows::Stop;
+use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
+use crate::variator::run::variator::{StepError, Variator};
+use crate::variator::settings::parameters::Mode;
+use crate::variator::settings::signals::Inputs;
+
+/// An ongoing communication step.
+#[derive(Clone, Debug)]
+pub struct CommunicationStep {
+    /// Where it began and where it ends, s.
+    from: f64,
+    to: f64,
+    /// Inputs that were given last, and how they come into force.
+    given: Inputs,
+    profile: InputProfile,
+    /// Work that had been done before.
+    before: Counts,
+    /// End stops that the sheaves were at in the beginning.
+    stops: PerPulley<Option<Stop>>,
+    is_over: bool,
+}
+
+/// What a master may want to handle when it happens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The belt begins to slip through.
+    Slips,
+    /// The belt grips again.
+    Grips,
+    /// A movable sheave reaches an end stop.
+    Reaches(Pulley, Stop),
+}
+
+impl Event {
+    /// The event in words.
+    #[must_use]
+    pub fn text(self) -> String {
+        match self {
+            Self::Slips => "the belt begins to slip through (macro-slip)".into(),
+            Self::Grips => "the belt grips again".into(),
+            Self::Reaches(pulley, stop) => format!("the {} sheave reaches its {} stop", pulley.name(), stop.name()),
+        }
+    }
+}
+
+impl CommunicationStep {
+    /// Begins a communication step to time `to` as [`Variator::advance_along`] does it: [`CommunicationStep::advance`] until it
+    /// is over, then [`CommunicationStep::finish`].
+    ///
+    /// # Errors
+    /// Inputs out of range.
+    pub fn begin(variator: &mut Variator, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<Self, StepError> {
+        inputs.validate()?;
+        let plant = &variator.plant;
+        let from = plant.time;
+        let ramp = plant.system.parameters.solver.input_ramp;
+        let profile = InputProfile::new(ramp, [from, to], &plant.inputs.at(from), inputs, rates);
+        let stops = plant.stops();
+        variator.stepper.begin([from, to]);
+        Ok(Self {
+            from,
+            to,
+            given: *inputs,
+            profile,
+            before: variator.counts(),
+            stops,
+            is_over: to - from < SHORTEST_STEP,
+        })
+    }
+
+    /// Whether its end is reached.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.is_over
+    }
+
+    /// One own step of a communication step that is not over.
+    ///
+    /// # Errors
+    /// A step that can't be done: the communication step ends there.
+    pub fn advance(&mut self, variator: &mut Variator) -> Result<(), StepError> {
+        variator.stale = true;
+        let stepped = variator.stepper.step(&mut variator.plant, &self.profile, self.to);
+        self.is_over = stepped.map_err(|stalled| {
+            self.count_work(variator);
+            StepError::Stalled {
+                from: self.from,
+                reached: stalled.time,
+                reason: stalled.to_string(),
+            }
+        })?;
+        Ok(())
+    }
+
+    /// Changes inputs of a communication step that is not over: those that differ from what was given before count at once.
+    ///
+    /// # Errors
+    /// Inputs out of range; nothing was changed.
+    pub fn set_inputs(&mut self, variator: &mut Variator, inputs: &Inputs) -> Result<(), StepError> {
+        if *inputs == self.given {
+            return Ok(());
+        }
+        inputs.validate()?;
+        let now = variator.plant.time;
+        self.profile = self.profile.changed(now, &self.given, inputs);
+        self.given = *inputs;
+        variator.stepper.restart([now, self.to]);
+        Ok(())
+    }
+
+    /// Moves its end to a time, s, or to where it is if that is past. It never becomes longer.
+    pub fn end_at(&mut self, variator: &mut Variator, time: f64) {
+        if time >= self.to {
+            return;
+        }
+        let now = variator.plant.time;
+        self.to = time.max(now);
+        variator.stepper.restart([now, self.to]);
+        self.is_over |= self.to - now < SHORTEST_STEP;
+    }
+
+    /// What has happened since it began, the first of what there is.
+    #[must_use]
+    pub fn event(&self, variator: &Variator) -> Option<Event> {
+        let slips = variator.plant.slips(variator.macro_slip);
+        if slips != variator.macro_slip {
+            return Some(if slips { Event::Slips } else { Event::Grips });
+        }
+        let now = variator.plant.stops();
+        let reached = Pulley::BOTH.map(|pulley| (pulley, now[pulley], self.stops[pulley]));
+        let mut reached = reached.into_iter().filter(|(_, now, before)| now != before);
+        reached.find_map(|(pulley, now, _)| Some(Event::Reaches(pulley, now?)))
+    }
+
+    /// Ends it at the time that it has reached.
+    pub fn finish(&self, variator: &mut Variator) {
+        if variator.plant.time == self.from {
+            return;
+        }
+        self.count_work(variator);
+        variator.work = variator.stepper.finish(&mut variator.plant, &self.profile);
+        variator.report_slip();
+        variator.report_buckling();
+        variator.update_outputs();
+    }
+
+    /// Counts its work, and warns where that is too much. In real time it is bounded.
+    fn count_work(&self, variator: &mut Variator) {
+        if variator.parameters().solver.mode == Mode::RealTime {
+            return;
+        }
+        let work = variator.counts() - self.before;
+        let unknowns = variator.plant.state.y.len();
+        let remark = variator.pace.count(&self.given, self.to - self.from, work, unknowns);
+        remark.into_iter().for_each(|text| variator.log(true, text));
+    }
+}

@@ -1,0 +1,113 @@
+//! What a stepper advances.
+
+use crate::pulley::PerPulley;
+use crate::solver::State;
+use crate::variator::belt::ring::BeltRing;
+use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
+use crate::variator::pulleys::rows::Stop;
+use crate::variator::run::inputs::InputSegment;
+use crate::variator::run::soft_start::SoftStart;
+use crate::variator::settings::parameters::{Axial, Drive, Parameters};
+use crate::variator::settings::signals::PulleyInputs;
+use crate::variator::survey::energy_balance::{EnergyBalance, Running};
+use crate::variator::survey::observe::macro_slip;
+use crate::variator::system::VariatorSystem;
+use std::sync::Arc;
+
+/// Equations, energy balance, state and time, and the inputs in force.
+#[derive(Clone, Debug)]
+pub(super) struct Plant {
+    pub system: VariatorSystem,
+    pub energy: EnergyBalance,
+    pub state: State,
+    /// s.
+    pub time: f64,
+    pub soft_start: SoftStart,
+    /// Inputs in force.
+    pub inputs: InputSegment,
+}
+
+impl Plant {
+    /// A variator with parameters that are in their ranges, with this ring, without a state.
+    pub fn new(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> Self {
+        let system = VariatorSystem::with_ring(parameters, ring);
+        Self {
+            state: State::zero(system.belt.layout.len()),
+            energy: EnergyBalance::default(),
+            system,
+            time: 0.0,
+            soft_start: SoftStart::NONE,
+            inputs: InputSegment::NONE,
+        }
+    }
+
+    /// Equations and state for the solver.
+    pub fn running(&mut self) -> (Running<'_>, &mut State) {
+        let running = Running {
+            system: &mut self.system,
+            energy: &mut self.energy,
+        };
+        (running, &mut self.state)
+    }
+
+    /// Sets the friction velocity of the present time.
+    fn soften(&mut self) {
+        let sharp = self.system.parameters.friction.velocity;
+        let velocity = self.soft_start.friction_velocity(self.time, sharp);
+        if self.system.friction_velocity != velocity {
+            self.system.friction_velocity = velocity;
+            // All kept derivatives are of the same law, so a stored state holds one law only.
+            self.system.forget_derivatives();
+        }
+    }
+
+    /// Ends a soft start: sharp friction, no kept derivatives.
+    pub fn end_soft_start(&mut self) {
+        self.soft_start = SoftStart::NONE;
+        self.soften();
+        self.system.forget_derivatives();
+    }
+
+    /// Brings inputs into force: boundary conditions and friction of the present time.
+    pub fn apply(&mut self, segment: InputSegment) {
+        self.inputs = segment;
+        self.soften();
+        let share = self.soft_start.load_share(self.time);
+        let p = &self.system.parameters;
+        let InputSegment {
+            from, inputs, rates, ..
+        } = &segment;
+        let shaft = |drive: Drive, input: &PulleyInputs| match drive {
+            Drive::Torque => ShaftMode::Torque(share * input.torque),
+            Drive::Speed => ShaftMode::Setpoint(input.speed_setpoint),
+        };
+        let sheave = |axial: Axial, input: &PulleyInputs| match axial {
+            Axial::Force => SheaveMode::Force(share * input.clamping_force),
+            Axial::Held => SheaveMode::Held,
+        };
+        let shaft_rate = |drive: Drive, rate: &PulleyInputs| match drive {
+            Drive::Torque => share * rate.torque,
+            Drive::Speed => rate.speed_setpoint,
+        };
+        let boundary = Boundary {
+            sheave: PerPulley::from_fn(|j| sheave(p.pulley(j).axial, inputs.pulley(j))),
+            shaft: PerPulley::from_fn(|j| shaft(p.pulley(j).drive, inputs.pulley(j))),
+        };
+        let rates = LoadRates {
+            force: PerPulley::from_fn(|j| share * rates.pulley(j).clamping_force),
+            shaft: PerPulley::from_fn(|j| shaft_rate(p.pulley(j).drive, rates.pulley(j))),
+        };
+        self.system
+            .change_loads(*from, boundary, rates, self.time, &mut self.state.y_dot);
+    }
+
+    /// Whether the belt slips through, where it `slipped` before or not.
+    pub fn slips(&self, slipped: bool) -> bool {
+        macro_slip(&self.system, self.state.view(), &self.energy.last.sums, slipped)
+    }
+
+    /// End stops that the sheaves are at.
+    pub fn stops(&self) -> PerPulley<Option<Stop>> {
+        PerPulley::from_fn(|pulley| self.system.pulleys.stop_reached(pulley, self.state.view()))
+    }
+}
