@@ -159,7 +159,7 @@ def test_a_section_alone_makes_a_report(fmu: Path, tmp_path: Path) -> None:
     words = ["--fmu", str(fmu), "--output", str(tmp_path), "--short", "--section", "thrust"]
     assert __main__.main(words) == 0
     page = reports.stands_alone(tmp_path / "report.html")
-    assert re.findall(r'<h2 id="thrust">', page) and "Wedge angle</h2>" not in page
+    assert "force or speed" in page and "Wedge angle</h2>" not in page
     reports.look_at(tmp_path / "report.html")
 
 
