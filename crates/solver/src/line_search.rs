@@ -3,7 +3,7 @@
 //! Friction saturates. From far off a whole step overshoots: an arc slides the other way with all its cells at once, and
 //! the correction there leads back along the step. What has to be solved is then one equation in one unknown, φ(λ) = 0 with
 //! φ = d(λ)·d(0)/d(0)², where d(λ) is the simplified correction after the share λ of the step. φ is 1 at λ = 0, falls slowly
-//! while the arc slides on, and steeply where it turns. A residual finds φ out; a new Jacobian costs thirteen of them.
+//! while the arc slides on, and steeply where it turns. A residual finds φ out; a new Jacobian costs nine to fourteen of them.
 
 /// Part of the interval, from its lower end, within which the next share lies: φ has a kink, so interpolation alone creeps.
 const INNER: [f64; 2] = [0.25, 0.6];
