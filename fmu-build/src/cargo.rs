@@ -67,14 +67,7 @@ pub enum Program {
 /// # Errors
 /// The compilation fails.
 pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
-    shared_library(&mut library_command(workspace))
-}
-
-/// The command that compiles the model's shared library, optimised for this machine.
-pub fn library_command(workspace: &Workspace) -> Command {
-    let mut build = release(workspace, MODEL_PACKAGE);
-    build.arg("--lib");
-    build
+    shared_library(release(workspace, MODEL_PACKAGE).arg("--lib"))
 }
 
 /// Compiles the model's shared library with a command that takes the place of `cargo build`, and returns its path.
@@ -305,7 +298,7 @@ mod tests {
     #[ignore = "compiles the library, optimised: `cargo fmu test --all` runs it"]
     fn commands_share_one_optimised_library() {
         let workspace = Workspace::find().expect("the workspace");
-        let library = || compiled(&mut library_command(&workspace));
+        let library = || compiled(release(&workspace, MODEL_PACKAGE).arg("--lib"));
         let example = || compiled(release(&workspace, MODEL_PACKAGE).args(["--example", "default_run"]));
         library();
         let for_example = example();

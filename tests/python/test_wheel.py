@@ -102,12 +102,19 @@ def declared() -> dict[str, set[str]]:
     return {name: resolved(name) | resolved("base") for name in lists}
 
 
+def locked(file: Path) -> set[str]:
+    """Names of the packages in a lock file."""
+    lines = file.read_text(encoding="utf-8").splitlines()
+    return {re.split("[=;]", line)[0].strip() for line in lines if line[0] != "#"}
+
+
 def test_what_is_declared_is_tested(declared: dict[str, set[str]]) -> None:
-    locked = {
-        re.split("[=;]", line)[0].strip() for line in LOCK.read_text(encoding="utf-8").splitlines() if line[0] != "#"
-    }
     assert declared["all"] == set().union(*declared.values())
-    assert declared["all"] <= locked
+    assert declared["all"] <= locked(LOCK)
+
+
+def test_the_lock_file_of_the_demo_is_enough_for_it(declared: dict[str, set[str]]) -> None:
+    assert declared[EXTRA_OF["demo"]] <= locked(ROOT / "python" / "requirements-demo.txt")
 
 
 def test_stepping_loads_nothing_heavy(declared: dict[str, set[str]]) -> None:

@@ -52,10 +52,6 @@ pub struct Options {
     /// Write target/PushbeltPaper.fmu instead, with the rings that the paper compares, for this machine
     #[arg(long, conflicts_with_all = ["fmi3", "portable"])]
     paper: bool,
-    /// Write target/cargo-timings/cargo-timing.html, when each crate was compiled and for how long. With CARGO_TARGET_DIR set to
-    /// an empty folder it is that of a first build
-    #[arg(long, conflicts_with_all = ["paper", "portable"])]
-    timings: bool,
 }
 
 /// Builds the FMU of FMI 2.0 or 3.0.
@@ -68,9 +64,6 @@ pub fn run_options(workspace: &Workspace, options: &Options) -> anyhow::Result<(
     }
     let version = if options.fmi3 { Version::Three } else { Version::Two };
     let _alone = workspace.lock("build")?;
-    if options.timings {
-        cargo::run(cargo::library_command(workspace).arg("--timings"))?;
-    }
     let binaries = compile(workspace, options.machines, version)?;
     pack(workspace, &binaries, options.machines.machines(), version).map(drop)
 }
