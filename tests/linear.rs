@@ -262,7 +262,7 @@ fn a_state_that_a_run_rests_in_has_a_linear_model() {
     inputs.primary.clamping_force += 3e3;
     variator.advance(0.1, &inputs).expect("a step");
     let moving = linearise_at(&mut variator, &inputs, 20.0, &[read]).expect_err("it shifts");
-    assert!(moving.to_string().contains("no steady working point"), "{moving}");
+    assert!(moving.to_string().contains("not a steady working point"), "{moving}");
 }
 
 /// A torque beyond capacity is carried in part: the model is that of the state from which the run starts.

@@ -127,7 +127,7 @@ def test_the_present_state_of_a_run_has_one_if_it_is_steady(fmu: Path, belt: Var
         assert here.poles == pytest.approx(model.poles, rel=1e-2, abs=1e-2)
         assert not here.remarks
         variator.step(0.05, {FORCE: 1.5 * model.held[FORCE]})
-        with pytest.raises(LinearPointError, match=r"no linear model at 0.06 s: .*no steady working point"):
+        with pytest.raises(LinearPointError, match=r"no linear model at 0.06 s: .*not a steady working point"):
             variator.linearize_here()
         variator.step(0.01)
 
@@ -305,7 +305,7 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
         (["ring.model=ALE9"], "ring.model = 'ALE9' is none of ALE0"),
         (["ring.model=ALE0,ALE9"], "ring.model = 'ALE9' is none of ALE0"),
         (["initial.ratoi=1"], "near it are initial.ratio"),
-        (["ring.model=RCM"], "no steady working point"),
+        (["ring.model=RCM"], "not a steady working point"),
         (["--frequency", "0"], "out of range"),
         (["--safety", "-1"], "is not a number above 0"),
         (["--safety", "1.3", "secondary.clampingForce=9000"], "give one of them"),
