@@ -32,7 +32,7 @@ fn run<C: std::fmt::Debug>(cases: u32, sequences: &impl Strategy<Value = C>, che
         max_shrink_iters: 2000,
         ..Config::default()
     };
-    // The same sequences every time; more cases go on from there.
+    // The sequences are the same in every run; more cases extend them.
     let seed = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let outcome = TestRunner::new_with_rng(config, seed).run(sequences, |sequence| {
         check(sequence);
