@@ -60,7 +60,7 @@ fn aligned_pulleys_keep_the_belt_in_its_plane() {
     assert!((a / b - 1.0).abs() < 1e-6 && solved.outputs.lateral_max < 1e-8);
 }
 
-/// Slope w' at the stations of a strand beside their distance from its start, m.
+/// Distance of the stations of a strand from its start, m, and slope w' there.
 fn slopes(state: &Steady, segment: usize) -> (Vec<(f64, f64)>, Vec<At>) {
     let stations: Vec<At> = state
         .stations()

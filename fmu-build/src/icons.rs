@@ -1,4 +1,4 @@
-//! Icons of the FMU and of its terminals: SVG, with a PNG beside each for tools that don't read SVG.
+//! Icons of the FMU and of its terminals: SVG, and PNG for tools that don't read SVG.
 //!
 //! The PNGs are checked in. After a change of an SVG, in `fmu-build/icons`:
 //!

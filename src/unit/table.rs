@@ -1,7 +1,7 @@
 //! The variable table: one row a variable, with its name, value reference, unit, description and field. Limits come
 //! from [`validation`](crate::variator::validation), start values from the defaults of the fields.
 //!
-//! Rows of a pulley are written once: `{}` stands for its name, and 100 or 200 is added to the reference.
+//! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the reference.
 //!
 //! Value references, never changed once given (1036 was belt.contactStrain; 1045, 1048 and 1075 are those of the paper's rings):
 //!

@@ -146,7 +146,7 @@ fn wrong_bytes_are_refused_and_change_nothing() {
     refuses(&damaged(12), "GUID");
     refuses(&damaged(bytes.len() / 2), "checksum");
     refuses(&damaged(bytes.len() - 1), "checksum");
-    // SAFETY: null is what the functions are to stand.
+    // SAFETY: the functions accept null.
     unsafe {
         let (c, mut size) = (importer.c, 0);
         assert_eq!(fmi2SerializedFMUstateSize(c, null_mut(), &mut size), Error);

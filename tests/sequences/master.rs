@@ -1,4 +1,4 @@
-//! A master that makes calls and follows the standard's state machine beside the instance.
+//! A master that makes calls and compares the instance with a model of the standard's state machine.
 
 use std::ffi::{c_char, c_int};
 use std::ptr::null_mut;

@@ -1,5 +1,5 @@
-//! A master of FMI 3.0 that makes calls and follows the standard's state machine beside the instance (its sections 2.3 and 4.2, for an
-//! instance that a refused call leaves as it was).
+//! A master of FMI 3.0 that makes calls and compares the instance with a model of the standard's state machine (its sections 2.3
+//! and 4.2; a refused call leaves the instance unchanged).
 
 use std::cell::Cell;
 use std::ffi::{c_char, c_int};

@@ -122,7 +122,7 @@ impl<M: Copy> Slots<M> {
         (damage, cut): (Option<(f64, u8)>, f64),
     ) -> Option<M> {
         let Some(Slot { state, model }) = &self.0[slot] else {
-            // SAFETY: null is what the function is to stand.
+            // SAFETY: the function accepts null.
             unsafe { assert_eq!(f.state_size(c, null_mut(), &mut 0), ERROR) };
             return None;
         };

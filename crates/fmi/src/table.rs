@@ -57,9 +57,9 @@ pub enum Causality {
     Tunable,
     /// Set between steps; held over a step, or in proportion to time with an input derivative.
     Input,
-    /// Calculated, and meant to be connected to other models.
+    /// Calculated, for connections to other models.
     Output,
-    /// Calculated, and meant for plots and checks.
+    /// Calculated, for plots and checks.
     Local,
 }
 

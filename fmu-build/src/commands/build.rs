@@ -13,7 +13,7 @@ use crate::platform::{Platform, Version};
 use crate::workspace::{MODEL_IDENTIFIER, Machines, PAPER_IDENTIFIER, Workspace};
 use crate::{binary, cargo, date, exports, icons, licenses, portable, progress};
 
-/// The documentation in the FMU; `{{…}}` stand for values from the model description.
+/// The documentation in the FMU; values from the model description replace `{{…}}`.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 
 /// Folder of the licences in both versions of the standard (2.0.4, section 2.3); `license.txt` is the entry.

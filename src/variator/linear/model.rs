@@ -44,7 +44,7 @@ pub struct LinearModel {
     pub remarks: Vec<String>,
 }
 
-/// A direction of x = (y, q), with ẏ beside it.
+/// A direction of x = (y, q), and its ẏ.
 struct Direction {
     y: Vec<f64>,
     y_dot: Vec<f64>,

@@ -121,8 +121,8 @@ pub struct PulleyParameters {
     pub drag: ShaftDrag,
 }
 
-/// Elements along the belt, whose borders lie on the arc borders and move with them: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary
-/// arc).
+/// Elements along the belt. Their borders include the arc borders and move with them: five segments (half secondary arc, upper
+/// strand, primary arc, lower strand, half secondary arc).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Ring elements on the primary arc.

@@ -9,7 +9,7 @@ use crate::variator::settings::parameters::{Parameters, PulleyParameters, RingMo
 use crate::variator::settings::signals::{Inputs, PulleyInputs};
 use std::f64::consts::PI;
 
-/// Factor by which an initial ratio may lie beyond an end stop: a loaded belt rests there, and a run may go on from it.
+/// Factor by which an initial ratio may exceed an end stop: a loaded belt rests there, and a run may continue from it.
 const BEYOND_STOP: f64 = 1.06;
 
 /// A value out of its range.

@@ -36,7 +36,7 @@ pub struct Observer {
     stations: Vec<f64>,
 }
 
-/// Values that outputs need beside the state.
+/// Values for outputs in addition to the state.
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
     /// External torques as held over the last step, N·m.

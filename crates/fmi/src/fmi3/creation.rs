@@ -26,7 +26,7 @@ struct Importer {
 impl Sink for Importer {
     fn send(&self, status: Status, category: Category, message: &str) {
         let category = CString::new(category.name()).unwrap_or_default();
-        // A number sign stands for the name of a variable, two for itself.
+        // By the standard, "#" refers to a variable, and "##" is a number sign.
         let message = CString::new(message.replace('\0', " ").replace('#', "##")).unwrap_or_default();
         // SAFETY: the importer gave this function, with this environment, for the lifetime of the instance. The strings end with
         // a zero and exist during the call.
