@@ -1,11 +1,11 @@
-//! A hash of every output bit of the manoeuvre, for each ring: what moves code and nothing else keeps it.
+//! A hash of every output bit of the manoeuvre, for each ring: a change that only moves code does not change the hash.
 //!
-//! `cargo run --release --example fingerprint` prints a line a run: the case, the hash (64-bit FNV-1a over the bits of
-//! all figures after every step, the profile at the end), and the work that it took. Two builds for one kind of processor
-//! agree in every bit or they calculate differently.
+//! `cargo run --release --example fingerprint` prints a line per run: the case, the hash (64-bit FNV-1a over the bits of all
+//! outputs after every step, and the profile at the end), and its work. Builds with the same arithmetic agree in every bit on
+//! one kind of processor.
 //!
-//! `-- --write FILE` keeps all figures, and `-- --compare FILE` says by how much they differ from those of another build, as
-//! a share of the range that each figure has in its case.
+//! `-- --write FILE` stores all outputs, and `-- --compare FILE` prints their differences from those of another build, as a
+//! share of the range of each output in its case.
 
 use std::error::Error;
 

@@ -1,6 +1,6 @@
-//! `ALE0` beside `ALE`: thrust ratios of the nine load cases, and how fast both shift.
+//! `ALE0` compared with `ALE`: thrust ratios of the nine load cases, and shift rates.
 //!
-//! `cargo run --release --example level_of_detail` prints a line a load case and a line a shift. Shifts start without load
+//! `cargo run --release --example level_of_detail` prints a line per load case and a line per shift. Shifts start without load
 //! at 1000 rpm, in the steady state of the speed ratio s = r_P/r_S and the secondary force. There F_P is raised by e^0.3.
 //! The gain is ds/dt per unit of ln F_P, from 60 to 120 ms after the step.
 
@@ -10,7 +10,7 @@ use pushbelt_lab::shift::unloaded_shift;
 use pushbelt_lab::steady::load_case;
 use pushbelt_lab::variators::variator;
 
-/// Rings beside each other.
+/// The compared rings.
 const RINGS: [RingModel; 2] = [RingModel::Ale, RingModel::Ale0];
 
 /// The thrust ratio and slip of a load case.
@@ -21,7 +21,7 @@ fn thrust(ring: RingModel, torque: f64, of_three: usize) -> [f64; 2] {
     [outputs.thrust_ratio, outputs.slip]
 }
 
-/// How far `ALE0` is from `ALE`, %.
+/// Difference of `ALE0` from `ALE`, %.
 fn off([ale, ale0]: [f64; 2]) -> f64 {
     100.0 * (ale0 / ale - 1.0)
 }

@@ -1,5 +1,5 @@
-//! Which steady states are unstable by themselves: all modes up to 20 kHz over ratios, torques and speeds, clamped by
-//! 12 kN. Prints each state with a mode that grows, and the fastest of them.
+//! Unstable steady states: all modes up to 20 kHz over ratios, torques and speeds, with a clamping force of 12 kN. Prints each
+//! state with growing modes, and the fastest of them.
 //!
 //! `cargo run --release --example modes [-- --rigid] [--finer] [--ale0]`
 
@@ -20,7 +20,7 @@ const SPEEDS: [f64; 3] = [50.0, 209.44, 600.0];
 const CLAMPING: f64 = 12e3;
 /// Hz.
 const FASTEST: f64 = 2e4;
-/// Slower growth is that of the ratio or a speed, which a driver or a controller holds, 1/s.
+/// Slower growth is that of the ratio or a speed, which a driver or a controller stabilises, 1/s.
 const SLOW: f64 = 2.0;
 
 #[derive(Parser)]

@@ -1,12 +1,12 @@
 //! A ring model of one's own: bands that stiffen as they stretch.
 //!
-//! The layers of a ring set are not equally long. The shorter ones carry first, the others follow, so the set gets stiffer
+//! The layers of a ring set are not equally long. The shorter ones are loaded first and the others later, so the set gets stiffer
 //! with its strain γ. This ring has the simplest such law on top of the beam of `ALE`,
 //!
 //! T = EA γ (1 + c γ), V = ∫ EA (½ γ² + ⅓ c γ³) dξ.
 //!
 //! `cargo run --release --example own_ring` prints thrust ratio and largest ring tension of three load cases for `ALE`, for
-//! this ring with c = 0, which must be the same, and with stiffening. A shift shows the energy balance.
+//! this ring with c = 0, which must have the same results, and with stiffening. A shift checks the energy balance.
 //!
 //! The ring has the three parts of `pushbelt::variator::belt_ring`: [`StiffeningRing`] inside one cell, [`Stiffening`] as
 //! its [`RingKind`], and its implementation of [`BeltRing`]. Residual, Jacobian, outputs, energy balance and steady states
@@ -81,7 +81,7 @@ struct Stiffening {
     factor: f64,
 }
 
-/// The unknowns of a cell: two places and two slopes of each of its two nodes, and Θ as the only coordinate of the curve.
+/// The unknowns of a cell: two positions and two slopes of each of its two nodes, and Θ as the only coordinate of the curve.
 impl Directions for Stiffening {
     const NODES: usize = 8;
     const TENSIONS: usize = 0;

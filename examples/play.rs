@@ -1,7 +1,7 @@
-//! Where the belt's play goes, with oil between the elements and without it: at a fifth of capacity near ratio 1, and where an
-//! engine that coasts drags in overdrive. Prints slip and work over half a second of each, also on other meshes, without play,
-//! without ring friction; beside each the mode of the steady state that grows fastest. Draws the gaps along the belt over
-//! time (`target/play.svg`). Then counts the working points at which slip swings:
+//! Distribution of the belt's play with and without oil between the elements: at a fifth of capacity near ratio 1, and with a
+//! coasting engine in overdrive. Prints slip and work over half a second of each, also on other meshes, without play and
+//! without ring friction, with the fastest-growing mode of the steady state. Draws the gaps along the belt over time
+//! (`target/play.svg`). Then counts the working points at which slip oscillates:
 //!
 //! `cargo run --release --example play`
 
@@ -14,7 +14,7 @@ use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::{Axial, Drive, Parameters};
 use pushbelt_lab::inside::stations;
 
-/// Where a belt runs: the primary sheave is held, the secondary shaft at its speed.
+/// A working point: the primary sheave is held, the secondary shaft has a constant speed.
 #[derive(Clone, Copy)]
 struct Point {
     ratio: f64,
@@ -42,7 +42,7 @@ const COASTING: Point = Point {
     jolt: -1.3,
 };
 const STEP: f64 = 1e-3;
-/// The last part of the run is looked at.
+/// The evaluated last part of the run.
 const END: f64 = 1.2;
 const WATCHED: f64 = 0.5;
 
@@ -115,10 +115,10 @@ const CALMED: [Change; 11] = [
         p.mesh = p.mesh.refined(2);
     }),
 ];
-/// The one whose gaps are drawn.
+/// The case whose gaps are drawn.
 const DRAWN: usize = 2;
 
-/// A film of 10 N over 6 µm that does not damp.
+/// A film of 10 N over 6 µm without damping.
 fn undamp(parameters: &mut Parameters) {
     parameters.belt.film_force = 10.0;
     parameters.belt.film_thickness = 6e-6;
@@ -131,20 +131,20 @@ fn loosen(parameters: &mut Parameters) {
     parameters.belt.film_force = 1.0;
 }
 
-/// Ratios, clamping forces of both pulleys, N, and torques as shares of full slip's, over which swings are counted.
+/// Ratios, clamping forces of both pulleys, N, and torques as shares of full slip's, of the counted working points.
 const RATIOS: [f64; 8] = [0.43, 0.5, 0.8, 0.95, 1.0, 1.06, 1.3, 2.0];
 const FORCES: [f64; 2] = [4e3, 10e3];
-/// Torque of full slip at ratio 1, N·m; it goes with the radius.
+/// Torque of full slip at ratio 1, N·m; it is proportional to the radius.
 const FULL_SLIP: f64 = 43.0;
 const SHARES: [f64; 11] = [-0.6, -0.45, -0.3, -0.1, 0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5];
-/// Range of slip over half a second that counts as a swing.
+/// Range of slip over half a second that counts as an oscillation.
 const SWING: f64 = 5e-4;
-/// Modes are looked at up to this frequency, Hz.
+/// Highest frequency of the modes, Hz.
 const FASTEST: f64 = 1e4;
 
-/// At stations: time, s, ξ, m, ring length that it stands for, m, 1 − ν.
+/// At stations: time, s, ξ, m, ring length of the station, m, 1 − ν.
 type Gaps = Vec<[f64; 4]>;
-/// Steps between two looks.
+/// Steps between two samples.
 const LOOK: u32 = 2;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -165,19 +165,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What the end of a run shows.
+/// Results of the last part of a run.
 struct Swing {
     /// Least and most slip.
     slip: [f64; 2],
     steps: u64,
     jacobians: u64,
     gaps: Gaps,
-    /// Growth of what grows fastest of the modes of the steady state that it starts from, 1/s and Hz; none if it is no
-    /// steady one.
+    /// Growth of the fastest-growing mode of the start state, 1/s and Hz; none if that is not steady.
     mode: Option<[f64; 2]>,
 }
 
-/// A run at a held ratio, jolted once.
+/// A run at a held ratio, with one pulse of torque.
 fn swing(change: fn(&mut Parameters), point: &Point) -> Result<Swing, Box<dyn Error>> {
     let Point {
         ratio,
@@ -244,13 +243,13 @@ fn run(point: &Point, name: &str, change: fn(&mut Parameters)) -> Result<Gaps, B
     Ok(found.gaps)
 }
 
-/// Over ratios, clamping forces and torques: where slip swings, and the Jacobians that all of them take.
+/// Over ratios, clamping forces and torques: the points at which slip oscillates, and the Jacobians of all runs.
 fn survey(name: &str, change: fn(&mut Parameters)) -> Result<(), Box<dyn Error>> {
     let (mut points, mut formed, mut growing, mut swinging) = (0, 0, 0, Vec::new());
     for ratio in RATIOS {
         for force in FORCES {
             for share in SHARES {
-                // A jolt in proportion to what the belt carries.
+                // A pulse in proportion to the torque.
                 let more = 2.0 / (1.0 + ratio) * force / LITTLE_LOAD.clamping;
                 let torque = share * FULL_SLIP * more;
                 let point = Point {

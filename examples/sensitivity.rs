@@ -1,7 +1,6 @@
-//! How thrust ratio and slip move with the parameters that nobody knows exactly, around the laboratory variator at 50
-//! N·m, 2000 rpm and three ratios; then with the roughness over which neighbouring elements touch and the film between
-//! them; then what moves the thrust ratio without torque and the peak of traction. Prints the Markdown tables of
-//! `docs/sensitivity.md`:
+//! Sensitivity of thrust ratio and slip to uncertain parameters, around the laboratory variator at 50 N·m, 2000 rpm and three
+//! ratios; then to the roughness of the elements' faces and the film between them; then that of the thrust ratio without torque
+//! and of the peak of traction. Prints the Markdown tables of `docs/sensitivity.md`:
 //!
 //! `cargo run --release --example sensitivity`
 
@@ -19,7 +18,7 @@ struct Case {
     ratio: f64,
     /// N·m.
     torque: f64,
-    /// Secondary clamping force: 1.3 times what full slip needs, 6 kN at least, N.
+    /// Secondary clamping force: 1.3 times that of full slip, at least 6 kN, N.
     force: f64,
 }
 
@@ -37,7 +36,7 @@ const CASES: [Case; 3] = [
     case("medium", 1.0, 50.0, 6_174.0),
     case("overdrive", 3.0 / 7.0, 50.0, 6_000.0),
 ];
-/// Where the first touch matters most.
+/// Cases in which the roughness of the faces has the largest effect.
 const TOUCH_CASES: [Case; 3] = [
     case("underdrive, 100 N·m", 7.0 / 3.0, 100.0, 21_562.0),
     case("medium, 50 N·m", 1.0, 50.0, 6_174.0),
@@ -45,14 +44,14 @@ const TOUCH_CASES: [Case; 3] = [
 ];
 /// Roughness of the elements' faces, m.
 const ROUGHNESSES: [f64; 9] = [5e-8, 7e-8, 1e-7, 1.4e-7, 2e-7, 3e-7, 4e-7, 6e-7, 1e-6];
-/// Where slip depends on the roughness without damping by oil.
+/// Cases in which slip depends on the roughness without damping by oil.
 const DAMPED: [Case; 2] = [
     case("50 N·m", 7.0 / 3.0, 50.0, 10_781.0),
     case("100 N·m", 7.0 / 3.0, 100.0, 21_562.0),
 ];
 /// Dampings by oil of the third table, as shares of the default.
 const DAMPINGS: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
-/// Where the film is needed.
+/// Cases in which the film has an effect.
 const FILM_CASES: [Case; 3] = [case("30 N·m", 7.0 / 3.0, 30.0, 6_469.0), DAMPED[0], DAMPED[1]];
 /// Film forces, N, and dampings by oil, as shares of the default, of the fourth table.
 const FILMS: [(f64, f64); 6] = [
@@ -162,7 +161,7 @@ fn begin_row(base: &Parameters, name: &str, change: fn(&mut Parameters)) -> Para
     parameters
 }
 
-/// Thrust ratio and slip of the steady state; none where the belt does not carry the torque.
+/// Thrust ratio and slip of the steady state; none where the belt can't transmit the torque.
 fn steady(parameters: &Parameters, case: &Case) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
     let p = held(parameters, case.ratio, SPEED);
     let mut inputs = Inputs::default();
@@ -186,7 +185,7 @@ fn heading(first: &str, cases: &[Case]) {
     println!("\n|---|{}", "---|---|".repeat(cases.len()));
 }
 
-/// The fifth table: what moves the thrust ratio without torque.
+/// The fifth table: sensitivity of the thrust ratio without torque.
 fn without_torque(base: &Parameters) -> Result<(), Box<dyn Error>> {
     print!("| changed |");
     for (ratio, force) in UNLOADED {
@@ -206,7 +205,7 @@ fn without_torque(base: &Parameters) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The sixth table: how far the peaks of traction over slip are apart at 10 and 30 kN, 1000 and 4000 rpm.
+/// The sixth table: differences between the peaks of traction over slip at 10 and 30 kN, 1000 and 4000 rpm.
 fn traction(base: &Parameters) -> Result<(), Box<dyn Error>> {
     println!("| changed | ratio 1: peaks apart | ratio 0.5: peaks apart |\n|---|---|---|");
     for (name, change) in TRACTION_CHANGES {
@@ -313,7 +312,7 @@ fn roughness(base: &Parameters) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Takes a share of the damping by oil.
+/// Multiplies the damping by oil by a share.
 fn damp(parameters: &mut Parameters, share: f64) {
     parameters.belt.film_damping *= share;
     parameters.belt.squeeze_damping *= share;

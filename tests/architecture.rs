@@ -1,13 +1,13 @@
 //! The one-way flow between the rooms of `src/`: a room uses only rooms above it in the list of ARCHITECTURE.md.
 //!
-//! Crates hold their own boundaries. Inside this package a room is a folder or a file of `src/`; other rooms are imported by
+//! The compiler checks the boundaries of crates. Inside this package a room is a folder or a file of `src/`; other rooms are imported by
 //! `crate::…`, or by `super::…`.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Names of the rooms in the block ```` ```rooms ```` of a page, one a line, lowest first.
+/// Names of the rooms in the block ```` ```rooms ```` of a page, one per line, lowest first.
 fn rooms(page: &str) -> Vec<String> {
     let (_, block) = page.split_once("```rooms\n").expect("a block of rooms");
     let (block, _) = block.split_once("```").expect("the end of the block");
@@ -57,7 +57,7 @@ fn imports(module: &str, text: &str) -> Vec<String> {
         for part in path.split("::").filter(|part| !part.is_empty()) {
             match part {
                 "crate" => base.clear(),
-                // From a file to the folder around it; a `mod.rs` stands for its folder.
+                // `super` of a file is its folder; a `mod.rs` represents its folder.
                 "super" => drop(base.pop()),
                 name => base.push(name),
             }
@@ -67,7 +67,7 @@ fn imports(module: &str, text: &str) -> Vec<String> {
     found
 }
 
-/// Place in the list of the room that a module path belongs to.
+/// Index in the list of the room that a module path belongs to.
 fn room(list: &[String], module: &str) -> Option<usize> {
     let inside = |room: &String| {
         module == room
@@ -80,7 +80,7 @@ fn room(list: &[String], module: &str) -> Option<usize> {
         .max_by_key(|&k| list[k].len())
 }
 
-/// Imports that lead to a room further down in the list, and files without a room.
+/// Imports from a room further down in the list, and files without a room.
 fn problems(list: &[String], files: &BTreeMap<String, String>) -> Vec<String> {
     let mut problems = Vec::new();
     for (module, text) in files {
@@ -117,7 +117,7 @@ fn rooms_use_only_rooms_above_them_in_the_list() {
 }
 
 #[test]
-fn an_arrow_up_is_found_in_every_spelling() {
+fn a_forbidden_import_is_found_in_every_spelling() {
     let list: Vec<String> = ["ring", "variator/law", "variator/run"].map(str::to_string).to_vec();
     let problems_of = |module: &str, text: &str| {
         let files = BTreeMap::from([(module.to_string(), text.to_string())]);

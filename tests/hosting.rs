@@ -1,4 +1,4 @@
-//! What a host process sees of the loaded library: memory, threads, other instances, unloading.
+//! Effects of the loaded library on its host process: memory, threads, other instances, unloading.
 //!
 //! `PUSHBELT_STEPS=1000000 PUSHBELT_CYCLES=1000 cargo test --test hosting` is the long run.
 
@@ -27,7 +27,7 @@ fn is_mapped(path: &Path) -> bool {
     maps.contains(&*path.to_string_lossy())
 }
 
-/// Memory stops growing once everything has been used once.
+/// After everything has been used once, memory does not grow.
 fn assert_steady(what: &str, before: u64) {
     let grown = resident().saturating_sub(before);
     assert!(grown < 1 << 20, "{what}: {grown} bytes more");
@@ -44,10 +44,10 @@ fn cycle(f: &Functions, steps: u32) {
     }
 }
 
-/// One test, for memory is that of the process.
+/// One test, because memory is measured for the whole process.
 #[cfg(target_os = "linux")]
 #[test]
-fn neither_instances_nor_steps_nor_loading_leave_anything() {
+fn instances_steps_and_loading_leave_no_memory_or_threads() {
     let before_loading = threads();
     let library = Library::load();
     let f = &library.functions;
@@ -86,11 +86,11 @@ fn neither_instances_nor_steps_nor_loading_leave_anything() {
     let reload = || {
         let library = Library::load();
         cycle(&library.functions, 1);
-        assert_eq!(threads(), before_loading, "the library has no thread");
+        assert_eq!(threads(), before_loading, "the library starts no thread");
     };
     (0..5).for_each(|_| reload());
     let before = resident();
     (0..50).for_each(|_| reload());
     assert_steady("loading", before);
-    assert!(!is_mapped(&path), "the library is still there");
+    assert!(!is_mapped(&path), "the library is still mapped");
 }

@@ -10,7 +10,7 @@ use pushbelt_lab::variators::inputs;
 
 type Read = fn(&Outputs) -> f64;
 
-/// Outputs, with what the solver leaves uncertain of each.
+/// Outputs with the uncertainty of each due to the solver.
 const OUTPUTS: [(&str, f64, Read); 6] = [
     ("primary.speed", 1e-6, |o| o.primary.speed),
     ("secondary.speed", 1e-6, |o| o.secondary.speed),
@@ -67,10 +67,10 @@ fn run(inputs: &Inputs, start: &Variator, times: &[f64]) -> Vec<Vec<f64>> {
     times.iter().map(row).collect()
 }
 
-/// Small they must be: elements change between sticking and sliding, and a torque step of 0.2 N·m already moves the
-/// ratio 20 % less than the linear model.
+/// The steps must be small: elements change between sticking and sliding, and after a torque step of 0.2 N·m the ratio already
+/// changes by 20 % less than in the linear model.
 #[test]
-fn small_steps_of_each_load_are_followed() {
+fn the_linear_model_follows_small_steps_of_each_load() {
     let model = model(100.0);
     let mut start = Variator::new(parameters()).expect("valid");
     start.initialise(0.0, &Inputs::default()).expect("steady");
@@ -106,7 +106,7 @@ fn small_steps_of_each_load_are_followed() {
     }
 }
 
-/// The gain of `ALE0` is that of a run too.
+/// The gain of the linear model of `ALE0` is that of a run too.
 #[test]
 fn the_gain_of_ale0_is_that_of_a_run() {
     let mut parameters = parameters();
@@ -142,7 +142,7 @@ fn the_gain_of_ale0_is_that_of_a_run() {
     }
 }
 
-/// More modes change what is fast only.
+/// More modes change only the fast part of the response.
 #[test]
 fn slow_modes_do_not_depend_on_the_cut_off() {
     let (few, many) = (model(20.0), model(200.0));
@@ -154,14 +154,16 @@ fn slow_modes_do_not_depend_on_the_cut_off() {
             .map(|other| (pole[0] - other[0]).hypot(pole[1] - other[1]));
         let nearest = nearest.fold(f64::INFINITY, f64::min);
         assert!(nearest < 1e-5 + 1e-5 * pole[0].hypot(pole[1]), "{pole:?}: {nearest}");
-        assert!(pole[0] < 1.0, "{pole:?}: the working point is stable, or slowly left");
+        assert!(
+            pole[0] < 1.0,
+            "{pole:?}: the working point is stable or slowly unstable"
+        );
     }
 }
 
-/// An end stop takes its part of what the belt presses: the forces that hold the working point are those that were
-/// given.
+/// An end stop takes part of the belt's axial force: the forces that hold the working point are the specified ones.
 #[test]
-fn an_end_stop_takes_its_part() {
+fn an_end_stop_takes_part_of_the_axial_force() {
     let mut parameters = parameters();
     parameters.initial.ratio = 0.437;
     let inputs = Inputs::default();
@@ -190,11 +192,11 @@ fn errors_explain_why_there_is_no_linear_model() {
     assert!(wrong.to_string().contains("friction.pulley"), "{wrong}");
 }
 
-/// Communication steps of 1 ms damp what is faster than some 100 Hz. A steady state must stay without that: of all its
-/// modes up to 20 kHz none that swings grows, with ten times the ring's damping neither. Under given torques and forces ratio and
-/// speed may creep away, within seconds: the slowest modes don't swing.
+/// Communication steps of 1 ms damp modes above some 100 Hz. A steady state must be stable without that: none of its
+/// oscillating modes up to 20 kHz grows, and none with ten times the ring's damping. Under constant torques and forces ratio
+/// and speed may drift away within seconds: the slowest modes don't oscillate.
 #[test]
-fn no_mode_of_a_steady_state_grows() {
+fn no_oscillating_mode_of_a_steady_state_grows() {
     for (ratio, torque) in [(2.0, 50.0), (1.0, 50.0), (1.0, -50.0), (0.5, 50.0), (0.5, 0.0)] {
         for damping in [1.0, 10.0] {
             let mut parameters = Parameters::default();
@@ -203,7 +205,7 @@ fn no_mode_of_a_steady_state_grows() {
             let inputs = inputs((torque, 12.0e3), (-torque * ratio, 12.0e3));
             let modes = modes(&parameters, &inputs, 2.0e4).expect("a steady state");
             let most = modes[0];
-            let swinging = modes.iter().find(|mode| mode[1] > 0.0).expect("a mode that swings");
+            let swinging = modes.iter().find(|mode| mode[1] > 0.0).expect("an oscillating mode");
             println!(
                 "{ratio}, {torque} N·m, {damping} times: {} modes, at most {most:?} 1/s",
                 modes.len()
@@ -216,7 +218,7 @@ fn no_mode_of_a_steady_state_grows() {
     }
 }
 
-/// On the default mesh, where unknowns of many units stand beside each other.
+/// On the default mesh, whose unknowns have many units.
 #[test]
 fn poles_of_ale0_do_not_depend_on_the_cut_off() {
     let parameters = Parameters {
@@ -234,15 +236,15 @@ fn poles_of_ale0_do_not_depend_on_the_cut_off() {
         assert!(few.len() >= 3 && many.len() > few.len(), "{few:?} {many:?}");
         for (one, other) in few.iter().zip(&many) {
             let apart = (one[0] - other[0]).hypot(one[1] - other[1]);
-            // A pole near zero is known to a share of the largest, some 500 1/s.
+            // A pole near zero is accurate to a share of the largest, some 500 1/s.
             assert!(apart < 1e-6 * (one[0].hypot(one[1]) + 0.1), "{one:?} {other:?}");
         }
     }
 }
 
-/// A run that rests has the linear model of its start.
+/// A run at rest has the linear model of its start.
 #[test]
-fn a_state_that_a_run_rests_in_has_a_linear_model() {
+fn a_run_at_rest_has_the_linear_model_of_its_start() {
     let read: &dyn Fn(&Outputs) -> f64 = &|o| o.ratio_geometric;
     let start = linearise(&parameters(), &Inputs::default(), 20.0, &[read]).expect("a linear model");
     let mut variator = Variator::new(parameters()).expect("valid");
@@ -257,17 +259,17 @@ fn a_state_that_a_run_rests_in_has_a_linear_model() {
             "{one:?} {other:?}"
         );
     }
-    // A shift is no working point.
+    // A state during a shift is not a working point.
     let mut inputs = start.inputs;
     inputs.primary.clamping_force += 3e3;
     variator.advance(0.1, &inputs).expect("a step");
     let moving = linearise_at(&mut variator, &inputs, 20.0, &[read]).expect_err("it shifts");
-    assert!(moving.to_string().contains("no steady working point"), "{moving}");
+    assert!(moving.to_string().contains("not a steady working point"), "{moving}");
 }
 
-/// A torque beyond capacity is carried in part: the model is that of the state from which the run starts.
+/// A torque beyond capacity is transmitted in part: the model is that of the state from which the run starts.
 #[test]
-fn a_remark_names_a_point_that_was_not_given() {
+fn a_remark_names_the_difference_from_the_specified_point() {
     let mut beyond = Inputs::default();
     beyond.primary.torque = 400.0;
     let mut variator = Variator::new(parameters()).expect("valid");
@@ -282,7 +284,7 @@ fn a_remark_names_a_point_that_was_not_given() {
     );
 }
 
-/// Between given speeds the belt may slip through for ever.
+/// Between prescribed speeds the belt may slip through permanently.
 #[test]
 fn a_remark_names_a_belt_that_slips_through() {
     let mut parameters = parameters();

@@ -1,4 +1,4 @@
-//! The checked-in model description, and the rules for it that no checking tool knows.
+//! The checked-in model description, and rules for it that validators of FMI don't check.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -9,7 +9,7 @@ use pushbelt::unit::{Settings, TERMINALS, VariatorUnit, exports, model_descripti
 use pushbelt::variator::settings::range_of;
 
 #[test]
-fn the_checked_in_files_are_what_the_table_says() {
+fn the_checked_in_files_are_generated_from_the_table() {
     for (name, generated) in [
         ("modelDescription.xml", model_description()),
         ("modelDescription3.xml", model_description3()),
@@ -22,13 +22,13 @@ fn the_checked_in_files_are_what_the_table_says() {
         let shorter = generated.lines().count().min(checked_in.lines().count());
         assert!(
             generated == checked_in,
-            "{name} is not what the tables give, first in line {}; write it by `cargo fmu describe`",
+            "{name} differs from the tables, first in line {}; write it by `cargo fmu describe`",
             differing.map_or(shorter, |line| line + 1)
         );
     }
 }
 
-/// Elements of an array differ in name, reference and place only, and stand in their order; so does each variable with an index.
+/// Elements of an array differ in name, reference and index only and are in order; every variable with an index is such an element.
 #[test]
 fn arrays_are_their_elements() {
     let table = VariatorUnit::table();
@@ -66,7 +66,7 @@ fn arrays_are_their_elements() {
     assert_eq!((table.arrays().len(), elements), (7, indexed));
 }
 
-/// A terminal's members are variables: something in, something out.
+/// A terminal's members are variables, at least one input and one output.
 #[test]
 fn terminals_have_an_input_and_an_output() {
     let table = VariatorUnit::table();
@@ -94,7 +94,7 @@ fn names_and_value_references_are_unique() {
     assert_eq!(names.len(), table.variables().len());
     assert_eq!(references.len(), table.variables().len());
     for retired in table.retired() {
-        assert!(!references.contains(&retired.reference), "{retired} is given again");
+        assert!(!references.contains(&retired.reference), "{retired} is used again");
         assert!(table.by_name(retired.name).is_none(), "{retired}");
     }
     for variable in table.variables() {
@@ -103,9 +103,9 @@ fn names_and_value_references_are_unique() {
     }
 }
 
-/// Master tools are wired by these numbers: they may be added to, never changed.
+/// Master tools store these numbers: new ones may be added, but none may change.
 #[test]
-fn value_references_stay_as_given() {
+fn value_references_do_not_change() {
     let table = VariatorUnit::table();
     for (name, reference) in [
         ("primary.torque", 101),
@@ -149,7 +149,7 @@ fn settings_are_bound_to_settings_and_readings_to_readings() {
     }
 }
 
-/// A start value outside min and max is found by no tool, but refused by the unit.
+/// No tool detects a start value outside min and max, but the unit refuses it.
 #[test]
 fn start_values_are_legal() {
     let settings = Settings::default();
@@ -184,8 +184,8 @@ fn every_number_that_is_set_has_a_range() {
     }
 }
 
-/// Two rows bound to the same field, or a row bound to the wrong one, show here: what is set reads back there and
-/// nowhere else.
+/// Detects two rows bound to the same field, and a row bound to the wrong one: a value reads back from its own variable and
+/// from no other.
 #[test]
 fn each_setting_has_a_field_of_its_own() {
     let table = VariatorUnit::table();
@@ -278,7 +278,7 @@ fn units_and_types_in_use_are_declared() {
     }
 }
 
-/// Importers scale by the nominal value: without one it is 1, which for a slip of 0.003 is far off.
+/// Importers scale by the nominal value, whose default 1 is far from a slip of 0.003.
 #[test]
 fn every_real_output_has_a_typical_size_within_its_range() {
     let table = VariatorUnit::table();
@@ -295,9 +295,9 @@ fn every_real_output_has_a_typical_size_within_its_range() {
     }
 }
 
-/// Forces in kN, lengths in mm and shares in per cent are what users look at.
+/// User interfaces show forces in kN, lengths in mm and shares in per cent.
 #[test]
-fn display_units_are_those_of_the_workshop() {
+fn display_units_are_those_of_engineering_practice() {
     let table = VariatorUnit::table();
     for (name, unit, shown) in [
         ("primary.clampingForce", "kN", 13.0),
@@ -331,7 +331,7 @@ fn display_units_are_those_of_the_workshop() {
     }
 }
 
-/// The outputs' structure: every output is listed, and none depends directly on an input.
+/// The model structure lists every output, and none depends directly on an input.
 #[test]
 fn model_structure_lists_every_output_without_dependencies() {
     let xml = model_description();
@@ -352,7 +352,7 @@ fn model_structure_lists_every_output_without_dependencies() {
     }
 }
 
-/// `canSerializeFMUstate` without `canGetAndSetFMUstate` would be wrong, and no tool would say so.
+/// `canSerializeFMUstate` requires `canGetAndSetFMUstate`, which no tool checks.
 #[test]
 fn capabilities_are_consistent() {
     let xml = model_description();

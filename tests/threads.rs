@@ -9,8 +9,8 @@ use pushbelt::fmi::fmi3::{Boolean, Environment, Instance};
 use pushbelt_lab::shared_library::{Library, OK, reference};
 use pushbelt_lab::shared_library3::{Functions3, Watches};
 
-/// Sixteen runs, one after the other and two on each of eight threads, give the same; the first two differ.
-fn same_together_as_alone<T: PartialEq + Debug + Send>(run: impl Fn(u32) -> T + Copy + Send + Sync) {
+/// Sixteen runs have the same results one after the other and two on each of eight threads; the first two runs differ.
+fn assert_same_on_threads<T: PartialEq + Debug + Send>(run: impl Fn(u32) -> T + Copy + Send + Sync) {
     let alone: Vec<_> = (0..16).map(run).collect();
     assert_ne!(alone[0], alone[1], "the instances differ");
     let together: Vec<_> = thread::scope(|scope| {
@@ -38,10 +38,10 @@ fn sixteen_instances_on_eight_threads_give_the_sequential_bits() {
             result
         }
     };
-    same_together_as_alone(run);
+    assert_same_on_threads(run);
 }
 
-/// A master that reads a speed at each of the unit's own steps; its environment is the instance and the functions.
+/// A master that reads a speed at each internal step of the unit; its environment is the instance and the functions.
 struct Watcher {
     functions: Functions3,
     c: Instance,
@@ -68,7 +68,7 @@ unsafe extern "C" fn watch(
 }
 
 #[test]
-fn sixteen_watched_instances_of_fmi_3_on_eight_threads_give_the_sequential_bits() {
+fn sixteen_instances_of_fmi_3_with_updates_on_eight_threads_give_the_sequential_bits() {
     let library = Library::load();
     let functions = library.functions3;
     let run = move |number: u32| {
@@ -94,10 +94,10 @@ fn sixteen_watched_instances_of_fmi_3_on_eight_threads_give_the_sequential_bits(
             assert_eq!(
                 (*environment).seen > 0.0,
                 number.is_multiple_of(2),
-                "every second instance is watched"
+                "every second instance has intermediate updates"
             );
             result
         }
     };
-    same_together_as_alone(run);
+    assert_same_on_threads(run);
 }

@@ -1,4 +1,4 @@
-//! Bad parameters and inputs: each is refused by a message that names variable, value and allowed range.
+//! Bad parameters and inputs: each is refused with a message that names variable, value and allowed range.
 
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
@@ -10,7 +10,7 @@ fn refused(change: impl FnOnce(&mut Parameters)) -> ParameterError {
     change(&mut parameters);
     let error = parameters.validate().expect_err("refused");
     let built = Variator::new(parameters).map(drop);
-    assert!(built.is_err(), "no variator is built from what validation refuses");
+    assert!(built.is_err(), "a variator is built from refused parameters");
     error
 }
 
@@ -27,7 +27,7 @@ fn the_defaults_are_legal() {
 }
 
 #[test]
-fn every_real_parameter_refuses_what_is_not_finite() {
+fn every_real_parameter_refuses_values_that_are_not_finite() {
     type Field = fn(&mut Parameters) -> &mut f64;
     let fields: [(&str, Field); 28] = [
         ("geometry.centerDistance", |p| &mut p.geometry.center_distance),
@@ -128,7 +128,7 @@ fn the_wedge_must_open_wider_than_the_friction_angle() {
     );
     accepted(|p| p.geometry.wedge_angle = 0.12);
     accepted(|p| p.friction.pulley = 0.0);
-    // In a run it is the friction that changes.
+    // During a run friction can change.
     let mut variator = Variator::new(Parameters::default()).unwrap();
     let error = variator.set_friction(0.5, 0.01).expect_err("refused");
     assert_eq!(error.variable, "friction.pulley");
@@ -136,7 +136,7 @@ fn the_wedge_must_open_wider_than_the_friction_angle() {
 }
 
 #[test]
-fn messages_show_flags_as_flags() {
+fn messages_show_booleans_as_true_and_false() {
     let error = refused(|p| {
         p.ring_model = RingModel::Ale0;
         p.spatial = true;
@@ -183,7 +183,7 @@ fn stops_must_leave_a_range_and_the_initial_ratio_must_lie_in_it() {
     assert!(error.range.contains("below primary.maxRadius = 0.082"), "{error}");
     accepted(|p| p.initial.ratio = 2.2);
     accepted(|p| p.initial.ratio = 1.0 / 2.25);
-    // Where a loaded belt rests, some per cent beyond.
+    // A loaded belt rests some per cent beyond the stop.
     accepted(|p| p.initial.ratio = 2.7);
     for beyond in [3.0, 1.0 / 3.0, 90.0, 0.011] {
         let error = refused(|p| p.initial.ratio = beyond);
@@ -197,9 +197,9 @@ fn stops_must_leave_a_range_and_the_initial_ratio_must_lie_in_it() {
     assert!(error.range.starts_with("none"), "{error}");
 }
 
-/// The range that the message offers is the range that is accepted.
+/// The range in the message is the accepted range.
 #[test]
-fn the_offered_ratios_are_accepted() {
+fn the_ratios_named_in_the_message_are_accepted() {
     let error = refused(|p| p.initial.ratio = 10.0);
     let ends: Vec<f64> = error
         .range
@@ -207,7 +207,7 @@ fn the_offered_ratios_are_accepted() {
         .filter_map(|word| word.parse().ok())
         .collect();
     let [low, high] = ends[..] else { panic!("{error}") };
-    // Mirrored stops: mirrored ends.
+    // Mirrored stops have a mirrored range.
     assert!((low * high - 1.0).abs() < 1e-5, "{error}");
     // A loaded belt rests some per cent beyond.
     for (inside, outside) in [(low * 0.95, low * 0.94), (high * 1.05, high * 1.07)] {

@@ -1,4 +1,4 @@
-//! Runs continue with every kind of load and motion that a master connects to shafts and sheaves.
+//! Runs continue under every kind of load and motion that a master may connect to shafts and sheaves.
 
 use pushbelt::variator::settings::{Axial, Drive, Parameters, RingModel};
 use pushbelt::variator::settings::{Inputs, Outputs, StartState};
@@ -25,7 +25,7 @@ fn torque_or_speed_at_either_shaft() {
                 parameters.primary.drive = primary;
                 parameters.secondary.drive = secondary;
                 let mut given = inputs((50.0, 11e3), (-49.0, 9e3));
-                // Half a percent of slip where both speeds are given.
+                // Half a percent of slip where both speeds are prescribed.
                 given.secondary.speed_setpoint = 0.995 * SPEED;
                 let mut run = Run::new(parameters, given);
                 let o = run.go(0.05, 5e-3);
@@ -46,14 +46,14 @@ fn torque_or_speed_at_either_shaft() {
                         Drive::Torque => assert_eq!(pulley.external_torque, torque),
                         Drive::Speed => {
                             assert_close(pulley.speed, speed, 1e-6, "prescribed speed");
-                            // Nothing accelerates: the shaft delivers what the belt takes.
+                            // At constant speed the shaft delivers the power that the belt takes.
                             assert_close(pulley.external_torque, -pulley.shaft_torque, 1e-3, "reaction");
                         }
                     }
                 }
                 assert!(
                     o.primary.shaft_torque < 0.0 && o.secondary.shaft_torque > 0.0,
-                    "power goes from P to S"
+                    "power flows from P to S"
                 );
                 run.assert_balances();
             }
@@ -86,7 +86,7 @@ fn clamping_force_or_held_sheave_at_either_pulley() {
                         Axial::Held => {
                             assert!((pulley.position - before.position).abs() < 1e-10, "a held sheave moves")
                         }
-                        // What the damper takes while the ratio shifts is left out of the belt's force.
+                        // The belt's force excludes the damper's force while the ratio shifts.
                         Axial::Force => assert_close(pulley.axial_force, force, 0.05, "clamping force"),
                     }
                 }
@@ -103,14 +103,14 @@ fn clamping_force_or_held_sheave_at_either_pulley() {
     }
 }
 
-/// Clamping forces that drive a pulley open or shut bring it to its end stop, no further; the other force leads away.
+/// Clamping forces that open or close a pulley bring it to its end stop and no further; the opposite force moves it away.
 #[test]
 fn end_stops_hold_and_are_left_again() {
     for model in MODELS {
         for towards_overdrive in [true, false] {
             let mut parameters = coarse(model);
             parameters.primary.drive = Drive::Speed;
-            // Stops near by, so that the way there is short.
+            // The stops are near, so that they are reached soon.
             parameters.primary.min_radius = 0.0560;
             parameters.primary.max_radius = 0.0585;
             let (into, away) = if towards_overdrive {
@@ -136,7 +136,7 @@ fn end_stops_hold_and_are_left_again() {
                 again.primary.axial_force,
                 left.ratio_geometric
             );
-            // The stop is for the sheave; the belt sinks into the flanks by some 20 µm/tan β.
+            // The stop acts on the sheave; the belt sinks into the flanks by some 20 µm/tan β.
             assert!(travel.0 > parameters.primary.min_radius - 3e-4, "{} m", travel.0);
             assert!(travel.1 < parameters.primary.max_radius + 3e-4, "{} m", travel.1);
             assert_close(
@@ -160,7 +160,7 @@ fn end_stops_hold_and_are_left_again() {
     }
 }
 
-/// The picture in the mirror of the line of the axes: speeds and torques change sign, everything else stays.
+/// Mirrored in the line of the axes: speeds and torques change sign, all other outputs are the same.
 #[test]
 fn a_launch_in_reverse_mirrors_a_launch_forward() {
     for model in MODELS {
@@ -212,8 +212,8 @@ fn at_standstill_the_clamped_belt_holds_the_torque() {
     }
 }
 
-/// A run from a standstill starts with the belt clamped: its forces are there, it hardly moves, and a torque that acts at once takes
-/// no more work in the first millisecond than a jump does elsewhere.
+/// A run from a standstill starts with a clamped belt: the forces act, it hardly moves, and a torque that acts at once takes no
+/// more work in the first millisecond than a jump at another time.
 #[test]
 fn a_standstill_starts_clamped() {
     for model in MODELS {
@@ -252,7 +252,7 @@ fn at_standstill_the_ratio_creeps_with_the_friction_velocity() {
             (parameters.initial.ratio, parameters.initial.primary_speed) = (2.2, 0.0);
             parameters.friction.velocity = velocity;
             let mut run = Run::new(parameters, inputs((0.0, 4e3), (0.0, 7e3)));
-            // Past the first moments, in which the belt is clamped.
+            // After the first moments, in which the belt is clamped.
             let before = run.go(1.0, 10e-3).ratio_geometric;
             (run.go(5.0, 10e-3).ratio_geometric - before) / 5.0
         };
@@ -281,7 +281,7 @@ fn brought_to_speed(mut parameters: Parameters, span: f64, step: f64) -> Run {
     run
 }
 
-/// A sheave that is held from a standstill stands where the unloaded belt has `initial.ratio`; under load it is a little more.
+/// A sheave held from a standstill is where the unloaded belt has `initial.ratio`; under load the ratio is slightly larger.
 #[test]
 fn a_sheave_held_from_a_standstill_has_nearly_its_ratio() {
     for model in MODELS {
@@ -294,7 +294,7 @@ fn a_sheave_held_from_a_standstill_has_nearly_its_ratio() {
     }
 }
 
-/// Clamped without torque, on the default mesh too: what rings then has hardly any energy to be wrong about.
+/// Clamped without torque, on the default mesh too, where vibrations have hardly any energy.
 #[test]
 fn energy_balance_at_standstill() {
     for model in MODELS {
@@ -308,8 +308,8 @@ fn energy_balance_at_standstill() {
     }
 }
 
-/// Inputs that change in proportion to time do their work all along the step: a clamping force to and fro at low speed,
-/// a shaft brought to speed by its set point.
+/// The work of inputs that change in proportion to time is that over the whole step: a clamping force that rises and falls at
+/// low speed, a shaft brought to speed by its set point.
 #[test]
 fn energy_balance_under_ramped_inputs() {
     for model in MODELS {
@@ -334,9 +334,9 @@ fn energy_balance_under_ramped_inputs() {
     }
 }
 
-/// Clamping forces go to zero at speed: the belt carries next to nothing and slips. They come back: it grips.
+/// Clamping forces fall to zero at speed, and the belt transmits almost nothing and slips. They return, and it grips.
 #[test]
-fn clamping_forces_gone_and_back() {
+fn the_belt_slips_without_clamping_forces_and_grips_again_with_them() {
     for model in MODELS {
         let mut parameters = coarse(model);
         parameters.primary.drive = Drive::Speed;
@@ -346,7 +346,7 @@ fn clamping_forces_gone_and_back() {
         run.go(0.02, 2e-3);
         run.inputs.primary.clamping_force = 0.0;
         run.inputs.secondary.clamping_force = 0.0;
-        // A speed-up that the load does not follow without a belt.
+        // An acceleration that the load can't follow without a belt.
         run.inputs.primary.speed_setpoint = 1.3 * SPEED;
         let open = run.go(0.1, 2e-3);
         run.inputs = normal;
@@ -368,8 +368,8 @@ fn clamping_forces_gone_and_back() {
     }
 }
 
-/// A strand under net compression, Q > T, would buckle: a warning. Friction alone keeps T − Q above σV², so it takes a load
-/// that turns round while the clamping force goes, at a low speed, at once, and elements that no oil brakes.
+/// A strand under net compression, Q > T, would buckle, which is a warning. Friction alone keeps T − Q above σV². Compression
+/// requires a load that reverses suddenly while the clamping force falls, at a low speed, and elements without damping by oil.
 #[test]
 fn a_push_strand_in_net_compression_gives_a_warning() {
     for model in MODELS {
@@ -402,7 +402,7 @@ fn a_push_strand_in_net_compression_gives_a_warning() {
     }
 }
 
-/// The solved equilibrium is one: a run at its forces keeps its ratio.
+/// A run at the forces of the solved equilibrium keeps its ratio.
 fn equilibrium(mut parameters: Parameters, force: f64) {
     let model = parameters.ring_model;
     parameters.primary.drive = Drive::Speed;
@@ -419,7 +419,7 @@ fn equilibrium(mut parameters: Parameters, force: f64) {
     assert_close(before.primary.axial_force, force, 1e-3, "primary force");
     assert_close(before.secondary.axial_force, 8.5e3, 1e-3, "secondary force");
     assert_close(after.ratio_geometric, before.ratio_geometric, 1e-3, "ratio");
-    // It is the ratio that was solved for, not the start that was kept.
+    // The ratio was solved for; it is not the initial guess.
     assert!((before.ratio_geometric - 1.0).abs() > 5e-3);
 }
 
@@ -429,7 +429,7 @@ fn a_start_in_equilibrium_stays_there() {
     equilibrium(variator(RingModel::Ale), 11e3);
 }
 
-/// Forces that drive it to an end stop start it there.
+/// Clamping forces that lead to an end stop start the run there.
 #[test]
 fn a_start_in_equilibrium_at_an_end_stop_stays_there() {
     for model in MODELS {
@@ -452,7 +452,7 @@ fn a_start_in_equilibrium_at_an_end_stop_stays_there() {
     }
 }
 
-/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may start from the ratio that it had there.
+/// A loaded belt rests beyond the end stop of the unloaded curve, and a run may start from its ratio there.
 #[test]
 fn a_run_may_start_beyond_an_end_stop() {
     for model in MODELS {
@@ -470,14 +470,14 @@ fn a_run_may_start_beyond_an_end_stop() {
     }
 }
 
-/// Far from the ratio that the search starts from.
+/// The equilibrium is far from the ratio at which the search starts.
 #[test]
 fn a_start_in_equilibrium_far_in_overdrive_stays_there() {
     equilibrium(coarse(RingModel::Ale0), 10.5e3);
     equilibrium(coarse(RingModel::Ale), 12.5e3);
 }
 
-/// Largest relative change of what is watched in the first 50 ms.
+/// Largest relative change of the observed outputs in the first 50 ms.
 fn largest_change<const N: usize>(run: &mut Run, watched: fn(&Outputs) -> [f64; N]) -> f64 {
     let start = watched(run.variator.outputs());
     let mut worst = 0.0_f64;
@@ -491,7 +491,7 @@ fn largest_change<const N: usize>(run: &mut Run, watched: fn(&Outputs) -> [f64; 
 
 /// A start from the steady state at held ratio is at rest from the first step on.
 #[test]
-fn a_steady_start_does_not_bang() {
+fn a_steady_start_is_at_rest() {
     for model in MODELS {
         let mut parameters = variator(model);
         parameters.primary.drive = Drive::Speed;
@@ -503,9 +503,9 @@ fn a_steady_start_does_not_bang() {
     }
 }
 
-/// So is one whose secondary shaft follows a set point, with the torque or the speed of the primary given.
+/// The same with a secondary shaft that follows a set point, and a prescribed torque or speed of the primary.
 #[test]
-fn a_steady_start_at_a_set_point_does_not_bang() {
+fn a_steady_start_at_a_set_point_is_at_rest() {
     for model in MODELS {
         for drive in [Drive::Torque, Drive::Speed] {
             let mut parameters = belt_alone(variator(model));
@@ -553,7 +553,7 @@ fn a_start_in_macro_slip_is_reported() {
     }
 }
 
-/// Torque beyond capacity has no steady state: the run starts from the nearest one, and reports which and why.
+/// Torque beyond capacity has no steady state: the run starts from the nearest one and reports it with the reason.
 #[test]
 fn torque_beyond_capacity_starts_from_the_nearest_state() {
     for (model, torque) in MODELS
@@ -578,10 +578,10 @@ fn torque_beyond_capacity_starts_from_the_nearest_state() {
     }
 }
 
-/// Beyond capacity a pulley whose speed is free runs away until drag holds it, at four times the requested speed. That
-/// is a steady state, and no start.
+/// Beyond capacity a pulley with a free speed runs away until drag balances its torque, at four times the requested speed.
+/// That steady state is rejected as a start.
 #[test]
-fn a_pulley_that_ran_away_is_no_start() {
+fn a_state_with_a_runaway_pulley_is_rejected_as_a_start() {
     let mut parameters = variator(RingModel::Ale);
     parameters.initial.ratio = 0.671;
     parameters.initial.primary_speed = 418.88;
@@ -595,9 +595,9 @@ fn a_pulley_that_ran_away_is_no_start() {
     assert!(!o.macro_slip && o.slip < 0.03);
 }
 
-/// A run reports what it started from, also where no steady state was requested or found.
+/// A run reports its start state, also if no steady state was requested or found.
 #[test]
-fn a_run_reports_what_it_starts_from() {
+fn a_run_reports_its_start_state() {
     for model in MODELS {
         let start = |change: &dyn Fn(&mut Parameters), force: f64| {
             let mut parameters = coarse(model);

@@ -22,7 +22,7 @@ fn spatial() -> Parameters {
 }
 
 #[test]
-fn derivatives_by_hand_are_those_of_forward_differentiation() {
+fn hand_written_derivatives_are_those_of_forward_differentiation() {
     let of = |parameters: &Parameters, ring: Arc<dyn BeltRing>, tilt: f64, error: DerivativeError| {
         let mut parameters = parameters.clone();
         parameters.primary.tilt.stiffness = tilt;
@@ -36,10 +36,10 @@ fn derivatives_by_hand_are_those_of_forward_differentiation() {
     of(&small(RingModel::Ale0), Arc::new(Ale0), 1e12, ale0);
 }
 
-/// Where nothing has changed derivatives are kept. A cell that begins to slip gets new slopes of its laws, with those that
-/// share its face; after another step size all are differentiated again.
+/// Cached derivatives are used where nothing has changed. A cell that begins to slip gets updated constitutive tangents, with
+/// the cells that share its face; after another step size all cells are differentiated again.
 #[test]
-fn derivatives_are_kept_until_they_change() {
+fn cached_derivatives_are_used_until_they_change() {
     let (mut system, mut state) = disturbed(&small(RingModel::Ale), 200.0);
     let shape = system.shape();
     let renewed = |system: &mut VariatorSystem, state: &State, alpha: f64| {
@@ -68,7 +68,7 @@ fn derivatives_are_kept_until_they_change() {
 }
 
 #[test]
-fn an_update_of_the_slopes_of_laws_makes_the_current_jacobian() {
+fn an_update_of_constitutive_tangents_gives_the_current_jacobian() {
     assert_update_of_slopes(&small(RingModel::Ale), &(Arc::new(Ale::<2>) as Arc<dyn BeltRing>));
     assert_update_of_slopes(&spatial(), &(Arc::new(Ale::<3>) as Arc<dyn BeltRing>));
     assert_update_of_slopes(&small(RingModel::Ale0), &(Arc::new(Ale0) as Arc<dyn BeltRing>));

@@ -1,4 +1,4 @@
-//! Limits in which the variator obeys a closed law: no friction, full slip, small steps of the clamping force.
+//! Limit cases with a closed-form law: no friction, full slip, small steps of the clamping force.
 
 use pushbelt::pulley::Pulley;
 use pushbelt::variator::settings::Outputs;
@@ -19,7 +19,7 @@ fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refine
     parameters.friction.ring = 0.0;
     parameters.contact.stiffness = contact_stiffness;
     parameters.mesh = parameters.mesh.refined(refinement);
-    // Bending's share of the strand force, EI/(F r²), is 0.5 % for this ring on the small pulley. The law has none.
+    // The law neglects bending, whose share of the strand force, EI/(F r²), is 0.5 % for this ring on the small pulley.
     parameters.ring.bending_stiffness = 1e-3;
     let state = steady(
         &parameters,
@@ -29,7 +29,7 @@ fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refine
     let stations = state.stations();
     let strand: Vec<_> = stations.iter().filter(|at| at.segment == 1).collect();
     let middle = &strand[strand.len() / 2].sample;
-    // σV²: elements and ring have masses and speeds of their own.
+    // σV² is the sum for elements and ring, with their masses and speeds.
     let elements = parameters.belt.mass_per_length * middle.density * middle.speed.powi(2);
     let ring = parameters.ring.mass_per_length * state.outputs.ring_speed.powi(2);
     let force = middle.tension - middle.push - elements - ring;
@@ -43,9 +43,9 @@ fn off_frictionless(model: RingModel, ratio: f64, contact_stiffness: f64, refine
     ]
 }
 
-/// Without friction F_P/F_S = α_P/α_S and S = (F − σV²)α/(2 tan β). A flank that yields presses beside the arc too,
-/// over √(2 r g/tan β): the law's own limit is the stiff contact on a mesh that resolves this edge. Worst deviation of
-/// the thrust ratio and of S over three ratios, on each rung of the ladder.
+/// Without friction F_P/F_S = α_P/α_S and S = (F − σV²)α/(2 tan β). A compliant flank presses beside the arc too, over
+/// √(2 r g/tan β): the law is the limit of stiff contact on a mesh that resolves this edge. Worst deviation of the thrust
+/// ratio and of S over three ratios, for each stiffness and mesh.
 fn frictionless_ladder(model: RingModel) -> [[f64; 2]; 3] {
     [(2.5e9, 1), (1e10, 2), (4e10, 2)].map(|(stiffness, refinement)| {
         let mut worst = [0.0_f64; 2];
@@ -63,7 +63,7 @@ fn frictionless_ladder(model: RingModel) -> [[f64; 2]; 3] {
 }
 
 #[test]
-fn without_friction_the_wrap_angles_share_the_thrust() {
+fn without_friction_the_thrust_ratio_is_that_of_the_wrap_angles() {
     for model in MODELS {
         let worst = frictionless_ladder(model);
         for k in 0..2 {
@@ -79,7 +79,7 @@ fn without_friction_the_wrap_angles_share_the_thrust() {
 #[test]
 fn a_pulley_that_slips_all_around_transmits_its_capacity() {
     for model in MODELS {
-        // The smaller pulley slips; a slip far above the micro-slip leaves friction no radial share.
+        // The smaller pulley slips. At a slip far above micro-slip, friction has no radial component.
         for (ratio, slip) in [(0.5, 0.5), (2.0, 0.5), (2.0, -0.5)] {
             let parameters = belt_alone(variator(model));
             let slipping = pair(SPEED / ratio * (1.0 - slip), SPEED);
@@ -104,8 +104,8 @@ fn a_pulley_that_slips_all_around_transmits_its_capacity() {
     }
 }
 
-/// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one elements may have
-/// spread out before the entry: they ride along with the sheave until they meet the pushing stack.)
+/// Torque over 2μSR/cos β of the pulley that slips more, if it slips all around. (On the other one elements may have gaps
+/// before the entry: they move with the sheave until they reach the pushing stack.)
 fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
     let sliding = sliding(&run.variator);
     let (sliding, pulley) = if sliding.primary.mean.abs() > sliding.secondary.mean.abs() {
@@ -113,12 +113,12 @@ fn slip_torque_ratio(run: &Run, outputs: &Outputs) -> Option<f64> {
     } else {
         (sliding.secondary, &outputs.secondary)
     };
-    // Strand elements beside the arc hardly press, and slide as they like.
+    // Strand elements beside the arc hardly press, and their sliding is not considered.
     let full = sliding.forward.max(1.0 - sliding.forward) > 0.999 && sliding.mean.abs() > 1.0;
     full.then(|| pulley.shaft_torque.abs() / full_slip_torque(run.variator.parameters(), pulley))
 }
 
-/// The secondary held by speed, the primary driven over capacity: while a pulley slips all around, it takes
+/// With the secondary in speed drive and the primary driven beyond capacity, a pulley that slips all around takes
 /// T = 2μSR/cos β; afterwards the belt grips again.
 #[test]
 fn over_torque_slips_at_capacity_and_recovers() {
@@ -160,7 +160,7 @@ fn over_torque_slips_at_capacity_and_recovers() {
     }
 }
 
-/// Both speeds prescribed: pulled a third apart, one pulley slips at capacity; brought together, the belt grips again.
+/// Both speeds are prescribed. A third apart, one pulley slips at capacity; at equal pitch-line speeds the belt grips again.
 #[test]
 fn speeds_pulled_apart_slip_at_capacity_and_recover() {
     for model in MODELS {
@@ -189,10 +189,10 @@ fn speeds_pulled_apart_slip_at_capacity_and_recover() {
 /// Factors on F_P.
 const STEPS: [f64; 4] = [0.99, 0.995, 1.005, 1.01];
 
-/// Geometric ratio of the steps. At 1 the ring changes the pulley on which it drags, and the equilibrium has a step there.
+/// Geometric ratio of the steps. At 1 the direction of ring friction changes, and the equilibrium has a step.
 const RATIO: f64 = 1.25;
 
-/// The variator of the theory: neither ring friction nor play, by which the equilibrium depends on force and speed.
+/// The variator of the theory, without ring friction and play, with which the equilibrium would depend on force and speed.
 fn of_theory(model: RingModel) -> Parameters {
     let mut parameters = belt_alone(variator(model));
     parameters.friction.ring = 0.0;
@@ -200,7 +200,7 @@ fn of_theory(model: RingModel) -> Parameters {
     parameters
 }
 
-/// A run whose clamping forces balance: what a step of F_P starts from.
+/// A run whose clamping forces balance, the initial state of a step of F_P.
 fn balanced(model: RingModel, omega: f64) -> Run {
     let mut parameters = of_theory(model);
     parameters.primary.drive = Drive::Speed;
@@ -217,8 +217,8 @@ fn balanced(model: RingModel, omega: f64) -> Run {
     run
 }
 
-/// d ln i_g/dt, ln i_F and ln i_g in the middle of `turns` belt turns, two turns after a step of F_P by `factor`: the
-/// belt finds its new distribution of sliding within two.
+/// d ln i_g/dt, ln i_F and ln i_g in the middle of `turns` belt turns, two turns after a step of F_P by `factor`: within
+/// these two turns the distribution of sliding settles.
 fn shift(balanced: &Run, omega: f64, factor: f64, turns: [f64; 2]) -> [f64; 3] {
     let mut run = balanced.clone();
     run.inputs.primary.clamping_force *= factor;
@@ -233,7 +233,7 @@ fn shift(balanced: &Run, omega: f64, factor: f64, turns: [f64; 2]) -> [f64; 3] {
     ]
 }
 
-/// How ln(F_P/F_S)_eq moves with ln i_g there: of steady states with the primary sheave held.
+/// d ln(F_P/F_S)_eq/d ln i_g, from steady states with the primary sheave held.
 fn equilibrium_slope(model: RingModel, omega: f64) -> f64 {
     let [low, high] = [0.99 * RATIO, 1.01 * RATIO].map(|ratio: f64| {
         let mut parameters = of_theory(model);
@@ -249,7 +249,7 @@ fn equilibrium_slope(model: RingModel, omega: f64) -> f64 {
 }
 
 /// Coefficients c of d ln i_g/dt = c ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq) for small steps of either sign, in ascending
-/// order of F_P. Equilibrium is that of the present ratio: what the run does without a step, moved with the ratio.
+/// order of F_P. The equilibrium is that of the present ratio: that of the run without a step, corrected for the ratio.
 fn shift_coefficients(model: RingModel, omega: f64, turns: [f64; 2]) -> [f64; 4] {
     let run = balanced(model, omega);
     let slope = equilibrium_slope(model, omega);
@@ -268,29 +268,29 @@ fn shift_coefficients(model: RingModel, omega: f64, turns: [f64; 2]) -> [f64; 4]
     })
 }
 
-/// Carbone, Mangialardi, Mantriota 2005: in creep mode di/dt ∝ ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq). It comes out of the
-/// sliding that the tilted sheaves force on the belt at every turn.
+/// Carbone, Mangialardi, Mantriota 2005: in creep mode di/dt ∝ ω_P (ln(F_P/F_S) − ln(F_P/F_S)_eq). It results from the
+/// sliding that the tilted sheaves impose on the belt in every turn.
 #[test]
 fn shift_speed_is_proportional_to_pulley_speed_and_to_the_logarithm_of_the_thrust() {
     let [slow, fast] = [0.5, 1.0].map(|share| shift_coefficients(RingModel::Ale, share * SPEED, [2.0, 4.0]));
     let later = shift_coefficients(RingModel::Ale, SPEED, [4.0, 12.0]);
     for c in [slow, fast] {
         let mean = 0.5 * (c[1] + c[2]);
-        // What separates opposite steps is of the order of the step: at most 6 times it.
+        // The coefficients of opposite steps differ by an amount of the order of the step, at most 6 times it.
         for (k, step) in [(0, 0.01), (1, 0.005), (2, 0.005), (3, 0.01)] {
             assert_close(c[k], mean, 6.0 * step, "coefficient of a step");
         }
         assert_close(c[0] + c[3], c[1] + c[2], 2e-2, "mean of opposite steps");
     }
     for ((a, b), c) in slow.iter().zip(&fast).zip(&later) {
-        // The driven pulley's inertia takes part in a fast shift.
+        // The inertia of the driven pulley has an effect in a fast shift.
         assert_close(*a, *b, 0.1, "half the pulley speed");
         assert_close(*c, *b, 0.1, "later turns");
     }
 }
 
-/// Circles about free centres (`ALE0`) have the sliding that tilted sheaves force on the belt, so they shift as fast as
-/// the ring that deflects. On circles about the axes it was some fifty times slower, held by sticking.
+/// Circles about free centres (`ALE0`) have the sliding that tilted sheaves impose on the belt, so they shift as fast as the
+/// deflecting ring. Circles about the axes shifted some fifty times slower, because the belt stuck.
 #[test]
 fn arcs_about_free_centres_shift_as_the_deflecting_ring_does() {
     for (s, force) in [(0.6, 8e3), (1.0, 12e3), (1.8, 20e3)] {

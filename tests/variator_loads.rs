@@ -1,4 +1,4 @@
-//! Loads that jump, ripple or are noisy: what they take, and inputs that ramp.
+//! Loads with jumps, ripple or noise: their work, and ramps of inputs.
 
 use pushbelt::tape::Tape;
 use pushbelt::variator::run::{Message, Variator};
@@ -11,7 +11,7 @@ use pushbelt_lab::variators::{coarse, inputs, variator};
 /// Time for which each load acts, s.
 const SPAN: f64 = 0.2;
 
-/// Jacobians that the loads take at ratio 1, in the order of their letters.
+/// Jacobians under each load at ratio 1, in the order of their letters.
 fn jacobians(model: RingModel, pinned: [u64; 10]) {
     let found = LOADS.map(|load| {
         let mut driven = Driven::new(load, variator(model), 1.0);
@@ -45,10 +45,10 @@ fn ramping(ramp: f64) -> Parameters {
     parameters
 }
 
-/// Torque and forces change at communication steps of several lengths: at the end of each step the input is what was set,
-/// energy is accounted for, and where the run goes hardly depends on the ramp.
+/// Torque and forces change at communication steps of several lengths: at the end of each step the input has the set value,
+/// the energy balance holds, and the result hardly depends on the ramp.
 #[test]
-fn held_inputs_reach_their_values_and_energy_is_accounted_for() {
+fn held_inputs_reach_their_values_and_the_energy_balance_holds() {
     let speeds = [0.0, 1e-3, 3e-3, -1.0].map(|ramp| {
         let mut run = Run::new(ramping(ramp), inputs((50.0, 13e3), (-49.0, 10e3)));
         for k in 0..60 {
@@ -72,9 +72,9 @@ fn held_inputs_reach_their_values_and_energy_is_accounted_for() {
     }
 }
 
-/// An input that has a derivative starts at its value and follows that; the others ramp.
+/// An input with a derivative starts at its value and follows the derivative; the others ramp.
 #[test]
-fn derivatives_go_before_the_ramp() {
+fn derivatives_take_precedence_over_the_ramp() {
     let start = inputs((50.0, 13e3), (-49.0, 10e3));
     let mut rates = Inputs::ZERO;
     rates.primary.torque = 1e4;
@@ -89,7 +89,7 @@ fn derivatives_go_before_the_ramp() {
     }
 }
 
-/// A run that is stored while inputs change goes on as if it had not been stored.
+/// A run that is stored and restored while inputs change has the same results as without that.
 #[test]
 fn copies_and_stored_states_continue_alike_while_inputs_change() {
     let of = |k: u32| inputs((50.0 + 30.0 * f64::from(k % 3), 13e3), (-49.0, 10e3));
@@ -113,8 +113,8 @@ fn copies_and_stored_states_continue_alike_while_inputs_change() {
     }
 }
 
-/// A clutch that hunts takes more work than there is time for. The remark gives its work, so it is the same on a busy machine, and after
-/// a state was stored and read.
+/// A hunting clutch takes more work than real time allows. The remark counts work, so it is the same on a busy machine and after
+/// a state was stored and restored.
 #[test]
 fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
     let mut driven = Driven::new(Load::Hunting, variator(RingModel::Ale), 2.2);
@@ -148,7 +148,7 @@ fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
     );
 }
 
-/// What a run took stands in the outputs.
+/// The outputs have the work of the run.
 #[test]
 fn outputs_count_the_work_since_the_start() {
     let start = inputs((50.0, 13e3), (-49.0, 10e3));

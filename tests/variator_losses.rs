@@ -1,5 +1,5 @@
-//! Drag of the shafts and friction between the layers of the ring: their figures, the energy balance with them, and
-//! that they are where their laws say.
+//! Drag of the shafts and friction between the layers of the ring: their values, the energy balance with them, and
+//! agreement with their laws.
 
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::variator::pulleys::loads::ShaftMode;
@@ -35,8 +35,8 @@ fn pull(state: &Steady, segment: usize) -> f64 {
     sum / length
 }
 
-/// What a rig measures that turns the variator without load at ratio 1 under 10 kN: the loss of the belt, and on each shaft
-/// seals, oil, and bearings under the pull of both strands. That hardly changes with speed: the clamping force is the same.
+/// The torque of a rig that turns the variator without load at ratio 1 under 10 kN: the loss of the belt, and on each shaft
+/// seals, oil, and bearings under the pull of both strands. The torque hardly depends on speed, since the clamping force is constant.
 #[test]
 fn torque_that_turns_the_variator_without_load() {
     for (rpm, expected) in [(500.0, 1.15), (2000.0, 1.30), (5000.0, 1.60)] {
@@ -51,11 +51,11 @@ fn torque_that_turns_the_variator_without_load() {
         );
         assert_close(shafts, 2.0 * (0.15 + 5e-4 * speed + 1.8e-3 * 0.02 * load), 0.01, "drag");
         assert_close(torque, expected, 0.05, "torque without load");
-        assert_close(torque * speed, o.losses.total(), 5e-3, "power that goes in is lost");
+        assert_close(torque * speed, o.losses.total(), 5e-3, "the power supplied is the loss");
     }
 }
 
-/// Tension that presses the ring on an arc, times the angle, N.
+/// Tension that presses the ring on an arc, times the wrap angle, N.
 fn pressing(state: &Steady) -> PerPulley<f64> {
     let mass = state.system.parameters.ring.mass_per_length;
     let centrifugal = mass * state.outputs.ring_speed.powi(2);
@@ -72,7 +72,7 @@ fn pressing(state: &Steady) -> PerPulley<f64> {
     sums
 }
 
-/// μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α of the arc that holds the layers less.
+/// μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α of the arc with the smaller friction on the layers.
 #[test]
 fn loss_of_the_layers_is_that_of_their_law() {
     for model in MODELS {
@@ -111,7 +111,7 @@ fn loss_of_the_layers_is_that_of_their_law() {
     }
 }
 
-/// Without load in overdrive drag is a third of what is lost and layers a tenth: power closes with them, and not without.
+/// Without load in overdrive drag is a third of the loss and layers a tenth: the power balance closes only with them.
 #[test]
 fn power_closes_with_drag_and_layers() {
     for model in MODELS {
@@ -130,8 +130,8 @@ fn power_closes_with_drag_and_layers() {
     }
 }
 
-/// A variator with its shafts loses less than a whole transmission did, at its own ratios, speeds and torques (NREL ADVISOR,
-/// TX_CVT50_SUBARU): clamped 1.3 times as hard as full slip needs, with 4 kN at least.
+/// A variator with its shafts has a smaller loss than that measured on a whole transmission at the same ratios, speeds and
+/// torques (NREL ADVISOR, TX_CVT50_SUBARU), with 1.3 times the clamping force of full slip and at least 4 kN.
 #[test]
 fn a_variator_loses_less_than_a_whole_transmission() {
     let parameters = variator(RingModel::Ale);
@@ -196,7 +196,7 @@ fn energy_balance_with_all_losses() {
     }
 }
 
-/// Drag moves nothing: a clamped belt without torque stays at a standstill.
+/// Under drag, a clamped belt without torque stays at a standstill.
 #[test]
 fn drag_moves_nothing_at_a_standstill() {
     for model in MODELS {
@@ -216,9 +216,9 @@ fn drag_moves_nothing_at_a_standstill() {
     }
 }
 
-/// What a set point needs is the belt's torque and the drag; the drags together are the loss.
+/// The external torque in speed drive is the belt's torque and the drag; the drags of both shafts are the loss.
 #[test]
-fn the_reaction_in_speed_drive_has_the_drag_in_it() {
+fn the_reaction_in_speed_drive_includes_the_drag() {
     for model in MODELS {
         let mut parameters = coarse(model);
         (parameters.primary.drive, parameters.secondary.drive) = (Drive::Speed, Drive::Speed);

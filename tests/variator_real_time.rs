@@ -1,4 +1,4 @@
-//! Real time: the same work in each tick whatever happens, near the accurate run, without an allocation, stored and restored.
+//! Real time: bounded work in each tick, closeness to the accurate run, no allocation, stored states.
 
 use pushbelt::solver::bounded::RESIDUALS;
 use pushbelt::tape::Tape;
@@ -15,7 +15,7 @@ fn in_real_time(mut parameters: Parameters) -> Parameters {
     parameters
 }
 
-/// The meshes that a rig chooses from.
+/// The meshes among which a test rig chooses.
 fn meshes() -> [Parameters; 3] {
     [
         variator(RingModel::Ale0),
@@ -30,8 +30,8 @@ fn new_rollbacks(variator: &mut Variator, before: &mut i32) -> i32 {
     now - std::mem::replace(before, now)
 }
 
-/// Every load at every ratio: as many Jacobians and residuals in each millisecond, no step fails, all stays finite, and energy
-/// is accounted for.
+/// Every load at every ratio: the number of Jacobians and residuals in each millisecond, no step fails, all outputs are finite,
+/// and the energy balance holds.
 fn work_of(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
     for load in LOADS {
         for &ratio in load.ratios() {
@@ -65,7 +65,7 @@ fn work_of(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
     }
 }
 
-/// Shares of the energy that passes; in the first moments of a launch next to none does.
+/// Relative to the transmitted energy, which is almost zero in the first moments of a launch.
 const UNACCOUNTED: f64 = 0.02;
 const IN_A_LAUNCH: f64 = 0.1;
 const WITH_LEAST_EFFORT: f64 = 0.05;
@@ -85,7 +85,7 @@ fn beside_accurate(load: Load, model: RingModel, ratio: f64, seconds: f64) -> (T
     beside(&one_cell(model), (load, model, ratio), seconds)
 }
 
-/// Beside a run of these parameters.
+/// Compared with an accurate run of these parameters.
 fn beside(accurate: &Parameters, (load, model, ratio): (Load, RingModel, f64), seconds: f64) -> (Trace, Trace) {
     let exact = trace(load, accurate, ratio, seconds, |_| ());
     let found = trace(load, &in_real_time(one_cell(model)), ratio, seconds, |_| ());
@@ -97,7 +97,7 @@ fn beside(accurate: &Parameters, (load, model, ratio): (Load, RingModel, f64), s
     (found, exact)
 }
 
-/// A slam into macro-slip and back: seen within 5 ms, speeds and slip within 2 % of their ranges.
+/// A slam into macro-slip and back is reported within 5 ms, with speeds and slip within 2 % of their ranges.
 #[test]
 fn a_slam_is_followed() {
     for model in MODELS {
@@ -114,7 +114,7 @@ fn a_slam_is_followed() {
 }
 
 #[test]
-fn macro_slip_is_seen_within_5_ms() {
+fn macro_slip_is_reported_within_5_ms() {
     for parameters in meshes() {
         for &ratio in Load::Slam.ratios() {
             let first = |parameters: &Parameters| {
@@ -127,7 +127,7 @@ fn macro_slip_is_seen_within_5_ms() {
     }
 }
 
-/// Under smooth loads, ripple and noise: in units that a controller sees.
+/// Under smooth loads, ripple and noise, in the units of a controller.
 #[test]
 fn smooth_and_rippling_loads_are_followed() {
     for model in MODELS {
@@ -144,7 +144,7 @@ fn smooth_and_rippling_loads_are_followed() {
     }
 }
 
-/// A ripple of 100 Hz needs ticks that are shorter than 1 ms: in those the thrust ratio errs by 5 % of what it moves.
+/// A ripple of 100 Hz requires ticks below 1 ms. With ticks of 1 ms the thrust ratio has errors of 5 % of its range.
 #[test]
 fn ripple_is_followed_in_divided_ticks() {
     for model in MODELS {
@@ -161,7 +161,7 @@ fn ripple_is_followed_in_divided_ticks() {
     }
 }
 
-/// Speeds, ratio and slip are followed within a share of their ranges, the thrust ratio within what is allowed.
+/// Speeds, ratio and slip have errors within a share of their ranges, the thrust ratio within its own bound.
 fn assert_followed((load, model, ratio): (Load, RingModel, f64), share: f64, thrust_ratio: f64) {
     let (found, exact) = beside_accurate(load, model, ratio, 0.3);
     let (off, ranges) = (found.off(&exact), exact.ranges());
@@ -171,8 +171,8 @@ fn assert_followed((load, model, ratio): (Load, RingModel, f64), share: f64, thr
     assert!(off[4] < thrust_ratio, "{model:?}: {}", off[4]);
 }
 
-/// An engine's firing, with noise on the forces too: each tick is solved, some of them a millisecond late. With noise the slip of
-/// `ALE` is off by 3.3 % over 2 s, with divided ticks or without.
+/// An engine's firing, also with noise on the forces: each tick is solved, some of them a millisecond late. With noise the slip
+/// of `ALE` has an error of 3.3 % over 2 s, with divided ticks or without.
 #[test]
 fn firing_is_followed() {
     for model in MODELS {
@@ -184,7 +184,7 @@ fn firing_is_followed() {
     }
 }
 
-/// A torque that flips from drive to coast. `ALE` at ratio 2.2 and a hunting clutch take more work than there is.
+/// A torque that reverses from drive to coast. `ALE` at ratio 2.2 and a hunting clutch take more work than is available.
 #[test]
 fn flips_and_hunting_are_followed() {
     for ratio in [2.2, 1.0, 0.5] {
@@ -196,8 +196,8 @@ fn flips_and_hunting_are_followed() {
     assert_followed((Load::Hunting, RingModel::Ale0, 2.2), 0.03, 2e-2);
 }
 
-/// With more work `ALE` follows them too. Where gaps close all along the belt steps lead hundreds of times too far: from there it goes on
-/// with smaller ones.
+/// With more work `ALE` follows them too. Where gaps close all along the belt, Newton steps are hundreds of times too large, and
+/// smaller ones follow.
 #[test]
 fn with_more_effort_ale_follows_a_clutch_that_hunts() {
     for (load, ratio) in [(Load::Hunting, 2.2), (Load::Hunting, 1.0), (Load::Flips, 2.2)] {
@@ -218,9 +218,9 @@ fn with_more_effort_ale_follows_a_clutch_that_hunts() {
     }
 }
 
-/// A standstill, a launch and a stop; clamping forces that come when the belt is slack already.
+/// A standstill, a launch and a stop; clamping forces that are applied to a slack belt.
 #[test]
-fn starts_without_load_stay_calm() {
+fn starts_without_load_are_smooth() {
     for model in MODELS {
         let mut parameters = in_real_time(coarse(model));
         parameters.initial.primary_speed = 0.0;
@@ -243,7 +243,7 @@ fn starts_without_load_stay_calm() {
     }
 }
 
-/// Communication steps that are no whole milliseconds take whole ticks; so do inputs that ramp over part of one.
+/// Communication steps that are not whole milliseconds take whole ticks, as do inputs that ramp over part of one.
 #[test]
 fn ticks_are_never_longer_than_a_millisecond() {
     let mut variator = Variator::new(in_real_time(coarse(RingModel::Ale0))).expect("valid parameters");
@@ -266,10 +266,10 @@ fn ticks_are_never_longer_than_a_millisecond() {
     }
 }
 
-/// Ticks that end far from their solutions aren't taken, and the run goes on: it never stands still, and
-/// ends near the speed and the ratio of an accurate run.
+/// Ticks that end far from their solutions are rejected, and the run continues: it never stops, and ends near the speed and
+/// the ratio of an accurate run.
 #[test]
-fn a_run_goes_on_after_ticks_that_are_not_taken() {
+fn a_run_continues_after_rejected_ticks() {
     let mut rollbacks = 0;
     for model in MODELS {
         for (load, ratio) in [(Load::Flips, 2.2), (Load::Flips, 0.5), (Load::Slam, 0.5)] {
@@ -301,10 +301,10 @@ fn a_run_goes_on_after_ticks_that_are_not_taken() {
     assert!(rollbacks <= 20, "{rollbacks}");
 }
 
-/// Clamping forces far from those that the belt wants let its ratio run off in overdrive: hardly a tick is solved there on the laws
-/// as set. One that isn't taken is tried again, but not for ever.
+/// Clamping forces far from equilibrium lead to a fast shift in overdrive: hardly any tick is solved there with the specified
+/// laws. A rejected tick is repeated, but not endlessly.
 #[test]
-fn ticks_that_are_not_taken_are_few() {
+fn few_ticks_are_rejected() {
     for parameters in meshes() {
         let mut parameters = in_real_time(parameters);
         parameters.initial.ratio = 0.5;
@@ -327,7 +327,7 @@ struct Jumps {
     noise: Box<dyn FnMut() -> f64>,
     ratio: f64,
     cruise: f64,
-    /// Torque on P, forces on P and S, and until when.
+    /// Torque on P, forces on P and S, and the time of the next jump.
     load: (f64, f64, f64),
     until: f64,
     step: u32,
@@ -379,9 +379,9 @@ impl Jumps {
     }
 }
 
-/// It neither stands still nor runs away, keeps near the clock, and takes seven of eight ticks, mostly more.
+/// The run neither stops nor runs away, its outputs have a small delay, and at least seven of eight ticks are accepted.
 #[test]
-fn random_jumps_never_stop_it() {
+fn a_run_continues_under_random_jumps() {
     for parameters in meshes() {
         for seed in 0..4 {
             let mut jumps = Jumps::new(&parameters, seed);
@@ -411,7 +411,7 @@ fn random_jumps_never_stop_it() {
     }
 }
 
-/// Copies of a run and states that it stored continue as it does.
+/// Copies of a run and its stored states continue with the same bits.
 fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (f64, Inputs)) {
     let mut tape = Tape::writer();
     variator.serialize(&mut tape);
@@ -432,7 +432,7 @@ fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (
     }
 }
 
-/// In a slam while the belt slips; under firing while a tick is open; under ripple between two divisions of the millisecond.
+/// In a slam while the belt slips; under firing while a tick is unfinished; under ripple between two parts of a millisecond.
 #[test]
 fn copies_and_stored_states_continue_alike() {
     for (load, parameters) in [
@@ -455,7 +455,7 @@ fn copies_and_stored_states_continue_alike() {
             if over {
                 break;
             }
-            assert!(step < 300, "no tick of {load:?} was open");
+            assert!(step < 300, "no tick of {load:?} was unfinished");
             let inputs = driven.inputs();
             driven.variator.advance(driven.until(), &inputs).expect("a step");
         }
@@ -468,13 +468,13 @@ fn copies_and_stored_states_continue_alike() {
     }
 }
 
-/// So do states right after a rollback.
+/// The same for states right after a rollback.
 #[test]
 fn states_after_a_rollback_continue_alike() {
     let mut jumps = Jumps::new(&one_cell(RingModel::Ale), 2);
     while jumps.variator.outputs().work.rollbacks == 0 {
         let (time, given) = jumps.next();
-        assert!(time < 1.0, "all ticks were kept");
+        assert!(time < 1.0, "all ticks were accepted");
         jumps.variator.advance(time, &given).expect("a step");
     }
     let mut variator = jumps.variator.clone();
@@ -484,7 +484,7 @@ fn states_after_a_rollback_continue_alike() {
     });
 }
 
-/// Nor do the first ticks on rounded laws after a snapshot. Steps with a remark for the log allocate its text.
+/// This includes the first ticks with rounded laws after a snapshot. Steps with a remark for the log allocate its text.
 #[test]
 fn a_tick_allocates_nothing() {
     for model in MODELS {
@@ -509,14 +509,13 @@ fn a_tick_allocates_nothing() {
             }
         }
         drop(snapshot);
-        assert!(first_rounded > 0, "{model:?}: no tick on rounded laws");
+        assert!(first_rounded > 0, "{model:?}: no tick with rounded laws");
     }
 }
 
-/// `solver.defect` is the error of the solutions that were kept, and nothing else: a rollback is counted and leaves the state that was
-/// solved last.
+/// `solver.defect` is the error of accepted solutions only: a rollback is counted and returns to the last solved state.
 #[test]
-fn a_rollback_is_counted_and_no_error_figure() {
+fn a_rollback_is_counted_and_does_not_change_the_defect() {
     let mut jumps = Jumps::new(&one_cell(RingModel::Ale), 2);
     let (mut before, mut seen) = (0, 0);
     for _ in 0..1000 {
@@ -537,7 +536,7 @@ fn a_rollback_is_counted_and_no_error_figure() {
 }
 
 #[test]
-fn accurate_steps_say_what_they_left() {
+fn accurate_steps_report_their_defect() {
     let found = trace(Load::Firing, &coarse(RingModel::Ale0), 1.0, 0.05, |_| ());
     assert!(found.defect > 0.0 && found.defect < 1.0, "{}", found.defect);
 }

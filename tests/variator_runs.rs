@@ -11,7 +11,7 @@ use pushbelt_lab::variators::{MODELS, coarse, inputs, rigid, variator};
 /// Communication step of the manoeuvre, s.
 const STEP: f64 = 1e-3;
 
-/// The manoeuvre between two times of its clock.
+/// The manoeuvre between two of its times.
 fn drive(parameters: Parameters, from: f64, to: f64, mut see: impl FnMut(f64, &Outputs)) -> Run {
     let manoeuvre = Manoeuvre::read();
     let mut run = Run::new(parameters, manoeuvre.at(from));
@@ -32,9 +32,9 @@ fn drive(parameters: Parameters, from: f64, to: f64, mut see: impl FnMut(f64, &O
     run
 }
 
-/// Launch from standstill, shift to overdrive, torque steps, over-torque, recovery: at every output point energy is
-/// accounted for, |residual| ≤ 2e-3·∫|power| dt + 1e-3·(largest stored energy), and no element is lost. The ratio
-/// reaches from `ratios[0]` to `ratios[1]`. The run takes its usual work: steps, residuals, factorizations.
+/// Launch from standstill, shift to overdrive, torque steps, over-torque, recovery: at every output point the energy residual
+/// is at most 2e-3·∫|power| dt + 1e-3·(largest stored energy), and no element is lost. The ratio covers `ratios[0]` to
+/// `ratios[1]`. The numbers of steps, residuals and factorizations are pinned.
 fn whole_manoeuvre(model: RingModel, ratios: [f64; 2], work: [u64; 3]) {
     let (mut low, mut high, mut slipped) = (f64::INFINITY, 0.0_f64, false);
     let mut run = drive(Manoeuvre::variator(variator(model)), 0.0, 10.0, |clock, o| {
@@ -84,7 +84,7 @@ fn energy_balance_of_the_launch_ale() {
     run.assert_balances();
 }
 
-/// The deflecting ring: over-torque, from the steady state near which the manoeuvre is by then, and recovery.
+/// The deflecting ring: over-torque, from the steady state near that of the manoeuvre at this time, and recovery.
 #[test]
 fn energy_balance_of_the_over_torque_ale() {
     let mut slipped = false;
@@ -99,8 +99,8 @@ fn energy_balance_of_the_over_torque_ale() {
     run.assert_balances();
 }
 
-/// Macro-slip of a belt that runs at 40 to 70 m/s, in communication steps of 1 ms and of 50 µs: short steps see what long
-/// ones damp, so a wave of the mesh that the model drives would grow in them.
+/// Macro-slip of a belt at 40 to 70 m/s, in communication steps of 1 ms and of 50 µs: an unstable wave of the mesh, which long
+/// steps damp, would grow in short ones.
 #[test]
 fn macro_slip_is_the_same_in_short_steps() {
     let mut parameters = Manoeuvre::before_over_torque(variator(RingModel::Ale));
@@ -125,14 +125,13 @@ fn macro_slip_is_the_same_in_short_steps() {
         let off = |(a, b): (&[f64; 7], &[f64; 7])| (a[k] / b[k] - 1.0).abs();
         let most = long.iter().zip(&short).map(off).fold(0.0, f64::max);
         println!("{name}: {most:.2e}");
-        // Friction that falls with sliding lets differences grow.
+        // Differences grow where friction falls with the sliding speed.
         let bound = if k < MOTIONS { 1e-3 } else { 3e-2 };
         assert!(most < bound, "{name}: {most} of its value");
     }
 }
 
-/// Where sheaves don't tilt, waves of the mesh grow at the entry of an arc, in steps short enough to see them; they stay
-/// small.
+/// Between rigid sheaves, waves of the mesh grow at the entry of an arc in sufficiently short steps; they stay small.
 #[test]
 fn waves_between_rigid_sheaves_stay_small() {
     let mut parameters = rigid(variator(RingModel::Ale));
@@ -153,7 +152,7 @@ fn waves_between_rigid_sheaves_stay_small() {
     }
 }
 
-/// Outputs whose change a user would see: motions, then forces.
+/// The compared outputs: motions, then forces.
 fn watched(o: &Outputs) -> [f64; 7] {
     [
         o.ratio_geometric,
@@ -191,7 +190,7 @@ fn tighter_tolerance(model: RingModel, to: f64) {
     for (k, name) in NAMES.iter().enumerate() {
         let range = |f: fn(f64, f64) -> f64| a.iter().map(|row| row.1[k]).reduce(f).expect("rows");
         let span = range(f64::max) - range(f64::min);
-        // In the first milliseconds flanks close by a micrometre, and forces rise from nothing.
+        // In the first milliseconds flanks close by a micrometre, and forces rise from zero.
         let first = if k < MOTIONS { 0 } else { 10 };
         let off = a
             .iter()
@@ -222,9 +221,9 @@ fn a_tighter_tolerance_changes_little_ale() {
     tighter_tolerance(RingModel::Ale, 2.6);
 }
 
-/// The end of a run does not depend on how it is cut into communication steps.
+/// The end of a run does not depend on its division into communication steps.
 #[test]
-fn communication_steps_of_any_size() {
+fn the_result_does_not_depend_on_the_communication_step() {
     const SHORTEST: f64 = 1e-4;
     for model in MODELS {
         let run = |step: f64| {
@@ -244,7 +243,7 @@ fn communication_steps_of_any_size() {
     }
 }
 
-/// Two runs alike are alike to the last bit, and so is a snapshot that goes on.
+/// Two equal runs agree to the last bit, and so does the continuation of a snapshot.
 #[test]
 fn runs_and_snapshots_repeat_bit_for_bit() {
     for model in MODELS {
@@ -262,9 +261,9 @@ fn runs_and_snapshots_repeat_bit_for_bit() {
     }
 }
 
-/// A start doesn't depend on the run before it, be it one whose friction is still soft.
+/// A start doesn't depend on the previous run, even one whose friction velocity is still large.
 #[test]
-fn a_second_start_is_like_a_first() {
+fn a_second_start_equals_the_first() {
     let mut parameters = coarse(RingModel::Ale0);
     parameters.primary.drive = Drive::Speed;
     let running = inputs((0.0, 13e3), (-49.0, 10e3));
@@ -283,8 +282,7 @@ fn a_second_start_is_like_a_first() {
     assert_eq!(fresh.outputs(), used.outputs());
 }
 
-/// What a short run takes, so that a solver that got slower shows without a clock: a step of F_P on the default
-/// variator.
+/// The work of a short run, a step of F_P on the default variator, so that a slower solver is detected without a clock.
 #[test]
 fn a_run_takes_its_usual_work() {
     for (model, steps, residuals, factorizations) in [(RingModel::Ale0, 106, 289, 8), (RingModel::Ale, 105, 342, 14)] {
@@ -300,7 +298,7 @@ fn a_run_takes_its_usual_work() {
     }
 }
 
-/// Friction that drifts, as it does with temperature, is no reason for new Jacobians.
+/// A drift of friction, as with temperature, requires few new Jacobians.
 #[test]
 fn drifting_friction_takes_few_jacobians() {
     for model in MODELS {

@@ -1,4 +1,4 @@
-//! The belt out of its plane: misaligned pulleys, and a ring that deflects along z.
+//! The belt out of its plane: misaligned pulleys and a ring that deflects along z.
 
 use pushbelt::pulley::Pulley;
 use pushbelt::variator::settings::{Outputs, Parameters, RingModel};
@@ -21,7 +21,7 @@ fn spatial(misalignment: f64) -> Parameters {
     parameters
 }
 
-/// What the ratio and the penetration make of aligned pulleys, m.
+/// Misalignment of aligned pulleys due to the ratio and the penetration, m.
 const OWN: f64 = 4.60e-4;
 
 fn at_ratio(parameters: &Parameters, ratio: f64) -> Steady {
@@ -31,7 +31,7 @@ fn at_ratio(parameters: &Parameters, ratio: f64) -> Steady {
     steady(parameters, &given(ratio, Pulley::Primary, 1.0e4, 6.0e-3), speeds)
 }
 
-/// Where the belt planes are one, the planar belt is in balance in space.
+/// With coinciding belt planes, the planar belt is in balance in space.
 #[test]
 fn aligned_pulleys_keep_the_belt_in_its_plane() {
     let flat = at_ratio(&variator(RingModel::Ale), RATIO);
@@ -60,7 +60,7 @@ fn aligned_pulleys_keep_the_belt_in_its_plane() {
     assert!((a / b - 1.0).abs() < 1e-6 && solved.outputs.lateral_max < 1e-8);
 }
 
-/// Slope w' at the stations of a strand beside their distance from its start, m.
+/// Distance of the stations of a strand from its start, m, and slope w' there.
 fn slopes(state: &Steady, segment: usize) -> (Vec<(f64, f64)>, Vec<At>) {
     let stations: Vec<At> = state
         .stations()
@@ -75,8 +75,8 @@ fn slopes(state: &Steady, segment: usize) -> (Vec<(f64, f64)>, Vec<At>) {
     (slopes, stations)
 }
 
-/// A soft ring crosses the strands on straight lines with layers of width √(EI_b/N) at their ends, where
-/// N = T − Q − (m_r + m_e)V²: the push force buckles what the tension straightens.
+/// A soft ring crosses the strands on straight lines with boundary layers of width √(EI_b/N) at their ends, where
+/// N = T − Q − (m_r + m_e)V²: the tension straightens the strand, and the push force bends it.
 #[test]
 fn strands_are_straight_between_boundary_layers() {
     let mut parameters = spatial(1.0e-3);
@@ -115,8 +115,8 @@ fn strands_are_straight_between_boundary_layers() {
     }
 }
 
-/// At the stiffness of the ring sets both ends of a strand feel each other: an S between two clamps, and the arcs hold
-/// the belt in their planes.
+/// At the stiffness of the ring sets the boundary layers of a strand overlap: it is an S between two clamps, and the arcs
+/// hold the belt in their planes.
 #[test]
 fn belt_follows_the_planes_of_its_pulleys() {
     let state = at_ratio(&spatial(1.0e-3), RATIO);
@@ -128,7 +128,7 @@ fn belt_follows_the_planes_of_its_pulleys() {
     assert_close(o.misalignment, 1.0e-3, 1e-2, "misalignment");
     assert_close(o.lateral_max, 0.5 * o.misalignment, 2e-2, "largest deflection");
     let strand = 0.168 * (1.0 - (o.primary.radius - o.secondary.radius).powi(2) / 0.168_f64.powi(2)).sqrt();
-    // The flanks give way within about a centimetre of the arc borders, so not all of it is left to the strands.
+    // The flanks yield within about a centimetre of the arc borders, so the strands do not take all of it.
     let share = o.skew * strand / o.misalignment;
     assert!((0.95..1.0).contains(&share), "{share}");
     let largest = state
@@ -142,8 +142,8 @@ fn belt_follows_the_planes_of_its_pulleys() {
     assert!(largest < 2.0e-5);
 }
 
-/// The movable sheaves stand on opposite sides, so the planes part by (r_P + r_S − 2r₀) tan β: nothing at ratio 1 and
-/// to the same side in underdrive and overdrive.
+/// The movable sheaves are on opposite sides, so the distance of the planes is (r_P + r_S − 2r₀) tan β: zero at ratio 1 and of
+/// the same sign in underdrive and overdrive.
 #[test]
 fn misalignment_follows_the_ratio() {
     let parameters = variator(RingModel::Ale);
@@ -162,10 +162,10 @@ fn misalignment_follows_the_ratio() {
     }
 }
 
-/// Skewed strands change thrust ratio and losses little, losses with the square of the misalignment. On the movable sheave acts half the
-/// lateral force of the strands besides, which changes its sign with the misalignment.
+/// Skewed strands change thrust ratio and losses little, and losses with the square of the misalignment. Half the lateral force
+/// of the strands acts on the movable sheave, with the sign of the misalignment.
 #[test]
-fn misalignment_acts_by_its_square() {
+fn losses_rise_with_the_square_of_the_misalignment() {
     let state = |misalignment: f64| at_ratio(&spatial(misalignment), RATIO);
     let aligned = state(0.0).outputs;
     let loss = |o: &Outputs| o.losses.total() / o.primary.power;
@@ -193,7 +193,7 @@ fn misalignment_acts_by_its_square() {
     assert!(large[0].abs() < 5e-3 && large[1].abs() < 1e-3, "{large:?}");
 }
 
-/// What power the misaligned belt seems to lose beyond its losses falls with the mesh.
+/// The residual of the power balance of a misaligned belt decreases with the size of the elements.
 #[test]
 fn power_balance_out_of_plane() {
     let mut parameters = spatial(1.0e-3);
@@ -204,7 +204,7 @@ fn power_balance_out_of_plane() {
     assert!(coarse.abs() < 1e-4 && fine.abs() < coarse.abs());
 }
 
-/// A shift carries the whole belt along its pulleys' axes; the energy balance holds.
+/// A shift moves the whole belt along the axes of its pulleys, and the energy balance holds.
 #[test]
 fn energy_balance_of_a_shift() {
     let mut parameters = spatial(0.0);

@@ -1,4 +1,4 @@
-//! Steady states of the variator: load cases, power balance, symmetry, what mesh and regularisation are worth.
+//! Steady states of the variator: load cases, power balance, symmetry, errors of mesh and regularisation.
 
 use pushbelt::pulley::Pulley;
 use pushbelt::variator::cell::sample::Sample;
@@ -15,12 +15,12 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)))
 }
 
-/// Push force builds up in the primary arc, is constant in the push strand, is taken down in the secondary arc and is
-/// gone in the pulling strand. Against this trend it goes no further than two frictions carry it: the ring's, μ_r T
-/// over the angle passed, and the sheaves' where the belt slides the other way.
-fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
+/// The push force rises along the primary arc, is constant in the push strand, falls along the secondary arc and is zero in
+/// the pulling strand. Changes against this trend are bounded by two friction forces: the ring's, μ_r T times the angle, and
+/// the sheaves' where the belt slides in the other direction.
+fn assert_course_of_push_force(state: &Steady, name: &str) {
     let stations = state.stations();
-    // Strand elements that press beside an arc belong to it.
+    // Strand elements that press beside an arc count as part of it.
     let strand = |segment: usize| {
         let free = stations
             .iter()
@@ -33,7 +33,7 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
         "{name}: {low} to {high} N in the push strand"
     );
     let (_, left) = strand(1);
-    // What acts across gaps, and a hundredth of the push force.
+    // The film force across gaps, and a hundredth of the push force.
     let film = state.system.parameters.belt.film_force;
     assert!(
         left <= film + 0.01 * high,
@@ -71,8 +71,8 @@ fn assert_push_force_runs_its_course(state: &Steady, name: &str) {
     }
 }
 
-/// Nine load cases: supplied power is lost power, the drive slips forward and loses less than a whole measured
-/// transmission, the push force runs its course, the thrust ratio rises from underdrive to overdrive.
+/// Nine load cases: the power supplied is the loss, slip is positive, the loss is smaller than that of a measured
+/// transmission, the push force has its known course, and the thrust ratio rises from underdrive to overdrive.
 fn nine_load_cases(model: RingModel) {
     let parameters = variator(model);
     for torque in [30.0, 50.0, 100.0] {
@@ -95,7 +95,7 @@ fn nine_load_cases(model: RingModel) {
             assert_close(o.ratio_geometric, ratio(case.theta), 1e-4, "ratio");
             assert!(state.power_defect().abs() < 2e-3, "{name}");
             assert!(o.slip > 0.0 && o.slip < 0.03, "{name}");
-            // At these ratios a belt alone loses less than that transmission; `variator_losses.rs` compares the shafts' power.
+            // At these ratios a belt alone has smaller losses than that transmission; `variator_losses.rs` compares the shafts' power.
             assert!(
                 o.belt_efficiency > measured && o.efficiency < o.belt_efficiency,
                 "{name}"
@@ -111,7 +111,7 @@ fn nine_load_cases(model: RingModel) {
                     assert!(spiral > 5e-5 && spiral < 1.2e-3, "{name}");
                 }
             }
-            assert_push_force_runs_its_course(&state, &name);
+            assert_course_of_push_force(&state, &name);
             thrust.push(o.thrust_ratio);
         }
         assert!(thrust[0] < thrust[1] && thrust[1] < thrust[2], "{model:?}: {thrust:?}");
@@ -128,10 +128,10 @@ fn nine_load_cases_balance_their_power_ale0() {
     nine_load_cases(RingModel::Ale0);
 }
 
-/// The paper's 5.4: belt speed has a minor influence, once the ratio has been taken out. (In underdrive the primary
+/// The paper's 5.4: at a constant ratio, belt speed has a minor influence. (In underdrive the primary
 /// pulley of `ALE0` is near its own capacity at these forces; below 2000 rpm it slips.)
 #[test]
-fn belt_speed_moves_the_thrust_ratio_by_less_than_five_percent() {
+fn belt_speed_changes_the_thrust_ratio_by_less_than_five_percent() {
     for model in MODELS {
         let parameters = variator(model);
         for case in LoadCase::three(&parameters, 50.0) {
@@ -206,7 +206,7 @@ fn the_mesh_is_fine_enough_in_medium() {
     doubling_the_mesh(1);
 }
 
-/// Here the release of elements at the small pulley decides (`docs/sensitivity.md`).
+/// Here the release of elements at the small pulley determines the error (`docs/sensitivity.md`).
 #[test]
 fn the_mesh_is_fine_enough_in_overdrive() {
     doubling_the_mesh(2);
@@ -225,8 +225,8 @@ fn the_friction_velocity_is_small_enough() {
     }
 }
 
-/// Nothing pulls along a ring without friction: its tension is the same all around, outside the elements that touch an
-/// arc border. Largest deviation from the mean, of stations and of element means.
+/// The tension of a ring without friction is the same all around, except in elements at an arc border. Largest deviation from
+/// the mean, of stations and of element means.
 fn tension_ripple(state: &Steady) -> [f64; 2] {
     let on_arc = state.on_arc();
     let n = on_arc.len();
@@ -250,7 +250,7 @@ fn tension_ripple(state: &Steady) -> [f64; 2] {
 }
 
 /// At the default mesh the tension of each element (its mean, as in the outputs) is constant; within the second element
-/// from an arc border the cubic shape still ripples beyond 5 %, on twice the elements no longer. Found, at most: 1.0 %,
+/// from an arc border the cubic shape has ripples above 5 %, but not on twice the elements. Found, at most: 1.0 %,
 /// 7.5 %, 1.5 %.
 #[test]
 fn ring_tension_is_constant_without_ring_friction() {
@@ -272,7 +272,7 @@ fn ring_tension_is_constant_without_ring_friction() {
     }
 }
 
-/// Half a turn about the middle between the axes swaps the pulleys: i_F(i; P drives)·i_F(1/i; S drives) = 1.
+/// Rotation by 180° about the midpoint of the axes swaps the pulleys: i_F(i; P drives)·i_F(1/i; S drives) = 1.
 #[test]
 fn swapped_pulleys_mirror_each_other() {
     for model in MODELS {
@@ -303,11 +303,11 @@ fn swapped_pulleys_mirror_each_other() {
     }
 }
 
-/// Where both shafts deliver half of the losses neither pulley is distinguished.
+/// If both shafts supply half of the losses, the pulleys are equivalent.
 #[test]
 fn equal_pulleys_with_equal_torques_share_the_thrust() {
     for model in MODELS {
-        // One speed at ratio 1, as far as a ratio is solved for: slip of 3e-8 is torque of 3e-4 N·m.
+        // Equal speeds at ratio 1 within the tolerance of the ratio: a slip of 3e-8 is a torque of 3e-4 N·m.
         let without_slip = given(1.0, Pulley::Primary, 10e3, 0.0);
         let o = steady(&variator(model), &without_slip, speeds(1.0, SPEED)).outputs;
         let half = -0.5 * (o.primary.shaft_torque + o.secondary.shaft_torque);
@@ -338,7 +338,7 @@ fn carrying(parameters: &Parameters, case: &LoadCase, torque: f64, speed: f64) -
     steady(parameters, &task, speeds(ratio(case.theta), speed))
 }
 
-/// Reverse running is the picture in the mirror of the line of the axes: speeds and torques change sign, forces do not.
+/// Reverse running is mirrored in the line of the axes: speeds and torques change sign, forces do not.
 #[test]
 fn reverse_running_mirrors_the_steady_state() {
     for model in MODELS {
@@ -368,7 +368,7 @@ fn reverse_running_mirrors_the_steady_state() {
     }
 }
 
-/// What a steady state takes, so that a solver that got slower shows without a clock.
+/// The work of a steady state, so that a slower solver is detected without a clock.
 #[test]
 fn a_steady_state_takes_its_usual_work() {
     let parameters = variator(RingModel::Ale);
@@ -378,7 +378,7 @@ fn a_steady_state_takes_its_usual_work() {
     assert_pinned(counts.factorizations, 202, "factorizations");
 }
 
-/// The default mesh is made for some thousand revolutions a minute; at 600 rad/s in overdrive gaps are wider.
+/// The default mesh is chosen for some thousand revolutions per minute; at 600 rad/s in overdrive gaps are wider.
 #[test]
 fn the_default_mesh_at_high_speed() {
     let at = |factor: i32| {
@@ -434,7 +434,7 @@ impl Strand {
         }
     }
 
-    /// Moment about a pulley's axis of what it pulls less the momentum it carries, N·m; the elements' at the pitch line.
+    /// Moment about a pulley's axis of the strand's force less its momentum flow, N·m; that of the elements at the pitch line.
     fn moment(&self, axis: f64, pitch_offset: f64) -> f64 {
         let [x, y] = [self.at[0] - axis, self.at[1]];
         let lever = y * self.direction[0] - x * self.direction[1];
@@ -442,8 +442,8 @@ impl Strand {
     }
 }
 
-/// Angular momentum: what the strands carry to a pulley and away from it is the torque on its shaft. The power balance
-/// doesn't see where friction between ring and elements acts; this does.
+/// Angular momentum: the difference of its flows in the two strands of a pulley is the torque on the shaft. In contrast to the
+/// power balance, this depends on where friction between ring and elements acts.
 #[test]
 fn strands_and_shafts_have_the_same_moments() {
     // The strands of ALE0 can't bend where contact begins.

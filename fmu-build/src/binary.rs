@@ -4,7 +4,7 @@ use anyhow::Context;
 use object::endian::Endianness;
 use object::read::elf::{ElfFile64, FileHeader as _, SectionTable};
 
-/// The newest glibc version among the symbols that a Linux library needs; none if it is no Linux library or needs no
+/// The newest glibc version among the symbols that a Linux library needs; none if it is not a Linux library or needs no
 /// glibc at all.
 ///
 /// # Errors
@@ -30,12 +30,12 @@ pub fn newest_glibc(library: &[u8]) -> anyhow::Result<Option<(u32, u32)>> {
     Ok(newest)
 }
 
-/// Sets the time stamp in the head of a Windows library to zero, so that the same code gives the same bytes.
+/// Sets the time stamp in the header of a Windows library to zero, so that the same code gives the same bytes.
 pub fn clear_time_stamp(library: &mut [u8]) {
     if !library.starts_with(b"MZ") {
         return;
     }
-    // The head begins with "PE\0\0", machine and number of sections; its place stands at 0x3c.
+    // The head begins with "PE\0\0", machine and number of sections; its offset is at 0x3c.
     let place = library.get(0x3c..0x40).and_then(|bytes| bytes.try_into().ok());
     let head = place.map(|bytes| u32::from_le_bytes(bytes) as usize);
     if let Some(stamp) = head.and_then(|head| library.get_mut(head + 8..head + 12)) {

@@ -19,7 +19,7 @@ pub fn command(workspace: &Workspace) -> Command {
     command_of(workspace, cargo)
 }
 
-/// The same for a program that takes cargo's place.
+/// The same for a program that replaces cargo.
 pub fn command_of(workspace: &Workspace, program: impl AsRef<OsStr>) -> Command {
     let mut command = Command::new(program);
     command.current_dir(workspace.root());
@@ -27,8 +27,8 @@ pub fn command_of(workspace: &Workspace, program: impl AsRef<OsStr>) -> Command 
     command
 }
 
-/// Removes from a program's environment what `cargo run` sets for the tool itself: build scripts of others would see it, and cargo
-/// would compile anew.
+/// Removes the variables that `cargo run` sets for the tool itself from a program's environment: build scripts of other
+/// packages depend on them, and cargo would compile these again.
 pub fn clear_own(command: &mut Command) {
     for (name, _) in std::env::vars_os() {
         let text = name.to_string_lossy();
@@ -70,7 +70,7 @@ pub fn build_library(workspace: &Workspace) -> anyhow::Result<PathBuf> {
     shared_library(release(workspace, MODEL_PACKAGE).arg("--lib"))
 }
 
-/// Compiles the model's shared library with a command that takes the place of `cargo build`, and returns its path.
+/// Compiles the model's shared library with a command that replaces `cargo build`, and returns its path.
 ///
 /// # Errors
 /// The compilation fails.
@@ -82,7 +82,7 @@ pub fn build_library_with(command: &mut Command) -> anyhow::Result<PathBuf> {
 /// description.
 ///
 /// # Errors
-/// The compilation fails, or the program that prints the description does.
+/// The compilation or the program that prints the description fails.
 pub fn build_paper(workspace: &Workspace) -> anyhow::Result<(PathBuf, String)> {
     let mut build = command(workspace);
     build.args(["build", "--release", "--package", PAPER_PACKAGE, "--features", "fmu"]);
@@ -127,7 +127,7 @@ pub fn build_program(workspace: &Workspace, program: Program) -> anyhow::Result<
 /// Compiles and starts an example, optimised for this machine; its messages go to the terminal. Returns what it prints.
 ///
 /// # Errors
-/// The compilation fails, the example fails, or it prints something else than text.
+/// The compilation or the example fails, or its output is not text.
 pub fn example_output(workspace: &Workspace, name: &'static str, arguments: &[String]) -> anyhow::Result<String> {
     let mut example = Command::new(build_program(workspace, Program::Example(name))?);
     let output = example
@@ -141,7 +141,7 @@ pub fn example_output(workspace: &Workspace, name: &'static str, arguments: &[St
 }
 
 /// The build command of everything that is optimised for this machine. Library, examples and benchmarks share one compiled
-/// library: development dependencies turn on no feature of what it is built from, a test below checks it.
+/// library, because development dependencies enable no feature of its dependencies; a test below checks this.
 fn release(workspace: &Workspace, package: &str) -> Command {
     let mut build = command(workspace);
     build.args(["build", "--release", "--package", package]);
@@ -178,7 +178,7 @@ impl Artifact {
         self.files.into_iter().find(is_shared)
     }
 
-    /// The artifact of a line of cargo's output; none if the line is about something else.
+    /// The artifact in a line of cargo's output; none for other lines.
     fn of_line(line: &str) -> anyhow::Result<Option<Self>> {
         let message: Value = serde_json::from_str(line).context("cargo's output is not JSON")?;
         if message["reason"] != "compiler-artifact" {
@@ -199,7 +199,7 @@ impl Artifact {
     }
 }
 
-/// Runs a build command to its end and passes on every artifact, also those that need no compilation.
+/// Runs a build command to its end and passes every artifact to `built`, also those that need no compilation.
 fn compile(build: &mut Command, mut built: impl FnMut(Artifact)) -> anyhow::Result<()> {
     let mut child = build
         .arg("--message-format=json-render-diagnostics")
@@ -232,7 +232,7 @@ mod tests {
 
     use std::collections::BTreeSet;
 
-    /// What a build command compiles, by name.
+    /// Names of the packages that a build command compiles.
     fn compiled(build: &mut Command) -> Vec<String> {
         let mut names = Vec::new();
         compile(build, |artifact| {
@@ -261,7 +261,7 @@ mod tests {
         assert!(Artifact::of_line("no JSON").is_err());
     }
 
-    /// Crates that the library is built from, with the features that they have there.
+    /// Crates that the library is built from, with their features in it.
     fn features(workspace: &Workspace, also_development: bool) -> BTreeSet<String> {
         let edges = if also_development {
             "normal,build,dev"

@@ -1,4 +1,4 @@
-//! The date of what is packed. It is that of the content, not of the build: two builds of one commit give the same bytes.
+//! The date of the packed files. It is that of the content, not of the build: two builds of one commit give the same bytes.
 
 use std::process::Command;
 use std::time::{Duration, UNIX_EPOCH};

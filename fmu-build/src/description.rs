@@ -1,12 +1,11 @@
-//! The variables of a model description, and the tables that are made from them.
+//! The variables of a model description, and the tables generated from them.
 
 use std::fmt::Write as _;
 
 use anyhow::Context;
 use roxmltree::{Document, Node};
 
-/// A variable as the documentation shows it. Every field is text as the model description has it; what a variable
-/// doesn't have is empty.
+/// A variable in the documentation. Every field is text of the model description; missing attributes are empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Variable {
     name: String,
@@ -20,7 +19,7 @@ pub struct Variable {
     description: String,
 }
 
-/// A model description as far as the documentation shows it.
+/// The parts of a model description that are in the documentation.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Description {
     /// One sentence about the model.
@@ -31,7 +30,7 @@ pub struct Description {
     pub variables: Vec<Variable>,
 }
 
-/// The same text with the attribute `generationDateAndTime`, which has no part in the GUID (the instantiation token of FMI 3.0).
+/// The same text with the attribute `generationDateAndTime`, which does not affect the GUID (the instantiation token of FMI 3.0).
 ///
 /// # Errors
 /// The text is not XML, or its root has neither.
@@ -45,7 +44,7 @@ pub fn with_date(xml: &str, date: &str) -> anyhow::Result<String> {
     Ok(format!("{before}generationDateAndTime=\"{date}\" {after}"))
 }
 
-/// Groups of variables in the order in which a user meets them.
+/// Groups of variables in the order of their use.
 const GROUPS: [(&str, &str); 4] = [
     ("input", "Inputs"),
     ("output", "Outputs"),
@@ -213,7 +212,7 @@ fn collapse(variables: Vec<Variable>) -> Vec<Variable> {
     collapsed
 }
 
-/// Replaces the index of the first element, `0/n`, in its description, so that the text holds for all elements.
+/// Replaces the index of the first element, `0/n`, in its description, so that the text applies to all elements.
 fn generalise(description: &mut String, index: u32) {
     if let Some(before) = index.checked_sub(1) {
         *description = description.replace(&format!(" {before}/"), " (k−1)/");

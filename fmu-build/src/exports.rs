@@ -1,4 +1,4 @@
-//! The names that a library of the FMU exports: those of `exports.def` and no others.
+//! The names that a library of the FMU exports: exactly those of `exports.def`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -11,7 +11,7 @@ use object::read::NameOrOrdinal;
 
 use crate::workspace::Workspace;
 
-/// The list, one name a line, in the form that linkers of Windows libraries read.
+/// The list, one name per line, in the format of linkers of Windows libraries.
 const LIST: &str = include_str!("../exports.def");
 
 /// The names.
@@ -22,10 +22,10 @@ fn names() -> BTreeSet<&'static str> {
         .collect()
 }
 
-/// Checks that a library exports the names of the list, all of them and no others.
+/// Checks that a library exports exactly the names of the list.
 ///
 /// # Errors
-/// It doesn't, or its table of exports can't be read.
+/// The names differ, or the table of exports can't be read.
 pub fn check(library: &[u8]) -> anyhow::Result<()> {
     let file = object::File::parse(library).context("the library can't be read")?;
     let mac = file.format() == object::BinaryFormat::MachO;
@@ -44,7 +44,7 @@ pub fn check(library: &[u8]) -> anyhow::Result<()> {
         } else {
             name
         };
-        // The linker that stands in for Apple's keeps names of its own and of Rust's standard library.
+        // The linker that replaces Apple's keeps its own names and those of Rust's standard library.
         if !mac || ["fmi", "pushbelt"].iter().any(|ours| name.starts_with(ours)) {
             found.insert(name);
         }
@@ -70,7 +70,7 @@ fn compare(listed: &BTreeSet<&str>, found: &BTreeSet<&str>) -> anyhow::Result<()
     Ok(())
 }
 
-/// A file with the list for a linker. Another list is another file, so that cargo links anew.
+/// A file with the list for a linker. A different list is a different file, so that cargo links again.
 ///
 /// # Errors
 /// The file can't be written.

@@ -1,4 +1,4 @@
-//! Icons of the FMU and of its terminals: SVG, with a PNG beside each for tools that don't read SVG.
+//! Icons of the FMU and of its terminals: SVG, and PNG for tools that don't read SVG.
 //!
 //! The PNGs are checked in. After a change of an SVG, in `fmu-build/icons`:
 //!
@@ -53,7 +53,7 @@ mod tests {
 
     use flate2::read::ZlibDecoder;
 
-    /// Width, height, and the share of pixels that are painted, of a PNG with four channels of eight bits.
+    /// Width, height, and the share of opaque pixels of a PNG with four channels of eight bits.
     fn painted(png: &[u8]) -> (usize, usize, f64) {
         let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap()) as usize;
         assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));

@@ -10,8 +10,8 @@ use serde_json::Value;
 
 use crate::workspace::MODEL_PACKAGE;
 
-/// The crates of others linked into the binary, each with version, licence, source and the texts it ships; a text that
-/// several crates share stands once. `metadata` is what `cargo metadata` prints.
+/// The third-party crates linked into the binary, each with version, licence, source and its licence texts; a text that
+/// several crates share is listed once. `metadata` is the output of `cargo metadata`.
 ///
 /// # Errors
 /// The dependency graph is incomplete or a licence file can't be read.
@@ -52,12 +52,12 @@ fn items<'a>(value: &'a Value, field: &str) -> impl Iterator<Item = &'a Value> {
     value[field].as_array().into_iter().flatten()
 }
 
-/// A package of this workspace: it comes from no registry.
+/// A package of this workspace has no registry as its source.
 fn is_own(package: &Value) -> bool {
     package["source"].is_null()
 }
 
-/// Packages that the model links, itself aside. Procedural macros and build scripts run at compile time only.
+/// Packages that are linked into the model, without the model itself. Procedural macros and build scripts run at compile time only.
 fn linked(metadata: &Value) -> anyhow::Result<Vec<&Value>> {
     let packages: HashMap<&str, &Value> = items(metadata, "packages")
         .filter_map(|package| Some((text(package, "id")?, package)))
@@ -78,7 +78,7 @@ fn linked(metadata: &Value) -> anyhow::Result<Vec<&Value>> {
             .get(id)
             .with_context(|| format!("{id} is not in the dependency graph"))?;
         for dependency in items(node, "deps") {
-            // A normal dependency has no kind: others are `dev` or `build`.
+            // A normal dependency has no kind; others are `dev` or `build`.
             let normal = items(dependency, "dep_kinds").any(|kind| kind["kind"].is_null());
             let id = text(dependency, "pkg").context("a dependency has a package")?;
             let package = *packages.get(id).with_context(|| format!("{id} is no package"))?;

@@ -3,10 +3,10 @@
 //! | module | content |
 //! |---|---|
 //! | [`commands`] | one file for each command |
-//! | [`workspace`], [`platform`] | paths of the workspace, and the host's names for binaries |
-//! | [`cargo`], [`python`], [`mdbook`] | the outside programs that do the work |
-//! | [`portable`], [`binary`] | binaries for other machines, and what these need to load them |
-//! | [`archive`], [`licenses`], [`description`], [`icons`] | what goes into the FMU beside the binary |
+//! | [`workspace`], [`platform`] | paths of the workspace, and names of binaries by platform |
+//! | [`cargo`], [`python`], [`mdbook`] | external programs |
+//! | [`portable`], [`binary`] | binaries for other machines, and their requirements |
+//! | [`archive`], [`licenses`], [`description`], [`icons`] | the other files of the FMU |
 //! | [`progress`] | headlines on the terminal |
 
 mod archive;
@@ -39,7 +39,7 @@ struct Arguments {
     command: Command,
 }
 
-/// How long the commands take, measured by `time cargo fmu …`. This is the only place for such times.
+/// Durations of the commands, measured by `time cargo fmu …`. This is the only list of such times.
 const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
   seconds      build, demo, compare, describe, linearize

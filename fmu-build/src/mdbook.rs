@@ -1,4 +1,4 @@
-//! mdBook, which makes the book of `docs/`: one version from crates.io, installed below the target directory.
+//! mdBook, which builds the book of `docs/`: one version from crates.io, installed below the target directory.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use crate::cargo;
 use crate::progress;
 use crate::workspace::Workspace;
 
-/// The version that the book is written for.
+/// The required version.
 const VERSION: &str = "0.4.52";
 
 /// mdBook as a program.
@@ -36,10 +36,10 @@ impl MdBook {
         Ok(Self { program })
     }
 
-    /// Makes the book of a folder. What mdBook only warns of, such as a missing file, is an error.
+    /// Builds the book of a folder. A warning of mdBook, such as a missing file, is an error.
     ///
     /// # Errors
-    /// The book can't be made, or mdBook warns.
+    /// The book can't be built, or mdBook warns.
     pub fn build(&self, book: &Path, output: &Path) -> anyhow::Result<()> {
         let done = Command::new(&self.program)
             .arg("build")
@@ -58,7 +58,7 @@ impl MdBook {
     }
 }
 
-/// Compiles mdBook without optimisation: it still makes the book in two seconds. The folder for compilation is its own, and
+/// Compiles mdBook without optimisation, which suffices to build the book in two seconds. It has a separate build folder, which
 /// is removed afterwards.
 fn install(workspace: &Workspace, folder: &Path) -> anyhow::Result<()> {
     let build = folder.join("build");

@@ -1,4 +1,4 @@
-//! Names that FMI and the operating system give to the same binary.
+//! Names of a binary in FMI and in the operating system.
 
 use anyhow::{Context, bail};
 
@@ -14,7 +14,7 @@ pub enum Version {
 /// A platform that a binary is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Platform {
-    /// Folder below `binaries/` in FMI 2.0, which has one for few platforms.
+    /// Folder below `binaries/` in FMI 2.0, which names few platforms.
     folder: Option<&'static str>,
     /// Folder below `binaries/` in FMI 3.0: processor and system.
     pub tuple: &'static str,

@@ -1,7 +1,7 @@
 //! Binaries for other machines than this one: Linux with an old glibc and Windows, both on x86-64; for FMI 3.0 also Linux on ARM and
 //! macOS.
 //!
-//! Zig has the linker and the C library of each (PyPI package `ziglang`, started by `cargo-zigbuild`). rustup installs
+//! Zig contains the linker and the C library for each (PyPI package `ziglang`, started by `cargo-zigbuild`). rustup installs
 //! Rust's standard library.
 
 use std::ffi::OsString;
@@ -15,7 +15,7 @@ use crate::python::{BUILDING, Environment};
 use crate::workspace::Workspace;
 use crate::{binary, cargo, exports, progress};
 
-/// Oldest glibc that the Linux binary loads with.
+/// Oldest glibc with which the Linux binary loads.
 pub const GLIBC: (u32, u32) = (2, 17);
 
 /// A target of the portable build.
@@ -56,10 +56,10 @@ const TARGETS: [Target; 5] = [
 ];
 const OF_FMI2: usize = 2;
 
-/// Compiles the binary for every target whose standard library can be installed, and prints which can't.
+/// Compiles the binary for every target whose standard library can be installed, and prints the others.
 ///
 /// # Errors
-/// The tools can't be installed, a compilation fails, or a binary needs more than it may.
+/// The tools can't be installed, a compilation fails, or a binary doesn't meet its requirements.
 pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<(Platform, PathBuf)>> {
     let tools = Environment::prepare(workspace, &BUILDING)?;
     let mut binaries = Vec::new();
@@ -74,8 +74,8 @@ pub fn build(workspace: &Workspace, version: Version) -> anyhow::Result<Vec<(Pla
             continue;
         }
         progress::headline(&format!("Compiling the FMU's binary for {folder}"));
-        // A library for C alone, optimised as a whole: what nothing calls is left out, of Rust's standard library too. So the Windows
-        // library doesn't import `bcryptprimitives.dll`, which older compatibility layers lack.
+        // A library for C alone, optimised as a whole: unused functions are removed, also those of Rust's standard library. So the
+        // Windows library doesn't import `bcryptprimitives.dll`, which older compatibility layers lack.
         let mut command = cargo::command_of(workspace, tools.program("cargo-zigbuild"));
         command
             .arg("rustc")
@@ -114,8 +114,8 @@ fn ensure_installed(triple: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Compiler flags: those of the environment instead of the workspace's own (which require AVX2), and the paths of this
-/// machine taken out of messages. So the bytes don't depend on where the sources lie.
+/// Compiler flags: those of the environment instead of the workspace's own (which require AVX2), and the removal of this
+/// machine's paths from messages, so that the bytes don't depend on the location of the sources.
 fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
     let given = std::env::var("RUSTFLAGS").unwrap_or_default();
     let mut flags: Vec<String> = given.split_whitespace().map(str::to_owned).collect();
@@ -127,7 +127,7 @@ fn flags(workspace: &Workspace, target: &Target) -> anyhow::Result<OsString> {
     }
     flags.push(format!("--remap-path-prefix={}=pushbelt", workspace.root().display()));
     if target.platform == Platform::WIN64 {
-        // `cargo-zigbuild` drops the list of exports that the compiler makes for the linker, and then everything is exported.
+        // `cargo-zigbuild` drops the compiler's list of exports for the linker. Without a list, everything is exported.
         flags.push(format!("-Clink-arg={}", exports::definition(workspace)?.display()));
     }
     Ok(flags.join("\x1f").into())

@@ -29,7 +29,7 @@ pub const RUNNING: Packages = Packages {
     folder: "venv",
 };
 
-/// The part of them that the demo imports. What else is needed is added to the same folder later.
+/// The part of them that the demo imports. The others are added to the same folder later.
 pub const DEMO: Packages = Packages {
     lock: "python/requirements-demo.txt",
     within: Some(RUNNING.lock),
@@ -50,7 +50,7 @@ pub const PACKING: Packages = Packages {
     folder: "venv-wheel",
 };
 
-/// A copy of the lock file in the environment names what is installed there. It is written last: an interrupted
+/// A copy of the lock file in the environment lists its installed packages. It is written last, so that an interrupted
 /// installation has none.
 const STAMP: &str = "installed-requirements.txt";
 
@@ -62,7 +62,7 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// Returns the environment that is there if it has the locked packages; otherwise installs them.
+    /// Returns the existing environment if it has the locked packages; otherwise installs them.
     ///
     /// # Errors
     /// No suitable Python, or pip can't install the locked packages.
@@ -160,7 +160,7 @@ fn create(python: &OsString, folder: &Path) -> anyhow::Result<()> {
 fn install(interpreter: &Path, lock_file: &Path) -> anyhow::Result<()> {
     let output = Command::new(interpreter)
         .args(["-m", "pip", "install", "--disable-pip-version-check"])
-        // The lock file names every package that is needed; what it leaves out, it leaves out on purpose.
+        // The lock file names every required package; missing dependencies are left out deliberately.
         .args(["--no-deps", "--no-input", "--retries", "5", "--requirement"])
         .arg(lock_file)
         .output()

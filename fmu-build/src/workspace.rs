@@ -26,7 +26,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Finds the workspace that this tool was compiled in.
+    /// Finds the workspace in which this tool was compiled.
     ///
     /// # Errors
     /// Cargo can't read the manifest.
@@ -82,13 +82,13 @@ impl Workspace {
         self.root.join("terminalsAndIcons.xml")
     }
 
-    /// The names that the FMU's library exports, for linkers, checked in beside this tool.
+    /// The names that the FMU's library exports, for linkers, checked in with this tool.
     pub fn exports(&self) -> PathBuf {
         self.root.join("fmu-build").join("exports.def")
     }
 
-    /// Waits until no other run of this tool writes `what` in the target directory, and lets others wait until the
-    /// file is dropped.
+    /// Waits until no other run of this tool writes `what` in the target directory. Other runs wait until the file is
+    /// dropped.
     ///
     /// # Errors
     /// The lock file can't be written.
@@ -132,13 +132,13 @@ impl Workspace {
 /// The machines that dependencies are resolved for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machines {
-    /// Any that a dependency names.
+    /// Every machine that a dependency names.
     All,
     /// The one that this tool runs on.
     This,
 }
 
-/// Copies a folder with all that is in it, but for what Python has compiled there.
+/// Copies a folder with its content, except Python's compiled files.
 ///
 /// # Errors
 /// A file can't be read or written.

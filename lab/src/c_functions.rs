@@ -1,4 +1,4 @@
-//! What tests need of C functions, of whichever version of FMI: statuses, value references, and the functions of a loaded library.
+//! C functions in the tests of both versions of FMI: statuses, value references, and the functions of a loaded library.
 
 use std::ffi::c_int;
 

@@ -1,4 +1,4 @@
-//! Assertions, and figures in a line.
+//! Assertions, and lists of numbers.
 
 /// `found` is `expected` within a relative bound.
 #[track_caller]
@@ -10,8 +10,8 @@ pub fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
     );
 }
 
-/// Work must not grow by more than 5 % over what is `pinned`. Less of it is welcome, but less than half is not the
-/// same work any more.
+/// Work must not exceed `pinned` by more than 5 %. Less work is an improvement, but less than half indicates that the case has
+/// changed.
 #[track_caller]
 pub fn assert_pinned(found: u64, pinned: u64, what: &str) {
     assert!(
@@ -34,12 +34,12 @@ pub fn list(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!(" {x:.2e}")).collect()
 }
 
-/// Orders between the errors of a ladder whose rungs differ by `ratio`.
+/// Orders of convergence between successive errors, whose steps or lengths differ by the factor `ratio`.
 pub fn orders(errors: &[f64], ratio: f64) -> Vec<f64> {
     errors.windows(2).map(|e| (e[0] / e[1]).ln() / ratio.ln()).collect()
 }
 
-/// Asserts `≈ order ± 0.2` on a ladder of halved steps or element lengths.
+/// Asserts `≈ order ± 0.2` for successively halved steps or element lengths.
 pub fn assert_order(name: &str, errors: &[f64], expected: f64) {
     let observed = orders(errors, 2.0);
     println!("{name}: errors {}, orders {observed:.2?}", list(errors));

@@ -1,5 +1,5 @@
-//! A small variator far from any steady state, and its derivatives: against differences, and with updated slopes of the
-//! laws alone.
+//! A small variator far from any steady state, and its derivatives: against differences, and with updated constitutive
+//! tangents.
 
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ pub fn small(ring_model: RingModel) -> Parameters {
     parameters
 }
 
-/// A variator at a state in which the belt slides, sticks, is under push and has gaps.
+/// A variator at a state in which the belt slides, sticks, is compressed and has gaps.
 pub fn disturbed(parameters: &Parameters, speed: f64) -> (VariatorSystem, State) {
     disturbed_with(parameters, parameters.ring_of_model(), speed)
 }
@@ -89,7 +89,7 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     let (alpha, beta) = (1.0e4, 1.0e-4);
     let mut size = vec![0.0; state.y.len()];
     system.newton_scale(beta, &mut size);
-    // Strains of a ring that travels are differences of places: EA·ε of rounding in each force.
+    // Strains of a travelling ring are differences of positions, so each force has a rounding error of EA·ε.
     let mut coarse = vec![false; size.len()];
     if system.belt.ring.starts_on().is_some() {
         let layout = &system.belt.layout;
@@ -110,10 +110,10 @@ pub fn assert_jacobian((mut system, state): (VariatorSystem, State), step: f64) 
     });
 }
 
-/// Largest difference between derivatives by hand and by forward differentiation in a state, with the factor α of rates.
+/// Largest difference between hand-written derivatives and forward differentiation in a state, with the factor α of rates.
 pub type DerivativeError = fn(InForce<'_>, View<'_>, f64) -> f64;
 
-/// The derivatives by hand are those that forward differentiation finds, to rounding.
+/// The hand-written derivatives are those of forward differentiation, to rounding.
 #[track_caller]
 pub fn assert_derivatives_by_hand(parameters: &Parameters, ring: &Arc<dyn BeltRing>, error: DerivativeError) {
     for speed in [200.0, -200.0, 0.0] {
@@ -132,8 +132,8 @@ pub fn product(matrix: &Arrow) -> Vec<f64> {
     product
 }
 
-/// The Jacobian at the second state after an update of the slopes of the laws alone, whose geometry is that of the
-/// first state: it differs from the exact one by less than `share` of what `change` and the states make.
+/// The Jacobian at the second state after an update of the constitutive tangents alone, with the geometry of the first state:
+/// it differs from the exact one by less than `share` of the difference due to `change` and the states.
 #[track_caller]
 fn assert_updated(
     system: &mut VariatorSystem,
@@ -157,12 +157,12 @@ fn assert_updated(
     assert!(changed > 1e3 && off < share * changed, "{changed:e}, {off:e}");
 }
 
-/// An update of the slopes of the laws alone makes the current Jacobian: where laws have other slopes and the same
-/// forces, and close to the state at which the geometry was evaluated.
+/// An update of the constitutive tangents alone gives the current Jacobian: where laws have other tangents and the same forces,
+/// and close to the state at which the geometry was evaluated.
 #[track_caller]
 pub fn assert_update_of_slopes(parameters: &Parameters, ring: &Arc<dyn BeltRing>) {
     let (mut system, mut state) = disturbed_with(parameters, Arc::clone(ring), 200.0);
-    // A tenth of a roughness and of a friction velocity further.
+    // A difference of a tenth of a roughness and of a friction velocity.
     let mut further = state.clone();
     for pulley in Pulley::BOTH {
         further.q[system.belt.layout.sheave(pulley)] += 0.1 * parameters.contact.roughness;
@@ -171,7 +171,7 @@ pub fn assert_update_of_slopes(parameters: &Parameters, ring: &Arc<dyn BeltRing>
         further.y[at.speed] += 0.1 * parameters.friction.velocity;
     }
     assert_updated(&mut system, [&state, &further], |_| (), 1e-3);
-    // At rest laws of rates have slopes and no forces.
+    // At rest, laws of rates have tangents but no forces.
     state.y.fill(0.0);
     state.y_dot.fill(0.0);
     let of_rates = |system: &mut VariatorSystem| {

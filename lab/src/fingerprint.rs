@@ -8,7 +8,7 @@ use pushbelt::variator::settings::{Inputs, Outputs, Profile, PulleyOutputs};
 /// Communication step, s.
 pub const STEP: f64 = 1e-3;
 
-/// Figures of a run, one row a step.
+/// Outputs of a run, one row per step.
 #[derive(Default)]
 struct Figures(Vec<Vec<f64>>);
 
@@ -27,7 +27,7 @@ impl Figures {
         }
     }
 
-    /// Largest difference from the figures of another build, as a share of the range of the figure in this run.
+    /// Largest difference from the outputs of another build, as a share of the range of the output in this run.
     fn difference(&self, other: &[Vec<f64>]) -> f64 {
         let columns = self.0.first().map_or(0, Vec::len);
         let of_column = |k: usize| {
@@ -35,7 +35,7 @@ impl Figures {
             let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
                 (low.min(*x), high.max(*x))
             });
-            // A figure that stays what it is differs by a share of its size.
+            // The difference of a constant output is a share of its size.
             let range = (high - low).max(1e-3 * high.abs().max(low.abs())).max(1e-12);
             let off = values()
                 .zip(other.iter().filter_map(|row| row.get(k)))
@@ -118,10 +118,10 @@ impl Figures {
     }
 }
 
-/// All cases of a build: name and figures.
+/// All cases of a build: name and outputs.
 type Cases = Vec<(String, Vec<Vec<f64>>)>;
 
-/// Where figures go, and with what they are compared.
+/// Destination of the outputs, and the outputs that they are compared with.
 #[derive(Default)]
 pub struct Report {
     kept: Cases,
@@ -146,7 +146,7 @@ impl Report {
         Ok(report)
     }
 
-    /// Writes the figures if the arguments say so.
+    /// Writes the outputs if the arguments request it.
     ///
     /// # Errors
     /// The file can't be written.

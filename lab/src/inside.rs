@@ -1,4 +1,4 @@
-//! What tests and benchmarks look at inside the variator: unknowns, equations and fields that no output shows.
+//! Internal quantities of the variator for tests and benchmarks: unknowns, equations and fields that are not outputs.
 
 use nalgebra::DMatrix;
 use pushbelt::pulley::PerPulley;
@@ -20,13 +20,13 @@ pub fn reference_motion(variator: &Variator) -> [f64; 2] {
     [layout.drift(), layout.theta()].map(|at| variator.state().q[at])
 }
 
-/// Smallest net force T − Q in a strand, N: negative where it would buckle.
+/// Smallest net force T − Q in a strand, N: negative if it would buckle.
 #[must_use]
 pub fn strand_force(variator: &Variator) -> f64 {
     variator.energy_balance().last.sums.strand_force
 }
 
-/// How the loaded stations of a pulley slide.
+/// Sliding of the loaded stations of a pulley.
 #[derive(Clone, Copy, Debug)]
 pub struct Sliding {
     /// Mean tangential sliding speed, m/s, weighted by load.
@@ -59,8 +59,8 @@ pub fn stations(variator: &Variator, state: &State) -> Vec<Sample> {
     survey.stations(&system.belt.mesh).map(|(_, sample)| sample).collect()
 }
 
-/// Places of the overlay's unknowns in the state of a planar ring, with the order of the derivative that each is: 0 a
-/// deflection, 1 a slope.
+/// Indices of the overlay's unknowns in the state of a planar ring, with the order of the derivative: 0 for a deflection, 1
+/// for a slope.
 #[must_use]
 pub fn overlay(variator: &Variator) -> Vec<(usize, u32)> {
     let layout = variator.system().belt.layout;
@@ -70,14 +70,14 @@ pub fn overlay(variator: &Variator) -> Vec<(usize, u32)> {
 }
 
 impl Steady {
-    /// Places of s and Θ.
+    /// Indices of s and Θ.
     #[must_use]
     pub fn reference_places(&self) -> Vec<usize> {
         let layout = &self.system.belt.layout;
         vec![layout.drift(), layout.theta()]
     }
 
-    /// Places of the overlay, multipliers of its gauge included.
+    /// Indices of the overlay, including the multipliers of its gauge.
     #[must_use]
     pub fn overlay_places(&self) -> Vec<usize> {
         let layout = &self.system.belt.layout;
@@ -115,14 +115,14 @@ impl Steady {
         self.system.belt.law.axes
     }
 
-    /// Distance of the belt planes that the pitch radii alone make, m.
+    /// Distance of the belt planes due to the pitch radii alone, m.
     #[must_use]
     pub fn geometric_misalignment(&self) -> f64 {
         let (law, o) = (&self.system.belt.law, &self.outputs);
         -(o.primary.radius + o.secondary.radius - 2.0 * law.r0) * law.wedge[2]
     }
 
-    /// The state of a planar ring put into the equations of one in space, both belt planes at the same height.
+    /// The state of a planar ring in the equations of a ring in space, with both belt planes at the same height.
     #[must_use]
     pub fn lifted(&self, parameters: &Parameters) -> Lifted {
         let mut space = VariatorSystem::new(parameters);
@@ -167,7 +167,7 @@ fn rows(system: &mut VariatorSystem, view: View<'_>) -> Vec<f64> {
     rows
 }
 
-/// Places of the same unknown in two layouts.
+/// Indices of the same unknowns in two layouts.
 fn shared(flat: &Layout, space: &Layout) -> Vec<(usize, usize)> {
     let nodes = (0..flat.elements).flat_map(|node| (0..4).map(move |k| (node, k)));
     let cells = 0..flat.cells();

@@ -1,4 +1,4 @@
-//! What the tests of the laws need: the default parameters of each law, and an integral.
+//! For tests of the laws: the default parameters of each law, and an integral.
 
 pub use pushbelt::chain::Belt;
 pub use pushbelt::contact::{Contact, Friction};

@@ -7,8 +7,8 @@ use pushbelt::variator::settings::Parameters;
 use pushbelt::variator::steady::solve::SteadyTask;
 use pushbelt::variator::system::VariatorSystem;
 
-/// One of the nine cases: 2000 rpm, the ratio held by the primary sheave, the secondary clamped 1.3 times as hard as
-/// full tangential slip needs.
+/// One of the nine cases: 2000 rpm, the ratio held by the primary sheave, the secondary clamping force 1.3 times that of full
+/// tangential slip.
 #[derive(Clone, Copy, Debug)]
 pub struct LoadCase {
     /// Ratio by name.
@@ -47,7 +47,7 @@ impl LoadCase {
     }
 }
 
-/// Clamping force with which the primary pulley just carries a torque at a ratio, at least 6 kN.
+/// Least clamping force at which the primary pulley transmits a torque at a ratio, at least 6 kN.
 pub fn clamping(parameters: &Parameters, ratio: f64, capacity: f64) -> f64 {
     let system = VariatorSystem::new(parameters);
     let (primary, _) = system.belt.curve.radii(ratio).expect("the belt closes");

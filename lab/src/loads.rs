@@ -1,5 +1,5 @@
-//! Loads as drivetrains give them: jumps, ripple, noise, each with a vehicle on the secondary shaft and a controller of the
-//! ratio on the primary force.
+//! Loads as in drivetrains: jumps, ripple, noise, each with a vehicle on the secondary shaft and a controller of the ratio by
+//! the primary force.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::variators::{SPEED, inputs};
 /// A load on the variator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Load {
-    /// Torque that swings slowly.
+    /// Torque that oscillates slowly.
     Smooth,
     /// 80 ± 30 N·m at 70 Hz on the primary shaft: an engine's firing.
     Firing,
@@ -25,13 +25,13 @@ pub enum Load {
     Slam,
     /// Launch from standstill through a clutch that slips, braking to standstill, and again.
     Launch,
-    /// A torque of ± 50 N·m that flips at each step of 10 ms.
+    /// A torque of ± 50 N·m that changes its sign every 10 ms.
     Flips,
-    /// Forces in stairs of 200 N, with a noise of 150 N (rms) before the stairs.
+    /// Forces quantised in steps of 200 N, with a noise of 150 N (rms) before the quantisation.
     Stairs,
     /// `Firing` about 20 N·m with `Noise`, in underdrive.
     FiringAndNoise,
-    /// A clutch that hunts at low speed: its torque changes sign with the speed's difference at each step of 10 ms.
+    /// A hunting clutch at low speed: its torque changes sign with the difference of speeds every 10 ms.
     Hunting,
 }
 
@@ -85,7 +85,7 @@ impl Load {
         }
     }
 
-    /// Torque that the secondary clamping force just carries, N·m.
+    /// Largest torque that the secondary clamping force transmits, N·m.
     fn capacity(self) -> f64 {
         match self {
             Self::Firing => 1.3 * 110.0,
@@ -119,9 +119,9 @@ pub struct Driven {
     pub variator: Variator,
     load: Load,
     ratio: f64,
-    /// Clamping forces about which the load moves them, N: S, and P when the controller is at rest.
+    /// Mean clamping forces, N: S, and P when the controller is at rest.
     middle: [f64; 2],
-    /// Speed that the vehicle is held at, rad/s.
+    /// Set point of the vehicle's speed, rad/s.
     cruise: f64,
     integral: f64,
     steps: u32,
@@ -129,7 +129,7 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// A variator in its start state; a vehicle stands on its secondary shaft.
+    /// A variator in its start state, with a vehicle on its secondary shaft.
     pub fn new(load: Load, mut parameters: Parameters, ratio: f64) -> Self {
         parameters.secondary.inertia = 4.0;
         parameters.initial.ratio = ratio;
@@ -142,7 +142,7 @@ impl Driven {
             variator.initialise(0.0, &start).expect("a start");
             variator
         };
-        // The start holds the ratio. A run begins with the force that holds the belt there: another would be a jump.
+        // The start holds the ratio. The run begins with the force that holds the belt there, to avoid a jump.
         let primary = started(clamping).outputs().primary.axial_force;
         let variator = started(primary);
         Self {
@@ -213,7 +213,7 @@ impl Driven {
         UNIT * next()
     }
 
-    /// Time at the end of the step for which inputs were given last, s.
+    /// Time at the end of the step of the latest inputs, s.
     pub fn until(&self) -> f64 {
         f64::from(self.steps) * self.load.step()
     }

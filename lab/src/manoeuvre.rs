@@ -1,4 +1,4 @@
-//! The manoeuvre that the FMU carries.
+//! The manoeuvre in the resources of the FMU.
 
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::Parameters;
@@ -22,7 +22,7 @@ impl Manoeuvre {
         Self { rows: rows.collect() }
     }
 
-    /// When it ends, s.
+    /// Its end, s.
     pub fn end(&self) -> f64 {
         self.rows[self.rows.len() - 1][0]
     }
@@ -45,7 +45,7 @@ impl Manoeuvre {
         (0..count).map(|k| self.at(f64::from(k) * step)).collect()
     }
 
-    /// The variator it is meant for: a vehicle's inertia on the secondary shaft, at a standstill in underdrive.
+    /// Its variator: a vehicle's inertia on the secondary shaft, at a standstill in underdrive.
     pub fn variator(mut parameters: Parameters) -> Parameters {
         parameters.secondary.inertia = 4.0;
         parameters.initial.ratio = 2.2;
@@ -53,7 +53,7 @@ impl Manoeuvre {
         parameters
     }
 
-    /// The same, in the steady state near which it is when the over-torque comes.
+    /// The same, in the steady state near that of the manoeuvre before the over-torque.
     pub fn before_over_torque(parameters: Parameters) -> Parameters {
         let mut parameters = Self::variator(parameters);
         parameters.initial.ratio = 0.8;

@@ -1,4 +1,4 @@
-//! Numbers without a pattern, for tests: the same ones in every run.
+//! Pseudo-random numbers for tests, the same in every run.
 
 /// Positive and negative numbers within ±0.5 (linear congruences, Knuth's constants).
 pub fn noise(seed: u64) -> impl FnMut() -> f64 {

@@ -14,7 +14,7 @@ pub struct Run {
     pub variator: Variator,
     /// Inputs, constant until changed.
     pub inputs: Inputs,
-    /// Largest |energy residual| over what is allowed, 2e-3·∫|power| dt + 1e-3·(largest stored energy).
+    /// Largest |energy residual| relative to its bound 2e-3·∫|power| dt + 1e-3·(largest stored energy).
     pub residual: f64,
     /// Largest relative change of the element amount.
     pub amount_change: f64,
@@ -109,7 +109,7 @@ impl Run {
         self.messages.iter().any(|m| m.warning && m.text.contains(text))
     }
 
-    /// Whether a message contains `text`, be it a warning or a remark.
+    /// Whether a message, warning or remark, contains `text`.
     pub fn reported(&self, text: &str) -> bool {
         self.messages.iter().any(|m| m.text.contains(text))
     }
@@ -120,7 +120,7 @@ impl Run {
         self.assert_amount();
         assert!(
             self.residual <= 1.0,
-            "energy residual {:.2} times what is allowed, up to {} s",
+            "energy residual {:.2} times its bound, up to {} s",
             self.residual,
             self.variator.time()
         );

@@ -1,4 +1,4 @@
-//! The shared library that cargo has built beside these tests, loaded as an importer loads it.
+//! The shared library that cargo builds with these tests, loaded as by an importer.
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
@@ -14,7 +14,7 @@ use crate::c_functions::functions;
 pub use crate::c_functions::{DISCARD, ERROR, OK, WARNING, real_outputs, real_references, reference};
 use crate::shared_library3::Functions3;
 
-/// What the library returns as an enumeration.
+/// Statuses as the library returns them.
 type Status = c_int;
 
 pushbelt::fmi::fmi2_functions! { [functions] Functions:
@@ -29,7 +29,7 @@ pub struct Library {
     pub functions3: Functions3,
 }
 
-/// Where cargo puts the library that it builds for the tests: beside them.
+/// Path of the library that cargo builds for the tests, in their folder.
 pub fn path() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a path");
     let folder = test.parent().expect("a test lies in a folder");
@@ -45,7 +45,7 @@ pub fn path() -> PathBuf {
 
 impl Library {
     pub fn load() -> Self {
-        // SAFETY: the library runs nothing when it is loaded.
+        // SAFETY: the library runs no code when it is loaded.
         let loaded = unsafe { Loaded::new(path()) }.expect("the library loads");
         let (functions, functions3) = (Functions::of(&loaded), Functions3::of(&loaded));
         Self {
@@ -96,7 +96,7 @@ impl Functions {
         }
     }
 
-    /// `count` steps of 1 ms with a load that swings; the bits of some outputs after each.
+    /// `count` steps of 1 ms with an oscillating load; the bits of some outputs after each.
     ///
     /// # Safety
     /// `c` is an instance that has not been freed.
@@ -118,7 +118,7 @@ impl Functions {
     }
 }
 
-/// A number from the environment: long runs are asked for by it.
+/// A number from the environment, for long runs.
 pub fn count(variable: &str, otherwise: u32) -> u32 {
     std::env::var(variable).map_or(otherwise, |text| text.parse().expect("a number"))
 }

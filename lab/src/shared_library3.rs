@@ -1,4 +1,4 @@
-//! The functions of FMI 3.0 in the shared library, as an importer loads them.
+//! The functions of FMI 3.0 in the shared library, loaded as by an importer.
 
 #![allow(unsafe_code, reason = "it calls the C functions")]
 
@@ -13,17 +13,17 @@ use pushbelt::unit::VariatorUnit;
 
 use crate::c_functions::{OK, functions, reference};
 
-/// What the library returns as an enumeration.
+/// Statuses as the library returns them.
 type Status = c_int;
 
 pushbelt::fmi::fmi3_functions! { [functions] Functions3: }
 
-/// What a master watches.
+/// Intermediate updates of a master.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watches {
     pub events: bool,
     pub early_return: bool,
-    /// Called back with this environment, for these variables.
+    /// Callback with this environment, for these variables.
     pub update: Option<(IntermediateUpdate, Environment)>,
 }
 
@@ -45,7 +45,7 @@ impl Functions3 {
         let (update, environment) = watches
             .update
             .map_or((None, null_mut()), |(update, environment)| (Some(update), environment));
-        // SAFETY: valid strings and an array as long as said, and null where it is allowed.
+        // SAFETY: valid strings and an array of the given length, and null where it is allowed.
         let c = unsafe {
             (self.fmi3InstantiateCoSimulation)(
                 c"variator".as_ptr(),
@@ -120,7 +120,7 @@ impl Functions3 {
         }
     }
 
-    /// `count` steps of 1 ms with a load that swings; the bits of some outputs and of the push forces after each.
+    /// `count` steps of 1 ms with an oscillating load; the bits of some outputs and of the push forces after each.
     ///
     /// # Safety
     /// `c` is an instance that has not been freed.

@@ -1,4 +1,4 @@
-//! How fast the ratio changes after a step of the primary clamping force.
+//! The rate of the ratio after a step of the primary clamping force.
 
 use pushbelt::variator::settings::{Drive, RingModel};
 
@@ -9,7 +9,7 @@ use crate::variators::{inputs, variator};
 const SPEED: f64 = 104.72;
 /// Logarithm of the step of F_P.
 const STEP: f64 = 0.3;
-/// Time after the step until the shift is measured, and over which it is, s.
+/// Delay of the measurement after the step, and its duration, s.
 const SPAN: f64 = 0.06;
 /// Communication step, s.
 const COMMUNICATION: f64 = 1e-3;

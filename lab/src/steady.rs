@@ -17,7 +17,7 @@ use pushbelt::variator::system::VariatorSystem;
 use crate::load_cases::{LoadCase, ratio, speeds};
 use crate::variators::SPEED;
 
-/// Most solves a steady state may take here.
+/// Most Newton solves of a steady state.
 const MAX_SOLVES: usize = 600;
 
 /// A steady state.
@@ -40,7 +40,7 @@ pub struct At {
     pub segment: usize,
     /// Ring element.
     pub element: usize,
-    /// What is there.
+    /// Values at the station.
     pub sample: Sample,
 }
 
@@ -65,7 +65,7 @@ impl Steady {
         sums.shaft_torque.map(|torque| -torque)
     }
 
-    /// Power that the belt takes in less its losses as a share of the driving power.
+    /// Power into the belt less its losses, as a share of the driving power.
     pub fn power_defect(&self) -> f64 {
         let o = &self.outputs;
         let driving = o.primary.power.max(o.secondary.power);

@@ -1,4 +1,4 @@
-//! How far one run follows another under the same load.
+//! Comparison of two runs under the same load.
 
 use pushbelt::variator::settings::{Outputs, Parameters};
 
@@ -16,16 +16,16 @@ pub const TRACKED: [Tracked; 5] = [
     ("thrust ratio", |o| o.thrust_ratio),
 ];
 
-/// What a run showed at each communication step.
+/// Outputs of a run at each communication step.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
     /// The tracked outputs.
     pub rows: Vec<[f64; TRACKED.len()]>,
-    /// Whether the belt slipped through.
+    /// Macro-slip.
     pub slipping: Vec<bool>,
     /// Largest defect of a step.
     pub defect: f64,
-    /// Energy that was not accounted for, as a share of what passed.
+    /// Energy residual as a share of the transmitted energy.
     pub unaccounted: f64,
 }
 

@@ -28,14 +28,14 @@ pub fn variator(model: RingModel) -> Parameters {
     }
 }
 
-/// The same with one cell in each element.
+/// The same with one cell per element.
 pub fn one_cell(model: RingModel) -> Parameters {
     let mut parameters = variator(model);
     parameters.mesh.cells_per_element = 1;
     parameters
 }
 
-/// The laboratory variator on a mesh that is enough for a law and too coarse for a claim about accuracy.
+/// The laboratory variator on a coarse mesh, sufficient for tests of laws but not of accuracy.
 pub fn coarse(model: RingModel) -> Parameters {
     let factor = if model == RingModel::Ale0 { 2 } else { 1 };
     Parameters {
@@ -51,8 +51,8 @@ pub fn rigid(mut parameters: Parameters) -> Parameters {
     parameters
 }
 
-/// The belt alone: shafts without drag, layers of the ring without friction, Coulomb friction on the sheaves. For claims of theories
-/// that have no other losses.
+/// The belt alone: shafts without drag, layers of the ring without friction, Coulomb friction on the sheaves. For comparison
+/// with theories that have no other losses.
 pub fn belt_alone(mut parameters: Parameters) -> Parameters {
     parameters.primary.drag = ShaftDrag::NONE;
     parameters.secondary.drag = ShaftDrag::NONE;

@@ -14,7 +14,7 @@ use crate::variator::settings::{Outputs, Readings};
 /// Frequencies below which modes can be kept, Hz.
 const FREQUENCIES: (f64, f64) = (1.0e-2, 1.0e5);
 
-/// An output of the linear model: name, unit, and where its value stands.
+/// An output of the linear model: name, unit, and getter of its value.
 struct Column {
     name: String,
     unit: &'static str,
@@ -22,7 +22,7 @@ struct Column {
 }
 
 /// The linear model about the present state of `unit`, whose inputs are those of `settings`. Modes below `frequency`, Hz,
-/// are its states. A warning for each thing in which the point is not the one that was given.
+/// are its states. There is a warning for each difference from the specified point.
 ///
 /// # Errors
 /// The reason, as a sentence.
@@ -35,7 +35,7 @@ pub fn model<R: Rings>(
     let (least, most) = FREQUENCIES;
     if !(least..=most).contains(&frequency) {
         return Err(format!(
-            "the frequency {frequency} Hz, below which modes are kept, is out of range: {least} to {most} Hz"
+            "frequency = {frequency} Hz, below which modes are kept, is out of range: {least} to {most} Hz"
         ));
     }
     let table = table::table::<R>();
@@ -50,7 +50,7 @@ pub fn model<R: Rings>(
     let found = linearise_at(variator, &settings.inputs, frequency, &read).map_err(|error| error.to_string())?;
     remarks.extend(found.remarks.iter().map(|text| Remark {
         warning: true,
-        text: format!("the linear model is not about the point that is given: {text}"),
+        text: format!("the linear model is not about the specified point: {text}"),
     }));
     Ok(format!("{:#}", in_words(&found, &table, &columns, frequency, time)))
 }

@@ -10,12 +10,12 @@ use crate::fmi::log::Status;
 crate::fmi::export_functions! {
     /// The linear model about the state in which an instance is, as JSON; `docs/linear.md` describes it.
     ///
-    /// Allowed in initialisation mode and from then on; the instance stays as it is. Modes below `frequency`, Hz, become states.
+    /// Allowed in initialisation mode and from then on; the instance does not change. Modes below `frequency`, Hz, become states.
     /// `*json` is set to a string that ends with a zero. Free it by [`pushbeltFreeText`].
     ///
-    /// `fmi2OK`: the point is the one that parameters and inputs give. `fmi2Warning`: there is a model, but the belt slips through
-    /// or the point is held by other loads than those that are given. `fmi2Error`: there is none, and `*json` is null. The log has
-    /// the reason; the instance can continue in all three cases.
+    /// `fmi2OK`: the point is that of parameters and inputs. `fmi2Warning`: there is a model, but the belt slips through, or
+    /// other loads than the specified ones hold the point. `fmi2Error`: there is no model, and `*json` is null. The reason is
+    /// logged; the instance can continue in all three cases.
     ///
     /// # Safety
     /// `c` is null or an instance from `fmi2Instantiate` that has not been freed and that no other call is using. `json` is null or

@@ -9,7 +9,7 @@ use crate::variator::settings::{Inputs, ParameterError, Parameters, RingModel};
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// The values that a master sets. The default is the variator of the default experiment.
+/// The variables that a master sets. The default is the variator of the default experiment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings<R = StandardRings> {
     /// Parameters of the variator.
@@ -49,14 +49,14 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
     fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing>;
 }
 
-/// Removed before the FMU had rings of other units.
+/// Removed in an earlier version.
 pub const CONTACT_STRAIN: Retired = Retired {
     name: "belt.contactStrain",
     reference: 1036,
     instead: "set belt.roughness, the same strain times belt.elementThickness",
 };
 
-/// A variable that only the FMU of the paper's comparison has.
+/// A variable of the FMU of the paper's comparison alone.
 const fn of_paper(name: &'static str, reference: u32) -> Retired {
     Retired {
         name,

@@ -1,7 +1,7 @@
 //! The variable table: one row a variable, with its name, value reference, unit, description and field. Limits come
 //! from [`validation`](crate::variator::validation), start values from the defaults of the fields.
 //!
-//! Rows of a pulley are written once: `{}` stands for its name, and 100 or 200 is added to the reference.
+//! Rows of a pulley are written once: its name replaces `{}`, and 100 or 200 is added to the reference.
 //!
 //! Value references, never changed once given (1036 was belt.contactStrain; 1045, 1048 and 1075 are those of the paper's rings):
 //!
@@ -48,13 +48,13 @@ macro_rules! read {
     };
 }
 
-/// The owner of the rows that follow: the name that stands for `{}`, and the number that is added to the references.
+/// The pulley of the rows that follow: the name that replaces `{}`, and the number that is added to the references.
 type Owner = (&'static str, u32);
 const WHOLE: Owner = ("", 0);
 const PRIMARY: Owner = ("primary", 100);
 const SECONDARY: Owner = ("secondary", 200);
 
-/// The rows of the table so far, and the owner of the next ones.
+/// The rows of the table so far, and the pulley of the next ones.
 pub struct Rows<R: Rings = StandardRings> {
     variables: Vec<Variable<Settings<R>, Readings>>,
     arrays: Vec<Array>,
@@ -124,7 +124,7 @@ impl<R: Rings> Rows<R> {
         self.add(name, reference, causality, text, kind);
     }
 
-    /// A parameter that is a whole number.
+    /// An integer parameter.
     pub fn count(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, i32>) {
         #[expect(
             clippy::cast_possible_truncation,
@@ -134,12 +134,12 @@ impl<R: Rings> Rows<R> {
         self.add(name, reference, Parameter, text, Kind::Integer { range, access });
     }
 
-    /// An output that counts.
+    /// An output that is a count.
     fn work(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, i32>) {
         self.add(name, reference, Output, text, Kind::Integer { range: None, access });
     }
 
-    /// A parameter that is true or false.
+    /// A Boolean parameter.
     pub fn switch(&mut self, name: &str, reference: u32, text: &str, access: Access<Settings<R>, Readings, bool>) {
         self.add(name, reference, Parameter, text, Kind::Boolean { access });
     }

@@ -2,7 +2,7 @@
 
 use crate::fmi::fmi3::{Terminal, terminals_and_icons};
 
-/// The shafts and the clamps.
+/// The terminals of shafts and clamps.
 pub const TERMINALS: [Terminal; 4] = [
     Terminal {
         name: "primaryShaft",

@@ -184,13 +184,13 @@ fn failure(error: StepError) -> StepFailure {
 }
 
 /// The tolerance to use, from the parameter and from the experiment. Masters pass the default experiment's tolerance
-/// without the user's doing, so a parameter that was changed comes first.
+/// without any action of the user, so a changed parameter takes precedence.
 fn choose_tolerance(parameter: f64, experiment: f64, remarks: &mut Vec<Remark>) -> f64 {
     let mut remark = |warning, text| remarks.push(Remark { warning, text });
     if parameter != Parameters::default().solver.tolerance {
         if parameter != experiment {
             let text = format!(
-                "solver.tolerance = {parameter} was set and comes before the experiment's tolerance {experiment}"
+                "solver.tolerance = {parameter} was set and takes precedence over the experiment's tolerance {experiment}"
             );
             remark(false, text);
         }
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parameter_that_was_set_comes_first() {
+    fn a_changed_parameter_takes_precedence_over_the_experiment() {
         let mut remarks = Vec::new();
         assert_eq!(choose_tolerance(1e-5, 1e-4, &mut remarks), 1e-5);
         assert!(!remarks[0].warning);
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tolerance_that_no_one_can_keep_is_moved_into_range() {
+    fn a_tolerance_out_of_range_is_moved_into_range() {
         let mut remarks = Vec::new();
         assert_eq!(choose_tolerance(1e-4, 1e-300, &mut remarks), 1e-10);
         assert!(remarks[0].warning);

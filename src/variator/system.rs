@@ -29,7 +29,7 @@ pub struct VariatorSystem {
     pub pulleys: Pulleys,
     /// Loads and set points at the pulleys.
     pub loads: Loads,
-    /// Parameters as set. They own the friction coefficients, which can change in a run.
+    /// Parameters as set, including the friction coefficients, which can change in a run.
     pub parameters: Parameters,
     /// Friction velocity v₀ in force, m/s. Steady solutions and starts without load begin with a larger one.
     pub friction_velocity: f64,
@@ -92,7 +92,7 @@ impl VariatorSystem {
         }
     }
 
-    /// Rounds the laws by a share from 0, which leaves them as they are, to 1, as [`Rounded`] says.
+    /// Regularises the laws by a share from 0, none, to 1, the least widths of [`Rounded`].
     pub(crate) fn round(&mut self, share: f64) {
         if share == self.rounding {
             return;
@@ -126,7 +126,7 @@ impl VariatorSystem {
         geometry: Option<Geometry>,
         time: f64,
         view: View<'_>,
-        slopes: [f64; 2],
+        factors: [f64; 2],
         out: &mut Arrow,
     ) {
         out.clear();
@@ -136,10 +136,10 @@ impl VariatorSystem {
         let of_belt = (&mut *out, &mut self.resultants);
         let loads = self
             .assembly
-            .jacobian(InForce { belt, law, friction }, view, slopes, geometry, of_belt);
+            .jacobian(InForce { belt, law, friction }, view, factors, geometry, of_belt);
         let boundary = self.loads.at(time);
         self.pulleys
-            .jacobian(&boundary, (&loads, &self.resultants), view, slopes, out);
+            .jacobian(&boundary, (&loads, &self.resultants), view, factors, out);
         for c in belt.gauge() {
             for (node, sign) in c.nodes.into_iter().zip(c.signs) {
                 out.add(c.multiplier, node, HOLD * sign);
@@ -170,19 +170,19 @@ impl VariatorSystem {
         self.pulleys.jump(&before, &self.loads.at(time), y_dot);
     }
 
-    /// Drops the kept derivatives: the next Jacobian evaluates all of them.
+    /// Clears the Jacobian cache: the next Jacobian evaluates all derivatives.
     pub(crate) fn forget_derivatives(&mut self) {
         self.assembly.forget_derivatives();
     }
 
-    /// Evaluates the kept derivatives at the places that were read from a tape.
+    /// Evaluates the cached derivatives at the points that were read from a tape.
     pub(crate) fn restore_derivatives(&mut self) {
         let friction = &self.friction();
         let (belt, law) = (&*self.belt, &self.law);
         self.assembly.restore_derivatives(InForce { belt, law, friction });
     }
 
-    /// Writes to a tape, or reads from it, the loads, the rounding and the places of the kept derivatives.
+    /// Writes to a tape, or reads from it, the loads, the rounding and the points of the cached derivatives.
     pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
         let mut rounding = self.rounding;
         tape.real(&mut rounding);
@@ -191,7 +191,7 @@ impl VariatorSystem {
         self.assembly.serialize_derivatives(&self.belt, tape);
     }
 
-    /// Number of packs of cells that were differentiated, and of those that got new slopes of their laws alone.
+    /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
     #[must_use]
     pub fn differentiations(&self) -> [u64; 2] {
         self.assembly.differentiations()
@@ -213,7 +213,7 @@ impl VariatorSystem {
 /// Negligible errors: ring position, m (1 N of tension, 5 N/m of contact), and ring speed, m/s.
 const PLACE: f64 = 1.0e-9;
 const RING_SPEED: f64 = 1.0e-3;
-/// Share of the friction velocity, by which all speeds of sliding may be off.
+/// Negligible error of sliding speeds, as a share of the friction velocity.
 const SLIP: f64 = 2.0e-3;
 /// Slopes of the overlay per metre of its deflections: an element is some millimetres long.
 const PER_METRE: f64 = 1.0e3;

@@ -12,7 +12,7 @@ use pushbelt::unit::c_abi::*;
 use crate::importer::*;
 
 #[test]
-fn derivatives_ask_for_an_input_an_output_and_order_one() {
+fn derivatives_require_an_input_or_output_and_order_one() {
     let importer = Importer::running(c"derivatives");
     let c = importer.c;
     let (torque, ratio) = (reference("primary.torque"), reference("thrustRatio"));
@@ -63,7 +63,7 @@ fn input_derivatives_raise_the_order_on_a_ramp() {
         importer.start();
         assert_eq!(importer.step(0.0, 0.02), Ok, "past the ramp of the loads");
         let (size, from) = (0.016 / f64::from(steps), 0.02);
-        // A parabola: even a straight line through each step leaves an error.
+        // A parabola, so that a straight line in each step leaves an error too.
         let torque = |t: f64| 50.0 + 4e5 * (t - from) * (t - from);
         for k in 0..steps {
             let t = from + f64::from(k) * size;
@@ -72,7 +72,7 @@ fn input_derivatives_raise_the_order_on_a_ramp() {
                 let slope = (torque(t + size) - torque(t)) / size;
                 assert_eq!(importer.set_derivative("primary.torque", slope), Ok);
             }
-            assert_eq!(importer.step(t, size), Ok, "{:?}", importer.heard);
+            assert_eq!(importer.step(t, size), Ok, "{:?}", importer.record);
         }
         importer.real("primary.speed")
     };
@@ -86,24 +86,23 @@ fn input_derivatives_raise_the_order_on_a_ramp() {
     assert!((straight - 2.0).abs() < 0.4, "interpolated: order {straight}");
 }
 
-/// The integral of the derivatives over 50 steps of 2 µs is what the outputs have changed, in a run where everything
-/// moves.
+/// The integral of the derivatives over 50 steps of 2 µs is the change of the outputs, in a run with all variables changing.
 #[test]
 fn output_derivatives_are_the_slopes_of_the_outputs() {
-    // In ALE0 the ring tension and what hangs on it turn within a few steps: up to 4 % of the way, and 25 outputs of 35
-    // agree. In ALE it is half a per cent, and 30 agree.
+    // In ALE0 the ring tension and outputs that depend on it reverse within a few steps: errors are up to 4 % of the change,
+    // and 25 outputs of 35 agree. In ALE errors are half a per cent, and 30 agree.
     check_output_derivatives(1, 0.05, 24);
     check_output_derivatives(2, 0.01, 29);
 }
 
-/// No output is off by more than `share` of the way that it goes, and so many that move are off by at most 2 %.
+/// The error of every output is at most `share` of its change, and that of `agreeing` changing outputs at most 2 %.
 fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
     let importer = Importer::new(c"slopes");
     importer.make_cheap();
     assert_eq!(importer.set_integer("ring.model", model), Ok);
     assert_eq!(importer.set_integer("secondary.drive", 2), Ok);
     assert_eq!(importer.set_real("solver.tolerance", 1e-7), Ok);
-    // Of the belt alone: which tension of ALE0 turns in these steps hangs on each detail, drag or 0.3 % of inertia.
+    // Without drag: which tension of ALE0 reverses in these steps depends on each detail, such as drag or 0.3 % of inertia.
     for pulley in ["primary", "secondary"] {
         for drag in ["drag.constant", "drag.viscous", "bearing.friction"] {
             assert_eq!(importer.set_real(&format!("{pulley}.{drag}"), 0.0), Ok);
@@ -117,15 +116,15 @@ fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
         .filter(|v| v.causality == Causality::Output && matches!(v.kind, Kind::Real { .. }))
         .map(|v| v.name.clone())
         .collect();
-    // Inputs that move, too: the reaction of a shaft that follows a set point depends on them.
+    // Inputs change too, because the reaction of a shaft that follows a set point depends on them.
     let from = 0.03;
-    // Steps of load and set point at the same time, so that much moves in a ms.
+    // Steps of load and set point at the same time, so that outputs change much in 1 ms.
     let step = |t: f64, size: f64| {
         for (name, value, rate) in [("primary.torque", 80.0, 2e4), ("secondary.speedSetpoint", 215.0, -2e3)] {
             assert_eq!(importer.set_real(name, value + rate * (t - from)), Ok);
             assert_eq!(importer.set_derivative(name, rate), Ok);
         }
-        assert_eq!(importer.step(t, size), Ok, "{:?}", importer.heard);
+        assert_eq!(importer.step(t, size), Ok, "{:?}", importer.record);
         names.iter().map(|name| importer.real(name)).collect::<Vec<f64>>()
     };
     step(from, 2e-3);
@@ -148,12 +147,12 @@ fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
         slopes = next;
     }
     let mut exact = 0;
-    // The defect is that of a step, no function of time.
+    // The defect belongs to a step and is not a function of time.
     let in_time = names.iter().enumerate().filter(|(_, name)| *name != "solver.defect");
     for (i, name) in in_time {
         let found = last[i] - first[i];
-        // Newton's method leaves outputs uncertain by some 1e-6 of themselves, and in so short steps velocities and
-        // forces of what sticks by more.
+        // The tolerance of Newton's method is some 1e-6 of an output. In such short steps velocities and forces of sticking
+        // elements are less accurate.
         let error = (change[i] - found).abs();
         let uncertain = 3e-6 * last[i].abs() + 1e-12;
         exact += u32::from(error < 0.02 * travel[i] && travel[i] > 20.0 * uncertain);

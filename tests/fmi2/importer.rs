@@ -1,4 +1,4 @@
-//! An importer that hears what the unit logs.
+//! An importer that records the messages of the unit.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -11,13 +11,13 @@ use pushbelt::unit::VariatorUnit;
 use pushbelt::unit::c_abi::*;
 pub use pushbelt_lab::shared_library::{real_outputs, reference};
 
-/// What a logger was told: instance, status, category, message.
+/// Messages that the logger received: instance, status, category, text.
 #[derive(Debug, Default)]
-pub struct Heard(pub RefCell<Vec<(String, c_int, String, String)>>);
+pub struct Record(pub RefCell<Vec<(String, c_int, String, String)>>);
 
 /// The standard's logger is variadic. This one takes the one argument that belongs to "%s"; on the platforms of the
 /// tests both are called the same way.
-unsafe extern "C" fn hear(
+unsafe extern "C" fn log_message(
     environment: *mut c_void,
     instance: *const c_char,
     status: c_int,
@@ -25,12 +25,12 @@ unsafe extern "C" fn hear(
     format: *const c_char,
     argument: *const c_char,
 ) {
-    // SAFETY: `environment` is the `Heard` of the importer below, the strings are what this test is about.
+    // SAFETY: `environment` is the `Record` of the importer below, the strings are what this test is about.
     unsafe {
         let own = |text| CStr::from_ptr(text).to_str().expect("UTF-8").to_string();
         assert_eq!(own(format), "%s");
-        let heard = &*environment.cast::<Heard>();
-        heard
+        let record = &*environment.cast::<Record>();
+        record
             .0
             .borrow_mut()
             .push((own(instance), status, own(category), own(argument)));
@@ -41,34 +41,34 @@ pub fn guid() -> CString {
     CString::new(pushbelt::fmi::guid::<VariatorUnit>()).expect("no zero inside")
 }
 
-/// An instance with all that an importer keeps for it.
+/// An instance with the importer's data for it.
 pub struct Importer {
     pub c: Component,
-    pub heard: Box<Heard>,
+    pub record: Box<Record>,
 }
 
 impl Importer {
     pub fn new(name: &CStr) -> Self {
         let importer = Self::with_resources(name, c"file:///tmp/a%20b/resources");
-        assert!(!importer.c.is_null(), "{:?}", importer.heard);
+        assert!(!importer.c.is_null(), "{:?}", importer.record);
         importer
     }
 
-    /// An instance whose resources lie there; null if the unit refuses.
+    /// An instance with its resources at `location`; null if the unit refuses.
     pub fn with_resources(name: &CStr, location: &CStr) -> Self {
-        let heard = Box::new(Heard::default());
-        // SAFETY: see `hear`.
-        let logger = unsafe { std::mem::transmute::<*const (), Logger>(hear as *const ()) };
+        let record = Box::new(Record::default());
+        // SAFETY: see `log_message`.
+        let logger = unsafe { std::mem::transmute::<*const (), Logger>(log_message as *const ()) };
         let functions = CallbackFunctions {
             logger: Some(logger),
             allocate_memory: None,
             free_memory: None,
             step_finished: None,
-            component_environment: std::ptr::from_ref(&*heard).cast_mut().cast(),
+            component_environment: std::ptr::from_ref(&*record).cast_mut().cast(),
         };
         // SAFETY: all pointers are valid.
         let c = unsafe { fmi2Instantiate(name.as_ptr(), 1, guid().as_ptr(), location.as_ptr(), &functions, 0, 0) };
-        Self { c, heard }
+        Self { c, record }
     }
 
     /// An instance in step mode, of the cheapest variator.
@@ -95,10 +95,10 @@ impl Importer {
                 fmi2SetupExperiment(self.c, 1, 1e-4, 0.0, 0, 0.0),
                 Ok,
                 "{:?}",
-                self.heard
+                self.record
             );
-            assert_eq!(fmi2EnterInitializationMode(self.c), Ok, "{:?}", self.heard);
-            assert_eq!(fmi2ExitInitializationMode(self.c), Ok, "{:?}", self.heard);
+            assert_eq!(fmi2EnterInitializationMode(self.c), Ok, "{:?}", self.record);
+            assert_eq!(fmi2ExitInitializationMode(self.c), Ok, "{:?}", self.record);
         }
     }
 
@@ -138,28 +138,28 @@ impl Importer {
                 values.as_mut_ptr(),
             )
         };
-        assert_eq!(status, Ok, "{:?}", self.heard);
+        assert_eq!(status, Ok, "{:?}", self.record);
         values.into_iter().map(f64::to_bits).collect()
     }
 
     pub fn real(&self, name: &str) -> f64 {
         let mut value = f64::NAN;
         let status = unsafe { fmi2GetReal(self.c, &reference(name), 1, &mut value) };
-        assert_eq!(status, Ok, "{name} {:?}", self.heard);
+        assert_eq!(status, Ok, "{name} {:?}", self.record);
         value
     }
 
     pub fn integer(&self, name: &str) -> c_int {
         let mut value = -1;
         let status = unsafe { fmi2GetInteger(self.c, &reference(name), 1, &mut value) };
-        assert_eq!(status, Ok, "{name} {:?}", self.heard);
+        assert_eq!(status, Ok, "{name} {:?}", self.record);
         value
     }
 
     pub fn boolean(&self, name: &str) -> c_int {
         let mut value = -1;
         let status = unsafe { fmi2GetBoolean(self.c, &reference(name), 1, &mut value) };
-        assert_eq!(status, Ok, "{name} {:?}", self.heard);
+        assert_eq!(status, Ok, "{name} {:?}", self.record);
         value
     }
 
@@ -174,7 +174,7 @@ impl Importer {
         let mut values = vec![f64::NAN; references.len()];
         // SAFETY: an instance, and as many values as references.
         let status = unsafe { fmi2GetReal(self.c, references.as_ptr(), references.len(), values.as_mut_ptr()) };
-        assert_eq!(status, Ok, "{:?}", self.heard);
+        assert_eq!(status, Ok, "{:?}", self.record);
         values.into_iter().map(f64::to_bits).collect()
     }
 
@@ -182,14 +182,14 @@ impl Importer {
     pub fn run(&self) -> Vec<Vec<u64>> {
         let step = |k: u32| {
             assert_eq!(self.set_real("secondary.torque", -f64::from(k)), Ok);
-            assert_eq!(self.step(f64::from(k) * 1e-3, 1e-3), Ok, "{:?}", self.heard);
+            assert_eq!(self.step(f64::from(k) * 1e-3, 1e-3), Ok, "{:?}", self.record);
             self.readings()
         };
         (0..10).map(step).collect()
     }
 
     pub fn last(&self) -> String {
-        self.heard.0.borrow().last().expect("a message").3.clone()
+        self.record.0.borrow().last().expect("a message").3.clone()
     }
 }
 

@@ -1,4 +1,4 @@
-//! An instance from its start to its end: creation, the states of a run, reset, what fails.
+//! The life cycle of an instance: creation, the states of a run, reset, failures.
 
 use std::ffi::{CStr, c_char, c_int};
 use std::ptr::{null, null_mut};
@@ -14,7 +14,7 @@ use pushbelt_lab::checks::assert_close;
 use crate::importer::*;
 
 #[test]
-fn platform_and_version_are_the_standards() {
+fn platform_and_version_are_those_of_the_standard() {
     // SAFETY: both are constant strings.
     unsafe {
         assert_eq!(CStr::from_ptr(fmi2GetTypesPlatform()), c"default");
@@ -72,7 +72,7 @@ fn a_run_without_wiring_goes_through_all_its_states() {
     let mut variator = cheap_variator();
     assert_eq!(importer.real("primary.clampingForce"), 13_000.0);
     for k in 0..10 {
-        assert_eq!(importer.step(f64::from(k) * 0.001, 0.001), Ok, "{:?}", importer.heard);
+        assert_eq!(importer.step(f64::from(k) * 0.001, 0.001), Ok, "{:?}", importer.record);
         variator
             .advance(f64::from(k + 1) * 0.001, &Inputs::default())
             .expect("a step");
@@ -100,20 +100,20 @@ fn a_run_without_wiring_goes_through_all_its_states() {
     assert_eq!(importer.readings(), last, "a terminated run keeps its outputs");
 }
 
-/// Every load at the end of its range at once, with the tightest tolerance and the sharpest friction: too much for the
+/// All loads at the ends of their ranges, with the least tolerance and friction velocity: too much for the
 /// error control.
 #[test]
-fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
+fn a_step_that_fails_is_discarded_and_can_be_repeated() {
     let importer = Importer::new(c"discard");
     importer.make_cheap();
     assert_eq!(importer.set_real("solver.tolerance", 1e-9), Ok);
     assert_eq!(importer.set_real("friction.velocity", 1e-6), Ok);
     assert_eq!(importer.set_real("inputs.ramp", 0.0), Ok);
-    // Oil that brakes closing elements would carry even this load.
+    // With squeeze damping between the elements even this step would succeed.
     assert_eq!(importer.set_real("belt.squeezeDamping", 0.0), Ok);
     assert_eq!(importer.set_real("belt.filmForce", 10.0), Ok);
     importer.start();
-    assert_eq!(importer.step(0.0, 1e-4), Ok, "{:?}", importer.heard);
+    assert_eq!(importer.step(0.0, 1e-4), Ok, "{:?}", importer.record);
     let (c, mut stored, mut reached, mut status) = (importer.c, null_mut(), f64::NAN, -1);
     // SAFETY: an instance and a state of it.
     unsafe {
@@ -136,7 +136,7 @@ fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
         assert_eq!(fmi2GetStatus(c, 0, &mut status), Ok);
         assert_eq!(status, Status::Discard as c_int);
         assert!(importer.real("primary.speed").is_finite());
-        // Back, and smaller: the same bits as if nothing had been tried.
+        // After rollback a smaller step gives the same bits as without the discarded one.
         assert_eq!(fmi2SetFMUstate(c, stored), Ok);
         assert_eq!(importer.step(1e-4, 2e-4), Ok);
         let expected = importer.readings();
@@ -150,7 +150,7 @@ fn a_step_that_can_not_be_done_is_discarded_and_can_be_repeated() {
 }
 
 #[test]
-fn what_is_not_supported_is_refused() {
+fn unsupported_functions_are_refused() {
     let importer = Importer::running(c"not supported");
     let c = importer.c;
     let says = |status, flag: &str| {
@@ -171,7 +171,7 @@ fn what_is_not_supported_is_refused() {
 }
 
 #[test]
-fn status_calls_answer_what_is_known() {
+fn status_calls_return_the_status_of_the_last_step() {
     let importer = Importer::running(c"status");
     let c = importer.c;
     let (mut real, mut integer, mut text) = (f64::NAN, -1, null());
@@ -194,11 +194,11 @@ fn status_calls_answer_what_is_known() {
 }
 
 #[test]
-fn null_pointers_are_answered_with_an_error() {
+fn null_pointers_are_errors() {
     let importer = Importer::running(c"null");
     let c = importer.c;
     let vr = 1;
-    // SAFETY: null is what the functions are to stand.
+    // SAFETY: the functions accept null.
     unsafe {
         fmi2FreeInstance(null_mut());
         assert_eq!(fmi2Reset(null_mut()), Error);
@@ -216,13 +216,13 @@ fn null_pointers_are_answered_with_an_error() {
         assert_eq!(fmi2SetDebugLogging(c, 1, 1, null()), Error);
         assert_eq!(fmi2SetDebugLogging(c, 1, 1, &null()), Error);
         assert_eq!(fmi2GetReal(c, null(), usize::MAX, null_mut()), Error);
-        // No element, no array needed.
+        // Null is legal for an array without elements.
         assert_eq!(fmi2GetReal(c, null(), 0, null_mut()), Ok);
         assert_eq!(fmi2SetReal(c, null(), 0, null()), Ok);
         assert_eq!(fmi2GetString(c, null(), 0, null_mut()), Ok);
         assert_eq!(fmi2SetString(c, null(), 0, null()), Ok);
         assert_eq!(fmi2SetDebugLogging(c, 1, 0, null()), Ok);
-        // There is no string at all.
+        // There are no string variables.
         assert_eq!(fmi2GetString(c, &vr, 1, &mut null()), Error);
     }
     assert_eq!(importer.step(0.0, 0.001), Ok, "and nothing has changed");

@@ -9,9 +9,9 @@ use serde_json::Value;
 
 use crate::importer::*;
 
-/// What a call answers.
+/// Status and result of a call.
 fn linearize(importer: &Importer, frequency: f64) -> (Status, Option<Value>) {
-    // Not null before: it must not stay as it was.
+    // Not null before, so that an unchanged pointer is detected.
     let mut text = c"before".as_ptr().cast_mut();
     // SAFETY: an instance and a valid pointer; the text comes from the call and is read before it is freed.
     unsafe {
@@ -39,9 +39,12 @@ fn steady(inputs: &[(&str, f64)]) -> Importer {
 
 /// The log has a warning with this text.
 fn assert_warned(importer: &Importer, part: &str) {
-    let heard = importer.heard.0.borrow();
-    let mut warnings = heard.iter().filter(|(_, status, _, _)| *status == Warning as i32);
-    assert!(warnings.any(|(_, _, _, text)| text.contains(part)), "{part}: {heard:?}");
+    let record = importer.record.0.borrow();
+    let mut warnings = record.iter().filter(|(_, status, _, _)| *status == Warning as i32);
+    assert!(
+        warnings.any(|(_, _, _, text)| text.contains(part)),
+        "{part}: {record:?}"
+    );
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -65,11 +68,11 @@ fn a_steady_instance_has_a_model_in_the_names_of_the_interface() {
         })
         .collect();
     let held: Vec<(&str, f64)> = held.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-    // Under the loads that hold it there is nothing to remark.
+    // Under the loads that hold the point there is no remark.
     let importer = steady(&held);
     let before = importer.readings();
     let (status, found) = linearize(&importer, 50.0);
-    assert_eq!(status, Ok, "{:?}", importer.heard);
+    assert_eq!(status, Ok, "{:?}", importer.record);
     let model = found.expect("a model");
     let names: Vec<_> = held.iter().map(|(name, _)| *name).collect();
     assert_eq!(
@@ -104,13 +107,13 @@ fn a_steady_instance_has_a_model_in_the_names_of_the_interface() {
             importer.real(output["name"].as_str().expect("a name")),
         );
     }
-    // The instance is as it was.
+    // The instance has not changed.
     assert_eq!(importer.readings(), before);
     assert_eq!(importer.step(0.0, 1e-3), Ok);
 }
 
 #[test]
-fn a_point_that_is_not_the_one_that_was_given_is_a_warning() {
+fn a_difference_from_the_specified_point_is_a_warning() {
     let importer = steady(&[("primary.torque", 400.0)]);
     let (status, found) = linearize(&importer, 50.0);
     let model = found.expect("a model");
@@ -123,7 +126,7 @@ fn a_point_that_is_not_the_one_that_was_given_is_a_warning() {
     assert_warned(&importer, "400 N.m is given");
 }
 
-/// Between given speeds the belt may slip through for ever.
+/// Between prescribed speeds the belt may slip through permanently.
 #[test]
 fn a_belt_that_slips_through_is_a_warning() {
     let importer = Importer::new(c"slipping");
@@ -146,7 +149,7 @@ fn a_belt_that_slips_through_is_a_warning() {
 }
 
 #[test]
-fn what_has_no_model_says_why_and_goes_on() {
+fn a_call_without_a_model_logs_the_reason_and_the_run_continues() {
     let importer = Importer::new(c"early");
     assert_eq!(linearize(&importer, 50.0), (Error, None));
     assert!(importer.last().contains("not allowed"), "{}", importer.last());

@@ -40,12 +40,12 @@ impl Drop for Resources {
 }
 
 #[test]
-fn values_of_the_file_hold_and_come_back_with_a_reset() {
+fn values_of_the_file_apply_at_the_start_and_after_a_reset() {
     let resources = Resources::new("good");
     let text = "# a comment\r\nfriction.pulley = 0.085\n\n  mesh.strand=4\nmesh.primaryArc = 4\nmesh.secondaryArc = 4\n\
                 ring.model = 1\ninitial.steady = false\nprimary.clampingForce = 14e3\n";
     let importer = resources.with(text.as_bytes());
-    assert!(!importer.c.is_null(), "{:?}", importer.heard);
+    assert!(!importer.c.is_null(), "{:?}", importer.record);
     // SAFETY: an instance.
     unsafe {
         assert_eq!(fmi2SetReal(importer.c, &reference("friction.pulley"), 1, &0.08), Ok);
@@ -68,7 +68,7 @@ fn values_of_the_file_hold_and_come_back_with_a_reset() {
 }
 
 #[test]
-fn what_is_set_comes_before_the_file() {
+fn set_values_take_precedence_over_the_file() {
     let resources = Resources::new("set");
     let importer = resources.with(b"friction.pulley = 0.085");
     importer.make_cheap();
@@ -78,7 +78,7 @@ fn what_is_set_comes_before_the_file() {
 }
 
 #[test]
-fn a_file_that_can_not_be_used_is_named() {
+fn an_unusable_file_is_an_error_that_names_it() {
     let resources = Resources::new("bad");
     let large = [b'#'; (1 << 20) + 1];
     for (content, words) in [
@@ -94,25 +94,25 @@ fn a_file_that_can_not_be_used_is_named() {
             b"mesh.aligned = true",
             "line 1: mesh.aligned (value reference 1075) was removed: the FMU of the comparison",
         ),
-        (b"friction.pulley = high", "friction.pulley = \"high\" is no number"),
+        (b"friction.pulley = high", "friction.pulley = \"high\" is not a number"),
         (b"friction.pulley = nan", "friction.pulley = NaN is not a finite number"),
         (b"friction.pulley = 3", "friction.pulley = 3 is out of range: 0 to 1"),
-        (b"ring.model = ALE", "ring.model = \"ALE\" is no whole number"),
+        (b"ring.model = ALE", "ring.model = \"ALE\" is not a whole number"),
         (b"ring.model = 7", "ring.model = 7 is out of range: 1 ALE0"),
-        (b"mesh.strand = 4.5", "mesh.strand = \"4.5\" is no whole number"),
-        (b"initial.steady = 0", "initial.steady = \"0\" is no truth value"),
+        (b"mesh.strand = 4.5", "mesh.strand = \"4.5\" is not a whole number"),
+        (b"initial.steady = 0", "initial.steady = \"0\" is not a truth value"),
         (b"slip = 0.1", "slip is calculated"),
         (
             b"friction.ring = 0.1\nfriction.ring = 0.1",
-            "line 2: friction.ring is there twice",
+            "line 2: friction.ring is set twice",
         ),
-        (b"\xff\xfe", "no text in UTF-8"),
+        (b"\xff\xfe", "not text in UTF-8"),
         (&large, "more than 1048576 bytes"),
     ] {
         let importer = resources.with(content);
         assert!(importer.c.is_null(), "{words}");
-        let said = importer.last();
-        assert!(said.contains(FILE) && said.contains(words), "{said}");
+        let message = importer.last();
+        assert!(message.contains(FILE) && message.contains(words), "{message}");
     }
     fs::remove_file(resources.0.join(FILE)).expect("there");
     assert!(!resources.importer().c.is_null(), "without the file the defaults hold");
@@ -121,6 +121,6 @@ fn a_file_that_can_not_be_used_is_named() {
     assert!(
         importer.c.is_null() && importer.last().contains("no file"),
         "{:?}",
-        importer.heard
+        importer.record
     );
 }

@@ -13,7 +13,7 @@ fn a_stored_state_is_continued_bit_for_bit() {
     assert_eq!(importer.step(0.0, 0.003), Ok);
     let mut state = null_mut();
     let go_on = || {
-        assert_eq!(importer.step(0.003, 0.002), Ok, "{:?}", importer.heard);
+        assert_eq!(importer.step(0.003, 0.002), Ok, "{:?}", importer.record);
         importer.readings()
     };
     // SAFETY: an instance and a state of it.
@@ -38,7 +38,7 @@ fn a_stored_state_is_continued_bit_for_bit() {
 /// A state as bytes.
 fn serialized(importer: &Importer) -> Vec<u8> {
     let (c, mut state, mut size) = (importer.c, null_mut(), 0);
-    // SAFETY: an instance, a state of it, and as many bytes as it asks for.
+    // SAFETY: an instance, a state of it, and as many bytes as its size.
     unsafe {
         assert_eq!(fmi2GetFMUstate(c, &mut state), Ok);
         assert_eq!(fmi2SerializedFMUstateSize(c, state, &mut size), Ok);
@@ -54,7 +54,7 @@ fn serialized(importer: &Importer) -> Vec<u8> {
     }
 }
 
-/// Goes to the state that the bytes hold.
+/// Restores the state that the bytes contain.
 fn continue_from(importer: &Importer, bytes: &[u8]) -> Status {
     let mut state = null_mut();
     // SAFETY: an instance and a state of it.
@@ -96,7 +96,7 @@ fn bytes_continue_bit_for_bit_in_another_instance() {
                     importer.step(from + f64::from(k) * 1e-3, 1e-3),
                     Ok,
                     "{:?}",
-                    importer.heard
+                    importer.record
                 );
                 (importer.readings(), importer.derivatives())
             };
@@ -109,7 +109,7 @@ fn bytes_continue_bit_for_bit_in_another_instance() {
 }
 
 #[test]
-fn a_state_before_the_start_can_be_bytes_too() {
+fn a_state_before_the_start_can_be_serialized() {
     let importer = Importer::new(c"before");
     importer.make_cheap();
     assert_eq!(importer.set_real("friction.pulley", 0.08), Ok);
@@ -123,7 +123,7 @@ fn a_state_before_the_start_can_be_bytes_too() {
 }
 
 #[test]
-fn wrong_bytes_are_refused_and_harm_nothing() {
+fn wrong_bytes_are_refused_and_change_nothing() {
     let importer = Importer::running(c"wrong");
     let bytes = serialized(&importer);
     let refuses = |bytes: &[u8], words: &str| {
@@ -133,7 +133,7 @@ fn wrong_bytes_are_refused_and_harm_nothing() {
     refuses(&[], "too early");
     refuses(
         b"a file of some other kind, long enough to have a head and a checksum",
-        "no stored state",
+        "not a stored state",
     );
     refuses(&bytes[..bytes.len() / 2], "incomplete");
     refuses(&[&bytes[..], b"x"].concat(), "followed");
@@ -146,7 +146,7 @@ fn wrong_bytes_are_refused_and_harm_nothing() {
     refuses(&damaged(12), "GUID");
     refuses(&damaged(bytes.len() / 2), "checksum");
     refuses(&damaged(bytes.len() - 1), "checksum");
-    // SAFETY: null is what the functions are to stand.
+    // SAFETY: the functions accept null.
     unsafe {
         let (c, mut size) = (importer.c, 0);
         assert_eq!(fmi2SerializedFMUstateSize(c, null_mut(), &mut size), Error);
@@ -160,7 +160,7 @@ fn wrong_bytes_are_refused_and_harm_nothing() {
     assert_eq!(importer.step(0.0, 0.001), Ok, "and harms nothing");
 }
 
-/// Writes the right checksum under what was changed on purpose: FNV-1a with 128 bits over words of eight bytes.
+/// Replaces the checksum of deliberately changed bytes: FNV-1a with 128 bits over words of eight bytes.
 fn reseal(bytes: &mut [u8]) {
     let (body, checksum) = bytes.split_last_chunk_mut::<16>().expect("a checksum");
     let mut hash = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d_u128;
@@ -173,18 +173,18 @@ fn reseal(bytes: &mut [u8]) {
     *checksum = hash.to_le_bytes();
 }
 
-/// What a hand puts into a stored state.
+/// A deliberate change of a stored state.
 #[derive(Clone, Copy, Debug)]
 enum Harm {
     Flip(u8),
-    /// Eight bytes: numbers that no run leaves, and counts beyond all memory.
+    /// Eight bytes: numbers that no run produces, and counts that exceed the memory.
     Word(u64),
 }
 
-/// Bytes that were changed on purpose, with a right checksum, are refused or give a state that runs or fails like another: no panic, no
-/// memory without bound, no step without end.
+/// Deliberately changed bytes with a valid checksum are refused, or give a state that runs or fails in the ordinary way: no
+/// panic, bounded memory, and steps that end.
 #[test]
-fn bytes_of_a_strangers_making_harm_nothing() {
+fn manipulated_bytes_cause_no_panic_and_no_unbounded_work() {
     use proptest::prelude::{Strategy, any, prop_oneof};
     use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
@@ -195,7 +195,7 @@ fn bytes_of_a_strangers_making_harm_nothing() {
     };
     let mut resealed = bytes.clone();
     reseal(&mut resealed);
-    assert_eq!(resealed, bytes, "this test knows the checksum");
+    assert_eq!(resealed, bytes, "the checksum of this test is that of the unit");
     let importer = Importer::running(c"stranger");
     let harm = prop_oneof![
         (0_u8..8).prop_map(Harm::Flip),
@@ -210,7 +210,7 @@ fn bytes_of_a_strangers_making_harm_nothing() {
         .prop_map(Harm::Word),
         any::<u64>().prop_map(Harm::Word),
     ];
-    // The head and the settings are short beside the matrices: half of the places lie there.
+    // The head and the settings are short compared with the matrices: half of the changes are there.
     let head = 52..2000.min(bytes.len() - 16);
     let place = prop_oneof![head, 52..bytes.len() - 24];
     let cases = pushbelt_lab::shared_library::count("PUSHBELT_STRANGERS", 400);
@@ -240,8 +240,8 @@ fn bytes_of_a_strangers_making_harm_nothing() {
             }
         });
         assert!(allocated.bytes_max < 256 << 20, "{} bytes at once", allocated.bytes_max);
-        let heard = importer.heard.0.borrow();
-        if let Some(panic) = heard.iter().find(|message| message.3.contains("internal error")) {
+        let record = importer.record.0.borrow();
+        if let Some(panic) = record.iter().find(|message| message.3.contains("internal error")) {
             panic!("{}", panic.3);
         }
         Result::Ok(())
@@ -252,7 +252,7 @@ fn bytes_of_a_strangers_making_harm_nothing() {
         "{} of {cases} were taken",
         taken.get()
     );
-    // And the instance itself is whole.
+    // The instance itself still works.
     assert_eq!(continue_from(&importer, &resealed), Ok);
     assert_eq!(importer.step(0.003, 0.001), Ok);
 }

@@ -6,7 +6,7 @@ use pushbelt::unit::c_abi::*;
 use crate::importer::*;
 
 #[test]
-fn settings_read_back_what_was_set() {
+fn settings_read_back_as_set() {
     let importer = Importer::new(c"settings");
     importer.make_cheap();
     assert_eq!(importer.set_real("friction.pulley", 0.08), Ok);
@@ -90,7 +90,7 @@ fn values_that_do_not_fit_each_other_are_named_when_initialising() {
     }
 }
 
-/// A master that was wired for an earlier version reads what became of its variables.
+/// Removed variables of earlier versions give an error that names the replacement.
 #[test]
 fn variables_of_earlier_versions_are_named() {
     for (reference, words) in [
@@ -116,8 +116,8 @@ fn variables_of_earlier_versions_are_named() {
 fn messages_carry_instance_status_and_category() {
     let importer = Importer::new(c"the 100 %s variator");
     assert_eq!(importer.step(0.0, 1.0), Error);
-    let heard = importer.heard.0.borrow();
-    let (instance, status, category, _) = heard.last().expect("a message");
+    let record = importer.record.0.borrow();
+    let (instance, status, category, _) = record.last().expect("a message");
     assert_eq!(instance, "the 100 %s variator");
     assert_eq!((*status, category.as_str()), (3, "logStatusError"));
 }
@@ -137,7 +137,7 @@ fn reset_and_rerun_give_the_same_bits_as_a_fresh_instance() {
 }
 
 #[test]
-fn instances_do_not_see_each_other() {
+fn instances_are_independent() {
     let alone = Importer::running(c"alone").run();
     let (one, other) = (Importer::running(c"one"), Importer::running(c"other"));
     assert_eq!(other.set_real("friction.pulley", 0.05), Ok);
@@ -145,5 +145,5 @@ fn instances_do_not_see_each_other() {
     assert_eq!(one.run(), alone);
     assert_eq!(other.set_real("primary.torque", f64::NAN), Discard);
     assert_eq!(one.step(0.01, 0.001), Ok);
-    assert!(one.heard.0.borrow().iter().all(|message| message.0 == "one"));
+    assert!(one.record.0.borrow().iter().all(|message| message.0 == "one"));
 }

@@ -1,4 +1,4 @@
-//! The same run by both versions: the same bits, whoever watches.
+//! The same run by both versions, with and without intermediate updates, has the same bits.
 
 use std::ffi::{CString, c_int};
 use std::ptr::null;
@@ -26,7 +26,7 @@ struct Run {
 fn by_fmi2(run: &Run) -> Vec<Vec<u64>> {
     let outputs = real_outputs();
     let guid = CString::new(guid::<VariatorUnit>()).expect("no zero inside");
-    // SAFETY: an instance, and arrays as long as said.
+    // SAFETY: an instance, and arrays of the given lengths.
     unsafe {
         let c = fmi2Instantiate(c"two".as_ptr(), 1, guid.as_ptr(), null(), null(), 0, 0);
         for (name, value) in &run.choices {
@@ -105,7 +105,7 @@ fn by_fmi3(run: &Run, handles: Handles<'_>) -> Vec<Vec<u64>> {
     rows
 }
 
-/// The versions agree to the last bit, also where a master watches each own step and does nothing.
+/// The versions agree to the last bit, also with intermediate updates in which the master does nothing.
 fn check(run: &Run) {
     let expected = by_fmi2(run);
     for handles in [

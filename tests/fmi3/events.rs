@@ -13,7 +13,7 @@ const EVENTS: Handles<'_> = Handles {
     required: &[],
 };
 
-/// After 20 ms of quiet, a load and clamping forces, set for the steps that follow.
+/// After 20 ms at constant inputs, a load and clamping forces for the following steps.
 fn loaded(handles: Handles<'_>, torque: f64, forces: [f64; 2]) -> Importer {
     let importer = Importer::running(handles);
     for k in 0..20 {
@@ -35,7 +35,7 @@ fn overloaded(handles: Handles<'_>) -> Importer {
     loaded(handles, 400.0, [13e3, 10e3])
 }
 
-/// Steps to the grid of 1 ms until one event has come, at most to 100 ms; how the step ended.
+/// Steps on the grid of 1 ms until the first event, at most to 100 ms; how the step ended.
 fn first_event(importer: &Importer) -> (f64, Ended) {
     let mut time = 0.02_f64;
     while time < 0.1 {
@@ -60,9 +60,13 @@ fn a_step_ends_where_the_belt_begins_to_slip_through() {
     assert_eq!(importer.boolean("macroSlip"), 1);
     let words = "the belt begins to slip through (macro-slip)";
     assert_eq!(importer.last(), format!("event at {} s: {words}", ended.time));
-    // The master answers in event mode: it lowers the torque.
+    // The master lowers the torque in event mode.
     unsafe { assert_eq!(fmi3EnterEventMode(importer.c), Ok) };
-    assert_eq!(importer.step(ended.time, 1e-3).status, Error, "first the event");
+    assert_eq!(
+        importer.step(ended.time, 1e-3).status,
+        Error,
+        "a step before event mode"
+    );
     assert_eq!(importer.set_real("primary.torque", 20.0), Ok);
     importer.handle_event(false);
     let rest = importer.step(ended.time, end - ended.time);
@@ -87,7 +91,7 @@ fn a_step_ends_where_a_sheave_reaches_its_stop() {
         time = ended.time;
     }
     assert!(reached);
-    // Where it rests is no news.
+    // A sheave that rests at its stop causes no further event.
     for _ in 0..100 {
         let ended = importer.step(time, 1e-4);
         assert!(!importer.last().contains("stop") || !ended.event, "{}", importer.last());
@@ -99,7 +103,7 @@ fn a_step_ends_where_a_sheave_reaches_its_stop() {
 }
 
 #[test]
-fn without_early_return_the_event_comes_at_the_end_of_the_step() {
+fn without_early_return_the_event_is_reported_at_the_end_of_the_step() {
     let [early, late] = [true, false].map(|early_return| {
         let importer = overloaded(Handles { early_return, ..EVENTS });
         first_event(&importer)
@@ -122,7 +126,7 @@ fn without_event_mode_there_is_no_event() {
     assert_eq!(importer.boolean("macroSlip"), 1);
 }
 
-/// A master goes back to before the event and comes to it again, and to the end by steps that end there.
+/// After a rollback to a time before the event it occurs again; steps that end at the event reach the same end.
 #[test]
 fn an_early_return_can_be_rolled_back() {
     let importer = overloaded(EVENTS);
@@ -141,7 +145,7 @@ fn an_early_return_can_be_rolled_back() {
         );
         assert_eq!(fmi3SetFMUState(importer.c, state), Ok);
         assert_eq!(importer.real("time"), 0.02);
-        // In one step that ends before the event there is none. Slip is seen at the end of a step of the integrator, so it began up
+        // A step that ends before the event has none. Slip is detected at the end of a step of the integrator, so it began up
         // to 1 ms before.
         let ended = importer.step(0.02, first.time - 0.02 - 1e-3);
         assert_eq!((ended.status, ended.event, ended.early), (Ok, false, false));

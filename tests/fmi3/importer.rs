@@ -1,4 +1,4 @@
-//! An importer that hears what the unit logs, and answers when it is called back.
+//! An importer that records the messages of the unit and has a callback for intermediate updates.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_int};
@@ -12,7 +12,7 @@ use pushbelt::unit::VariatorUnit;
 use pushbelt::unit::c_abi3::*;
 pub use pushbelt_lab::shared_library::real_outputs;
 
-/// What an importer is told in intermediate update mode.
+/// Arguments of the callback in intermediate update mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
     pub time: f64,
@@ -22,23 +22,23 @@ pub struct Update {
     pub can_return: bool,
 }
 
-/// What it does then: the time for which it asks an early return, if it does.
+/// The importer's callback: returns the time of an early return, if it requests one.
 type Answer = Box<dyn FnMut(Update) -> Option<f64>>;
 
-/// What the importer keeps for its instance: messages (status, category, text), updates, its answer to them.
+/// The importer's data for an instance: messages (status, category, text), updates, its callback.
 #[derive(Default)]
-pub struct Heard {
+pub struct Record {
     pub messages: RefCell<Vec<(c_int, String, String)>>,
     pub updates: RefCell<Vec<Update>>,
     pub answer: RefCell<Option<Answer>>,
 }
 
-unsafe extern "C" fn hear(environment: Environment, status: c_int, category: Text, message: Text) {
-    // SAFETY: `environment` is the `Heard` of the importer below, the strings are what this test is about.
+unsafe extern "C" fn log_message(environment: Environment, status: c_int, category: Text, message: Text) {
+    // SAFETY: `environment` is the `Record` of the importer below, the strings are what this test is about.
     unsafe {
         let own = |text| CStr::from_ptr(text).to_str().expect("UTF-8").to_string();
-        let heard = &*environment.cast::<Heard>();
-        heard.messages.borrow_mut().push((status, own(category), own(message)));
+        let record = &*environment.cast::<Record>();
+        record.messages.borrow_mut().push((status, own(category), own(message)));
     }
 }
 
@@ -49,12 +49,12 @@ unsafe extern "C" fn update(
     get: Boolean,
     finished: Boolean,
     can_return: Boolean,
-    wanted: *mut Boolean,
+    requested: *mut Boolean,
     until: *mut f64,
 ) {
-    // SAFETY: `environment` is the `Heard` of the importer below; the places are the unit's.
+    // SAFETY: `environment` is the `Record` of the importer below; the places are the unit's.
     unsafe {
-        let heard = &*environment.cast::<Heard>();
+        let record = &*environment.cast::<Record>();
         let now = Update {
             time,
             set: set != 0,
@@ -62,9 +62,9 @@ unsafe extern "C" fn update(
             finished: finished != 0,
             can_return: can_return != 0,
         };
-        heard.updates.borrow_mut().push(now);
-        let answer = heard.answer.borrow_mut().as_mut().and_then(|answer| answer(now));
-        wanted.write(answer.is_some().into());
+        record.updates.borrow_mut().push(now);
+        let answer = record.answer.borrow_mut().as_mut().and_then(|answer| answer(now));
+        requested.write(answer.is_some().into());
         if let Some(time) = answer {
             until.write(time);
         }
@@ -75,12 +75,12 @@ pub fn token() -> CString {
     CString::new(instantiation_token::<VariatorUnit>()).expect("no zero inside")
 }
 
-/// What an importer handles.
+/// Capabilities of an importer.
 #[derive(Clone, Copy, Default)]
 pub struct Handles<'a> {
     pub events: bool,
     pub early_return: bool,
-    /// Variables for intermediate update mode; with some of them the importer is called back.
+    /// Variables for intermediate update mode; the callback is set if there are any.
     pub required: &'a [&'a str],
 }
 
@@ -93,15 +93,15 @@ pub struct Ended {
     pub time: f64,
 }
 
-/// An instance with all that an importer keeps for it.
+/// An instance with the importer's data for it.
 pub struct Importer {
     pub c: Instance,
-    pub heard: Box<Heard>,
+    pub record: Box<Record>,
 }
 
 impl Importer {
     pub fn new(handles: Handles<'_>) -> Self {
-        let heard = Box::new(Heard::default());
+        let record = Box::new(Record::default());
         let required: Vec<u32> = handles.required.iter().map(|name| reference(name)).collect();
         // SAFETY: all pointers are valid.
         let c = unsafe {
@@ -115,13 +115,13 @@ impl Importer {
                 handles.early_return.into(),
                 required.as_ptr(),
                 required.len(),
-                std::ptr::from_ref(&*heard).cast_mut().cast(),
-                Some(hear),
+                std::ptr::from_ref(&*record).cast_mut().cast(),
+                Some(log_message),
                 (!required.is_empty()).then_some(update),
             )
         };
-        assert!(!c.is_null(), "{:?}", heard.messages);
-        Self { c, heard }
+        assert!(!c.is_null(), "{:?}", record.messages);
+        Self { c, record }
     }
 
     /// An instance in step mode, of the cheapest variator.
@@ -261,11 +261,11 @@ impl Importer {
     }
 
     pub fn answer(&self, answer: impl FnMut(Update) -> Option<f64> + 'static) {
-        *self.heard.answer.borrow_mut() = Some(Box::new(answer));
+        *self.record.answer.borrow_mut() = Some(Box::new(answer));
     }
 
     pub fn last(&self) -> String {
-        let messages = self.heard.messages.borrow();
+        let messages = self.record.messages.borrow();
         messages.last().map_or_else(String::new, |message| message.2.clone())
     }
 }

@@ -1,4 +1,4 @@
-//! An instance from its start to its end, and what this FMU is not.
+//! The life cycle of an instance, and functions that are not supported.
 
 use std::ffi::CStr;
 use std::ptr::{null, null_mut};
@@ -11,7 +11,7 @@ use pushbelt::unit::model_description3;
 use crate::importer::*;
 
 #[test]
-fn the_version_is_the_standards() {
+fn the_version_is_that_of_the_standard() {
     // SAFETY: a constant string.
     assert_eq!(unsafe { CStr::from_ptr(fmi3GetVersion()) }, c"3.0");
 }
@@ -50,19 +50,19 @@ fn an_instance_needs_a_name_the_right_token_and_variables_that_can_be_updated() 
 #[test]
 fn other_kinds_of_fmu_are_refused_with_a_message() {
     let importer = Importer::new(Handles::default());
-    let environment = std::ptr::from_ref(&*importer.heard).cast_mut().cast();
-    unsafe extern "C" fn hear(environment: Environment, status: i32, _: Text, message: Text) {
-        // SAFETY: the `Heard` of the importer, and a message.
+    let environment = std::ptr::from_ref(&*importer.record).cast_mut().cast();
+    unsafe extern "C" fn log_message(environment: Environment, status: i32, _: Text, message: Text) {
+        // SAFETY: the `Record` of the importer, and a message.
         unsafe {
-            let heard = &*environment.cast::<Heard>();
+            let record = &*environment.cast::<Record>();
             let message = CStr::from_ptr(message).to_string_lossy().into_owned();
-            heard.messages.borrow_mut().push((status, String::new(), message));
+            record.messages.borrow_mut().push((status, String::new(), message));
         }
     }
     // SAFETY: valid strings, and null where it is allowed.
     unsafe {
         let (name, token) = (c"a".as_ptr(), token());
-        let exchange = fmi3InstantiateModelExchange(name, token.as_ptr(), null(), 0, 1, environment, Some(hear));
+        let exchange = fmi3InstantiateModelExchange(name, token.as_ptr(), null(), 0, 1, environment, Some(log_message));
         assert!(exchange.is_null());
         assert!(
             importer
@@ -76,7 +76,7 @@ fn other_kinds_of_fmu_are_refused_with_a_message() {
             0,
             1,
             environment,
-            Some(hear),
+            Some(log_message),
             null(),
             null(),
             null(),
@@ -137,7 +137,7 @@ fn a_run_goes_through_its_states() {
             assert_eq!((ended.time, importer.real("time")), (from + 1e-3, from + 1e-3));
         }
         assert_eq!(importer.step(1.002, 1e-3).status, Error);
-        assert!(importer.last().contains("beyond the stop time"));
+        assert!(importer.last().contains("after the stop time"));
         assert_eq!(fmi3Terminate(c), Ok);
         assert!(importer.real("primary.speed") > 0.0, "last values can be read");
         assert_eq!(importer.step(1.002, 1e-3).status, Error);
@@ -147,7 +147,7 @@ fn a_run_goes_through_its_states() {
 }
 
 #[test]
-fn what_is_not_supported_is_refused() {
+fn unsupported_functions_are_refused() {
     let importer = Importer::running(Handles::default());
     let c = importer.c;
     let (mut flag, mut number, mut count) = (0, 0.0, 0);
@@ -196,13 +196,13 @@ fn what_is_not_supported_is_refused() {
             (fmi3ActivateModelPartition(c, 1, 0.0), "co-simulation only"),
         ]
     };
-    let messages = importer.heard.messages.borrow();
-    let said: Vec<_> = messages
+    let messages = importer.record.messages.borrow();
+    let logged: Vec<_> = messages
         .iter()
         .filter(|(_, _, text)| text.contains("not supported"))
         .collect();
-    assert_eq!(said.len(), refused.len());
-    for ((status, words), (_, category, text)) in refused.iter().zip(said) {
+    assert_eq!(logged.len(), refused.len());
+    for ((status, words), (_, category, text)) in refused.iter().zip(logged) {
         assert_eq!((*status, category.as_str()), (Error, "logStatusError"));
         assert!(text.contains(words), "{text}");
     }
@@ -210,20 +210,20 @@ fn what_is_not_supported_is_refused() {
     assert_eq!(importer.step(0.0, 1e-3).status, Ok, "and nothing has changed");
 }
 
-/// The standard: without logging the function for messages is not called.
+/// By the standard, the callback for messages is not called without debug logging.
 #[test]
 fn an_instance_without_logging_is_silent() {
     let importer = Importer::new(Handles::default());
     // SAFETY: an instance, no categories.
     unsafe {
         assert_eq!(fmi3SetDebugLogging(importer.c, 0, 0, null()), Ok);
-        importer.heard.messages.borrow_mut().clear();
+        importer.record.messages.borrow_mut().clear();
         assert_eq!(importer.step(0.0, 1.0).status, Error);
-        assert!(importer.heard.messages.borrow().is_empty());
+        assert!(importer.record.messages.borrow().is_empty());
         let category = c"logStatusError".as_ptr();
         assert_eq!(fmi3SetDebugLogging(importer.c, 1, 1, &category), Ok);
         assert_eq!(importer.step(0.0, 1.0).status, Error);
-        assert_eq!(importer.heard.messages.borrow().len(), 1);
+        assert_eq!(importer.record.messages.borrow().len(), 1);
         assert_eq!(fmi3SetDebugLogging(importer.c, 1, 1, &c"noise #1".as_ptr()), Error);
     }
     assert!(importer.last().contains("\"noise ##1\""), "a number sign is doubled");

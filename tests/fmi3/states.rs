@@ -28,7 +28,7 @@ fn run(importer: &Importer, from: u32) -> Vec<Vec<u64>> {
 
 fn serialized(importer: &Importer, state: FmuState) -> Vec<u8> {
     let mut size = 0;
-    // SAFETY: an instance, a state of it, and as many bytes as it asks for.
+    // SAFETY: an instance, a state of it, and as many bytes as its size.
     unsafe {
         assert_eq!(fmi3SerializedFMUStateSize(importer.c, state, &raw mut size), Ok);
         let mut bytes = vec![0_u8; size];
@@ -42,7 +42,7 @@ fn serialized(importer: &Importer, state: FmuState) -> Vec<u8> {
 }
 
 #[test]
-fn a_stored_state_is_continued_bit_for_bit_here_and_elsewhere() {
+fn a_stored_state_is_continued_bit_for_bit_in_the_same_and_another_instance() {
     let handles = Handles {
         events: true,
         early_return: false,
@@ -61,7 +61,7 @@ fn a_stored_state_is_continued_bit_for_bit_here_and_elsewhere() {
         let handle = state;
         assert_eq!(fmi3GetFMUState(importer.c, &raw mut state), Ok);
         assert_eq!(state, handle, "a state that is not null is used again");
-        // Another instance, whose master watches nothing.
+        // Another instance, without intermediate updates.
         let other = Importer::new(Handles::default());
         let mut found = null_mut();
         assert_eq!(
@@ -88,7 +88,7 @@ fn a_stored_state_is_continued_bit_for_bit_here_and_elsewhere() {
     }
 }
 
-/// A state of event mode, in an instance without it, is one of step mode.
+/// A state stored in event mode is in step mode after it is restored in an instance without event mode.
 #[test]
 fn a_state_of_event_mode_fits_every_instance() {
     let importer = Importer::running(Handles {
@@ -112,9 +112,9 @@ fn a_state_of_event_mode_fits_every_instance() {
     }
 }
 
-/// Bytes of an instance of FMI 2.0 go on in one of FMI 3.0: the binary and the variable table are the same.
+/// Bytes of an instance of FMI 2.0 continue in one of FMI 3.0: the binary and the variable table are the same.
 #[test]
-fn bytes_go_from_one_version_to_the_other() {
+fn bytes_of_one_version_continue_in_the_other() {
     let guid = std::ffi::CString::new(pushbelt::fmi::guid::<pushbelt::unit::VariatorUnit>()).expect("no zero inside");
     let importer = Importer::running(Handles::default());
     let mut state = null_mut();

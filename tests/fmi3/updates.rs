@@ -31,7 +31,7 @@ fn outputs_can_be_read_at_the_units_own_steps() {
     assert!(seen.len() > 3, "{} own steps", seen.len());
     assert!(seen.windows(2).all(|pair| pair[0].0 < pair[1].0), "times rise");
     assert_eq!(*seen.last().expect("some"), (5e-3, importer.real("primary.speed")));
-    let updates = importer.heard.updates.borrow();
+    let updates = importer.record.updates.borrow();
     let (last, others) = updates.split_last().expect("some");
     assert!(
         !last.set && !last.can_return,
@@ -41,7 +41,7 @@ fn outputs_can_be_read_at_the_units_own_steps() {
 }
 
 #[test]
-fn only_announced_variables_can_be_used_and_nothing_else_called() {
+fn an_update_can_use_announced_variables_only_and_call_nothing_else() {
     let importer = Importer::running(WATCHED);
     let c = importer.c;
     importer.answer(move |update| {
@@ -72,7 +72,7 @@ fn only_announced_variables_can_be_used_and_nothing_else_called() {
             assert_eq!(fmi3Reset(c), Error);
             assert_eq!(fmi3Terminate(c), Error);
             assert_eq!(fmi3EnterEventMode(c), Error);
-            // Of no effect: the instance is at work.
+            // No effect, because a step is in progress.
             fmi3FreeInstance(c);
             let mut flag = [0; 3];
             let [a, b, d] = flag.each_mut().map(std::ptr::from_mut);
@@ -81,7 +81,7 @@ fn only_announced_variables_can_be_used_and_nothing_else_called() {
         None
     });
     assert_eq!(importer.step(0.0, 5e-3).status, Ok);
-    assert!(importer.heard.updates.borrow().len() > 3);
+    assert!(importer.record.updates.borrow().len() > 3);
     assert_eq!(
         importer.set_real("secondary.torque", -40.0),
         Ok,
@@ -89,7 +89,7 @@ fn only_announced_variables_can_be_used_and_nothing_else_called() {
     );
 }
 
-/// A torque that rises within the step, given at each own step: closer to the truth than one held from the start.
+/// A torque that rises within the step and is set at each internal step is more accurate than one that is held.
 #[test]
 fn inputs_can_change_within_a_step() {
     let torque = |time: f64| 50.0 + 2e4 * time;
@@ -144,9 +144,9 @@ fn a_master_can_return_early_here_or_a_little_later() {
             assert_eq!((ended.early, ended.time), (false, 5e-3), "{later}");
             continue;
         }
-        let wanted = if later.is_nan() { asked } else { asked + later };
+        let requested = if later.is_nan() { asked } else { asked + later };
         assert!(
-            ended.early && !ended.event && (ended.time - wanted).abs() < 1e-12,
+            ended.early && !ended.event && (ended.time - requested).abs() < 1e-12,
             "{later}: {ended:?}"
         );
         assert_eq!(importer.real("time"), ended.time);
@@ -157,9 +157,9 @@ fn a_master_can_return_early_here_or_a_little_later() {
     }
 }
 
-/// An input out of range at an intermediate update is not taken, as between steps: the old one holds, and the step goes on.
+/// An input out of range at an intermediate update is discarded, as between steps: the old value remains, and the step continues.
 #[test]
-fn a_bad_input_within_a_step_is_not_taken() {
+fn a_bad_input_within_a_step_is_discarded() {
     let importer = Importer::running(WATCHED);
     let c = importer.c;
     importer.answer(move |update| {
@@ -171,7 +171,7 @@ fn a_bad_input_within_a_step_is_not_taken() {
         None
     });
     let ended = importer.step(0.0, 5e-3);
-    let told = importer.heard.messages.borrow();
+    let told = importer.record.messages.borrow();
     assert!(told.iter().any(|(_, _, text)| text.contains("primary.torque = NaN")));
     assert_eq!((ended.status, ended.time), (Ok, 5e-3));
     assert!(importer.real("primary.torque").is_finite());

@@ -8,7 +8,7 @@ use pushbelt::unit::c_abi3::*;
 use crate::importer::*;
 
 #[test]
-fn settings_read_back_what_was_set() {
+fn settings_read_back_as_set() {
     let importer = Importer::new(Handles::default());
     importer.make_cheap();
     assert_eq!(importer.set_real("friction.pulley", 0.08), Ok);
@@ -62,14 +62,14 @@ fn bad_values_are_named() {
         ),
     ] {
         let importer = Importer::new(Handles::default());
-        // A value is discarded; what is asked for wrongly is an error.
+        // A bad value is discarded; a bad reference is an error.
         let of_value = words.contains("finite") || words.contains("out of range");
         assert_eq!(set(&importer), if of_value { Discard } else { Error });
         assert!(importer.last().contains(words), "{}", importer.last());
     }
 }
 
-/// An array has the values of its elements, at its own place among scalars and the time.
+/// An array has the values of its elements, at its position among scalars and the time.
 #[test]
 fn arrays_lie_between_scalars_and_the_time() {
     let importer = Importer::running(Handles::default());
@@ -110,29 +110,29 @@ fn counts_elements_and_types_must_fit() {
     let importer = Importer::running(Handles::default());
     let (c, mut value) = (importer.c, [0.0; 2]);
     let ratio = reference("thrustRatio");
-    let said = |words: &str| assert!(importer.last().contains(words), "{}", importer.last());
-    // SAFETY: an instance; arrays are as long as said, or null.
+    let assert_logged = |words: &str| assert!(importer.last().contains(words), "{}", importer.last());
+    // SAFETY: an instance; arrays have the given lengths, or are null.
     unsafe {
         assert_eq!(fmi3GetFloat64(c, &ratio, 1, value.as_mut_ptr(), 2), Error);
-        said("2 values for 1 variables");
+        assert_logged("2 values for 1 variables");
         let second = reference("profile.pushForce") + 1;
         assert_eq!(fmi3GetFloat64(c, &second, 1, value.as_mut_ptr(), 1), Error);
-        said("element of profile.pushForce");
+        assert_logged("element of profile.pushForce");
         assert_eq!(fmi3GetFloat64(c, &77, 1, value.as_mut_ptr(), 1), Error);
-        said("no variable has the value reference 77");
+        assert_logged("no variable has the value reference 77");
         assert_eq!(fmi3SetFloat64(c, &0, 1, value.as_ptr(), 1), Error);
-        said("time can't be set");
+        assert_logged("time can't be set");
         assert_eq!(fmi3GetFloat64(c, null(), 1, value.as_mut_ptr(), 1), Error);
         assert_eq!(fmi3GetFloat64(c, &ratio, 1, null_mut(), 1), Error);
         assert_eq!(fmi3GetFloat64(c, null(), 0, null_mut(), 0), Ok);
         assert_eq!(fmi3GetInt32(c, &ratio, 1, &raw mut *[0].as_mut_ptr(), 1), Error);
         assert_eq!(fmi3GetFloat32(c, &ratio, 1, [0.0_f32].as_mut_ptr(), 1), Error);
-        said("no 32-bit real has the value reference 1");
+        assert_logged("no 32-bit real has the value reference 1");
         assert_eq!(fmi3GetString(c, null(), 0, null_mut(), 0), Ok, "none of none");
         assert_eq!(fmi3SetBinary(c, &1, 1, &1, &null(), 1), Error);
-        said("no binary");
+        assert_logged("no binary");
         assert_eq!(fmi3GetClock(c, &1, 1, [0_u8].as_mut_ptr()), Error);
-        said("no clock");
+        assert_logged("no clock");
         assert_eq!(
             fmi3GetIntervalDecimal(c, &1, 1, value.as_mut_ptr(), [0].as_mut_ptr()),
             Error
@@ -141,7 +141,7 @@ fn counts_elements_and_types_must_fit() {
         // A Boolean that is neither 0 nor 1 is true.
         assert_eq!(fmi3GetOutputDerivatives(c, &ratio, 1, &1, value.as_mut_ptr(), 2), Error);
         assert_eq!(fmi3GetOutputDerivatives(c, &ratio, 1, &2, value.as_mut_ptr(), 1), Error);
-        said("maxOutputDerivativeOrder");
+        assert_logged("maxOutputDerivativeOrder");
     }
     assert_eq!(importer.step(0.0, 1e-3).status, Ok, "and nothing has changed");
 }

@@ -15,34 +15,34 @@ fn elastic(nu: f64) -> f64 {
     push_force(&belt(), nu, 0.0).force
 }
 
-fn assert_push_is_the_slope_of_the_energy(strain: f64) {
+fn assert_push_is_the_derivative_of_the_energy(strain: f64) {
     let energy = energy_density(&belt(), Dual64::from_re(1.0 + strain).derivative());
     let push = elastic(1.0 + strain);
     assert_near(energy.eps, push, push, 1e-9, "∂E/∂ν");
 }
 
 #[test]
-fn push_force_is_the_slope_of_the_energy_in_contact() {
-    assert_push_is_the_slope_of_the_energy(5e-3);
+fn push_force_is_the_derivative_of_the_energy_in_contact() {
+    assert_push_is_the_derivative_of_the_energy(5e-3);
 }
 
 #[test]
-fn push_force_is_the_slope_of_the_energy_at_first_touch() {
-    assert_push_is_the_slope_of_the_energy(0.0);
+fn push_force_is_the_derivative_of_the_energy_at_first_touch() {
+    assert_push_is_the_derivative_of_the_energy(0.0);
 }
 
 #[test]
-fn push_force_is_the_slope_of_the_energy_in_a_gap() {
-    assert_push_is_the_slope_of_the_energy(-1e-3);
+fn push_force_is_the_derivative_of_the_energy_in_a_gap() {
+    assert_push_is_the_derivative_of_the_energy(-1e-3);
 }
 
-/// The energy counts from gaps of a tenth of the belt, the largest play there may be, and is ∫Q dν from there.
+/// The energy is zero at gaps of a tenth of the belt, the largest admissible play, and is ∫Q dν from there.
 #[test]
 fn energy_integrates_the_push_force() {
     let none = energy_density(&belt(), 0.9);
     for strain in [-1e-3, 0.0, 1e-3, 1e-2] {
         let found = energy_density(&belt(), 1.0 + strain);
-        // Panels shrink towards the edge where elements touch.
+        // Panels get smaller towards the density at which elements touch.
         let ends = [-0.1, -1e-2, -1e-3, strain];
         let work: f64 = ends
             .windows(2)
@@ -53,7 +53,7 @@ fn energy_integrates_the_push_force() {
     }
 }
 
-/// A cell of constant amount N and length N/ν takes N∫Q/ν² dν to shorten, which is ν∫Q/ν² dν per length. The law has
+/// The work to shorten a cell of constant amount N and length N/ν is N∫Q/ν² dν, which is ν∫Q/ν² dν per length. The law has
 /// ∫Q dν instead. With Q = k_e x and x = ν − 1 it is too large by the share x/3 + O(x²).
 #[test]
 fn energy_is_that_of_a_cell_that_shortens_to_first_order() {
@@ -67,7 +67,7 @@ fn energy_is_that_of_a_cell_that_shortens_to_first_order() {
     }
 }
 
-/// Damping opposes the rate at which elements close up or part: the stack's in contact, the film's in a gap too.
+/// Damping opposes the rate at which elements close up or separate: that of the stack in contact, that of the film in a gap too.
 #[test]
 fn damping_of_the_stack_acts_in_contact_and_that_of_the_film_everywhere() {
     let full = belt().push_stiffness * belt().damping;
@@ -103,13 +103,13 @@ fn damping_of_the_stack_acts_in_contact_and_that_of_the_film_everywhere() {
     }
 }
 
-/// Force of oil that is squeezed out of a gap of so many film thicknesses less one, N.
+/// Force of oil that is squeezed out of a gap, N; `wide` is 1 + gap/(film thickness).
 fn squeezed(wide: f64, rate: f64) -> f64 {
     let closing = 0.5 * (rate + rate.hypot(SQUEEZE_SMOOTHING) - SQUEEZE_SMOOTHING);
     belt().squeeze_damping * closing / wide.powi(3)
 }
 
-/// Oil that is squeezed out of a gap takes power at any rate, none at rest, and cavitates where the elements part.
+/// Oil that is squeezed out of a gap dissipates power at any rate and none at rest, and cavitates where the elements separate.
 #[test]
 fn squeezed_oil_dissipates_and_cavitates() {
     let dry = Belt {
@@ -152,9 +152,9 @@ fn collision_force_is_that_of_inelastic_impacts_where_elements_close_up() {
     }
 }
 
-/// What is left is the weight (J/3 m/s)⁻² of the flow, one in a hundred.
+/// The remaining share is the weight (J/3 m/s)⁻² of the flow, one in a hundred.
 #[test]
-fn nothing_holds_elements_that_part_in_a_fast_flow() {
+fn separating_elements_are_free_in_a_fast_flow() {
     let difference = 50.0 * CLOSING_SMOOTHING;
     let full = 0.5 * belt().mass_per_length * 0.98 * 30.0 * difference;
     let share = collision(0.98, 30.0, difference) / full;
@@ -198,14 +198,14 @@ fn flux_takes_the_density_of_the_cell_after_when_flowing_backward() {
 
 /// A lag takes J of the middle of the cell upstream.
 #[test]
-fn flux_lags_where_elements_part_freely() {
+fn flux_lags_where_elements_separate_freely() {
     let forward = flux(&cell(7.0, 0.98, 0.2), &cell(3.0, 1.01, 0.4));
     assert_near(forward, 2.8 * 0.98, 3.0, 1e-12, "forward");
     let backward = flux(&cell(7.0, 0.98, 0.2), &cell(-3.0, 1.01, 0.4));
     assert_near(backward, -2.6 * 1.01, 3.0, 1e-12, "backward");
 }
 
-/// At rest nothing passes between cells alike, and between others no more than the width of the switch lets through.
+/// At rest the flux between equal cells is zero, and between others it is bounded by the width of the switch.
 #[test]
 fn flux_at_rest_conserves() {
     assert_eq!(flux(&cell(0.0, 1.02, 0.0), &cell(0.0, 1.02, 0.0)), 0.0);
@@ -213,7 +213,7 @@ fn flux_at_rest_conserves() {
     assert_near(found, -0.1 * UPWIND_SMOOTHING, UPWIND_SMOOTHING, 1e-12, "flux at rest");
 }
 
-/// Between cells alike the flux is J ν at every speed, and the mirrored belt has the mirrored flux.
+/// Between equal cells the flux is J ν at every speed, and the mirrored belt has the mirrored flux.
 #[test]
 fn flux_has_no_preferred_direction() {
     let mut random = noise(3);
@@ -227,9 +227,9 @@ fn flux_has_no_preferred_direction() {
     }
 }
 
-/// There is a lag only where elements part, in a fast flow, out of contact.
+/// There is a lag only where elements separate in a fast flow without contact.
 #[test]
-fn elements_part_freely_without_contact_only() {
+fn elements_separate_freely_without_contact_only() {
     let difference = 0.4;
     assert_eq!(lag(difference, 1.0, 0.0), 0.0);
     assert_eq!(lag(difference, 0.0, 1.0), 0.0);

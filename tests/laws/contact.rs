@@ -30,7 +30,7 @@ fn figures<T: Real>(x: [T; 4]) -> [T; 4] {
 }
 
 /// Derivatives with respect to g, Dg/Dt, v_t and v_f: of num-dual, of the solver's own numbers, and differences. Each
-/// difference is off by at most 1e-6 of what the force changes by over the width in which the law turns.
+/// difference has an error of at most 1e-6 of the force's change over the width of the law's transition.
 fn assert_derivatives(x: [f64; 4]) {
     let widths = [contact().roughness, 1.0, friction().velocity, friction().velocity];
     let tangents = figures(std::array::from_fn(|i| Tangent::<4, f64>::seed(x[i], i, 1.0)));
@@ -52,23 +52,23 @@ fn assert_derivatives(x: [f64; 4]) {
 }
 
 #[test]
-fn derivatives_where_it_sticks() {
+fn derivatives_in_stiction() {
     let v = 1e-2 * friction().velocity;
     assert_derivatives([20.0 * MICRON, 1e-3, v, -2.0 * v]);
 }
 
 #[test]
-fn derivatives_where_it_slides_tangentially() {
+fn derivatives_in_tangential_sliding() {
     assert_derivatives([20.0 * MICRON, 1e-3, 30.0 * friction().velocity, 0.0]);
 }
 
 #[test]
-fn derivatives_where_it_slides_along_the_flank() {
+fn derivatives_in_sliding_along_the_flank() {
     assert_derivatives([20.0 * MICRON, 1e-3, 0.0, -30.0 * friction().velocity]);
 }
 
 #[test]
-fn derivatives_where_contact_breaks() {
+fn derivatives_at_breaking_contact() {
     let v0 = friction().velocity;
     let roughness = contact().roughness;
     for penetration in [-roughness, 0.0, roughness] {
@@ -77,7 +77,7 @@ fn derivatives_where_contact_breaks() {
 }
 
 #[test]
-fn derivatives_where_it_is_apart() {
+fn derivatives_without_contact() {
     assert_derivatives([-30.0 * MICRON, -0.1, 1e-2, 0.0]);
 }
 
@@ -93,26 +93,26 @@ fn axial(penetration: f64) -> f64 {
 }
 
 /// The axial force of the flank on its sheave is −∂E/∂g: E by num-dual.
-fn assert_force_is_the_slope_of_the_energy(penetration: f64) {
+fn assert_force_is_the_derivative_of_the_energy(penetration: f64) {
     let energy = energy_density(&contact(), cos_beta(), Dual64::from_re(penetration).derivative());
     let found = axial(penetration);
     assert_near(energy.eps, found, found, 1e-12, "∂E/∂g");
 }
 
 #[test]
-fn normal_force_is_the_slope_of_the_energy_in_contact() {
-    assert_force_is_the_slope_of_the_energy(20.0 * MICRON);
-    assert_force_is_the_slope_of_the_energy(500.0 * MICRON);
+fn normal_force_is_the_derivative_of_the_energy_in_contact() {
+    assert_force_is_the_derivative_of_the_energy(20.0 * MICRON);
+    assert_force_is_the_derivative_of_the_energy(500.0 * MICRON);
 }
 
 #[test]
-fn normal_force_is_the_slope_of_the_energy_at_first_touch() {
-    assert_force_is_the_slope_of_the_energy(0.0);
+fn normal_force_is_the_derivative_of_the_energy_at_first_touch() {
+    assert_force_is_the_derivative_of_the_energy(0.0);
 }
 
 #[test]
-fn normal_force_is_the_slope_of_the_energy_in_a_gap() {
-    assert_force_is_the_slope_of_the_energy(-20.0 * MICRON);
+fn normal_force_is_the_derivative_of_the_energy_in_a_gap() {
+    assert_force_is_the_derivative_of_the_energy(-20.0 * MICRON);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn cone(penetration: f64) -> f64 {
 
 /// −μ p v²/v₀: a viscous creep.
 #[test]
-fn friction_creeps_where_it_sticks() {
+fn friction_is_viscous_creep_in_stiction() {
     let v = 1e-3 * friction().velocity;
     for [along, across] in [[v, 0.0], [0.0, v], [0.6 * v, -0.8 * v]] {
         let expected = -cone(20.0 * MICRON) * v * v / friction().velocity;
@@ -144,9 +144,10 @@ fn friction_creeps_where_it_sticks() {
     }
 }
 
-/// −μ(v) p |v|, whichever way it slides and however fast the flanks close; at the speed of the fall half of it is lost.
+/// −μ(v) p |v| in every direction of sliding and at every closing speed of the flanks; at the speed of the fall, half of the
+/// fall is reached.
 #[test]
-fn friction_takes_its_full_power_where_it_slides() {
+fn friction_dissipates_its_full_power_in_sliding() {
     let v = friction().fall_speed;
     assert!(v > 500.0 * friction().velocity);
     for [along, across] in [[v, 0.0], [0.0, -v], [-0.6 * v, 0.8 * v]] {
@@ -158,10 +159,10 @@ fn friction_takes_its_full_power_where_it_slides() {
     }
 }
 
-/// In any motion, also where damping pulls, friction opposes sliding and stays inside the cone, and damping opposes the
-/// closing.
+/// In any motion, also where damping reduces the normal force, friction opposes sliding and is inside the cone, and damping
+/// opposes the closing.
 #[test]
-fn friction_and_damping_never_give_energy() {
+fn friction_and_damping_never_supply_energy() {
     let mut random = noise(1);
     for _ in 0..10_000 {
         let x = [100.0 * MICRON, 2.0, 1.0, 1.0].map(|size| size * random() * (20.0 * random()).exp());

@@ -11,7 +11,7 @@ fn derivatives_along_a_path_match_differences() {
 
 /// Derivatives by each coordinate.
 #[test]
-fn slopes_match_differences() {
+fn derivatives_by_coordinates_match_differences() {
     let frame = |path: &_| Displaced::at_place(&curve(), path);
     assert_slopes::<Displaced>(frame, curve().segments());
 }

@@ -1,5 +1,5 @@
-//! The laws of contact, chain, ring and end stops and the reference curve, each regime in a test of its own: derivatives against differences,
-//! forces against the energy that they come from, signs of what is lost.
+//! The laws of contact, chain, ring and end stops and the reference curve, with a test for each regime: derivatives against
+//! differences, forces against the gradient of their energy, signs of losses.
 
 mod chain;
 mod contact;

@@ -1,5 +1,5 @@
-//! The ALE beam law: its load is the gradient of its energy along every motion that a mesh point can make, one part of
-//! the energy at a time.
+//! The ALE beam law: its load is the gradient of its energy along every motion of a mesh point, one part of the energy at a
+//! time.
 
 use nalgebra::SVector;
 use num_dual::Dual64;
@@ -35,7 +35,7 @@ fn solid() -> Ring {
     }
 }
 
-/// A place on the primary arc, where the reference curve is bent.
+/// A point on the primary arc, where the reference curve is bent.
 fn reference<T: Real<Constant = f64>>(theta: T) -> ReferencePoint<T> {
     TwoPulley::point(&TwoPulley::new(0.2, 1.0).frame(theta), 2, 0.3)
 }
@@ -49,7 +49,7 @@ fn point<T: Real<Constant = f64>, const D: usize>(
     let reference = reference(shape.theta);
     let (stretch, inverse_stretch) = shape.slope.dot(&shape.slope).root_and_inverse();
     let t = shape.slope * inverse_stretch;
-    // The material rests where the mesh point is: ṙ|_η = −w r', r̈|_η = −2w (r')˙|_η − w² r''.
+    // The material is at rest at the mesh point: ṙ|_η = −w r', r̈|_η = −2w (r')˙|_η − w² r''.
     RingPoint {
         reference,
         r: embed(reference.r),
@@ -72,7 +72,7 @@ fn resting<T: Real<Constant = f64>, const D: usize>(shape: &Shape<T, D>) -> Ring
     point(shape, zero_vector(), T::zero())
 }
 
-/// Stretched by `strain` and bent by as much against the reference curve, towards all sides.
+/// Stretched by `strain` and bent as much relative to the reference curve, in all directions.
 fn deflected<const D: usize>(strain: f64) -> Shape<f64, D> {
     let reference = reference(THETA);
     let mut random = noise(6);
@@ -101,7 +101,7 @@ fn assert_gradient<const D: usize>(ring: &Ring, shape: &Shape<f64, D>) {
             bend: shape.bend.zip_map(&by.bend, Dual64::new),
         };
         let energy = energy_density(ring, &resting(&moved));
-        // Along Θ the element grows, and what it holds with it.
+        // Along Θ the element gets longer, and its energy increases with it.
         let expected = energy.eps + energy.re * GROWTH * by.theta;
         let parts = [
             load.slope.dot(&by.slope),
@@ -114,7 +114,7 @@ fn assert_gradient<const D: usize>(ring: &Ring, shape: &Shape<f64, D>) {
     }
 }
 
-/// No stiffness at all.
+/// A ring without stiffness.
 fn limp() -> Ring {
     Ring {
         axial_stiffness: 0.0,
@@ -193,17 +193,17 @@ fn power_of_damping_where_the_ring_stretches() {
     assert_damping::<3>(embed(t * -3.0), 0.0);
 }
 
-/// The strain of a particle changes as it runs through a strain that stands still.
+/// The strain of a particle changes as it moves through a stationary strain field.
 #[test]
-fn power_of_damping_where_the_ring_runs_through_its_strain() {
+fn power_of_damping_where_particles_move_through_a_strain_field() {
     assert_damping::<2>(zero_vector(), 30.0);
     assert_damping::<2>(zero_vector(), -30.0);
     assert_damping::<3>(embed(reference(THETA).t * 2.0), 30.0);
 }
 
-/// A ring that turns as it is keeps its strain.
+/// A rigid rotation does not change the strain.
 #[test]
-fn damping_takes_nothing_where_the_ring_turns() {
+fn a_rigid_rotation_has_no_damping() {
     let shape = deflected::<2>(1e-3);
     let turning = SVector::from([-shape.slope[1], shape.slope[0]]) * 5.0;
     let (power, dissipated) = damping::<2>(turning, 0.0);

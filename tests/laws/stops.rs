@@ -28,7 +28,7 @@ fn the_opening_stop_pushes_closed() {
     assert_near(force(TRAVEL.open - 20e-6), expected, expected.abs(), 1e-3, "force");
 }
 
-/// Half a millimetre from a stop its smoothing leaves less than a newton.
+/// Half a millimetre from a stop its smoothed force is below a newton.
 #[test]
 fn a_sheave_between_the_stops_is_free() {
     for z in [TRAVEL.open + 5e-4, 0.0, TRAVEL.closed - 5e-4] {
@@ -53,7 +53,7 @@ fn energy_integrates_the_force() {
 }
 
 #[test]
-fn damping_takes_energy_at_a_stop_only() {
+fn damping_dissipates_energy_at_a_stop_only() {
     let full = STOP_STIFFNESS * STOP_DAMPING;
     for z_dot in [-0.1, 0.1] {
         for z in [TRAVEL.open - 20e-6, TRAVEL.closed + 20e-6] {

@@ -7,7 +7,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use pushbelt_lab::shared_library::reference;
 
-/// What is wrong with an argument.
+/// The flaw of an argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flaw {
     None,
@@ -40,7 +40,7 @@ impl Flaw {
         }
     }
 
-    /// Whether it spoils no integer and no boolean.
+    /// Whether calls with integers and Booleans remain valid.
     pub fn harmless(self) -> bool {
         matches!(self, Self::None | Self::NotFinite)
     }
@@ -140,7 +140,7 @@ pub enum Keeping {
     },
 }
 
-/// Calls with stored states, each as often as its weight says.
+/// Calls with stored states, each with its weight.
 pub fn keeping() -> impl Strategy<Value = Keeping> {
     prop_oneof![
         3 => slot().prop_map(|slot| Keeping::Store { slot }),
@@ -171,7 +171,7 @@ fn bad_number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Calls of all kinds, each as often as its weight says.
+/// Calls of all kinds, each with its weight.
 pub fn calls() -> impl Strategy<Value = Call> {
     prop_oneof![
         2 => setup().prop_map(|(tolerance, start, stop)| Call::Setup { tolerance, start, stop }),
@@ -267,7 +267,7 @@ fn through_bytes() -> impl Strategy<Value = (usize, Option<(f64, u8)>, f64)> {
     )
 }
 
-/// Real parameters, with values that fit every other: what does not fit is tested elsewhere.
+/// Real parameters, with values that fit all others; other tests cover values that don't fit.
 pub const PARAMETERS: &[(&str, f64, f64)] = &[
     ("friction.pulley", 0.05, 0.1),
     ("friction.ring", 0.0, 0.1),

@@ -77,15 +77,15 @@ pub enum Call {
     NullInstance,
 }
 
-/// What a master does in intermediate update mode.
+/// Action of the master in intermediate update mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
     Nothing,
     /// Sets the announced torque.
     Set(f64),
-    /// Asks for an early return, so long after the present, s.
+    /// Requests an early return at this time after the present, s.
     Return(f64),
-    /// Calls what is not allowed there.
+    /// Makes calls that are not allowed there.
     Meddle,
 }
 
@@ -114,7 +114,7 @@ fn choice() -> impl Strategy<Value = Call> {
     (any::<bool>(), value).prop_map(|(set, value)| Call::Choice { set, value })
 }
 
-/// Calls of all kinds, each as often as its weight says.
+/// Calls of all kinds, each with its weight.
 pub fn calls() -> impl Strategy<Value = Call> {
     prop_oneof![
         4 => setup().prop_map(|(tolerance, start, stop)| Call::EnterInitialization { tolerance, start, stop }),

@@ -1,4 +1,4 @@
-//! The state machine of the standard, as a master sees it; what both versions have in common, and the states of FMI 2.0.
+//! The standard's state machine in the master: its common part for both versions, and the states of FMI 2.0.
 
 use std::ffi::c_int;
 use std::fmt::Debug;
@@ -43,7 +43,7 @@ impl Stage for State {
     const ERROR: Self = Error;
 }
 
-/// What a master knows of the instance.
+/// The master's model of the instance.
 #[derive(Clone, Copy, Debug)]
 pub struct Model<S> {
     pub state: S,
@@ -58,7 +58,7 @@ impl<S: Stage> Model<S> {
         stop: None,
     };
 
-    /// Compares the status of a call with what it should come to.
+    /// Compares the status of a call with the expected one.
     pub fn expect(&mut self, call: &impl Debug, status: c_int, allowed: &[S], legal: Expected) {
         // In the error state there are values only if the run had started.
         let values = allowed.contains(&S::ERROR) && !allowed.contains(&S::INSTANTIATED);
@@ -81,7 +81,7 @@ impl<S: Stage> Model<S> {
         }
     }
 
-    /// Follows a call that leads to another state.
+    /// Checks a call that leads to another state, and updates the model.
     pub fn moves(&mut self, call: &impl Debug, status: c_int, from: &[S], to: S) {
         self.expect(call, status, from, Expected::Done);
         if status == OK {
@@ -97,15 +97,15 @@ pub fn is_experiment(tolerance: Option<f64>, start: f64, stop: Option<f64>) -> b
         && stop.is_none_or(|stop| stop.is_finite() && stop >= start)
 }
 
-/// What a call should come to.
+/// Expected result of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expected {
     Done,
     /// An error that changes nothing.
     Refused,
-    /// A value that is not taken, and changes nothing.
+    /// A value is discarded, and nothing changes.
     Discarded,
-    /// An error after which only reset and stored states go on.
+    /// An error after which only reset or a stored state leads on.
     Failed,
 }
 

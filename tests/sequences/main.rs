@@ -1,5 +1,5 @@
-//! Call sequences in random order with random and bad arguments, through the C functions of the built library, beside
-//! a model of the standard's state machine: that of FMI 2.0 (its table 4.2.4, for a slave whose steps end before they return) and that
+//! Call sequences in random order with random and bad arguments, through the C functions of the built library, compared with
+//! a model of the standard's state machine: that of FMI 2.0 (its table 4.2.4, for a slave whose steps are synchronous) and that
 //! of FMI 3.0, with a master that handles events, early returns and intermediate updates, or some of them.
 //!
 //! The long run: `PUSHBELT_SEQUENCES=100000 PUSHBELT_DEFAULT_SEQUENCES=1000 cargo test --test sequences`. A short run
@@ -32,7 +32,7 @@ fn run<C: std::fmt::Debug>(cases: u32, sequences: &impl Strategy<Value = C>, che
         max_shrink_iters: 2000,
         ..Config::default()
     };
-    // The same sequences every time; more cases go on from there.
+    // The sequences are the same in every run; more cases extend them.
     let seed = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let outcome = TestRunner::new_with_rng(config, seed).run(sequences, |sequence| {
         check(sequence);

@@ -1,4 +1,4 @@
-//! A master that makes calls and follows the standard's state machine beside the instance.
+//! A master that makes calls and compares the instance with a model of the standard's state machine.
 
 use std::ffi::{c_char, c_int};
 use std::ptr::null_mut;
@@ -31,8 +31,8 @@ impl Drop for Master<'_> {
 }
 
 impl<'a> Master<'a> {
-    /// Of a fresh instance; `cheap` makes it a coarse reference ring. `outputs` and `readings` are the references that
-    /// it asks for.
+    /// A master of a new instance; with `cheap` it has a coarse reference ring. `outputs` and `readings` are references that
+    /// the calls use.
     pub fn new(f: &'a Functions, cheap: bool, outputs: &'a [u32], readings: &'a [u32]) -> Self {
         let mut master = Self {
             f,
@@ -55,7 +55,7 @@ impl<'a> Master<'a> {
         }
     }
 
-    /// Makes a call and compares what comes back with the model.
+    /// Makes a call and compares its result with the model.
     pub fn make(&mut self, call: &Call) {
         match *call {
             Call::Setup { tolerance, start, stop } => self.setup(call, tolerance, start, stop),
@@ -187,7 +187,7 @@ impl<'a> Master<'a> {
         let good = matches!(flaw, Flaw::None | Flaw::NotFinite) || nulls && references.is_empty();
         let mut values = vec![f64::NAN; references.len()];
         let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
-        // SAFETY: an instance; arrays are as long as said, or null.
+        // SAFETY: an instance; arrays have the given lengths, or are null.
         let status = unsafe { (self.f.fmi2GetReal)(self.c, from, references.len(), to) };
         self.model.expect(call, status, GET, Expected::done_if(good));
         if status == OK {
@@ -205,9 +205,9 @@ impl<'a> Master<'a> {
     }
 
     fn set_integer(&mut self, call: &Call, name: &str, value: c_int) {
-        // Meshes and ring models that would make a cheap instance dear are left as they are.
-        let dear = matches!(name, "mesh.primaryArc" | "mesh.strand" | "ring.model") && value > 0;
-        if dear && value < c_int::MAX {
+        // Meshes and ring models that would make a cheap instance expensive are not set.
+        let expensive = matches!(name, "mesh.primaryArc" | "mesh.strand" | "ring.model") && value > 0;
+        if expensive && value < c_int::MAX {
             return;
         }
         // SAFETY: an instance, one reference, one value.
@@ -283,7 +283,7 @@ impl<'a> Master<'a> {
     fn logging(&mut self, call: &Call, on: bool, name: Option<&str>) {
         let text: Vec<u8> = name.iter().flat_map(|name| name.bytes()).chain([0]).collect();
         let pointer: *const c_char = text.as_ptr().cast();
-        // SAFETY: an instance, as many strings as said, each with its end.
+        // SAFETY: an instance, and the given number of strings, each with its end.
         let status = unsafe { (self.f.fmi2SetDebugLogging)(self.c, on.into(), name.iter().count(), &pointer) };
         self.model
             .expect(call, status, ANY, Expected::done_if(name != Some("noise")));
@@ -317,7 +317,7 @@ impl<'a> Master<'a> {
         assert_eq!(unsafe { (self.f.fmi2CancelStep)(self.c) }, ERROR);
     }
 
-    /// Whether there is a model depends on the belt; the instance goes on either way.
+    /// Whether there is a model depends on the belt; the instance continues in both cases.
     fn linearize(&self, call: &Call, frequency: f64, null: bool) {
         let mut text = null_mut();
         let place: *mut *mut c_char = if null { null_mut() } else { &mut text };
@@ -335,7 +335,7 @@ impl<'a> Master<'a> {
     }
 
     fn null_instance(&self) {
-        // SAFETY: null is what the functions are to stand.
+        // SAFETY: the functions accept null.
         unsafe {
             (self.f.fmi2FreeInstance)(null_mut());
             assert_eq!((self.f.fmi2DoStep)(null_mut(), 0.0, 1e-3, 1), ERROR);
@@ -355,7 +355,7 @@ impl<'a> Master<'a> {
         }
         values.resize(references.len(), f64::NAN);
         let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
-        // SAFETY: an instance; arrays are as long as said, or null.
+        // SAFETY: an instance; arrays have the given lengths, or are null.
         let status = unsafe { (self.f.fmi2SetReal)(self.c, from, references.len(), to) };
         let legal = match flaw {
             Flaw::None => Expected::Done,

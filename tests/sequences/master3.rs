@@ -1,5 +1,5 @@
-//! A master of FMI 3.0 that makes calls and follows the standard's state machine beside the instance (its sections 2.3 and 4.2, for an
-//! instance that a refused call leaves as it was).
+//! A master of FMI 3.0 that makes calls and compares the instance with a model of the standard's state machine (its sections 2.3
+//! and 4.2; a refused call leaves the instance unchanged).
 
 use std::cell::Cell;
 use std::ffi::{c_char, c_int};
@@ -72,7 +72,7 @@ pub fn reals() -> Vec<Real> {
     .collect()
 }
 
-/// What the callback works with, and what it saw.
+/// Data of the callback, and its observations.
 struct Watcher {
     f: Functions3,
     c: Instance,
@@ -89,7 +89,7 @@ unsafe extern "C" fn update(
     get: Boolean,
     finished: Boolean,
     can_return: Boolean,
-    wanted: *mut Boolean,
+    requested: *mut Boolean,
     until: *mut f64,
 ) {
     // SAFETY: the environment is the `Watcher` of the instance that calls, and nobody else uses it meanwhile; the places are
@@ -115,7 +115,7 @@ unsafe extern "C" fn update(
                 watcher.declined |= status == DISCARD;
             }
             Answer::Return(later) => {
-                wanted.write(1);
+                requested.write(1);
                 until.write(time + later);
                 watcher.asked |= can_return == 1;
             }
@@ -136,7 +136,7 @@ unsafe extern "C" fn update(
     }
 }
 
-/// What sequences came by, so that none of it is left out unseen.
+/// Counts of situations in the sequences, so that a test can require each of them.
 #[derive(Debug, Default)]
 pub struct Seen {
     pub events: Cell<u32>,
@@ -153,7 +153,7 @@ pub struct Master<'a> {
     f: &'a Functions3,
     seen: &'a Seen,
     c: Instance,
-    /// From a box that is given back when the master is dropped.
+    /// From a box that is freed when the master is dropped.
     watcher: *mut Watcher,
     watches: Watches,
     cheap: bool,
@@ -175,7 +175,7 @@ impl Drop for Master<'_> {
 }
 
 impl<'a> Master<'a> {
-    /// Of a fresh instance; `modes` says whether it handles events, early returns and updates.
+    /// A master of a new instance; `modes`: whether it handles events, early returns and updates.
     pub fn new(
         f: &'a Functions3,
         seen: &'a Seen,
@@ -224,7 +224,7 @@ impl<'a> Master<'a> {
         }
     }
 
-    /// Makes a call and compares what comes back with the model.
+    /// Makes a call and compares its result with the model.
     pub fn make(&mut self, call: &Call) {
         let (f, c) = (self.f, self.c);
         // SAFETY: an instance; calls with arguments are below.
@@ -382,7 +382,7 @@ impl<'a> Master<'a> {
         let count = size.saturating_add_signed(more);
         let mut values = vec![f64::NAN; count];
         let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
-        // SAFETY: an instance; arrays are as long as said, or null.
+        // SAFETY: an instance; arrays have the given lengths, or are null.
         let status = unsafe { (self.f.fmi3GetFloat64)(self.c, from, references.len(), to, count) };
         let usable = match flaw {
             Flaw::NullReferences => references.is_empty(),
@@ -408,7 +408,7 @@ impl<'a> Master<'a> {
         }
         values.resize(references.len(), f64::NAN);
         let (from, to) = flaw.pointers(references.as_ptr(), values.as_mut_ptr());
-        // SAFETY: an instance; arrays are as long as said, or null.
+        // SAFETY: an instance; arrays have the given lengths, or are null.
         let status = unsafe { (self.f.fmi3SetFloat64)(self.c, from, references.len(), to, values.len()) };
         let legal = match flaw {
             Flaw::None => Expected::Done,
@@ -419,7 +419,7 @@ impl<'a> Master<'a> {
     }
 
     fn set_integer(&mut self, call: &Call, name: &str, value: c_int) {
-        // Meshes that would make a cheap instance dear are left as they are.
+        // Meshes that would make a cheap instance expensive are not set.
         let mesh = name.starts_with("mesh.");
         if mesh && value > 0 && value < c_int::MAX {
             return;
@@ -518,7 +518,7 @@ impl<'a> Master<'a> {
     fn logging(&mut self, call: &Call, on: bool, name: Option<&str>) {
         let text: Vec<u8> = name.iter().flat_map(|name| name.bytes()).chain([0]).collect();
         let pointer: *const c_char = text.as_ptr().cast();
-        // SAFETY: an instance, as many strings as said, each with its end.
+        // SAFETY: an instance, and the given number of strings, each with its end.
         let status = unsafe { (self.f.fmi3SetDebugLogging)(self.c, on.into(), name.iter().count(), &pointer) };
         self.model
             .expect(call, status, ANY, Expected::done_if(name != Some("noise")));

@@ -1,4 +1,4 @@
-//! Stored states that a master keeps of an instance: stored, gone back to, freed, taken through bytes. Whatever the version.
+//! Stored states of an instance in the master, for both versions: store, restore, free, serialize.
 
 use std::ffi::{c_int, c_void};
 use std::ptr::null_mut;
@@ -23,7 +23,7 @@ pub trait StateCalls {
     unsafe fn state_from_bytes(&self, c: Pointer, bytes: &[u8], state: &mut Pointer) -> c_int;
 }
 
-/// A stored state with what the model knows of it.
+/// A stored state with its model.
 struct Slot<M> {
     state: Pointer,
     model: M,
@@ -37,7 +37,7 @@ impl<M: Copy> Slots<M> {
         Self([None, None, None])
     }
 
-    /// Makes a call with stored states; what the model knows of the instance after it, where it was `model` before.
+    /// Makes a call with stored states. Returns the model of the instance after it; `model` is that before it.
     ///
     /// # Safety
     /// `c` is an instance that has not been freed.
@@ -75,7 +75,7 @@ impl<M: Copy> Slots<M> {
         *kept = Some(Slot { state, model });
     }
 
-    /// Goes back to a state; what the model knew of it, if there is one.
+    /// Restores a state; its model, if there is one.
     ///
     /// # Safety
     /// `c` is an instance that has not been freed.
@@ -110,7 +110,7 @@ impl<M: Copy> Slots<M> {
         }
     }
 
-    /// To bytes and back; damaged or cut bytes must be refused. What the model knew of the state, if it was gone back to.
+    /// Serializes and deserializes; damaged or cut bytes must be refused. Returns the model of the state if it was restored.
     ///
     /// # Safety
     /// `c` is an instance that has not been freed.
@@ -122,12 +122,12 @@ impl<M: Copy> Slots<M> {
         (damage, cut): (Option<(f64, u8)>, f64),
     ) -> Option<M> {
         let Some(Slot { state, model }) = &self.0[slot] else {
-            // SAFETY: null is what the function is to stand.
+            // SAFETY: the function accepts null.
             unsafe { assert_eq!(f.state_size(c, null_mut(), &mut 0), ERROR) };
             return None;
         };
         let mut size = 0;
-        // SAFETY: an instance, a state that has not been freed, and as many bytes as it asks for.
+        // SAFETY: an instance, a state that has not been freed, and as many bytes as its size.
         unsafe {
             assert_eq!(f.state_size(c, *state, &mut size), OK);
             let mut bytes = vec![0_u8; size];
@@ -159,7 +159,7 @@ impl<M: Copy> Slots<M> {
 
 macro_rules! state_calls {
     ($functions:ty: $get:ident, $set:ident, $free:ident, $size:ident, $to:ident, $from:ident) => {
-        // SAFETY of each: as its caller grants; bytes are as many as said.
+        // SAFETY of each: as its caller grants; the number of bytes is that of the slice.
         impl StateCalls for $functions {
             unsafe fn get_state(&self, c: Pointer, state: &mut Pointer) -> c_int {
                 unsafe { (self.$get)(c, state) }

@@ -3,7 +3,7 @@
 
 use pushbelt_fmi::prelude::*;
 
-/// What the master sets.
+/// Parameters and input.
 #[derive(Clone)]
 pub struct Settings {
     time_constant: f64,
@@ -31,7 +31,7 @@ pub struct Lag {
 
 impl Unit for Lag {
     type Settings = Settings;
-    /// What the master reads: the output.
+    /// The output.
     type Readings = f64;
     type Progress = ();
 

@@ -36,23 +36,21 @@ pub(super) fn seal(guid: &str, content: &[u8]) -> Vec<u8> {
 /// # Errors
 /// The reason, as a sentence.
 pub(super) fn open<'a>(guid: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
-    let too_short = || format!("{} bytes are no stored state: they end too early", bytes.len());
+    let too_short = || format!("{} bytes are not a stored state: they end too early", bytes.len());
     let (magic, rest) = bytes.split_first_chunk::<8>().ok_or_else(too_short)?;
     if magic != MAGIC {
-        return Err("these bytes are no stored state of an FMU of this kind".into());
+        return Err("these bytes are not a stored state of an FMU of this kind".into());
     }
     let (version, rest) = rest.split_first_chunk().ok_or_else(too_short)?;
     let version = u32::from_le_bytes(*version);
     if version != VERSION {
         return Err(format!(
-            "the stored state has version {version} of the layout, this FMU reads version {VERSION}"
+            "the stored state has version {version} of the layout, but this FMU reads version {VERSION}"
         ));
     }
     let (owner, rest) = rest.split_first_chunk().ok_or_else(too_short)?;
     if u128::from_le_bytes(*owner) != hash::of_bytes(guid.as_bytes()) {
-        return Err(format!(
-            "the stored state is that of an FMU with another GUID than {guid}"
-        ));
+        return Err(format!("the stored state is from an FMU whose GUID is not {guid}"));
     }
     let (length, rest) = rest.split_first_chunk().ok_or_else(too_short)?;
     let expected = u64::from_le_bytes(*length).checked_add(CHECKSUM as u64);
@@ -74,7 +72,7 @@ mod tests {
     use super::{open, seal};
 
     #[test]
-    fn what_was_sealed_is_opened() {
+    fn sealed_bytes_are_opened() {
         for content in [&b""[..], b"x", &[7; 1000]] {
             assert_eq!(open("{a}", &seal("{a}", content)), Ok(content));
         }

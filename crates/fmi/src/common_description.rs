@@ -1,4 +1,4 @@
-//! What the descriptions of both versions have in common: units, enumerations, log categories, variables.
+//! Common parts of the descriptions of both versions: units, enumerations, log categories, variables.
 
 use super::hash;
 use super::log::Category;

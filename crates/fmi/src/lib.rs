@@ -11,13 +11,13 @@
 //! | [`mod@unit`] | the trait of a model |
 //! | [`state`] | which function the standard allows in which state (its table 4.2.4) |
 //! | [`slave`] | one instance: its calls, for both versions |
-//! | `snapshot`, `bytes` | the whole state of an instance; the same with version and checksum |
+//! | `snapshot`, `bytes` | the whole state of an instance; its bytes, with version and checksum |
 //! | [`log`] | messages to the importer |
-//! | `common_description`, `xml` | what the model descriptions of both versions share; elements and numbers of XML |
+//! | `common_description`, `xml` | common parts of the model descriptions of both versions; elements and numbers of XML |
 //! | [`start_values`] | start values of a user, from a file in the resources |
 //! | `processor` | whether the processor has the instructions that the binary is compiled for |
 //! | [`fmi2`], [`fmi3`] | the C functions and the model description of a version |
-//! | `c` | what the C functions of both versions share; with the two above the only modules with `unsafe` |
+//! | `c` | common parts of the C functions of both versions; with the two above the only modules with `unsafe` |
 //!
 //! There are no globals and no threads; every instance owns all its data.
 

@@ -8,7 +8,7 @@ pub enum Status {
     Ok = 0,
     /// The call was done; a message has a warning.
     Warning = 1,
-    /// A value was not taken, or a step was not completed; another value or a smaller step may work.
+    /// A value was discarded, or a step was not completed; another value or a smaller step may work.
     Discard = 2,
     /// The call failed; the run can't continue without reset or a stored state.
     Error = 3,
@@ -86,8 +86,8 @@ pub struct Log {
 }
 
 impl Log {
-    /// Errors, warnings and discarded steps are logged even when debug logging is off: they are no debugging aid, and
-    /// an importer without use for them passes no logger.
+    /// Errors, warnings and discarded steps are logged even when debug logging is off: they are not debug messages. An
+    /// importer that does not use them passes no logger.
     const QUIET: [Category; 3] = [Category::Error, Category::Warning, Category::Discard];
 
     /// A log into `sink`, if there is one, for FMI 2.0.
@@ -113,12 +113,12 @@ impl Log {
         log
     }
 
-    /// Logs what it did when it was created.
+    /// Logs the messages from before it was created.
     pub fn reset(&mut self) {
         self.choose(self.debug, &[]);
     }
 
-    /// Chooses what is logged: with `debug` these categories, or all if there are none here, and errors.
+    /// Chooses the logged categories: errors, and with `debug` these, or all if `categories` is empty.
     pub fn choose(&mut self, debug: bool, categories: &[Category]) {
         let categories = match (debug, categories.is_empty()) {
             (false, _) => self.quiet,

@@ -1,16 +1,16 @@
-//! Whether the processor has what the code is compiled for. Checked first, in a function that does nothing
-//! else: an instruction that the processor lacks ends the host.
+//! Whether the processor has the instructions that the code is compiled for. This is checked first, in a function that does
+//! nothing else: a missing instruction terminates the host.
 
 use std::ffi::CStr;
 
-/// The message of a function where it has not.
-macro_rules! objection {
+/// The error of a function if the processor lacks them.
+macro_rules! no_avx2 {
     ($function:literal) => {
         match CStr::from_bytes_with_nul(
             concat!(
                 $function,
-                ": this processor lacks AVX2, which the FMU's binary was compiled for; one built by `cargo fmu build --portable` \
-                 does without\0"
+                ": this processor lacks AVX2, for which the binary of the FMU was compiled; use an FMU built by \
+                 `cargo fmu build --portable`\0"
             )
             .as_bytes(),
         ) {
@@ -20,21 +20,21 @@ macro_rules! objection {
     };
 }
 
-/// The message of FMI 2.0 where it has not.
-pub const OBJECTION: &CStr = objection!("fmi2Instantiate");
-/// The message of FMI 3.0.
-pub const OBJECTION3: &CStr = objection!("fmi3InstantiateCoSimulation");
+/// The error of FMI 2.0 if the processor lacks them.
+pub const NO_AVX2: &CStr = no_avx2!("fmi2Instantiate");
+/// The error of FMI 3.0.
+pub const NO_AVX2_FMI3: &CStr = no_avx2!("fmi3InstantiateCoSimulation");
 
 /// Whether the processor has what the code is compiled for.
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2"))]
 #[must_use]
 pub fn suffices() -> bool {
-    // Where the compiler may use AVX2, the standard library does not check the processor for it. It does check processor and
-    // operating system for FMA and BMI2, and no processor has these two without AVX2.
+    // With AVX2 enabled in the compiler, the standard library does not check the processor for it. It does check processor and
+    // operating system for FMA and BMI2, and every processor with these two has AVX2.
     std::arch::is_x86_feature_detected!("fma") && std::arch::is_x86_feature_detected!("bmi2")
 }
 
-/// Whether the processor has what the code is compiled for: the code needs nothing beyond the architecture's first processors.
+/// Always true: the code needs no instructions beyond the architecture's baseline.
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2")))]
 #[must_use]
 pub fn suffices() -> bool {
@@ -43,17 +43,17 @@ pub fn suffices() -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{OBJECTION, OBJECTION3};
+    use super::{NO_AVX2, NO_AVX2_FMI3};
 
     #[test]
-    fn the_messages_name_their_function_and_the_way_out() {
+    fn the_messages_name_their_function_and_the_remedy() {
         for (message, function) in [
-            (OBJECTION, "fmi2Instantiate: "),
-            (OBJECTION3, "fmi3InstantiateCoSimulation: "),
+            (NO_AVX2, "fmi2Instantiate: "),
+            (NO_AVX2_FMI3, "fmi3InstantiateCoSimulation: "),
         ] {
             let text = message.to_str().expect("UTF-8");
             assert!(
-                text.starts_with(function) && text.contains("`cargo fmu build --portable` does without"),
+                text.starts_with(function) && text.contains("use an FMU built by `cargo fmu build --portable`"),
                 "{text}"
             );
         }

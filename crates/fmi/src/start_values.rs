@@ -14,7 +14,7 @@ use super::unit::Unit;
 /// Name of the file in the resources.
 pub const FILE: &str = "start-values.txt";
 
-/// A larger file is no list of start values, bytes.
+/// Largest size of the file, bytes: a larger file is not a list of start values.
 const LARGEST: u64 = 1 << 20;
 
 /// The settings that an instance starts from: those of the file in this folder over the defaults; none if there is no file.
@@ -37,7 +37,7 @@ fn text(path: &Path) -> Result<Option<String>, String> {
         found => found.map_err(|error| error.to_string())?,
     };
     if !data.is_file() {
-        return Err("this is no file".to_string());
+        return Err("this is not a file".to_string());
     }
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| error.to_string())?;
@@ -48,7 +48,7 @@ fn text(path: &Path) -> Result<Option<String>, String> {
     }
     String::from_utf8(bytes)
         .map(Some)
-        .map_err(|_| "it is no text in UTF-8".to_string())
+        .map_err(|_| "it is not text in UTF-8".to_string())
 }
 
 fn parse<S: Default, R>(text: &str, table: &Table<S, R>) -> Result<S, String> {
@@ -61,7 +61,7 @@ fn parse<S: Default, R>(text: &str, table: &Table<S, R>) -> Result<S, String> {
         }
         let name = set(line, table, &mut settings).map_err(|why| format!("line {number}: {why}"))?;
         if seen.contains(&name) {
-            return Err(format!("line {number}: {name} is there twice"));
+            return Err(format!("line {number}: {name} is set twice"));
         }
         seen.push(name);
     }
@@ -81,13 +81,13 @@ fn set<'a, S, R>(line: &'a str, table: &Table<S, R>, settings: &mut S) -> Result
                 Some(retired) => retired.to_string(),
                 None => format!("there is no variable {name:?}"),
             })?;
-    let no = |what: &str| format!("{name} = {text:?} is no {what}");
+    let not_a = |what: &str| format!("{name} = {text:?} is not a {what}");
     let value = match &variable.kind {
-        Kind::Real { .. } => Value::Real(text.parse().map_err(|_| no("number"))?),
+        Kind::Real { .. } => Value::Real(text.parse().map_err(|_| not_a("number"))?),
         Kind::Integer { .. } | Kind::Enumeration { .. } => {
-            Value::Integer(text.parse().map_err(|_| no("whole number"))?)
+            Value::Integer(text.parse().map_err(|_| not_a("whole number"))?)
         }
-        Kind::Boolean { .. } => Value::Boolean(text.parse().map_err(|_| no("truth value"))?),
+        Kind::Boolean { .. } => Value::Boolean(text.parse().map_err(|_| not_a("truth value"))?),
     };
     variable.set(settings, value).map_err(|error| error.to_string())?;
     Ok(name)

@@ -41,7 +41,7 @@ pub struct Item {
 pub struct Enumeration {
     /// Name of the type.
     pub name: &'static str,
-    /// What the choice is about.
+    /// Description of the choice.
     pub description: &'static str,
     /// Values in ascending order.
     pub items: &'static [Item],
@@ -57,9 +57,9 @@ pub enum Causality {
     Tunable,
     /// Set between steps; held over a step, or in proportion to time with an input derivative.
     Input,
-    /// Calculated, and meant to be connected to other models.
+    /// Calculated, for connections to other models.
     Output,
-    /// Calculated, and meant for plots and checks.
+    /// Calculated, for plots and checks.
     Local,
 }
 
@@ -235,7 +235,7 @@ impl Inadmissible {
     }
 }
 
-/// An input that is beyond a limit by less than this, in its unit, is taken for the limit. Another model that ends at
+/// An input that exceeds a limit by less than this, in its unit, is set to the limit. Another model that ends at
 /// zero may leave a rounding error below it.
 const ROUNDING: f64 = 1.0e-6;
 
@@ -380,8 +380,8 @@ impl<S, R> Variable<S, R> {
     }
 }
 
-/// Variables that are the elements of an array. FMI 2.0 has elements only, later versions the array: it has the value reference
-/// of its first element, and all else but name and description from there.
+/// Variables that are the elements of an array. FMI 2.0 has elements only, FMI 3.0 has the array: apart from name and
+/// description, its attributes are those of its first element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Array {
     /// Name without index.
@@ -411,7 +411,7 @@ pub struct Table<S, R> {
     variables: Vec<Variable<S, R>>,
     /// In the order of their value references.
     arrays: Vec<Array>,
-    /// (value reference, place in `variables`), sorted. A hash map would draw its seed from the operating system, by a
+    /// (value reference, index in `variables`), sorted. A hash map would get its seed from the operating system, by a
     /// library that some Windows compatibility layers lack.
     by_reference: Vec<(u32, usize)>,
     retired: &'static [Retired],
@@ -424,7 +424,7 @@ pub struct Retired {
     pub name: &'static str,
     /// Its value reference.
     pub reference: u32,
-    /// What a user does instead, as a sentence without a full stop.
+    /// The replacement for the user, as a sentence without a full stop.
     pub instead: &'static str,
 }
 

@@ -47,7 +47,7 @@ pub struct Identity {
     pub step_size: f64,
     /// Suggested relative tolerance.
     pub tolerance: f64,
-    /// Longest communication step that is accepted, s: a mistaken unit should end in a message, not in hours of work.
+    /// Longest communication step that is accepted, s: a wrong unit of time gives an error instead of hours of computation.
     pub longest_step: f64,
 }
 
@@ -70,7 +70,7 @@ impl Identity {
     }
 }
 
-/// A remark for the user's log.
+/// A remark for the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remark {
     /// Whether the user should act on it.
@@ -79,7 +79,7 @@ pub struct Remark {
     pub text: String,
 }
 
-/// Why a step was not done.
+/// The reason why a step was not completed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StepFailure {
     /// A setting is out of its range; nothing was changed.
@@ -105,7 +105,7 @@ pub struct Moment<R> {
 pub struct CommunicationStep<U: Unit> {
     /// Time at which it begins, s.
     pub from: f64,
-    /// Time at which it ends, s. [`Unit::end_at`] brings it nearer.
+    /// Time at which it ends, s. [`Unit::end_at`] makes it earlier.
     pub to: f64,
     /// Time derivatives of the real inputs, in the inputs' fields; `None` if all are held.
     pub rates: Option<U::Settings>,
@@ -113,7 +113,7 @@ pub struct CommunicationStep<U: Unit> {
     pub progress: U::Progress,
 }
 
-/// A model in an FMU. It holds its whole dynamic state, solver history included, so that a clone continues exactly as the
+/// A model in an FMU. It contains its whole dynamic state, solver history included, so that a clone continues exactly as the
 /// original would.
 ///
 /// A communication step is [`begin`](Unit::begin), then [`advance`](Unit::advance) until [`is_over`](Unit::is_over), then
@@ -153,7 +153,7 @@ pub trait Unit: Clone + Sized {
     /// The present time, s.
     fn time(&self) -> f64;
 
-    /// Readings at the present time; elements of arrays only if `elements` is true. In a run they depend on inputs through the
+    /// Readings at the present time; elements of arrays only if `elements` is true. During a run they depend on inputs through the
     /// state only: a changed input has an effect from the next step on.
     fn readings(&mut self, elements: bool) -> &Self::Readings;
 
@@ -190,7 +190,7 @@ pub trait Unit: Clone + Sized {
         None
     }
 
-    /// Lets the communication step end at a time, s, or at the present time if that is later. It never becomes longer.
+    /// Shortens the communication step so that it ends at a time, s, or at the present time if that is later.
     fn end_at(&mut self, step: &mut CommunicationStep<Self>, time: f64) {
         step.to = step.to.min(time.max(self.time()));
     }

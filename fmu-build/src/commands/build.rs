@@ -13,13 +13,13 @@ use crate::platform::{Platform, Version};
 use crate::workspace::{MODEL_IDENTIFIER, Machines, PAPER_IDENTIFIER, Workspace};
 use crate::{binary, cargo, date, exports, icons, licenses, portable, progress};
 
-/// The documentation in the FMU; `{{…}}` stand for values from the model description.
+/// The documentation in the FMU; values from the model description replace `{{…}}`.
 const DOCUMENTATION: &str = include_str!("../../templates/documentation.html");
 
-/// Where both versions of the standard (2.0.4, section 2.3) have the licences; `license.txt` is the entry.
+/// Folder of the licences in both versions of the standard (2.0.4, section 2.3); `license.txt` is the entry.
 const LICENSES: &str = "documentation/licenses";
 const LICENSE: &str = include_str!("../../templates/license.txt");
-/// What of each version of FMI is there, as a section of the documentation.
+/// Supported features of each version of FMI, as a section of the documentation.
 const FMI2: &str = include_str!("../../templates/fmi2.html");
 const FMI3: &str = include_str!("../../templates/fmi3.html");
 
@@ -116,7 +116,7 @@ fn pack(
 
 /// Writes an FMU and prints its path and size.
 fn write(archive: Archive, path: &Path) -> anyhow::Result<()> {
-    // Written to another file that is then renamed: no program reads a half-written FMU.
+    // Written to another file that is then renamed, so that no program reads an incomplete FMU.
     let draft = path.with_extension("fmu.part");
     let output = File::create(&draft).with_context(|| format!("can't write {}", draft.display()))?;
     let mut output = archive.write(BufWriter::new(output))?;

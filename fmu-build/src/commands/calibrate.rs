@@ -29,7 +29,7 @@ pub struct Arguments {
     passed_on: Vec<String>,
 }
 
-/// Runs the calibration, which prints where the report is.
+/// Runs the calibration, which prints the path of the report.
 ///
 /// # Errors
 /// The FMU doesn't build, the table can't be read, or it determines none of the parameters.
@@ -50,7 +50,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     cargo::run(calibrate.args(&arguments.passed_on))
 }
 
-/// The program runs at the top level of the workspace, whatever folder this one was started in.
+/// The program runs at the top level of the workspace, independently of this tool's working directory.
 fn absolute(path: &Path) -> anyhow::Result<PathBuf> {
     std::path::absolute(path).with_context(|| format!("{} is no path", path.display()))
 }

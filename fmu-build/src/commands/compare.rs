@@ -1,4 +1,4 @@
-//! `cargo fmu compare`: two runs over each other, and a report.
+//! `cargo fmu compare`: comparison of two runs, and a report.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::workspace::Workspace;
 pub struct Arguments {
     /// A result file of a run, or a folder of them
     a: PathBuf,
-    /// What it is compared with
+    /// The file or folder that it is compared with
     b: PathBuf,
     /// Passed on to the program; `-- --help` lists its options
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
@@ -24,7 +24,7 @@ pub struct Arguments {
 /// Runs the program, which prints where the report is.
 ///
 /// # Errors
-/// The FMU doesn't build, or the files hold no runs.
+/// The FMU doesn't build, or the files contain no runs.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     // The program runs at the top level of the workspace.
     let absolute = |path: &Path| std::path::absolute(path).with_context(|| format!("can't find {}", path.display()));

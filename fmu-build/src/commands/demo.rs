@@ -15,7 +15,7 @@ pub struct Arguments {
     passed_on: Vec<String>,
 }
 
-/// Runs the demo, which prints where the report is.
+/// Runs the demo, which prints the path of the report.
 ///
 /// # Errors
 /// The FMU doesn't build, or the demo fails.

@@ -1,4 +1,4 @@
-//! `cargo fmu describe`: writes what is generated from the variable table, the tables of C functions and the version, and checked in.
+//! `cargo fmu describe`: writes the checked-in files that are generated from the variable table, the tables of C functions and the version.
 
 use std::fs;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use crate::workspace::Workspace;
 /// Version of crate, FMU and Python package, from the workspace's manifest.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml`, `exports.def`, and what is made from the first.
+/// Writes `modelDescription.xml`, `modelDescription3.xml`, `terminalsAndIcons.xml`, `exports.def`, and the files generated from the first.
 ///
 /// # Errors
 /// The model doesn't compile, or a file can't be written.
@@ -45,8 +45,8 @@ pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Files that differ from what `modelDescription.xml` and the version give. Whether `modelDescription.xml` is what the
-/// variable table gives is a test of the model: this tool doesn't link it.
+/// Files that are out of date with respect to `modelDescription.xml` and the version. Whether `modelDescription.xml` is that of
+/// the variable table is a test of the model, which this tool doesn't link.
 ///
 /// # Errors
 /// `modelDescription.xml` can't be read.

@@ -1,4 +1,4 @@
-//! `cargo fmu docs`: the book of `docs/` with the API documentation, and whether its links hold.
+//! `cargo fmu docs`: the book of `docs/` with the API documentation, and a check of its links.
 
 use anyhow::ensure;
 
@@ -11,7 +11,7 @@ use crate::workspace::{self, Workspace};
 /// Writes `target/book/`.
 ///
 /// # Errors
-/// A generated file is out of date, book or API documentation can't be made, or a link is broken.
+/// A generated file is out of date, book or API documentation can't be built, or a link is broken.
 pub fn run(workspace: &Workspace) -> anyhow::Result<()> {
     let outdated = describe::outdated(workspace)?;
     ensure!(

@@ -29,7 +29,7 @@ pub struct Arguments {
     passed_on: Vec<String>,
 }
 
-/// Runs the study, which prints where the report is.
+/// Runs the study, which prints the path of the report.
 ///
 /// # Errors
 /// The FMU doesn't build, the cluster can't be reached, or no point has a steady state.

@@ -18,19 +18,19 @@ use crate::progress;
 use crate::python::{BUILDING, Environment, RUNNING};
 use crate::workspace::{PAPER_PACKAGE, Workspace};
 
-/// This tool, whose tests are compiled as it is.
+/// This tool. Its tests are compiled with the profile of the tool.
 const TOOL: &str = env!("CARGO_PKG_NAME");
 
-/// Packages whose Rust tests are in the second tier alone.
+/// Packages whose Rust tests are in the second tier only.
 const SECOND_TIER_PACKAGES: [&str; 1] = [PAPER_PACKAGE];
 
-/// Files of Rust tests, of other packages, that are in the second tier alone: they run for long, or need valgrind.
+/// Files of Rust tests of other packages that are in the second tier only: they take long, or need valgrind.
 const SECOND_TIER: [&str; 2] = ["sequences", "variator_real_time"];
 
 /// Options of the tests.
 #[derive(Args)]
 pub struct Arguments {
-    /// Run all tests, those of the second tier too
+    /// Run all tests, including those of the second tier
     #[arg(long, conflicts_with_all = ["windows", "passed_on"])]
     all: bool,
     /// Run only the Rust tests
@@ -62,8 +62,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.windows {
         return windows_tests(workspace, &arguments.passed_on);
     }
-    // What takes one core each goes on at once: packages are installed while the model compiles, and the paper's FMU is built while
-    // the Rust tests compile in another profile.
+    // Tasks that take one core each run at the same time: packages are installed while the model compiles, and the paper's FMU is
+    // built while the Rust tests compile in another profile.
     let ((), environment) = side_by_side(
         || {
             build::run_both(workspace, &arguments.build)?;
@@ -77,7 +77,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
                 return Ok(None);
             }
             let environment = Environment::prepare(workspace, &RUNNING)?;
-            // Tests that are chosen by hand may need it.
+            // Tests selected by the user may need it.
             if arguments.all || !arguments.passed_on.is_empty() {
                 build::run_paper(workspace)?;
             }
@@ -91,7 +91,7 @@ fn python_tests(environment: &Environment, arguments: &Arguments) -> anyhow::Res
     progress::headline("Python tests");
     let mut tests = environment.command();
     tests.args(["-m", "pytest", "-p", "no:cacheprovider", "--durations=5"]);
-    // One more than there are cores, since some wait for a browser or another program.
+    // One more than the number of cores, since some tests wait for a browser or another program.
     let processes = thread::available_parallelism().map_or(1, NonZero::get).min(3) + 1;
     tests.args(["--dist=loadfile", &format!("--numprocesses={processes}")]);
     if !arguments.all && arguments.passed_on.is_empty() {
@@ -104,7 +104,7 @@ fn python_tests(environment: &Environment, arguments: &Arguments) -> anyhow::Res
     cargo::run(tests.args(&arguments.passed_on))
 }
 
-/// The win64 library in wine, beside those of Linux and of this machine.
+/// The win64 library in wine, compared with those of Linux and of this machine.
 fn windows_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<()> {
     build::run(workspace, &build::Arguments { portable: true })?;
     progress::headline("Compiling the library for this machine");
@@ -113,7 +113,7 @@ fn windows_tests(workspace: &Workspace, passed_on: &[String]) -> anyhow::Result<
     let environment = Environment::prepare(workspace, &RUNNING)?;
     progress::headline("Windows tests");
     let mut tests = environment.command();
-    // -rs prints why something is skipped.
+    // -rs prints the reasons of skipped tests.
     tests.args([
         "-m",
         "pytest",
@@ -139,7 +139,7 @@ fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()
         return test(&arguments.passed_on);
     }
     if arguments.all {
-        // All but the examples, which hold no tests; clippy compiles them.
+        // All targets except the examples, which have no tests; clippy compiles them.
         test(&words(&format!("--workspace --exclude {TOOL} --lib --tests")))?;
         test(&words(&format!("--workspace --exclude {TOOL} --doc")))?;
         return test(&words(&format!(
@@ -156,7 +156,7 @@ fn rust_tests(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()
     Ok(())
 }
 
-/// Options of `cargo test` for the first tier, and what they leave out, from what `cargo metadata` prints of the workspace.
+/// Options of `cargo test` for the first tier, and the tests that these leave out, from the output of `cargo metadata`.
 fn first_tier(metadata: &Value) -> anyhow::Result<(Vec<String>, Vec<String>)> {
     let mut chosen = vec!["--release".to_owned(), "--lib".to_owned()];
     let mut left = Vec::new();

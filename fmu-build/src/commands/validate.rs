@@ -17,7 +17,7 @@ pub struct Arguments {
     passed_on: Vec<String>,
 }
 
-/// Runs the validation, which prints what misses its goal and where the report is.
+/// Runs the validation, which prints missed goals and the path of the report.
 ///
 /// # Errors
 /// The FMU doesn't build, or it can't be run.

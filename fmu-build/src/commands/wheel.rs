@@ -11,13 +11,13 @@ use crate::python::{Environment, PACKING};
 use crate::workspace::{MODEL_IDENTIFIER, Machines, Workspace, copy_tree};
 use crate::{cargo, licenses, progress};
 
-/// 1 January 1980, the first date that an archive can hold: the bytes of a wheel don't depend on when it was built.
+/// 1 January 1980, the earliest date in an archive, so that the bytes of a wheel don't depend on the date of its build.
 const DATE: &str = "315532800";
 
-/// What goes into the wheel, and where it goes.
+/// Content and destination of the wheel.
 #[derive(Args)]
 pub struct Arguments {
-    /// Pack this FMU instead of building the portable one; it has the binaries that it has
+    /// Pack this FMU with its binaries instead of building the portable one
     #[arg(long, value_name = "FILE.fmu")]
     fmu: Option<PathBuf>,
     /// Folder that the wheel is written to [default: target/wheels]
@@ -49,7 +49,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
         "--quiet",
         "--no-deps",
     ])
-    // The environment has the build backend already, of the version in the lock file.
+    // The environment already has the build backend in the version of the lock file.
     .arg("--no-build-isolation")
     .arg("--wheel-dir")
     .arg(&packed)
@@ -71,7 +71,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Copies what the build backend packs: the package with FMU and published data inside, and the licences.
+/// Copies the files for the build backend: the package with FMU and published data inside, and the licences.
 fn lay_out(workspace: &Workspace, fmu: &Path, tree: &Path) -> anyhow::Result<()> {
     if tree.exists() {
         fs::remove_dir_all(tree).with_context(|| format!("can't remove {}", tree.display()))?;

@@ -21,8 +21,8 @@ impl Descriptor {
         let n = system.belt.layout.len();
         let drift = system.belt.layout.drift();
         let positions: Vec<usize> = (0..n).filter(|&i| system.has_position()[i] && i != drift).collect();
-        let mut slopes = |alpha, beta| dense_jacobian(system, state, alpha, beta);
-        let (by_y, by_rate, by_place) = (slopes(0.0, 0.0), slopes(1.0, 0.0), slopes(0.0, 1.0));
+        let mut jacobian = |alpha, beta| dense_jacobian(system, state, alpha, beta);
+        let (by_y, by_rate, by_place) = (jacobian(0.0, 0.0), jacobian(1.0, 0.0), jacobian(0.0, 1.0));
         let size = n + positions.len();
         let (mut e, mut a) = (Mat::<f64>::zeros(size, size), Mat::<f64>::zeros(size, size));
         for i in 0..n {
@@ -43,8 +43,8 @@ impl Descriptor {
         descriptor
     }
 
-    /// Elements on the belt are neither gained nor lost: as a constraint in place of one of the balances that together
-    /// say so. Left among the modes, it would be one with the eigenvalue 0, and rounding mixes it with slow ones.
+    /// The total element amount is constant. This constraint replaces one of the balances, whose sum implies it. Otherwise it
+    /// would be a mode with the eigenvalue 0, which rounding mixes with slow ones.
     fn constrain_amounts(&mut self, system: &VariatorSystem) {
         let cells = system.belt.layout.cells();
         let balance = system.belt.layout.amount(cells - 1);

@@ -84,13 +84,13 @@ pub(super) fn load_columns(system: &VariatorSystem, loads: &[Load], size: usize)
     b
 }
 
-/// Part of a load, given or held, by which the two may differ.
+/// Largest relative difference between a specified load and the one that holds the point without a remark.
 const SAME: f64 = 0.01;
-/// Sizes below which loads are taken for these, N and N·m: drag holds a torque of zero apart from none.
+/// Least sizes of loads in this comparison, N and N·m: drag alone changes a torque of zero.
 const SMALL_FORCE: f64 = 5.0e3;
 const SMALL_TORQUE: f64 = 50.0;
 
-/// In what the working point is not the one that was given, a sentence each.
+/// Differences from the specified working point, one sentence each.
 pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
     let mut found = Vec::new();
     if point.outputs.macro_slip {
@@ -105,7 +105,7 @@ pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
         let (unit, small) = match load {
             Load::ClampingForce(_) => ("N", SMALL_FORCE),
             Load::Torque(_) => ("N.m", SMALL_TORQUE),
-            // It is the speed itself.
+            // The set point is the speed of the point.
             Load::SpeedSetpoint(_) => continue,
         };
         if (held - given).abs() > SAME * given.abs().max(held.abs()).max(small) {

@@ -15,13 +15,13 @@ use crate::variator::survey::belt_survey::Survey;
 use crate::variator::survey::observe::{Context, Observer};
 use crate::variator::system::VariatorSystem;
 
-/// Part of the cut-off at which the static gain is evaluated: it must not meet a neutral mode.
+/// Fraction of the cut-off at which the static gain is evaluated. It is not 0, because of the neutral modes.
 const NEARLY_STATIC: f64 = 1.0e-3;
 
 /// ẋ = A x + B u, y = C x + D u about the working point. Each matrix is a list of its rows; deviations in SI units.
 #[derive(Clone, Debug)]
 pub struct LinearModel {
-    /// Inputs that were given.
+    /// Specified inputs.
     pub given: Inputs,
     /// Inputs that hold the working point.
     pub inputs: Inputs,
@@ -35,16 +35,16 @@ pub struct LinearModel {
     pub b: Vec<Vec<f64>>,
     /// C, a row for each output that `read` picks.
     pub c: Vec<Vec<f64>>,
-    /// D: direct effect of the loads on the outputs, by modes that are not in A.
+    /// D: direct effect of the loads on the outputs, through modes that are not in A.
     pub d: Vec<Vec<f64>>,
     /// Eigenvalues of A, 1/s, in the order of the states, the slowest first: real and imaginary part. A conjugate pair has
     /// two states.
     pub poles: Vec<[f64; 2]>,
-    /// In what the working point is not the one that was given: it slips through, or other loads hold it. A sentence each.
+    /// Differences from the specified working point: the belt slips through, or other loads hold it. One sentence each.
     pub remarks: Vec<String>,
 }
 
-/// A direction of x = (y, q), with ẏ beside it.
+/// A direction of x = (y, q), and its ẏ.
 struct Direction {
     y: Vec<f64>,
     y_dot: Vec<f64>,
@@ -133,8 +133,8 @@ pub fn linearise(
     about(WorkingPoint::new(parameters, inputs)?, frequency, read)
 }
 
-/// The linear model about the state in which the `variator` is, as [`linearise`]. `inputs` are those that act: where others
-/// hold the state, [`LinearModel::remarks`] says so.
+/// The linear model about the present state of `variator`, as [`linearise`]. `inputs` are those that act: where others hold
+/// the state, there is a remark in [`LinearModel::remarks`].
 ///
 /// # Errors
 /// See [`LinearError`].
@@ -162,13 +162,13 @@ fn about(
     let n = system.belt.layout.len();
     let mut differentiate = |column: &[f64], rate: &[f64]| {
         let direction = Direction::new(n, &descriptor.positions, column, rate);
-        slopes(system, state, &direction, read)
+        derivatives_along(system, state, &direction, read)
     };
     let c: Vec<Vec<f64>> = (0..slow.right.ncols())
         .map(|k| differentiate(&column(&slow.right, k), &column(&slow.rates, k)))
         .collect();
-    // The response of the slow modes is subtracted before outputs are differentiated: it is large here, and sliding is not
-    // linear in it.
+    // The response of the slow modes is subtracted before outputs are differentiated: it is large here, and sliding depends
+    // on it nonlinearly.
     let d: Vec<Vec<f64>> = slow
         .remainder(&descriptor, &b, NEARLY_STATIC * cut_off)
         .iter()
@@ -207,7 +207,7 @@ fn transposed(columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
 }
 
 /// Derivatives of outputs along a direction, by central differences over which the laws are nearly linear.
-fn slopes(
+fn derivatives_along(
     system: &mut VariatorSystem,
     state: &State,
     direction: &Direction,

@@ -12,12 +12,12 @@ use crate::variator::settings::signals::Inputs;
 
 /// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the overlay.
 const NEUTRAL: f64 = 1.0e-3;
-/// Part of the cut-off to which eigenvalues are shifted: near it rounding moves them least, and the slowest are the
-/// nearest to each other.
+/// Fraction of the cut-off that is the shift: eigenvalues near the shift have the least rounding errors, and the slowest
+/// ones are the closest to each other.
 const SHIFT: f64 = 0.01;
 
 /// Eigenvalues of the steady state at the initial ratio and speed below `frequency`, Hz, the one that grows most first.
-/// Each is its real and imaginary part, 1/s; of a conjugate pair only the one with the positive imaginary part is there.
+/// Each is its real and imaginary part, 1/s; of a conjugate pair only the one with the positive imaginary part is listed.
 /// A run with long steps doesn't show whether fast modes grow: the integrator damps them.
 ///
 /// # Errors
@@ -44,8 +44,8 @@ fn inverted(descriptor: &Descriptor, sigma: f64) -> Mat<f64> {
     descriptor.shifted(sigma).partial_piv_lu().solve(&descriptor.e)
 }
 
-/// D⁻¹MD with a diagonal D, which is returned beside it, whose rows are as large as its columns. Unknowns are of many units: as
-/// they are, rounding moves eigenvalues near the cut-off by a tenth.
+/// D⁻¹MD, whose rows have the norms of its columns, and the diagonal D. Without balancing, rounding moves eigenvalues near the
+/// cut-off by a tenth, because the unknowns have many units.
 fn balanced(matrix: &Mat<f64>) -> Result<(Mat<f64>, Vec<f64>), LinearError> {
     let n = matrix.nrows();
     let mut copy = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)]);
@@ -88,7 +88,7 @@ pub(super) fn slow_modes(descriptor: &Descriptor, cut_off: f64) -> Result<SlowMo
     right.retain(|(lambda, _)| is_slow(*lambda, cut_off));
     right.sort_by(|(a, _), (b, _)| a.norm().total_cmp(&b.norm()));
     // Left eigenvectors w of D⁻¹(σE − A)⁻¹ED; those of the pencil are w D⁻¹(σE − A)⁻¹. Rounding may move an eigenvalue across
-    // the cut-off, so each finds its nearest.
+    // the cut-off, so each is matched with the nearest one.
     let mut others = pairs(&inverted.transpose().to_owned())?;
     let mut left = Vec::with_capacity(right.len());
     for (lambda, _) in &right {

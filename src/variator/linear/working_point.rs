@@ -26,10 +26,10 @@ pub enum LinearError {
     #[error(transparent)]
     Start(#[from] InitialisationError),
     /// The state is not steady.
-    #[error("this is no steady working point: {0}")]
+    #[error("this is not a steady working point: {0}")]
     Unsteady(String),
-    /// The eigenvalues were not found, or right and left ones differ: too near to each other.
-    #[error("the eigenvalues were not found: slow modes lie too near to each other")]
+    /// The eigenvalues were not found, or right and left ones differ because they are too close to each other.
+    #[error("the eigenvalues were not found: slow modes are too close to each other")]
     Eigenvalues,
     /// No eigenvalue is below the frequency.
     #[error("no mode is slower than {0} Hz")]
@@ -43,7 +43,7 @@ const STANDSTILL: f64 = 1.0e-3;
 pub(super) struct WorkingPoint {
     pub system: VariatorSystem,
     pub state: State,
-    /// Inputs that were given.
+    /// Specified inputs.
     pub given: Inputs,
     /// Inputs that hold the state.
     pub inputs: Inputs,
@@ -66,7 +66,7 @@ impl WorkingPoint {
         Self::of(&mut variator, inputs)
     }
 
-    /// The state in which the `variator` is, under `inputs`.
+    /// The present state of `variator`, under `inputs`.
     pub fn of(variator: &mut Variator, inputs: &Inputs) -> Result<Self, LinearError> {
         refuse_unsteady(variator)?;
         let (mut system, mut state) = (variator.system().clone(), variator.state().clone());
@@ -92,7 +92,7 @@ impl WorkingPoint {
 
 const STANDS_STILL: &str = "the primary pulley stands still";
 
-/// Refuses a ring without a steady state of its own.
+/// Refuses a ring that has no steady state.
 fn refuse_unsteady(variator: &Variator) -> Result<(), LinearError> {
     let ring = &variator.system().belt.ring;
     if ring.starts_on().is_none() {
@@ -102,12 +102,12 @@ fn refuse_unsteady(variator: &Variator) -> Result<(), LinearError> {
     Err(LinearError::Unsteady(why))
 }
 
-/// Refuses a state in which Θ changes by this, 1/s.
+/// Refuses a state in which Θ changes at `rate`, 1/s.
 fn refuse_change(rate: f64) -> Result<(), LinearError> {
     let rate = rate.abs();
     if rate > STEADY {
         return Err(LinearError::Unsteady(format!(
-            "the ratio coordinate Θ moves by {rate:.1e} a second"
+            "the ratio coordinate Θ changes by {rate:.1e} per second"
         )));
     }
     Ok(())

@@ -10,7 +10,7 @@ pub enum SheaveMode {
     Force(f64),
     /// The sheave stands still.
     Held,
-    /// Θ is drawn to `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ). The steady solver
+    /// A spring holds Θ near `theta`: the clamping force is `force` + [`RATIO_STIFFNESS`]·(`theta` − Θ). The steady solver
     /// moves `force` to the reaction.
     Ratio {
         /// Set point of Θ.
@@ -40,8 +40,8 @@ pub enum ShaftMode {
         /// At the primary shaft.
         primary: f64,
     },
-    /// Secondary only: the speed at which the belt takes the given torque from the primary pulley, N·m. The drag of the shafts
-    /// is not in it.
+    /// Secondary only: the speed follows from the torque, N·m, that the belt takes from the primary pulley. The torque excludes
+    /// the drag of the shafts.
     Transmit(f64),
 }
 
@@ -55,7 +55,7 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// Sheaves and shafts that stay as they are.
+    /// Sheaves are held and shafts keep their speeds.
     pub const HELD: Self = Self {
         sheave: PerPulley {
             secondary: SheaveMode::Held,
@@ -121,7 +121,7 @@ impl Loads {
         Self { from, start, rates }
     }
 
-    /// The boundary conditions at a time, s. A clamping force that falls ends at zero: sheaves are pushed, never pulled.
+    /// The boundary conditions at a time, s. A falling clamping force stops at zero: an actuator can't pull its sheave.
     #[must_use]
     pub fn at(&self, time: f64) -> Boundary {
         let mut boundary = self.start;
@@ -140,7 +140,7 @@ impl Loads {
         boundary
     }
 
-    /// Writes the loads to a tape, or reads them. To read, boundary conditions of the same kinds must be in force.
+    /// Writes the loads to a tape, or reads them. Before reading, boundary conditions of the same kinds must be set.
     pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>) {
         tape.real(&mut self.from);
         self.start.serialize(tape);

@@ -23,8 +23,7 @@ pub struct Pulleys {
     parameters: PerPulley<PulleyParameters>,
     /// Axial travel of the movable sheaves between their stops.
     travel: PerPulley<Travel>,
-    /// Factor on the inertias, 1 in a run. A steady solution uses more, so that speeds follow the belt instead of
-    /// running ahead of it.
+    /// Factor on the inertias, 1 in a run. A steady solution uses a larger one, so that speeds follow the belt.
     pub inertia_factor: f64,
 }
 
@@ -71,7 +70,7 @@ impl Pulleys {
         self.travel[pulley].stop_force(view.q[z], view.y[z])
     }
 
-    /// The end stop that a sheave is at: where it begins to be compressed.
+    /// The end stop that a sheave has reached, if any: it counts from the start of its compression.
     #[must_use]
     pub fn stop_reached(&self, pulley: Pulley, view: View<'_>) -> Option<Stop> {
         let (z, travel) = (view.q[self.layout.sheave(pulley)], self.travel[pulley]);
@@ -103,8 +102,8 @@ impl Pulleys {
         }
     }
 
-    /// J_S ω_S/(J_P ω_P): share of the primary's unbalanced torque that the secondary's must be for both speeds to change
-    /// in proportion.
+    /// J_S ω_S/(J_P ω_P): ratio of the secondary's unbalanced torque to the primary's at which both speeds change in
+    /// proportion.
     fn balanced_factor(&self, view: View<'_>) -> f64 {
         let omega = |pulley| view.y[self.layout.shaft_speed(pulley)];
         let primary = self.parameters.primary.inertia * omega(Pulley::Primary);
@@ -202,29 +201,29 @@ impl Pulleys {
         }
     }
 
-    /// Adds the derivatives of the pulleys' rows, with the factors α of ẏ and β of q; the belt's are in `out`, and those of the
-    /// resultants of its contact forces beside its loads.
+    /// Adds the derivatives of the pulleys' rows, with the factors α of ẏ and β of q. `out` already has the derivatives of the
+    /// belt's loads; those of the resultants of its contact forces are beside the loads.
     pub(crate) fn jacobian(
         &self,
         boundary: &Boundary,
         (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantSlopes),
         view: View<'_>,
-        slopes: [f64; 2],
+        factors: [f64; 2],
         out: &mut Arrow,
     ) {
         for pulley in Pulley::BOTH {
-            self.sheave_slopes(pulley, boundary.sheave[pulley], view, slopes, out);
-            self.tilt_slopes(pulley, view, slopes[0], out);
+            self.sheave_jacobian(pulley, boundary.sheave[pulley], view, factors, out);
+            self.tilt_jacobian(pulley, view, factors[0], out);
         }
-        // Secondary first: its row may need the primary's before that is overwritten.
+        // The secondary comes first: its row may use the primary's before that is overwritten.
         let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout.shaft_speed(pulley));
         if let ShaftMode::Transmit(_) = boundary.shaft.secondary {
             out.set_unit_row(s, 0.0);
             out.add_row(s, p, -1.0);
         } else {
-            self.add_drag_slopes(Pulley::Secondary, (loads, resultants), view, out);
+            self.add_drag_jacobian(Pulley::Secondary, (loads, resultants), view, out);
         }
-        self.add_drag_slopes(Pulley::Primary, (loads, resultants), view, out);
+        self.add_drag_jacobian(Pulley::Primary, (loads, resultants), view, out);
         if let ShaftMode::Balanced { primary, .. } = boundary.shaft.secondary {
             let torque = primary + self.shaft_torques(loads, view).primary;
             self.balance_secondary(torque, view, out);
@@ -232,7 +231,7 @@ impl Pulleys {
         for pulley in Pulley::BOTH {
             let i = self.layout.shaft_speed(pulley);
             let inertia = self.inertia_factor * self.parameters[pulley].inertia;
-            let alpha = slopes[0];
+            let alpha = factors[0];
             match boundary.shaft[pulley] {
                 ShaftMode::Setpoint(_) => out.set_unit_row(i, inertia * (alpha + 1.0 / SPEED_LAG)),
                 ShaftMode::Fixed => out.set_unit_row(i, inertia * alpha.max(1.0)),
@@ -247,7 +246,7 @@ impl Pulleys {
         [at.map(|i| view.y[i]), at.map(|i| view.y_dot[i])]
     }
 
-    fn tilt_slopes(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
+    fn tilt_jacobian(&self, pulley: Pulley, view: View<'_>, alpha: f64, out: &mut Arrow) {
         let law = &self.parameters[pulley].tilt;
         let at = [0, 1].map(|axis| self.layout.tilt(pulley, axis));
         if law.is_rigid() {
@@ -264,7 +263,7 @@ impl Pulleys {
     }
 
     /// Adds the derivatives of the drag to the row of a shaft.
-    fn add_drag_slopes(
+    fn add_drag_jacobian(
         &self,
         pulley: Pulley,
         (loads, resultants): (&PerPulley<PulleyLoad>, &ResultantSlopes),
@@ -279,7 +278,7 @@ impl Pulleys {
         }
     }
 
-    fn sheave_slopes(
+    fn sheave_jacobian(
         &self,
         pulley: Pulley,
         mode: SheaveMode,
@@ -304,7 +303,8 @@ impl Pulleys {
         }
     }
 
-    /// Slopes of a secondary shaft that is balanced against the primary one, on which the torque `unbalanced` acts in all, N·m.
+    /// Derivatives of the row of a secondary shaft that is balanced against the primary one; `unbalanced` is the total torque
+    /// on the latter, N·m.
     fn balance_secondary(&self, unbalanced: f64, view: View<'_>, out: &mut Arrow) {
         let [s, p] = [Pulley::Secondary, Pulley::Primary].map(|pulley| self.layout.shaft_speed(pulley));
         out.add_row(s, p, -self.balanced_factor(view));
@@ -331,8 +331,8 @@ impl Pulleys {
         loss
     }
 
-    /// What relaxation of the tilt takes in a step of length `h`, s, beyond the trapezoidal rule, J: a sheave takes its clearance up within
-    /// a step. The work of the moment follows from the tilt's way; what of it is not stored is lost.
+    /// Loss of the tilt relaxation in a step of length `h`, s, beyond the trapezoidal rule, J: a sheave takes up its clearance
+    /// within a step. The work of the moment follows from the change of the tilt; the part that is not stored is lost.
     #[must_use]
     pub fn tilt_loss_beyond_trapezoid(&self, pulley: Pulley, before: View<'_>, after: View<'_>, h: f64) -> f64 {
         let law = &self.parameters[pulley].tilt;
@@ -369,7 +369,7 @@ impl Pulleys {
         energy
     }
 
-    /// External torque at a shaft, N·m, without what accelerates it towards a set point; `torque` is that of belt and drag.
+    /// External torque at a shaft, N·m, without the torque that accelerates it towards a set point; `torque` is that of belt and drag.
     fn torque_supplied(mode: ShaftMode, torque: f64) -> f64 {
         match mode {
             ShaftMode::Torque(external) | ShaftMode::Balanced { own: external, .. } => external,
@@ -390,8 +390,8 @@ impl Pulleys {
         })
     }
 
-    /// Power supplied at the shafts, W, without what accelerates a pulley in speed drive; `torques` are those of belt and
-    /// drag.
+    /// Power supplied at the shafts, W, without the power that accelerates a pulley in speed drive; `torques` are those of
+    /// belt and drag.
     #[must_use]
     pub fn shaft_power(&self, boundary: &Boundary, view: View<'_>, torques: PerPulley<f64>) -> f64 {
         PerPulley::from_fn(|pulley| {

@@ -1,5 +1,4 @@
-//! Parameters, which are set before a run: one struct a group, one field a parameter of the interface. SI units, angles in
-//! rad.
+//! Parameters, set before a run: one struct per group, one field per parameter of the interface. SI units, angles in rad.
 
 pub use crate::chain::Belt;
 pub use crate::contact::{Contact, Friction};
@@ -46,8 +45,8 @@ pub enum Axial {
 pub enum Mode {
     /// Steps as the error control requires, each solved.
     Accurate = 1,
-    /// A tick each millisecond that always takes the same work ([`bounded`](crate::solver::bounded)), with laws that are
-    /// [`Rounded`] where ticks aren't solved. `ALE0` and `ALE`.
+    /// Ticks of 1 ms with bounded work ([`bounded`](crate::solver::bounded)). After a tick that is not solved, the laws are
+    /// [`Rounded`]. For `ALE0` and `ALE`.
     RealTime = 2,
 }
 
@@ -122,8 +121,8 @@ pub struct PulleyParameters {
     pub drag: ShaftDrag,
 }
 
-/// Elements along the belt, whose borders lie on the arc borders and move with them: five segments (half secondary arc, upper strand, primary arc, lower strand, half secondary
-/// arc).
+/// Elements along the belt. Their borders include the arc borders and move with them: five segments (half secondary arc, upper
+/// strand, primary arc, lower strand, half secondary arc).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Ring elements on the primary arc.
@@ -149,7 +148,7 @@ impl Mesh {
     }
 }
 
-/// Parameters of time integration, and of the inputs that drive it.
+/// Parameters of time integration and of the ramps of inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solver {
     /// How a run is integrated.
@@ -160,27 +159,27 @@ pub struct Solver {
     pub tolerance: f64,
     /// Longest internal step, s.
     pub max_step: f64,
-    /// Time over which an input that is held reaches a new value, s, no longer than the communication step; 0: it jumps,
+    /// Time over which a held input ramps to a new value, s, at most the communication step; 0: it jumps,
     /// −1: the whole communication step.
     pub input_ramp: f64,
 }
 
-/// Laws that real time rounds after a tick that was not solved, so that the next ones get nearer.
+/// Laws that real-time mode regularises more strongly after a tick that was not solved, so that the next ticks converge better.
 pub struct Rounded;
 
 impl Rounded {
     /// Least regularisation speed of friction, m/s: slip of a belt at 10 m/s grows by 2e-4 or less.
     pub const VELOCITY: f64 = 2.0e-3;
 
-    /// Least roughness of the flanks, m: as deep as they are pressed in, so that the edges of contact move by a share of their
-    /// width in a tick. With 1e-6, ticks in which a torque flips run away at the ratios 2.2 and 0.5.
+    /// Least roughness of the flanks, m: as large as their penetration, so that the edges of contact move by a share of their
+    /// width in a tick. With 1e-6, ticks in which a torque reverses diverge at the ratios 2.2 and 0.5.
     pub const ROUGHNESS: f64 = 2.0e-6;
 
-    /// Share of the stack's stiffness that resists a change of density within a tick. With less, elements that close up
-    /// overshoot into contact; a torque that flips moves the play over within some five ticks.
+    /// Share of the stack's stiffness that resists a change of density within a tick. With less, closing elements overshoot
+    /// into contact. After a torque reversal, the play moves to the other strand within some five ticks.
     const SETTLING: f64 = 0.2;
 
-    /// A width of a law on the way from the user's to a `least` one: by `share` of the ratio of the two.
+    /// A regularisation width between the user's `own` and the `least` one, at `share` of the logarithm of their ratio.
     #[must_use]
     pub fn width(own: f64, least: f64, share: f64) -> f64 {
         if share == 0.0 || own >= least {
@@ -190,8 +189,8 @@ impl Rounded {
         }
     }
 
-    /// What settles a stack of elements of this stiffness, N, in N·s: a change of density that lasts for a tick takes a fifth of the
-    /// force that the stack in contact would have.
+    /// Damping, N·s, that settles a stack of elements of this stiffness, N: a change of density within a tick takes a fifth of
+    /// the force of the stack in contact.
     #[must_use]
     pub fn settling(push_stiffness: f64, share: f64) -> f64 {
         share * Self::SETTLING * push_stiffness * TICK
@@ -244,8 +243,8 @@ impl Default for Parameters {
             min_radius: 0.030,
             max_radius: 0.082,
             // Engineering values of a shaft of some 40 mm: T₀ of two lip seals or sealing rings, b of the oil that pulley and
-            // bearings splash, μ_b between what catalogues have for ball bearings, 0.0015, and for roller bearings, 0.002, at
-            // half the bore.
+            // bearings splash, μ_b between the catalogue values of ball bearings, 0.0015, and roller bearings, 0.002, at half
+            // the bore.
             drag: ShaftDrag {
                 constant: 0.15,
                 viscous: 5.0e-4,
@@ -282,8 +281,8 @@ impl Default for Parameters {
                 lateral_bending_stiffness: 37.6,
                 damping: 2.0e-5,
             },
-            // Two sets of nine layers carry half the tension each: in sum as one set carries all. The friction is an
-            // engineering value, oiled steel on steel, as between ring and elements.
+            // Two sets of nine layers carry half the tension each, which is equivalent to one set that carries all. The
+            // friction is an engineering value, oiled steel on steel, as between ring and elements.
             layers: Layers {
                 count: 9,
                 thickness: 1.85e-4,
@@ -299,7 +298,7 @@ impl Default for Parameters {
             },
             contact: Contact {
                 stiffness: 6.0e10,
-                // With 1e-6 waves of 2.6 kHz grow where the belt enters an arc, on the default mesh and not on twice the elements.
+                // With 1e-6, waves of 2.6 kHz grow where the belt enters an arc on the default mesh, but not on twice the elements.
                 damping: 3.0e-6,
                 roughness: 1.0e-7,
             },

@@ -26,7 +26,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// No load at all; as rates: nothing changes.
+    /// No load; as rates, no change.
     pub const ZERO: Self = {
         let none = PulleyInputs {
             torque: 0.0,
@@ -183,13 +183,13 @@ impl Default for Profile {
 /// State that a run started from. The numbers are those of the FMU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StartState {
-    /// The unloaded kinematic state, as wanted: `initial.steady` is false, or the primary pulley stands still and nothing clamps
+    /// The unloaded kinematic state, as requested: `initial.steady` is false, or the primary pulley stands still and nothing clamps
     /// the belt.
     #[default]
     Unloaded = 1,
-    /// The steady state, as wanted; with `initial.equilibrium` its ratio was solved for too, or it is at an end stop.
+    /// The steady state, as requested; with `initial.equilibrium` its ratio was solved for too, or it is at an end stop.
     Steady = 2,
-    /// A steady state at part of the torques: the belt doesn't carry them.
+    /// A steady state under part of the torques: the belt can't transmit them all.
     ReducedTorque = 3,
     /// A steady state at `initial.ratio`: the equilibrium of the clamping forces was not found.
     NoEquilibrium = 4,
@@ -200,7 +200,7 @@ pub enum StartState {
 }
 
 impl StartState {
-    /// The item of a number.
+    /// The item with this number.
     #[must_use]
     pub fn from_number(number: i32) -> Option<Self> {
         [
@@ -216,26 +216,25 @@ impl StartState {
     }
 }
 
-/// What a run took since its start, and what its last communication step left.
+/// Work of a run since its start, and the remaining error of its last communication step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// Steps of the integrator, those included that were refused.
+    /// Steps of the integrator, including rejected ones.
     pub steps: i32,
     /// Jacobians formed and factored.
     pub jacobians: i32,
     /// Residuals evaluated.
     pub residuals: i32,
-    /// What the solutions of the last communication step were left to change by the next correction, as a share of what accurate steps
-    /// tolerate.
+    /// Largest remaining Newton correction of the last communication step, relative to the limit of accurate steps.
     pub defect: f64,
-    /// How far outputs are behind the clock, s: 0 in accurate steps.
+    /// Delay of the outputs behind the communication point, s; 0 in accurate steps.
     pub behind: f64,
-    /// Rollbacks in real time: how often a step was not kept, and the run went back to the last state that was solved.
+    /// Rollbacks in real time: rejected ticks, after each of which the run returned to the last solved state.
     pub rollbacks: i32,
 }
 
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs
-/// (a torque drive's `external_torque` aside, which is the input as held over the last step).
+/// except `external_torque` in torque drive, which is the input as held over the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outputs {
     /// Outputs of the primary pulley.
@@ -284,7 +283,7 @@ pub struct Outputs {
     pub energy_residual: f64,
     /// State that the run started from.
     pub start_state: StartState,
-    /// What the last communication step took.
+    /// Work of the run.
     pub work: Work,
 }
 

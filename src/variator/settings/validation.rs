@@ -1,15 +1,15 @@
 //! Ranges of parameters and inputs, and the error that names the value out of its range.
 //!
-//! Two kinds of rule: each value has a range of its own, which [`range_of`] returns too; and values must fit
-//! each other (the belt around the pulleys, the stops, the wedge above the friction angle). The ranges only shut out
-//! what can't be meant, so they are wide: a limit case of theory is a legal variator.
+//! There are two kinds of rule. Each value has a range of its own, which [`range_of`] returns too; and values must fit
+//! each other (the belt around the pulleys, the stops, the wedge above the friction angle). The ranges are wide: they
+//! exclude only values that can't be intended, and limit cases of theory are admissible.
 
 use crate::reference_curve::TwoPulley;
 use crate::variator::settings::parameters::{Parameters, PulleyParameters, RingModel};
 use crate::variator::settings::signals::{Inputs, PulleyInputs};
 use std::f64::consts::PI;
 
-/// Factor by which an initial ratio may lie beyond an end stop: a loaded belt rests there, and a run may go on from it.
+/// Factor by which an initial ratio may exceed an end stop: a loaded belt rests there, and a run may continue from it.
 const BEYOND_STOP: f64 = 1.06;
 
 /// A value out of its range.
@@ -61,7 +61,7 @@ impl std::fmt::Display for Value {
     }
 }
 
-/// A value of `T` that has a range: its names (one, or one for each pulley), where it is, smallest and largest value.
+/// A value of `T` that has a range: its names (one, or one for each pulley), its getter, smallest and largest value.
 struct Limit<T, const NAMES: usize> {
     names: [&'static str; NAMES],
     get: fn(&T) -> f64,
@@ -178,7 +178,7 @@ const INPUTS: &[Limit<PulleyInputs, 2>] = &[
 ];
 
 /// Smallest and largest value of a real or integer parameter or input, by its name in the interface; infinity where
-/// every finite number will do.
+/// there is no limit.
 #[must_use]
 pub fn range_of(name: &str) -> Option<(f64, f64)> {
     let parameter = PARAMETERS.iter().find_map(|limit| limit.range(name));
@@ -219,7 +219,8 @@ impl Parameters {
         }
         self.validate_wedge().map_err(|_| {
             let highest = self.geometry.wedge_angle.tan();
-            let range = format!("below {highest}, the tangent of geometry.wedgeAngle; from there on the sheaves jam");
+            let range =
+                format!("below {highest}, the tangent of geometry.wedgeAngle; at that value and above the sheaves jam");
             ParameterError::new("friction.pulley", self.friction.pulley, range)
         })
     }

@@ -14,7 +14,7 @@ const STOP_FORCE: f64 = 10.0;
 /// First pseudo-time step of sheaves that are released, s.
 const STOP_STEP: f64 = 1.0e-4;
 
-/// Numbers of stages in which the force is applied there, one attempt after the other.
+/// Numbers of stages in which the force is applied there, one for each attempt.
 const STOP_STAGES: [u32; 2] = [1, 8];
 
 /// Relative force error of an equilibrium.
@@ -23,17 +23,17 @@ const EQUILIBRIUM_TOLERANCE: f64 = 1.0e-6;
 /// Most steps of the secant method.
 const EQUILIBRIUM_ITERATIONS: usize = 150;
 
-/// Most Newton solves for one state on the way.
+/// Most Newton solves for one intermediate state.
 const EQUILIBRIUM_SOLVES: usize = 200;
 
 /// Largest change of ln(ratio) to a state that is solved for from the kinematic one. A small change needs as many solves as
 /// a large one.
 const COLD_RATIO_STEP: f64 = 0.5;
 
-/// Largest change of ln(ratio) to a state that is solved for from the last one, where [`COLD_RATIO_STEP`] finds no state.
+/// Largest change of ln(ratio) to a state that is solved for from the last one, where there is none by [`COLD_RATIO_STEP`].
 const LARGEST_RATIO_STEP: f64 = 0.05;
 
-/// Largest change of ln(ratio) with sharp friction, where [`LARGEST_RATIO_STEP`] finds no state.
+/// Largest change of ln(ratio) with the specified friction velocity, where there is no state by [`LARGEST_RATIO_STEP`].
 const SMALL_RATIO_STEP: f64 = 0.8 * SHARP_WAY;
 
 /// Releases the sheaves near an end stop: under the task's clamping forces they come to rest against it. A force that is
@@ -109,7 +109,7 @@ fn restart(system: &VariatorSystem, state: &mut State, task: &SteadyTask) {
 /// from the last. At the ends of `range`, where the sheaves are near their stops, they are released.
 ///
 /// # Errors
-/// The report of the last solution, when a state on the way could not be found or the forces don't balance in the end.
+/// The report of the last solution, if an intermediate state was not found or the forces don't balance in the end.
 pub fn solve_equilibrium(
     system: &mut VariatorSystem,
     newton: &mut Newton,

@@ -1,7 +1,7 @@
 //! A steady state on a coarse mesh as the start on a fine one.
 //!
-//! A cold solution mainly finds which elements stick, slide and part. A mesh with half the elements finds nearly the same,
-//! and with one cell an element its Jacobian costs a quarter.
+//! A solution from the kinematic state mainly determines which elements stick, slide and separate. A mesh with half the
+//! elements gives nearly the same result, and with one cell per element its Jacobian costs a quarter.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulleyFrame};
 use crate::ring::kinematics::Hermite;
@@ -113,9 +113,8 @@ impl<'a> Coarse<'a> {
         }
     }
 
-    /// Amounts of densities that are linear between the middles of cells, `wanted` of them in all. The nodes are in
-    /// place.
-    fn write_amounts(&self, fine_system: &VariatorSystem, state: &mut State, wanted: f64) {
+    /// Amounts from densities that are linear between the middles of cells, with the sum `total`. The nodes are already set.
+    fn write_amounts(&self, fine_system: &VariatorSystem, state: &mut State, total: f64) {
         let fine = &*fine_system.belt;
         let count = self.belt.mesh.cells.len();
         let known = per_cell(self.system, self.state, |_, density| density);
@@ -131,14 +130,14 @@ impl<'a> Coarse<'a> {
             .enumerate()
             .map(|(i, length)| (density(i), *length))
             .collect();
-        // What interpolation gains or loses goes into the gaps, or where there are none, everywhere.
+        // The error of the interpolated sum is distributed over the gaps or, where there are none, over all cells.
         let found: f64 = cells.iter().map(|(density, length)| density * length).sum();
         let gap = |(density, length): &(f64, f64)| (1.0 - density).max(0.0) * length;
         let mut room: Vec<f64> = cells.iter().map(gap).collect();
         if room.iter().all(|room| *room <= 0.0) {
             room = lengths;
         }
-        let share = (wanted - found) / room.iter().sum::<f64>();
+        let share = (total - found) / room.iter().sum::<f64>();
         for (i, ((density, length), room)) in cells.iter().zip(&room).enumerate() {
             state.y[fine.layout.amount(i)] = density * length + share * room;
         }
@@ -173,8 +172,7 @@ fn write_node(belt: &Belt, frame: &TwoPulleyFrame<f64>, to: &mut [f64], node: us
     }
 }
 
-/// Writes the fields of `from`, a state of `coarse`, into `state`, a state of `system` that holds as many elements as are
-/// to be on the belt.
+/// Writes the fields of `from`, a state of `coarse`, into `state`, a state of `system` whose number of elements is kept.
 pub fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, state: &mut State) {
     let fine = &*system.belt;
     let wanted = fine.cells_at.iter().map(|at| state.y[at.amount]).sum();
@@ -191,7 +189,7 @@ pub fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, s
     coarse.write_amounts(system, state, wanted);
 }
 
-/// A figure of each cell from its pitch length, m, and its density.
+/// A value for each cell from its pitch length, m, and its density.
 fn per_cell(system: &VariatorSystem, state: &State, figure: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let (mesh, survey) = (&system.belt.mesh, Survey::of(system, state.view()));
     mesh.cells

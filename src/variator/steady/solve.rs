@@ -1,8 +1,8 @@
-//! Steady states, solved for directly: the Eulerian view has them as fixed points.
+//! Steady states, solved directly: in the Eulerian description they are fixed points.
 //!
-//! Pseudo-transient continuation from the kinematic state. The ratio is held by a stiff spring on Θ whose force is
-//! moved to the reaction after each step, and its set point until the pressure-weighted radii have the wanted quotient.
-//! A cold solution goes by way of a coarse mesh (`refine`).
+//! Pseudo-transient continuation from the kinematic state. A stiff spring on Θ holds the ratio. After each step its force is
+//! moved to the reaction, and its set point until the pressure-weighted radii have the specified ratio. A solution from the
+//! kinematic state starts on a coarse mesh (`refine`).
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{GeometryError, ratio_of_theta};
@@ -28,11 +28,11 @@ pub struct SteadyTask {
     pub reaction: Pulley,
     /// Clamping forces, N; the reaction's entry is a first guess.
     pub clamping: PerPulley<f64>,
-    /// What drives the shafts.
+    /// Conditions of the shafts.
     pub shaft: PerPulley<ShaftMode>,
     /// First guess of the slip.
     pub slip: f64,
-    /// The state at hand is a steady one near by: no grip to wait for.
+    /// The initial state is a neighbouring steady one, so the belt already grips.
     pub warm: bool,
 }
 
@@ -45,30 +45,30 @@ impl SteadyTask {
     }
 }
 
-/// Largest relative change of a speed, and change of Θ, in one pseudo-time step: beyond lies another branch (a pulley
-/// that slips for ever).
+/// Largest relative change of a speed, and change of Θ, in one pseudo-time step. A larger change leads to another branch, on
+/// which a pulley slips permanently.
 const LARGEST_SPEED_CHANGE: f64 = 0.02;
 const LARGEST_THETA_CHANGE: f64 = 0.02;
 
-/// Slip of a shaft whose speed is solved for, beyond which its pulley has run away: only drag would hold it, at many times the
-/// speed that was asked for.
+/// Slip of a shaft whose speed is solved for, beyond which its pulley has run away: only drag would limit its speed, at many
+/// times the specified one.
 const RUN_AWAY: f64 = 0.3;
 
 /// Time from which the state counts as steady, s: a belt revolution lasts 0.05 s, a ratio change some seconds.
 pub(super) const LAST_STEP: f64 = 200.0;
 
-/// Friction velocity that the solution starts with, m/s: stick and slip are then one smooth law, and the start-up does
-/// not chatter between them. It is sharpened to the true one on the way.
+/// Friction velocity that the solution starts with, m/s: stick and slip are then one smooth law, and Newton's method does
+/// not alternate between them. It is reduced to the specified one during the solution.
 const SOFT_VELOCITY: f64 = 0.05;
-/// From a neighbouring state no further off in ln(ratio) than this, sharp friction is tried first, for so many Newton
-/// solves.
+/// From a neighbouring state within this distance in ln(ratio), the specified friction velocity is tried first, for at most
+/// this number of Newton solves.
 pub(super) const SHARP_WAY: f64 = 0.01;
 const SHARP_SOLVES: usize = 30;
-/// Factor of each sharpening.
+/// Factor of each reduction of the friction velocity.
 const SHARPENING: f64 = 0.4;
 /// Factor on the inertia of a pulley whose speed is solved for.
 const PSEUDO_INERTIA: f64 = 40.0;
-/// Pseudo-time step at which sharpening begins, and which it keeps, s.
+/// Pseudo-time step from which on the friction velocity is reduced, and which is kept meanwhile, s.
 const SOFT_STEP: f64 = 5.0e-3;
 
 /// First pseudo-time step from a kinematic and from a steady state, s.
@@ -126,7 +126,7 @@ pub(super) fn cold_start(belt: &Belt, task: &SteadyTask, speeds: PerPulley<f64>)
     Ok(state)
 }
 
-/// Moves a kinematic state near the steady one that a mesh with fewer elements finds; returns whether it finds one.
+/// Moves a kinematic state near the steady one of a mesh with fewer elements; returns whether there is one.
 fn start_on_coarse_mesh(
     system: &VariatorSystem,
     newton: &mut Newton,
@@ -149,7 +149,7 @@ fn start_on_coarse_mesh(
     outcome.is_ok()
 }
 
-/// [`solve`] with friction that is as soft as `velocity` at first, m/s.
+/// [`solve`] with the friction velocity `velocity` at first, m/s.
 fn solve_from(
     system: &mut VariatorSystem,
     newton: &mut Newton,
@@ -219,23 +219,23 @@ impl System for Loaded<'_> {
     }
 }
 
-/// Quantities that change on the way to a steady state: the reaction, the set point of Θ, the conditions of the shafts, the
-/// softness of friction.
+/// Quantities that change during the solution: the reaction, the set point of Θ, the conditions of the shafts, the friction
+/// velocity.
 struct Control<'a> {
     task: &'a SteadyTask,
     /// Clamping forces, N; the reaction's follows the force that holds the sheave.
     clamping: PerPulley<f64>,
     /// Set point of Θ.
     theta: f64,
-    /// Until the belt grips, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to the
-    /// branch where a pulley slips for ever.
+    /// Whether the belt grips. Before, both speeds are kept at a small slip: torque on a belt that does not yet grip leads to
+    /// the branch on which a pulley slips permanently.
     gripping: bool,
-    /// The friction velocity to end with, m/s.
+    /// The specified friction velocity, m/s.
     sharp: f64,
 }
 
 impl<'a> Control<'a> {
-    /// At the state to start from, which gets the first guess of the slip where a shaft's speed is solved for.
+    /// At the initial state, which gets the first guess of the slip where a shaft's speed is solved for.
     fn new(system: &VariatorSystem, state: &mut State, task: &'a SteadyTask) -> Self {
         let mut clamping = task.clamping;
         if task.warm {
@@ -272,7 +272,7 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// Corrects the system after a solved step. Returns how long the next one may be; none refuses the step.
+    /// Corrects the system after a solved step. Returns the largest next step; `None` rejects the step.
     fn correct(&mut self, loaded: &mut Loaded<'_>, trial: &Trial<'_>) -> Option<f64> {
         let Loaded { system, loads } = loaded;
         if leaps(&system.belt, trial) {
@@ -283,7 +283,7 @@ impl<'a> Control<'a> {
         if free && runs_away(&system.belt, trial, present) {
             return None;
         }
-        // Slower than the belt settles, or the two integrators would swing up against it.
+        // Slower than the belt settles: otherwise the two integral corrections oscillate with growing amplitude.
         let gain = |time: f64| (trial.step / time).min(1.0);
         let reaction = self.task.reaction;
         let holding = system
@@ -306,7 +306,7 @@ impl<'a> Control<'a> {
     }
 }
 
-/// Whether a pseudo-time step changes speeds or Θ by more than leads to the same branch.
+/// Whether a pseudo-time step changes speeds or Θ so much that it may lead to another branch.
 pub(super) fn leaps(belt: &Belt, trial: &Trial<'_>) -> bool {
     let fast = |pulley: Pulley| {
         let i = belt.layout.shaft_speed(pulley);
@@ -317,8 +317,8 @@ pub(super) fn leaps(belt: &Belt, trial: &Trial<'_>) -> bool {
     Pulley::BOTH.into_iter().any(fast) || (trial.after.q[theta] - trial.before.q[theta]).abs() > LARGEST_THETA_CHANGE
 }
 
-/// Whether the slip at the geometric ratio `ratio` grows beyond that of a pulley that has run away. A poor first guess of a speed may
-/// slip as much, but less and less.
+/// Whether the slip at the geometric ratio `ratio` grows beyond that of a pulley that has run away. With a poor first guess of
+/// a speed the slip may be as large, but it decreases.
 fn runs_away(belt: &Belt, trial: &Trial<'_>, ratio: f64) -> bool {
     let slip = |view| {
         let speeds = belt.shaft_speeds(view);

@@ -62,7 +62,7 @@ pub fn kinematic_state(belt: &Belt, start: &Start) -> Result<State, GeometryErro
     Ok(state)
 }
 
-/// Leads the ring in space from one pulley's plane to the other's: across a strand along a cubic that leaves and arrives in
+/// Places the ring in space between the planes of the two pulleys: across a strand it is a cubic that is tangential to
 /// the planes.
 fn lead_across(belt: &Belt, frame: &TwoPulleyFrame<f64>, state: &mut State) {
     let layout = &belt.layout;

@@ -12,7 +12,7 @@ use crate::variator::settings::signals::Losses;
 use crate::variator::system::VariatorSystem;
 use num_traits::Zero;
 
-/// Axial force below which nothing presses: no thrust ratio, utilisation or steady state means anything, N.
+/// Axial force below which the belt counts as unclamped: thrust ratio, utilisation and steady state are then undefined, N.
 pub(crate) const NO_FORCE: f64 = 1.0;
 
 /// The belt at one state.
@@ -87,7 +87,7 @@ pub struct Sliding<L = f64> {
 }
 
 impl BeltSums<Lanes> {
-    /// The sums of no station.
+    /// The sums over no station.
     fn empty() -> Self {
         Self {
             strand_force: f64::INFINITY.into(),

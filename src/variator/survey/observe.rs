@@ -13,9 +13,9 @@ use crate::variator::system::VariatorSystem;
 
 use Pulley::{Primary, Secondary};
 
-/// Rim speed below which slip means nothing, m/s.
+/// Rim speed below which slip is undefined, m/s.
 const NO_SPEED: f64 = 1.0e-3;
-/// Shaft power below which an efficiency means nothing, W.
+/// Shaft power below which an efficiency is undefined, W.
 const NO_POWER: f64 = 1.0e-3;
 
 /// Mean ring tension of an element.
@@ -36,7 +36,7 @@ pub struct Observer {
     stations: Vec<f64>,
 }
 
-/// Values that outputs need beside the state.
+/// Values for outputs in addition to the state.
 #[derive(Clone, Copy, Debug)]
 pub struct Context {
     /// External torques as held over the last step, N·m.
@@ -51,12 +51,12 @@ pub struct Context {
     pub initial_energy: f64,
     /// State that the run started from.
     pub start_state: StartState,
-    /// What the last communication step took.
+    /// Work of the run.
     pub work: Work,
 }
 
 impl Context {
-    /// A steady state outside a run, under these external torques, N·m: nothing is booked.
+    /// A steady state outside a run, under these external torques, N·m; there are no accumulated energies.
     #[must_use]
     pub fn of_steady_state(external_torque: PerPulley<f64>) -> Self {
         Self {
@@ -110,8 +110,8 @@ impl Observer {
         out.energy_residual = context.supplied - context.lost - (out.stored_energy - context.initial_energy);
     }
 
-    /// The tension of a cubic element swings about its mean wherever the curvature changes fast; the mean is what the
-    /// balance along the ring determines.
+    /// The tension of a cubic element oscillates about its mean wherever the curvature changes fast. The balance along the
+    /// ring determines the mean.
     fn mean_tensions(&mut self, mesh: &BeltMesh, survey: &Survey) {
         self.tensions.clear();
         self.tensions.resize(mesh.elements.len(), ElementTension::default());
@@ -170,7 +170,7 @@ impl Observer {
     }
 }
 
-/// Primary axial force by the secondary one; 0 where that is none.
+/// Primary / secondary axial force; 0 where the latter vanishes.
 fn thrust_ratio(sums: &BeltSums) -> f64 {
     if sums.axial.secondary.abs() < NO_FORCE {
         return 0.0;
@@ -197,8 +197,8 @@ fn motion(belt: &Belt, view: View<'_>, sums: &BeltSums, radii: PerPulley<f64>, o
     };
 }
 
-/// Power that goes out at the driven side by that which goes in at the driving one; 0 where that is none. `power` is what
-/// goes in at each side, W.
+/// Power out at the driven side / power in at the driving side; 0 where no power flows in. `power` is the power into the
+/// belt at each side, W.
 fn efficiency(power: PerPulley<f64>) -> f64 {
     let (driving, driven) = if power.primary >= power.secondary {
         (power.primary, -power.secondary)
@@ -208,11 +208,11 @@ fn efficiency(power: PerPulley<f64>) -> f64 {
     if driving < NO_POWER {
         return 0.0;
     }
-    // No −0 where the driven shaft stands.
+    // Avoids −0 where the driven shaft stands still.
     (driven / driving).clamp(0.0, 1.0) + 0.0
 }
 
-/// Torque at the primary pulley, where the belt runs at `radius`, m, as a share of that of full slip; at most 10.
+/// Torque at the primary pulley, where the belt runs at `radius`, m, relative to the full-slip torque; at most 10.
 fn torque_utilisation(system: &VariatorSystem, sums: &BeltSums, radius: f64) -> f64 {
     if sums.axial.secondary < NO_FORCE {
         return 0.0;
@@ -256,7 +256,7 @@ fn pulley(belt: &Belt, view: View<'_>, j: Pulley, survey: &Survey, radius: f64, 
     let speed = view.y[belt.layout.shaft_speed(j)];
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
     let mut widen = |radius: f64| range = (range.0.min(radius), range.1.max(radius));
-    // Faces too: the radius changes fastest at the arc borders, where the last station is not. On the aligned mesh the
+    // Faces are included: the radius changes fastest at the arc borders, beyond the last station. On the aligned mesh the
     // face after an arc is its end.
     let mut left_arc = false;
     for (_, sample) in survey.stations(&belt.mesh).filter(|(cell, _)| cell.pulley == j) {

@@ -36,7 +36,7 @@ pub(crate) fn create<U: Unit>(
         }
     };
     let checked = check(&arguments).and_then(|()| master()).and_then(|master| {
-        // An ordinary FMU needs nothing from its resources: a location that can't be used is a warning, not an error.
+        // Without start values in its resources an FMU works too: a location that can't be used is a warning, not an error.
         let folder = arguments.resources.as_ref().unwrap_or_else(|warning| {
             report(Status::Warning, Category::Warning, warning);
             &None

@@ -10,9 +10,9 @@ use crate::slave::{CallError, Number, Slave, Type, refused};
 use crate::state::Call;
 use crate::unit::Unit;
 
-/// Error text where an array argument cannot be used.
+/// Error text for an array argument that cannot be used.
 const NULL_ARRAY: &str = "an array argument is null, misaligned or too long";
-/// Error text where a result has no place.
+/// Error text for a result without a pointer.
 pub(crate) const NULL_RESULT: &str = "the pointer for the result is null";
 
 /// Runs `body` and returns `instead` after a panic.
@@ -20,7 +20,7 @@ pub(crate) fn contain<T>(instead: T, body: impl FnOnce() -> T) -> T {
     catch_unwind(AssertUnwindSafe(body)).unwrap_or(instead)
 }
 
-/// Makes the call of a C function on an instance: every one passes here. Without an instance the status is an error.
+/// Makes the call of a C function on an instance; the entry of every C function. Without an instance the status is an error.
 ///
 /// # Safety
 /// `instance` is null or a `Box<Slave<U>>` released by an `instantiate` function, and no other call is using it.
@@ -108,7 +108,7 @@ pub(crate) unsafe fn unsupported<U: Unit>(instance: *mut c_void, function: &str,
     }
 }
 
-/// A call that chooses what is logged.
+/// A call that chooses the logged categories.
 ///
 /// # Safety
 /// As for [`enter`]; each of the strings is null or ends with a zero.
@@ -172,8 +172,8 @@ pub(crate) unsafe fn array<'a, T>((pointer, count): (*const T, usize)) -> Result
 /// An array for results; an error if it is null though it should have elements.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are plain numbers
-/// that hold some value or other.
+/// `pointer` is null or points to `count` elements, writable and not otherwise used for `'a`. They are initialised
+/// numbers.
 pub(crate) unsafe fn array_mut<'a, T>((pointer, count): (*mut T, usize)) -> Result<&'a mut [T], CallError> {
     if count == 0 {
         return Ok(&mut []);

@@ -1,4 +1,4 @@
-//! What the C functions of both versions share.
+//! Common parts of the C functions of both versions.
 //!
 //! Each C function is one row of a table: `fmi2_functions!` and `fmi3_functions!`. A row has the name, the signature
 //! and the body, and a table passes its rows to another macro. `define!` makes a generic function of each row; `export_fmi2!` and

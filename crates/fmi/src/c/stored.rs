@@ -85,7 +85,12 @@ pub(crate) unsafe fn serialize<U: Unit>(
             let bytes = slave.serialize(snapshot)?;
             match target.get_mut(..bytes.len()) {
                 Some(target) => target.copy_from_slice(&bytes),
-                None => return refused(format!("the state takes {} bytes, {size} are not enough", bytes.len())),
+                None => {
+                    return refused(format!(
+                        "the state takes {} bytes, but only {size} are given",
+                        bytes.len()
+                    ));
+                }
             }
             Ok(())
         })

@@ -63,7 +63,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
             && let Some(logger) = functions.logger
         {
             let (environment, status) = (functions.component_environment, Status::Error as c_int);
-            let (category, text) = (c"logStatusError".as_ptr(), processor::OBJECTION.as_ptr());
+            let (category, text) = (c"logStatusError".as_ptr(), processor::NO_AVX2.as_ptr());
             // SAFETY: the caller grants that the logger can be called.
             unsafe { logger(environment, name, status, category, c"%s".as_ptr(), text) };
         }
@@ -73,8 +73,8 @@ pub(super) unsafe fn instantiate<U: Unit>(
     unsafe { instantiate_here::<U>([name, guid, resource_location], fmu_type, functions, logging_on) }
 }
 
-/// [`instantiate`] on a processor that has what the code is compiled for. Never inlined: nothing of it may run
-/// before that is known.
+/// [`instantiate`] on a processor that has the instructions that the code is compiled for. Never inlined: none of its code may
+/// run before the check.
 ///
 /// # Safety
 /// As there.

@@ -16,7 +16,7 @@ use crate::unit::{Experiment, Unit};
 const DIRECTIONAL: &str = "no output depends directly on an input, so every such derivative would be zero \
                            (providesDirectionalDerivative is false)";
 
-/// Hands the 34 C functions of FMI 2.0 for co-simulation to another macro, after its own arguments.
+/// Passes the 34 C functions of FMI 2.0 for co-simulation to another macro, after its own arguments.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi2_functions {

@@ -8,7 +8,7 @@
 //! - a stored state is null, or it comes from `fmi2GetFMUstate` or `fmi2DeSerializeFMUstate` and has not been freed;
 //! - an array argument is null or points to as many elements as its count; a string is null or ends with a zero;
 //! - a pointer for a result is null or points to writable memory;
-//! - a pointer is aligned for its type, and memory from the caller holds some value or other.
+//! - a pointer is aligned for its type, and memory from the caller is initialised.
 //!
 //! The status is an error for a null pointer where the standard requires a value.
 //!

@@ -31,7 +31,7 @@ pub unsafe fn query<U: Unit>(
             let (status, found) = slave.query(query)?;
             match CString::new(found) {
                 Ok(found) => *text = found.into_raw(),
-                Err(_) => return refused("the text has a zero inside"),
+                Err(_) => return refused("the text contains a zero character"),
             }
             Ok(status)
         })

@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_local_file_is_named() {
+    fn locations_that_are_not_local_files_are_refused() {
         for uri in [
             "",
             "/tmp/a",

@@ -26,7 +26,7 @@ struct Importer {
 impl Sink for Importer {
     fn send(&self, status: Status, category: Category, message: &str) {
         let category = CString::new(category.name()).unwrap_or_default();
-        // A number sign stands for the name of a variable, two for itself.
+        // By the standard, "#" refers to a variable, and "##" is a number sign.
         let message = CString::new(message.replace('\0', " ").replace('#', "##")).unwrap_or_default();
         // SAFETY: the importer gave this function, with this environment, for the lifetime of the instance. The strings end with
         // a zero and exist during the call.
@@ -43,8 +43,8 @@ pub(super) struct Callbacks {
     pub intermediate_update: Option<IntermediateUpdate>,
 }
 
-/// Whether the processor has what the code is compiled for; if not, sends a message. Nothing else may run before it, not even the
-/// packing of arguments.
+/// Whether the processor has the instructions that the code is compiled for; if not, logs an error. No other code may run
+/// before it, not even the packing of arguments.
 ///
 /// # Safety
 /// The function for messages is null or can be called with the environment.
@@ -54,7 +54,7 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
     }
     // Not through `Importer`, whose code may need what the processor lacks.
     if let Some(log_message) = log_message {
-        let (category, message) = (c"logStatusError".as_ptr(), processor::OBJECTION3.as_ptr());
+        let (category, message) = (c"logStatusError".as_ptr(), processor::NO_AVX2_FMI3.as_ptr());
         // SAFETY: as the caller grants.
         unsafe { log_message(environment, Status::Error as c_int, category, message) };
     }
@@ -62,7 +62,7 @@ pub(super) unsafe fn processor_suffices(environment: Environment, log_message: O
 }
 
 /// `fmi3InstantiateCoSimulation`: creates an instance; null if the arguments don't fit this FMU. `texts` are name, token and
-/// resource path; `flags` are logging, event mode and early return. Never inlined: nothing of it may run before
+/// resource path; `flags` are logging, event mode and early return. Never inlined: none of its code may run before
 /// [`processor_suffices`].
 ///
 /// # Safety

@@ -1,6 +1,6 @@
 //! `modelDescription.xml` of FMI 3.0, generated from the variable table, and the instantiation token made from it.
 //!
-//! Names, value references, units and limits are those of FMI 2.0. Where FMI 2.0 has the elements of an array, here is the array, with
+//! Names, value references, units and limits are those of FMI 2.0. The elements of an array in FMI 2.0 are one array here, with
 //! the value reference of its first element. Its size is fixed: FMI 2.0 names each element.
 
 use crate::common_description::{
@@ -64,7 +64,7 @@ fn capabilities<U: Unit>() -> Element {
         .with("recommendedIntermediateInputSmoothness", -1)
 }
 
-/// What is logged under a category. Without logging nothing is: in FMI 2.0 it is otherwise.
+/// What is logged under a category. In contrast to FMI 2.0, nothing is logged without debug logging.
 fn log_category(category: Category) -> &'static str {
     match category {
         Category::Error => "Why a call failed",
@@ -112,7 +112,7 @@ fn model_variable<S, R>(table: &Table<S, R>, variable: &Variable<S, R>, settings
     Some(typed(head, variable, settings).children(size))
 }
 
-/// As in FMI 2.0: no output depends directly on an input in a run, and at the start outputs depend on everything.
+/// As in FMI 2.0, no output depends directly on an input in a run, and at the start outputs may depend on everything.
 fn model_structure<S, R>(table: &Table<S, R>) -> Element {
     let unknowns = |tag| {
         let outputs = table

@@ -16,8 +16,8 @@ use crate::slave::{Slave, Type, refused};
 use crate::state::Call;
 use crate::unit::{Experiment, Unit};
 
-/// Hands the 75 C functions of FMI 3.0 to another macro, after its own arguments. States are stored on request only, so the argument
-/// of `fmi3DoStep` about them does not matter.
+/// Passes the 75 C functions of FMI 3.0 to another macro, after its own arguments. States are stored on request only, so
+/// `noSetFMUStatePriorToCurrentPoint` of `fmi3DoStep` has no effect.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fmi3_functions {
@@ -184,7 +184,7 @@ macro_rules! fmi3_functions {
                 return refused(NULL_RESULT);
             }
             slave.update_discrete_states()?;
-            // Not by references: an importer may pass one place several times.
+            // Not by references: an importer may pass the same pointer several times.
             flags.into_iter().for_each(|flag| flag.write(0));
             next_event_time.write(0.0);
             Ok(())

@@ -1,6 +1,6 @@
 //! Communication steps, with intermediate update mode.
 //!
-//! The master is called back between two borrows of the instance, never within one: from its callback it calls functions on the
+//! The master is called back between two borrows of the instance, never within one, because its callback calls functions on the
 //! same instance.
 
 use super::types::{Boolean, Instance};
@@ -9,7 +9,7 @@ use crate::log::Status;
 use crate::slave::{CallError, Ended, Next, Slave, Update, refused};
 use crate::unit::Unit;
 
-/// `fmi3DoStep`: advances by one communication step, or to an event or where the master returns early if it allows that. `flags` are
+/// `fmi3DoStep`: advances by one communication step; with early return allowed, at most to an event or a requested return. `flags` are
 /// the places for event, end of the simulation, and early return.
 ///
 /// # Safety

@@ -65,7 +65,7 @@ impl<U: Unit> Slave<U> {
 fn check_input<S, R>(variable: &Variable<S, R>, order: i32, value: f64) -> Outcome {
     let name = &variable.name;
     if variable.causality != Causality::Input {
-        return refused(format!("{name} is no input"));
+        return refused(format!("{name} is not an input"));
     }
     if order != 1 {
         return refused(format!(
@@ -82,7 +82,7 @@ fn check_input<S, R>(variable: &Variable<S, R>, order: i32, value: f64) -> Outco
 fn check_output<S, R>(variable: &Variable<S, R>, order: i32) -> Outcome {
     let name = &variable.name;
     if variable.causality != Causality::Output {
-        return refused(format!("{name} is no output"));
+        return refused(format!("{name} is not an output"));
     }
     if variable.is_element() {
         return refused(format!(

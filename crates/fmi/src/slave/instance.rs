@@ -28,10 +28,10 @@ pub enum Version {
 pub type Environment = *mut c_void;
 
 /// `fmi3IntermediateUpdateCallback`: environment, time, whether inputs may be set, whether outputs may be read, whether the unit's
-/// step is accepted, whether an early return may be requested; whether it is, and for which time.
+/// step is accepted, whether an early return may be requested; results: whether it is requested, and for which time.
 pub type IntermediateUpdate = unsafe extern "C" fn(Environment, f64, u8, u8, u8, u8, *mut u8, *mut f64);
 
-/// What a master handles. The default is a master of FMI 2.0.
+/// Capabilities of a master. The default is a master of FMI 2.0.
 #[derive(Clone, Debug, Default)]
 pub struct Master {
     /// Version of the standard.
@@ -53,7 +53,7 @@ pub struct Slave<U: Unit> {
     pub(super) table: Table<U::Settings, U::Readings>,
     pub(super) log: Log,
     pub(super) master: Master,
-    /// What a new or reset instance starts from.
+    /// The start values of a new or reset instance.
     pub(super) start: U::Settings,
     /// Computed once: it is a hash of the whole description.
     guid: OnceCell<String>,
@@ -95,7 +95,7 @@ impl<U: Unit> Slave<U> {
         self.now.state
     }
 
-    /// The present time, s: the communication point, before the start that of the experiment, and in intermediate update mode the
+    /// The present time, s: the communication point; before the start the start time, and in intermediate update mode the
     /// time of the unit.
     #[must_use]
     pub fn time(&self) -> f64 {
@@ -133,8 +133,8 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// The result of a query beyond the standard about the unit as it is, from initialisation mode on. Remarks are logged, and with
-    /// a warning among them the status is a warning.
+    /// The result of a query beyond the standard about the unit in its present state, from initialisation mode on. Remarks are
+    /// logged; with a warning among them the status is a warning.
     ///
     /// # Errors
     /// The call is not allowed now, or the query fails.

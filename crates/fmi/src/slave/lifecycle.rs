@@ -1,4 +1,4 @@
-//! Calls that lead an instance through its run: log, set-up, initialisation, event mode, end.
+//! Calls that change the state of an instance: log, set-up, initialisation, event mode, end.
 
 use super::error::{CallError, Outcome, refused};
 use super::instance::Slave;
@@ -8,7 +8,7 @@ use crate::state::{Call, State};
 use crate::unit::{Experiment, Unit};
 
 impl<U: Unit> Slave<U> {
-    /// Chooses what is logged, with no category all of them.
+    /// Chooses the logged categories; without categories, all.
     pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Outcome {
         self.allow(Call::Always)?;
         let mut chosen = Vec::new();
@@ -68,7 +68,7 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// Updates discrete states: there are none, so nothing needs an update and the time of no event is known ahead.
+    /// Updates discrete states. There are none, so nothing needs an update, and there are no time events.
     pub fn update_discrete_states(&mut self) -> Outcome {
         self.allow(Call::HandleEvent)
     }
@@ -87,7 +87,7 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// Makes the instance as freshly instantiated, in every state.
+    /// Returns the instance to its state after instantiation. Allowed in every state.
     pub fn reset(&mut self) -> Outcome {
         self.allow(Call::Always)?;
         self.now = Snapshot::starting_from(self.start.clone());
@@ -96,7 +96,7 @@ impl<U: Unit> Slave<U> {
     }
 }
 
-/// An experiment, if it makes sense.
+/// An experiment, if its values are valid.
 fn checked(experiment: Experiment) -> Result<Experiment, CallError> {
     let Experiment { tolerance, start, stop } = experiment;
     if !start.is_finite() {

@@ -8,8 +8,8 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `error` | why a call was not done |
-//! | `instance` | the instance, and what is common to all calls |
+//! | `error` | the reasons why a call was not completed |
+//! | `instance` | the instance, and the common parts of all calls |
 //! | `lifecycle` | log, set-up, initialisation, event mode, end |
 //! | `values` | reading and writing of variables |
 //! | `derivatives` | derivatives of inputs and outputs with respect to time |

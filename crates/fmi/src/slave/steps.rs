@@ -1,4 +1,4 @@
-//! Communication steps, one internal step of the unit after the other, and how the last one ended.
+//! Communication steps as sequences of internal steps of the unit, and the status of the last one.
 
 use super::error::{CallError, Outcome, refused};
 use super::instance::{Environment, IntermediateUpdate, Slave};
@@ -10,9 +10,9 @@ use crate::unit::{CommunicationStep, StepFailure, Unit};
 /// A communication step in progress.
 pub(super) struct StepInProgress<U: Unit> {
     step: CommunicationStep<U>,
-    /// Where it ends, by the master's sum of steps, s.
+    /// The communication point at which it ends, by the master's sum of steps, s.
     end: f64,
-    /// Whether the end was brought nearer.
+    /// Whether it ends early.
     shortened: bool,
 }
 
@@ -58,7 +58,7 @@ pub struct Ended {
 pub enum StatusKind {
     /// How the last step ended.
     DoStep = 0,
-    /// What a pending step is doing; no step is ever pending.
+    /// Progress of a pending step; no step is ever pending.
     Pending = 1,
     /// Time reached, s.
     LastSuccessfulTime = 2,
@@ -90,7 +90,7 @@ impl<U: Unit> Slave<U> {
         let unit = started(unit)?;
         let mut step = CommunicationStep {
             from: unit.time(),
-            // A longer step before may have ended on a coarser grid, just ahead.
+            // A longer previous step may have ended on a coarser grid, just ahead of this time.
             to: communication_point(end, step).max(unit.time()),
             rates: rates.take(),
             progress: U::Progress::default(),
@@ -174,7 +174,7 @@ impl<U: Unit> Slave<U> {
         self.finish_step(&step, event)
     }
 
-    /// Lets a communication step end at a time, s, or at the present time if that is later; it never becomes longer.
+    /// Shortens a communication step so that it ends at a time, s, or at the present time if that is later.
     fn end_step_at(&mut self, step: &mut StepInProgress<U>, time: f64) -> Outcome {
         let unit = started(&mut self.now.unit)?;
         if !unit.is_over(&step.step) && time < step.end {
@@ -219,7 +219,9 @@ impl<U: Unit> Slave<U> {
             ));
         }
         if step > longest {
-            return refused(format!("the step of {step} s is longer than the longest, {longest} s"));
+            return refused(format!(
+                "the step of {step} s is longer than the longest admissible step, {longest} s"
+            ));
         }
         if !same_time(current, start, step) {
             return refused(format!(
@@ -229,14 +231,14 @@ impl<U: Unit> Slave<U> {
         let end = current + step;
         if end <= start {
             return refused(format!(
-                "the step of {step} s is lost in the rounding of the time {start} s"
+                "the step of {step} s is smaller than the rounding of the time {start} s"
             ));
         }
         if let Some(stop) = self.now.experiment.stop
             && end > stop
             && !same_time(end, stop, step)
         {
-            return refused(format!("the step to {end} s leads beyond the stop time {stop} s"));
+            return refused(format!("the step to {end} s ends after the stop time {stop} s"));
         }
         Ok(end)
     }
@@ -257,7 +259,7 @@ impl<U: Unit> Slave<U> {
         self.allow(Call::GetStatus)?;
         value.filter(|_| kind == known).ok_or_else(|| {
             CallError::Discarded(format!(
-                "there is no status {kind:?}: each step is finished before it returns"
+                "there is no status {kind:?}: each step is complete when fmi2DoStep returns"
             ))
         })
     }
@@ -292,7 +294,7 @@ impl<U: Unit> Slave<U> {
 fn started<U>(unit: &mut Option<U>) -> Result<&mut U, CallError> {
     match unit {
         Some(unit) => Ok(unit),
-        None => refused("the unit has not been initialised"),
+        None => refused("the unit is not initialised"),
     }
 }
 
@@ -307,16 +309,15 @@ const LARGEST_ROUNDING: f64 = 1e-3;
 fn same_time(a: f64, b: f64, step: f64) -> bool {
     let size = a.abs().max(b.abs());
     let rounding = (ROUNDING_OF_TIME * size).clamp(LEAST_ROUNDING * step, LARGEST_ROUNDING * step);
-    // A time is never more exact than its own rounding.
+    // The tolerance is at least the rounding of the time itself.
     (a - b).abs() <= rounding.max(4.0 * f64::EPSILON * size)
 }
 
 /// The largest power of ten that a double holds exactly is 10²².
 const EXACT_POWERS_OF_TEN: f64 = 22.0;
 
-/// The end of a step on a decimal grid of about a millionth of the step. Masters come to the same point by different
-/// sums, which differ by some 1e-12; a model can amplify that to differences that a user sees. On the grid all masters get
-/// the same bits.
+/// The end of a step on a decimal grid of about a millionth of the step. Masters reach the same point by different sums,
+/// which differ by some 1e-12; a model can amplify that to visible differences. On the grid all masters get the same bits.
 fn communication_point(time: f64, step: f64) -> f64 {
     let digits = -(LEAST_ROUNDING * step).log10().floor();
     if digits > EXACT_POWERS_OF_TEN {

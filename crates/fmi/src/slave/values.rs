@@ -174,7 +174,7 @@ impl<U: Unit> Slave<U> {
         Ok(())
     }
 
-    /// Writes variables of a type, one value each: either all values are taken or none.
+    /// Writes variables of a type, one value each: either all values are set or none.
     pub fn set<N: Number>(&mut self, of: Type, references: &[u32], values: &[N]) -> Outcome {
         self.allow(Call::Set)?;
         self.allow_intermediate(references)?;
@@ -187,7 +187,7 @@ impl<U: Unit> Slave<U> {
         for (&reference, &value) in references.iter().zip(values) {
             find(&self.table, reference, of)?.admit(value.to_value(of))?;
         }
-        // A tunable parameter must fit the others at once: no initialisation follows that would check it.
+        // A tunable parameter is checked against the others at once, because no initialisation follows.
         let before = (running && has_tunable).then(|| self.now.settings.clone());
         for (&reference, &value) in references.iter().zip(values) {
             find(&self.table, reference, of)?.set(&mut self.now.settings, value.to_value(of))?;
@@ -213,7 +213,7 @@ impl<U: Unit> Slave<U> {
                 refused(format!("{name} is fixed once the run has started"))
             }
             _ if self.now.state == State::IntermediateUpdate && self.step_is_over() => {
-                refused("the communication step has come to its end: set inputs after it")
+                refused("the communication step has reached its end: set inputs after it")
             }
             causality => Ok(causality == Causality::Tunable),
         }
@@ -235,13 +235,13 @@ pub(super) fn find<S, R>(table: &Table<S, R>, reference: u32, of: Type) -> Resul
     }
 }
 
-/// Checks that there are as many values as the variables have together.
+/// Checks that the number of values is that of all variables together.
 pub(super) fn check_count(variables: usize, values: usize, together: usize) -> Outcome {
     if values == together {
         return Ok(());
     }
     refused(format!(
-        "{values} values for {variables} variables, which have {together} together"
+        "{values} values for {variables} variables, which have {together} values together"
     ))
 }
 

@@ -13,13 +13,13 @@ use crate::tank::*;
 
 pushbelt_fmi::export_fmi2!(crate::tank::Tank);
 
-/// Messages: status and text.
+/// Messages that the unit logged: status and text.
 #[derive(Default)]
-struct Heard(RefCell<Vec<(c_int, String)>>);
+struct Record(RefCell<Vec<(c_int, String)>>);
 
 /// The standard's logger is variadic. This one takes the one argument that belongs to "%s"; on the platforms of the
 /// tests both are called the same way.
-unsafe extern "C" fn hear(
+unsafe extern "C" fn log_message(
     environment: *mut std::ffi::c_void,
     _: *const c_char,
     status: c_int,
@@ -27,34 +27,34 @@ unsafe extern "C" fn hear(
     format: *const c_char,
     argument: *const c_char,
 ) {
-    // SAFETY: `environment` is the `Heard` of the importer below, and the strings end with a zero.
+    // SAFETY: `environment` is the `Record` of the importer below, and the strings end with a zero.
     unsafe {
         assert_eq!(CStr::from_ptr(format), c"%s");
         let text = CStr::from_ptr(argument).to_str().expect("UTF-8").to_owned();
-        (*environment.cast::<Heard>()).0.borrow_mut().push((status, text));
+        (*environment.cast::<Record>()).0.borrow_mut().push((status, text));
     }
 }
 
-/// An instance, and what it logs.
+/// An instance and its messages.
 struct Importer {
     c: Component,
-    heard: Box<Heard>,
+    record: Box<Record>,
 }
 
 impl Importer {
     fn with(name: *const c_char, kind: c_int, guid: *const c_char, resources: *const c_char) -> Self {
-        let heard = Box::new(Heard::default());
+        let record = Box::new(Record::default());
         let functions = CallbackFunctions {
-            // SAFETY: see `hear`.
-            logger: Some(unsafe { std::mem::transmute::<*const (), Logger>(hear as *const ()) }),
+            // SAFETY: see `log_message`.
+            logger: Some(unsafe { std::mem::transmute::<*const (), Logger>(log_message as *const ()) }),
             allocate_memory: None,
             free_memory: None,
             step_finished: None,
-            component_environment: std::ptr::from_ref(&*heard).cast_mut().cast(),
+            component_environment: std::ptr::from_ref(&*record).cast_mut().cast(),
         };
         // SAFETY: all pointers are valid or null.
         let c = unsafe { fmi2Instantiate(name, kind, guid, resources, &raw const functions, 0, 0) };
-        Self { c, heard }
+        Self { c, record }
     }
 
     fn new() -> Self {
@@ -95,14 +95,14 @@ impl Importer {
     }
 
     fn last(&self) -> String {
-        self.heard
+        self.record
             .0
             .borrow()
             .last()
             .map_or_else(String::new, |(_, text)| text.clone())
     }
 
-    fn assert_said(&self, part: &str) {
+    fn assert_logged(&self, part: &str) {
         assert!(self.last().contains(part), "{}", self.last());
     }
 }
@@ -119,7 +119,7 @@ fn guid() -> CString {
 }
 
 #[test]
-fn constants_are_the_standards() {
+fn constants_are_those_of_the_standard() {
     // SAFETY: constant strings.
     unsafe {
         assert_eq!(CStr::from_ptr(fmi2GetVersion()), c"2.0");
@@ -140,8 +140,8 @@ fn an_instance_needs_a_name_the_right_kind_and_guid() {
     ] {
         let importer = Importer::with(name, kind, guid, null());
         assert!(importer.c.is_null());
-        importer.assert_said(why);
-        importer.assert_said("fmi2Instantiate: ");
+        importer.assert_logged(why);
+        importer.assert_logged("fmi2Instantiate: ");
     }
 }
 
@@ -171,25 +171,25 @@ fn start_values_come_from_the_resources() {
     }
     for (text, why) in [
         ("start", "line 1: \"start\" is not of the form name = value"),
-        ("start = 1\nstart = 1", "line 2: start is there twice"),
+        ("start = 1\nstart = 1", "line 2: start is set twice"),
         ("level = 1", "level is calculated"),
         ("sleep = 1", "no variable \"sleep\""),
-        ("start = x", "start = \"x\" is no number"),
+        ("start = x", "start = \"x\" is not a number"),
         ("start = -2000", "start = -2000 is out of range: at least -1000"),
-        ("floors = 1.5", "floors = \"1.5\" is no whole number"),
+        ("floors = 1.5", "floors = \"1.5\" is not a whole number"),
         ("floors = 10", "floors = 10 is out of range: 1 to 9"),
         ("shape = 3", "shape = 3 is out of range: 1 Round, 2 Square"),
-        ("locked = 1", "locked = \"1\" is no truth value"),
+        ("locked = 1", "locked = \"1\" is not a truth value"),
     ] {
         let importer = make(text);
         assert!(importer.c.is_null(), "{text}");
-        importer.assert_said(why);
-        importer.assert_said("the start values in ");
+        importer.assert_logged(why);
+        importer.assert_logged("the start values in ");
     }
     std::fs::remove_dir_all(&folder).expect("removed");
     let elsewhere = Importer::with(c"tank".as_ptr(), 1, guid().as_ptr(), c"http://a/b".as_ptr());
     assert!(!elsewhere.c.is_null(), "a warning only");
-    elsewhere.assert_said("is not a file: URI");
+    elsewhere.assert_logged("is not a file: URI");
 }
 
 #[test]
@@ -199,12 +199,12 @@ fn a_run_goes_through_its_states() {
     assert_eq!(importer.set(INFLOW, 1.0), Ok);
     assert_eq!((importer.step(1.0, 0.6), importer.real(LEVEL)), (Ok, 3.6));
     assert_eq!(importer.step(1.0, 0.6), Error);
-    importer.assert_said("fmi2DoStep: the step starts at 1 s, but the last one ended at 1.6 s");
+    importer.assert_logged("fmi2DoStep: the step starts at 1 s, but the last one ended at 1.6 s");
     // SAFETY: an instance.
     unsafe {
         assert_eq!(fmi2Terminate(importer.c), Ok);
         assert_eq!(fmi2Terminate(importer.c), Error);
-        importer.assert_said("fmi2Terminate: not allowed while the instance is terminated");
+        importer.assert_logged("fmi2Terminate: not allowed while the instance is terminated");
         assert_eq!(fmi2Reset(importer.c), Ok);
         assert_eq!(fmi2EnterInitializationMode(importer.c), Ok);
     }
@@ -221,11 +221,11 @@ fn every_type_is_read_and_written() {
     unsafe {
         assert_eq!(fmi2SetInteger(c, [FLOORS, SHAPE].as_ptr(), 2, [3, 2].as_ptr()), Ok);
         assert_eq!(fmi2SetInteger(c, [FLOORS, SHAPE].as_ptr(), 2, [4, 3].as_ptr()), Discard);
-        importer.assert_said("fmi2SetInteger: shape = 3 is out of range: 1 Round, 2 Square");
+        importer.assert_logged("fmi2SetInteger: shape = 3 is out of range: 1 Round, 2 Square");
         assert_eq!(fmi2SetBoolean(c, &LOCKED, 1, &5), Ok);
         assert_eq!(fmi2SetBoolean(c, &FULL, 1, &1), Error);
         assert_eq!(fmi2SetString(c, &START, 1, &null()), Error);
-        importer.assert_said("no string has the value reference 1");
+        importer.assert_logged("no string has the value reference 1");
         assert_eq!(fmi2EnterInitializationMode(c), Ok);
         assert_eq!(
             fmi2GetInteger(c, [FLOORS, SHAPE].as_ptr(), 2, integers.as_mut_ptr()),
@@ -234,7 +234,7 @@ fn every_type_is_read_and_written() {
         assert_eq!(fmi2GetBoolean(c, [LOCKED, FULL].as_ptr(), 2, truth.as_mut_ptr()), Ok);
         assert_eq!((integers, truth), ([3, 2], [1, 0]));
         assert_eq!(fmi2GetInteger(c, &LEVEL, 1, integers.as_mut_ptr()), Error);
-        importer.assert_said("level (value reference 5) has another type");
+        importer.assert_logged("level (value reference 5) has another type");
         assert_eq!(fmi2GetString(c, &START, 1, &raw mut text), Error);
         assert_eq!(fmi2GetString(c, null(), 0, null_mut()), Ok);
     }
@@ -277,7 +277,11 @@ fn null_pointers_are_errors() {
         ] {
             assert_eq!(status, Error);
         }
-        assert_eq!(importer.heard.0.borrow().len(), 20, "each with a message");
+        assert_eq!(
+            importer.record.0.borrow().len(),
+            20,
+            "every refused call logs a message"
+        );
         assert_eq!(fmi2GetReal(c, null(), 0, null_mut()), Ok);
         assert_eq!(fmi2SetReal(c, null(), 0, null()), Ok);
         assert_eq!(fmi2FreeFMUstate(c, null_mut()), Ok);
@@ -326,7 +330,7 @@ fn a_stored_state_continues_with_the_same_bits() {
             fmi2DeSerializeFMUstate(other.c, bytes.as_ptr(), size, &raw mut state),
             Error
         );
-        other.assert_said("the stored state is damaged");
+        other.assert_logged("the stored state is damaged");
     }
 }
 
@@ -339,7 +343,7 @@ fn derivatives_are_those_of_the_unit() {
         assert_eq!(fmi2SetRealInputDerivatives(c, &INFLOW, 1, &1, &1.0), Ok);
         assert_eq!(fmi2SetRealInputDerivatives(c, &INFLOW, 1, &2, &1.0), Error);
         assert_eq!(fmi2SetRealInputDerivatives(c, &GAIN, 1, &1, &1.0), Error);
-        importer.assert_said("gain is no input");
+        importer.assert_logged("gain is not an input");
         assert_eq!((importer.step(0.0, 1.0), importer.real(LEVEL)), (Ok, 3.5));
         assert_eq!(fmi2GetRealOutputDerivatives(c, &LEVEL, 1, &1, &raw mut value), Ok);
         assert_eq!(value, 3.0);
@@ -348,7 +352,7 @@ fn derivatives_are_those_of_the_unit() {
             fmi2GetDirectionalDerivative(c, &LEVEL, 1, &INFLOW, 1, &1.0, &raw mut value),
             Error
         );
-        importer.assert_said("fmi2GetDirectionalDerivative: not supported: ");
+        importer.assert_logged("fmi2GetDirectionalDerivative: not supported: ");
     }
 }
 
@@ -358,7 +362,7 @@ fn a_step_reports_how_it_ended() {
     let (c, mut time, mut number, mut text) = (importer.c, 0.0, -1, null());
     assert_eq!(importer.set(BRIM, 2.0), Ok);
     assert_eq!(importer.step(0.0, 1.0), Discard);
-    importer.assert_said("fmi2DoStep: full");
+    importer.assert_logged("fmi2DoStep: full");
     // SAFETY: an instance, and places for values.
     unsafe {
         assert_eq!(fmi2GetRealStatus(c, 2, &raw mut time), Ok);
@@ -368,7 +372,7 @@ fn a_step_reports_how_it_ended() {
         assert_eq!(number, 0);
         assert_eq!(fmi2GetIntegerStatus(c, 0, &raw mut number), Discard);
         assert_eq!(fmi2GetStringStatus(c, 1, &raw mut text), Discard);
-        importer.assert_said("there is no status Pending");
+        importer.assert_logged("there is no status Pending");
         assert_eq!(fmi2GetStatus(c, 4, &raw mut number), Error);
         assert_eq!(fmi2CancelStep(c), Error);
     }
@@ -376,27 +380,27 @@ fn a_step_reports_how_it_ended() {
     assert_eq!((importer.step(0.5, 0.5), importer.real(LEVEL)), (Ok, 3.0));
     assert_eq!(importer.set(MARK, -1.0), Ok);
     assert_eq!(importer.step(1.0, 0.5), Discard, "a setting that the unit refuses");
-    importer.assert_said("mark is below 0");
+    importer.assert_logged("mark is below 0");
 }
 
 #[test]
-fn a_panic_stays_in_its_instance() {
+fn a_panic_fails_its_own_instance_only() {
     let importer = Importer::running();
     assert_eq!(importer.set(INFLOW, BURST), Ok);
     assert_eq!(importer.step(0.0, 1.0), Error);
-    importer.assert_said("internal error, please report: the tank burst");
+    importer.assert_logged("internal error, please report: the tank burst");
     assert_eq!(importer.step(0.0, 1.0), Error);
-    importer.assert_said("in the error state; reset it or restore a stored state");
+    importer.assert_logged("in the error state; reset it or restore a stored state");
 }
 
 #[test]
 fn the_log_is_a_matter_of_choice() {
     let importer = Importer::running();
-    assert!(importer.heard.0.borrow().is_empty());
+    assert!(importer.record.0.borrow().is_empty());
     // SAFETY: an instance, strings that end with a zero.
     unsafe {
         assert_eq!(fmi2SetDebugLogging(importer.c, 1, 1, &c"noise".as_ptr()), Error);
-        importer.assert_said("no log category \"noise\"");
+        importer.assert_logged("no log category \"noise\"");
         assert_eq!(fmi2SetDebugLogging(importer.c, 1, 1, &c"logEvents".as_ptr()), Ok);
         assert_eq!(fmi2Terminate(importer.c), Ok);
     }

@@ -12,20 +12,20 @@ use crate::tank::*;
 
 pushbelt_fmi::export_fmi3!(crate::tank::Tank);
 
-/// What the master does in an intermediate update: given the time and whether inputs may be set; when to return.
+/// The master's callback in an intermediate update. From the time and whether inputs may be set, it returns the time of an early return.
 type Answer = Box<dyn FnMut(f64, bool) -> Option<f64>>;
 
 #[derive(Default)]
-struct Heard {
+struct Record {
     messages: RefCell<Vec<String>>,
     answer: RefCell<Option<Answer>>,
 }
 
-unsafe extern "C" fn hear(environment: Environment, _: c_int, _: Text, message: Text) {
-    // SAFETY: the environment is the `Heard` of the importer below, and the message ends with a zero.
+unsafe extern "C" fn log_message(environment: Environment, _: c_int, _: Text, message: Text) {
+    // SAFETY: the environment is the `Record` of the importer below, and the message ends with a zero.
     unsafe {
         let message = CStr::from_ptr(message).to_str().expect("UTF-8").to_owned();
-        (*environment.cast::<Heard>()).messages.borrow_mut().push(message);
+        (*environment.cast::<Record>()).messages.borrow_mut().push(message);
     }
 }
 
@@ -36,25 +36,25 @@ unsafe extern "C" fn update(
     get: Boolean,
     accepted: Boolean,
     can_return: Boolean,
-    wanted: *mut Boolean,
+    requested: *mut Boolean,
     until: *mut f64,
 ) {
     assert_eq!((get, accepted), (1, 1));
-    // SAFETY: the environment is the `Heard` of the importer below, the places are those of the caller.
+    // SAFETY: the environment is the `Record` of the importer below, the places are those of the caller.
     unsafe {
-        let heard = &*environment.cast::<Heard>();
-        let Some(answer) = &mut *heard.answer.borrow_mut() else {
+        let record = &*environment.cast::<Record>();
+        let Some(answer) = &mut *record.answer.borrow_mut() else {
             return;
         };
         if let Some(end) = answer(time, set != 0) {
-            wanted.write(1);
+            requested.write(1);
             until.write(end);
             assert!(can_return <= 1);
         }
     }
 }
 
-/// What a master handles.
+/// Capabilities of a master.
 #[derive(Clone, Copy, Default)]
 struct Handles {
     events: bool,
@@ -83,13 +83,13 @@ const fn ended(event: Boolean, early: Boolean, time: f64) -> Ended {
 
 struct Importer {
     c: Instance,
-    heard: Box<Heard>,
+    record: Box<Record>,
 }
 
 impl Importer {
     fn with(name: Text, token: Text, required: &[u32], handles: Handles) -> Self {
-        let heard = Box::new(Heard::default());
-        let environment = std::ptr::from_ref(&*heard).cast_mut().cast();
+        let record = Box::new(Record::default());
+        let environment = std::ptr::from_ref(&*record).cast_mut().cast();
         let update: Option<IntermediateUpdate> = if handles.update { Some(update) } else { None };
         let (events, early) = (handles.events.into(), handles.early_return.into());
         let (count, required) = (required.len(), required.as_ptr());
@@ -106,11 +106,11 @@ impl Importer {
                 required,
                 count,
                 environment,
-                Some(hear),
+                Some(log_message),
                 update,
             )
         };
-        Self { c, heard }
+        Self { c, record }
     }
 
     fn new(handles: Handles) -> Self {
@@ -155,14 +155,14 @@ impl Importer {
     }
 
     fn answer(&self, answer: impl FnMut(f64, bool) -> Option<f64> + 'static) {
-        *self.heard.answer.borrow_mut() = Some(Box::new(answer));
+        *self.record.answer.borrow_mut() = Some(Box::new(answer));
     }
 
     fn last(&self) -> String {
-        self.heard.messages.borrow().last().cloned().unwrap_or_default()
+        self.record.messages.borrow().last().cloned().unwrap_or_default()
     }
 
-    fn assert_said(&self, part: &str) {
+    fn assert_logged(&self, part: &str) {
         assert!(self.last().contains(part), "{}", self.last());
     }
 }
@@ -225,16 +225,16 @@ fn an_instance_needs_a_name_the_right_token_and_intermediate_variables() {
     ] {
         let importer = Importer::with(name, token, &[required], WATCHES);
         assert!(importer.c.is_null());
-        importer.assert_said(why);
-        importer.assert_said("fmi3InstantiateCoSimulation: ");
+        importer.assert_logged(why);
+        importer.assert_logged("fmi3InstantiateCoSimulation: ");
     }
     // SAFETY: a constant string; other kinds of instance need no valid arguments.
     unsafe {
         assert_eq!(CStr::from_ptr(fmi3GetVersion()), c"3.0");
         assert!(fmi3InstantiateModelExchange(name, right.as_ptr(), null(), 0, 0, null_mut(), None).is_null());
         let importer = Importer::new(WATCHES);
-        let environment = std::ptr::from_ref(&*importer.heard).cast_mut().cast();
-        let (none, hear): (*const c_void, LogMessage) = (null(), hear);
+        let environment = std::ptr::from_ref(&*importer.record).cast_mut().cast();
+        let (none, log_message): (*const c_void, LogMessage) = (null(), log_message);
         let other = fmi3InstantiateScheduledExecution(
             name,
             right.as_ptr(),
@@ -242,13 +242,13 @@ fn an_instance_needs_a_name_the_right_token_and_intermediate_variables() {
             0,
             0,
             environment,
-            Some(hear),
+            Some(log_message),
             none,
             none,
             none,
         );
         assert!(other.is_null());
-        importer.assert_said("fmi3InstantiateScheduledExecution: this FMU is for co-simulation only");
+        importer.assert_logged("fmi3InstantiateScheduledExecution: this FMU is for co-simulation only");
     }
     assert_eq!(pushbelt_fmi::fmi3::NAMES.len(), 75);
 }
@@ -259,7 +259,7 @@ fn a_run_goes_through_its_states() {
     let c = importer.c;
     assert_eq!(importer.real(START), 1.0, "start values can be read at once");
     assert_eq!(get(c, LEVEL), None);
-    importer.assert_said("before initialization mode");
+    importer.assert_logged("before initialization mode");
     // SAFETY: an instance.
     unsafe {
         assert_eq!(fmi3EnterInitializationMode(c, 0, 0.0, 1.0, 1, 0.5), Error);
@@ -267,11 +267,11 @@ fn a_run_goes_through_its_states() {
         assert_eq!(importer.real(TIME), 1.0);
         assert_eq!(fmi3ExitInitializationMode(c), Ok);
         assert_eq!(fmi3EnterEventMode(c), Error);
-        importer.assert_said("eventModeUsed");
+        importer.assert_logged("eventModeUsed");
     }
     assert_eq!(importer.step(1.0, 1.0), ended(0, 0, 2.0));
     assert_eq!(importer.step(2.0, 1.0).status, Error);
-    importer.assert_said("beyond the stop time 2 s");
+    importer.assert_logged("after the stop time 2 s");
     assert_eq!((importer.real(TIME), importer.real(LEVEL)), (2.0, 3.0));
     // SAFETY: an instance.
     unsafe {
@@ -282,7 +282,7 @@ fn a_run_goes_through_its_states() {
             Error
         );
     }
-    importer.assert_said("the pointer for the result is null");
+    importer.assert_logged("the pointer for the result is null");
 }
 
 #[test]
@@ -295,18 +295,18 @@ fn every_type_is_read_and_written() {
         assert_eq!(fmi3SetInt32(c, &SHAPE, 1, &2, 1), Error, "an enumeration has 64 bits");
         assert_eq!(fmi3SetInt64(c, &SHAPE, 1, &2, 1), Ok);
         assert_eq!(fmi3SetInt64(c, &SHAPE, 1, &(1 << 40), 1), Discard);
-        importer.assert_said("fmi3SetInt64: shape = 1099511627776 is out of range: 1 Round, 2 Square");
+        importer.assert_logged("fmi3SetInt64: shape = 1099511627776 is out of range: 1 Round, 2 Square");
         assert_eq!(fmi3SetBoolean(c, &LOCKED, 1, &7, 1), Ok);
         assert_eq!(fmi3GetInt32(c, &FLOORS, 1, &raw mut number, 1), Ok);
         assert_eq!(fmi3GetInt64(c, &SHAPE, 1, &raw mut choice, 1), Ok);
         assert_eq!(fmi3GetBoolean(c, &LOCKED, 1, &raw mut truth, 1), Ok);
         assert_eq!((number, choice, truth), (3, 2, 1));
         assert_eq!(fmi3GetBoolean(c, &LOCKED, 1, &raw mut truth, 0), Error);
-        importer.assert_said("0 values for 1 variables");
+        importer.assert_logged("0 values for 1 variables");
         assert_eq!(fmi3GetFloat32(c, &LEVEL, 1, [0.0].as_mut_ptr(), 1), Error);
-        importer.assert_said("no 32-bit real has the value reference 5");
+        importer.assert_logged("no 32-bit real has the value reference 5");
         assert_eq!(fmi3SetShiftDecimal(c, &LEVEL, 1, &0.0), Error);
-        importer.assert_said("no clock");
+        importer.assert_logged("no clock");
         assert_eq!(
             fmi3GetBinary(c, null(), 0, null_mut(), null_mut(), 0),
             Ok,
@@ -320,23 +320,23 @@ fn arrays_lie_between_scalars_and_the_time() {
     let importer = Importer::running(Handles::default());
     assert_eq!(importer.step(0.0, 0.5).status, Ok);
     let (c, mut values) = (importer.c, [f64::NAN; 6]);
-    // SAFETY: an instance; arrays are as long as said, or null.
+    // SAFETY: an instance; arrays have the given lengths, or are null.
     unsafe {
         let references = [INFLOW, DEPTH, TIME, LEVEL];
         assert_eq!(fmi3GetFloat64(c, references.as_ptr(), 4, values.as_mut_ptr(), 6), Ok);
         assert_eq!(values, [2.0, 0.0, 1.0, 2.0, 0.5, 2.0]);
         assert_eq!(fmi3GetFloat64(c, references.as_ptr(), 4, values.as_mut_ptr(), 4), Error);
-        importer.assert_said("4 values for 4 variables, which have 6 together");
+        importer.assert_logged("4 values for 4 variables, which have 6 values together");
         assert_eq!(fmi3GetFloat64(c, null(), 1, values.as_mut_ptr(), 1), Error);
         assert_eq!(fmi3GetFloat64(c, &LEVEL, 1, null_mut(), 1), Error);
     }
     assert_eq!(get(c, DEPTH + 1), None);
-    importer.assert_said("element of depth");
+    importer.assert_logged("element of depth");
     assert_eq!(get(c, NONE), None);
     assert_eq!(importer.set(TIME, 1.0), Error);
-    importer.assert_said("time can't be set");
+    importer.assert_logged("time can't be set");
     assert_eq!(importer.set(GAIN, 0.5), Discard);
-    importer.assert_said("fmi3SetFloat64: gain = 0.5 does not fit");
+    importer.assert_logged("fmi3SetFloat64: gain = 0.5 does not fit");
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn an_event_ends_a_step_that_may_end_early() {
         ended(1, 1, 0.75),
         "at the end of an internal step"
     );
-    importer.assert_said("event at 0.75 s: the level reaches 2.2");
+    importer.assert_logged("event at 0.75 s: the level reaches 2.2");
     let mut flags = [9; 5];
     let [a, b, c, d, e] = flags.each_mut().map(std::ptr::from_mut);
     // SAFETY: an instance, and a place for each result.
@@ -374,9 +374,9 @@ fn an_event_ends_a_step_that_may_end_early() {
     assert_eq!(deaf.step(0.0, 2.0), ended(0, 0, 2.0), "or never");
 }
 
-/// Whoever watches, the unit does the same.
+/// Intermediate updates do not change the results.
 #[test]
-fn watched_steps_have_the_same_bits() {
+fn intermediate_updates_do_not_change_the_bits() {
     let all = [false, true];
     let masters = all.iter().flat_map(|&events| {
         all.map(|update| Handles {
@@ -408,7 +408,11 @@ fn a_master_reads_sets_and_returns_within_a_step() {
             get(c, LEVEL),
             Some(1.0 + 2.0 * time.min(0.5) + 4.0 * (time - 0.5).max(0.0))
         );
-        assert_eq!(inputs_may_be_set, time < 1.0, "at the end nothing is left to change");
+        assert_eq!(
+            inputs_may_be_set,
+            time < 1.0,
+            "inputs may not be set at the end of the step"
+        );
         assert_eq!(
             set(c, INFLOW, if time < 0.5 { 2.0 } else { 4.0 }) == Ok,
             inputs_may_be_set
@@ -433,7 +437,7 @@ fn a_master_reads_sets_and_returns_within_a_step() {
 }
 
 #[test]
-fn only_announced_variables_can_be_used_and_nothing_else_called() {
+fn an_update_can_use_announced_variables_only_and_call_nothing_else() {
     let importer = Importer::running(WATCHES);
     let c = importer.c;
     importer.answer(move |_, _| {
@@ -450,7 +454,7 @@ fn only_announced_variables_can_be_used_and_nothing_else_called() {
             assert_eq!(fmi3Terminate(c), Error);
             assert_eq!(fmi3EnterEventMode(c), Error);
             assert_eq!(fmi3SetDebugLogging(c, 0, 0, null()), Error);
-            // Of no effect: the instance is at work.
+            // No effect, because a step is in progress.
             fmi3FreeInstance(c);
             let [a, b, d] = flags.each_mut().map(std::ptr::from_mut);
             assert_eq!(fmi3DoStep(c, 0.0, 1.0, 1, a, b, d, &raw mut value), Error);
@@ -458,7 +462,7 @@ fn only_announced_variables_can_be_used_and_nothing_else_called() {
         None
     });
     assert_eq!(importer.step(0.0, 1.0), ended(0, 0, 1.0));
-    importer.assert_said("not allowed while the instance is in intermediate update mode");
+    importer.assert_logged("not allowed while the instance is in intermediate update mode");
     assert_eq!(
         (importer.real(LEVEL), importer.set(BRIM, 9.0)),
         (3.0, Ok),
@@ -482,7 +486,7 @@ fn a_failed_step_reports_the_time_reached() {
         );
         assert_eq!(importer.set(INFLOW, BURST), Ok);
         assert_eq!(importer.step(1.0, 1.0).status, Error);
-        importer.assert_said("fmi3DoStep: internal error, please report: the tank burst");
+        importer.assert_logged("fmi3DoStep: internal error, please report: the tank burst");
     }
 }
 
@@ -522,7 +526,7 @@ fn a_stored_state_continues_with_the_same_bits() {
 }
 
 #[test]
-fn what_is_not_supported_is_refused() {
+fn unsupported_functions_are_refused() {
     let importer = Importer::running(Handles::default());
     let (c, mut number, mut count, mut flags) = (importer.c, 0.0, 0, [0; 2]);
     let [flag, other] = flags.each_mut().map(std::ptr::from_mut);
@@ -558,7 +562,7 @@ fn what_is_not_supported_is_refused() {
             (fmi3ActivateModelPartition(c, 1, 0.0), exchange),
         ]
     };
-    let messages = importer.heard.messages.borrow();
+    let messages = importer.record.messages.borrow();
     let messages: Vec<_> = messages
         .iter()
         .filter(|text| text.contains("not supported: "))
@@ -576,11 +580,11 @@ fn an_instance_without_logging_is_silent() {
     // SAFETY: an instance, strings that end with a zero.
     unsafe {
         assert_eq!(fmi3SetDebugLogging(importer.c, 0, 0, null()), Ok);
-        importer.heard.messages.borrow_mut().clear();
+        importer.record.messages.borrow_mut().clear();
         assert_eq!(importer.step(9.0, 1.0).status, Error);
-        assert!(importer.heard.messages.borrow().is_empty());
+        assert!(importer.record.messages.borrow().is_empty());
         assert_eq!(fmi3SetDebugLogging(importer.c, 1, 1, &c"logAll".as_ptr()), Ok);
         assert_eq!(fmi3SetDebugLogging(importer.c, 1, 1, &c"noise #1".as_ptr()), Error);
     }
-    importer.assert_said("\"noise ##1\"");
+    importer.assert_logged("\"noise ##1\"");
 }

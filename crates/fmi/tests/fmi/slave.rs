@@ -1,4 +1,4 @@
-//! The state machine on a toy unit, by the calls of Rust.
+//! The state machine on a toy unit, called from Rust.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -89,30 +89,33 @@ impl Slave {
     }
 }
 
-type Heard = Rc<RefCell<Vec<(Status, Category, String)>>>;
+type Messages = Rc<RefCell<Vec<(Status, Category, String)>>>;
 
-struct Ear(Heard);
+struct MessageSink(Messages);
 
-impl Sink for Ear {
+impl Sink for MessageSink {
     fn send(&self, status: Status, category: Category, text: &str) {
         self.0.borrow_mut().push((status, category, text.into()));
     }
 }
 
-fn slave() -> (Slave, Heard) {
-    let heard = Heard::default();
+fn slave() -> (Slave, Messages) {
+    let messages = Messages::default();
     (
-        Slave(pushbelt_fmi::Slave::new(Some(Box::new(Ear(heard.clone()))), false)),
-        heard,
+        Slave(pushbelt_fmi::Slave::new(
+            Some(Box::new(MessageSink(messages.clone()))),
+            false,
+        )),
+        messages,
     )
 }
 
 /// A slave in step mode at 0 s.
-fn running() -> (Slave, Heard) {
-    let (mut slave, heard) = slave();
+fn running() -> (Slave, Messages) {
+    let (mut slave, messages) = slave();
     assert_eq!(slave.enter_initialization_mode(), Status::Ok);
     assert_eq!(slave.exit_initialization_mode(), Status::Ok);
-    (slave, heard)
+    (slave, messages)
 }
 
 fn level(slave: &mut Slave) -> f64 {
@@ -121,13 +124,13 @@ fn level(slave: &mut Slave) -> f64 {
     value[0]
 }
 
-fn last(heard: &Heard) -> String {
-    heard.borrow().last().expect("a message").2.clone()
+fn last(messages: &Messages) -> String {
+    messages.borrow().last().expect("a message").2.clone()
 }
 
 #[test]
 fn a_run_goes_through_its_states() {
-    let (mut slave, heard) = slave();
+    let (mut slave, messages) = slave();
     assert_eq!(slave.state(), State::Instantiated);
     assert_eq!(
         slave.setup_experiment(Experiment {
@@ -150,7 +153,7 @@ fn a_run_goes_through_its_states() {
     assert_eq!(level(&mut slave), 6.0);
     assert_eq!(slave.do_step(4.0, 1.0), Status::Ok);
     assert_eq!(slave.do_step(5.0, 1.0), Status::Error);
-    assert!(last(&heard).contains("stop time 5 s"), "{}", last(&heard));
+    assert!(last(&messages).contains("stop time 5 s"), "{}", last(&messages));
     assert_eq!(slave.terminate(), Status::Ok);
     assert_eq!(level(&mut slave), 8.0, "last values can be read after the end");
     assert_eq!(slave.reset(), Status::Ok);
@@ -158,7 +161,7 @@ fn a_run_goes_through_its_states() {
 }
 
 #[test]
-fn what_is_set_reads_back() {
+fn settings_read_back_as_set() {
     let (mut slave, _) = slave();
     assert_eq!(slave.set_real(&[START, INFLOW], &[7.0, 8.0]), Status::Ok);
     slave.enter_initialization_mode();
@@ -169,10 +172,10 @@ fn what_is_set_reads_back() {
 
 #[test]
 fn calls_in_the_wrong_state_are_refused_and_change_nothing() {
-    let (mut slave, heard) = slave();
+    let (mut slave, messages) = slave();
     assert_eq!(slave.do_step(0.0, 1.0), Status::Error);
     assert_eq!(
-        last(&heard),
+        last(&messages),
         "fmi2DoStep: not allowed while the instance is instantiated"
     );
     assert_eq!(slave.exit_initialization_mode(), Status::Error);
@@ -182,17 +185,17 @@ fn calls_in_the_wrong_state_are_refused_and_change_nothing() {
     assert_eq!(slave.last_successful_time().0, Status::Error);
     assert_eq!(slave.state(), State::Instantiated);
 
-    let (mut slave, heard) = running();
+    let (mut slave, messages) = running();
     assert_eq!(slave.enter_initialization_mode(), Status::Error);
     assert_eq!(slave.setup_experiment(Experiment::default()), Status::Error);
     assert_eq!(slave.set_real(&[START], &[1.0]), Status::Error);
-    assert!(last(&heard).contains("start is fixed"), "{}", last(&heard));
+    assert!(last(&messages).contains("start is fixed"), "{}", last(&messages));
     assert_eq!(slave.set_real(&[LEVEL], &[1.0]), Status::Error);
-    assert!(last(&heard).contains("level is calculated"), "{}", last(&heard));
+    assert!(last(&messages).contains("level is calculated"), "{}", last(&messages));
     assert_eq!(slave.set_real(&[99], &[1.0]), Status::Error);
-    assert!(last(&heard).contains("value reference 99"), "{}", last(&heard));
+    assert!(last(&messages).contains("value reference 99"), "{}", last(&messages));
     assert_eq!(slave.get_integer(&[LEVEL], &mut [0]), Status::Error);
-    assert!(last(&heard).contains("another type"), "{}", last(&heard));
+    assert!(last(&messages).contains("another type"), "{}", last(&messages));
     assert_eq!(slave.state(), State::StepComplete);
     assert_eq!(slave.do_step(0.0, 1.0), Status::Ok);
 }
@@ -202,9 +205,13 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
     let (mut other, _) = running();
     assert_eq!(other.do_step(0.0, 1.0), Status::Ok);
     for bad in [f64::NAN, f64::INFINITY, -1e4] {
-        let (mut slave, heard) = running();
+        let (mut slave, messages) = running();
         assert_eq!(slave.set_real(&[BRIM, INFLOW], &[5.0, bad]), Status::Discard);
-        assert!(last(&heard).contains(&format!("inflow = {bad}")), "{}", last(&heard));
+        assert!(
+            last(&messages).contains(&format!("inflow = {bad}")),
+            "{}",
+            last(&messages)
+        );
         assert_eq!(slave.state(), State::StepComplete);
         let mut values = [0.0; 2];
         assert_eq!(slave.get_real(&[BRIM, INFLOW], &mut values), Status::Ok);
@@ -215,26 +222,26 @@ fn a_bad_value_is_discarded_and_nothing_changes() {
 }
 
 #[test]
-fn a_range_is_named_in_words() {
-    let (mut slave, heard) = running();
+fn messages_name_the_range() {
+    let (mut slave, messages) = running();
     slave.set_real(&[GAIN], &[11.0]);
-    assert_eq!(last(&heard), "fmi2SetReal: gain = 11 is out of range: -1000 to 10");
-    let (mut slave, heard) = running();
+    assert_eq!(last(&messages), "fmi2SetReal: gain = 11 is out of range: -1000 to 10");
+    let (mut slave, messages) = running();
     slave.set_real(&[INFLOW], &[-1001.0]);
     assert_eq!(
-        last(&heard),
+        last(&messages),
         "fmi2SetReal: inflow = -1001 is out of range: at least -1000"
     );
 }
 
 #[test]
 fn a_tunable_parameter_is_checked_against_the_others_at_once() {
-    let (mut slave, heard) = running();
+    let (mut slave, messages) = running();
     assert_eq!(slave.set_real(&[GAIN], &[3.0]), Status::Ok);
     assert_eq!(slave.do_step(0.0, 1.0), Status::Ok);
     assert_eq!(level(&mut slave), 7.0);
     assert_eq!(slave.set_real(&[GAIN], &[0.5]), Status::Discard);
-    assert!(last(&heard).contains("does not fit"));
+    assert!(last(&messages).contains("does not fit"));
     let mut gain = [0.0];
     slave.get_real(&[GAIN], &mut gain);
     assert_eq!(gain, [3.0]);
@@ -257,7 +264,7 @@ fn times_are_compared_with_tolerance() {
     for wrong in [0.0, -0.1, 101.0, 1e-30, f64::NAN, f64::INFINITY] {
         assert_eq!(slave.do_step(1.1, wrong), Status::Error, "{wrong}");
     }
-    assert_eq!(slave.do_step(1.1, 0.1), Status::Ok, "refused steps changed nothing");
+    assert_eq!(slave.do_step(1.1, 0.1), Status::Ok, "refused steps change nothing");
 }
 
 #[test]
@@ -277,10 +284,10 @@ fn late_times_keep_small_steps_apart() {
 
 #[test]
 fn a_discarded_step_reports_the_time_reached_and_continues_from_there() {
-    let (mut slave, heard) = running();
+    let (mut slave, messages) = running();
     slave.set_real(&[BRIM], &[2.0]);
     assert_eq!(slave.do_step(0.0, 1.0), Status::Discard);
-    assert_eq!(heard.borrow().last().map(|m| m.1), Some(Category::Discard));
+    assert_eq!(messages.borrow().last().map(|m| m.1), Some(Category::Discard));
     assert_eq!(slave.last_successful_time(), (Status::Ok, Some(0.5)));
     let step = slave.result(|slave| slave.step_status(StatusKind::DoStep as i32));
     assert_eq!(step, (Status::Ok, Some(Status::Discard)));
@@ -331,9 +338,9 @@ fn bytes_hold_everything_and_fit_another_instance() {
     assert_eq!(slave.set_input_derivatives(&[INFLOW], &[1], &[1.0]), Status::Ok);
     let stored = slave.save().1.expect("stored");
     let bytes = slave.serialize(&stored).1.expect("bytes");
-    let (mut other, heard) = self::slave();
+    let (mut other, messages) = self::slave();
     let (status, found) = other.deserialize(&bytes);
-    assert_eq!(status, Status::Ok, "{heard:?}");
+    assert_eq!(status, Status::Ok, "{messages:?}");
     assert_eq!(other.restore(&found.expect("a state")), Status::Ok);
     for slave in [&mut slave, &mut other] {
         assert_eq!(slave.do_step(1.0, 1.0), Status::Ok);
@@ -341,7 +348,7 @@ fn bytes_hold_everything_and_fit_another_instance() {
     }
     let (status, found) = other.deserialize(&bytes[1..]);
     assert_eq!((status, found.is_none()), (Status::Error, true));
-    assert!(last(&heard).contains("no stored state"), "{}", last(&heard));
+    assert!(last(&messages).contains("not a stored state"), "{}", last(&messages));
 }
 
 #[test]
@@ -388,13 +395,13 @@ fn derivatives_are_allowed_where_the_standard_says() {
 }
 
 #[test]
-fn a_panic_stays_in_its_instance() {
-    let ((mut broken, heard), (mut sound, _)) = (running(), running());
+fn a_panic_fails_its_own_instance_only() {
+    let ((mut broken, messages), (mut sound, _)) = (running(), running());
     let stored = broken.save().1.expect("stored");
     broken.set_real(&[INFLOW], &[BURST]);
     assert_eq!(broken.do_step(0.0, 1.0), Status::Error);
     assert_eq!(
-        last(&heard),
+        last(&messages),
         "fmi2DoStep: internal error, please report: the tank burst"
     );
     assert_eq!(broken.state(), State::Error);
@@ -408,11 +415,11 @@ fn a_panic_stays_in_its_instance() {
 
 #[test]
 fn a_start_that_fails_can_be_tried_again_after_reset() {
-    let (mut slave, heard) = slave();
+    let (mut slave, messages) = slave();
     assert_eq!(slave.set_real(&[GAIN], &[0.5]), Status::Ok, "checked as a whole later");
     assert_eq!(slave.enter_initialization_mode(), Status::Ok);
     assert_eq!(slave.exit_initialization_mode(), Status::Error);
-    assert_eq!(last(&heard), "fmi2ExitInitializationMode: gain = 0.5 does not fit");
+    assert_eq!(last(&messages), "fmi2ExitInitializationMode: gain = 0.5 does not fit");
     assert_eq!(slave.state(), State::Error);
     assert_eq!(slave.get_real(&[LEVEL], &mut [0.0]), Status::Error);
     slave.reset();
@@ -421,7 +428,7 @@ fn a_start_that_fails_can_be_tried_again_after_reset() {
 }
 
 #[test]
-fn experiments_that_make_no_sense_are_refused() {
+fn invalid_experiments_are_refused() {
     let (mut slave, _) = slave();
     let good = Experiment {
         tolerance: Some(1e-4),
@@ -457,24 +464,27 @@ fn experiments_that_make_no_sense_are_refused() {
 
 #[test]
 fn errors_and_warnings_are_logged_always_and_the_rest_on_request() {
-    let (mut slave, heard) = slave();
+    let (mut slave, messages) = slave();
     slave.enter_initialization_mode();
     slave.set_real(&[START], &[6.0]);
     slave.exit_initialization_mode();
-    assert_eq!(heard.borrow().last().map(|m| m.1), Some(Category::Warning));
+    assert_eq!(messages.borrow().last().map(|m| m.1), Some(Category::Warning));
     slave.reset();
-    heard.borrow_mut().clear();
+    messages.borrow_mut().clear();
     slave.enter_initialization_mode();
     slave.exit_initialization_mode();
-    assert!(heard.borrow().is_empty(), "an event is no matter for a quiet log");
+    assert!(
+        messages.borrow().is_empty(),
+        "events are not logged without debug logging"
+    );
 
     slave.reset();
     assert_eq!(slave.set_debug_logging(true, &["logEvents"]), Status::Ok);
     slave.enter_initialization_mode();
     slave.exit_initialization_mode();
-    assert_eq!(last(&heard), "filled to 100%s 1");
+    assert_eq!(last(&messages), "filled to 100%s 1");
     assert_eq!(slave.set_debug_logging(true, &["noise"]), Status::Error);
-    assert!(last(&heard).contains("logEvents"), "{}", last(&heard));
+    assert!(last(&messages).contains("logEvents"), "{}", last(&messages));
     assert_eq!(slave.set_debug_logging(true, &["logAll"]), Status::Ok);
     assert_eq!(slave.set_debug_logging(true, &[]), Status::Ok);
 }
@@ -484,9 +494,9 @@ fn the_description_contains_the_guid() {
     assert!(model_description::<Tank>().contains(&guid::<Tank>()));
 }
 
-/// However a master adds up its steps, the unit steps to the same times, bit for bit.
+/// The unit steps to the same times, bit for bit, however a master sums up its steps.
 #[test]
-fn sums_and_products_of_steps_come_to_the_same_times() {
+fn sums_and_products_of_steps_give_the_same_times() {
     for size in [1e-3, 1e-2 / 3.0, 0.25, 7e-6] {
         let ((mut sums, _), (mut products, _)) = (running(), running());
         let mut time = 0.0;

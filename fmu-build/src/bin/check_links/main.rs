@@ -1,6 +1,6 @@
 //! Checks the links of the book, and of the pages in Markdown at the top level of the source tree; `cargo fmu docs` runs it.
 //!
-//! It is a program of its own: the other commands need no parsers of HTML and Markdown, and start sooner without them.
+//! It is a separate program, because the other commands need no parsers of HTML and Markdown and compile faster without them.
 
 mod page;
 mod site;
@@ -13,7 +13,7 @@ use anyhow::{Context, ensure};
 
 use crate::site::Site;
 
-/// Folder of the API documentation below the book. Its own links are rustdoc's matter.
+/// Folder of the API documentation below the book. rustdoc checks its links.
 const API: &str = "api";
 
 fn main() -> ExitCode {

@@ -1,4 +1,4 @@
-//! What a page in HTML or Markdown links to, and which places in it can be linked to.
+//! Links and anchors of a page in HTML or Markdown.
 
 use std::collections::HashSet;
 
@@ -13,9 +13,9 @@ pub struct Page {
     pub anchors: HashSet<String>,
     /// Addresses that a reader can follow.
     pub links: Vec<String>,
-    /// Addresses whose content the page shows or runs: pictures, style sheets, scripts.
+    /// Addresses whose content the page loads: pictures, style sheets, scripts.
     pub loads: Vec<String>,
-    /// Where relative addresses start, unless at the page.
+    /// Base of relative addresses, if it is not the page.
     pub base: Option<String>,
 }
 
@@ -55,7 +55,7 @@ impl Page {
 
     fn read_html(&mut self, text: &str) {
         let mut emitter = DefaultEmitter::default();
-        // Otherwise what looks like tags inside scripts would count.
+        // Otherwise text inside scripts that resembles tags would count.
         emitter.naively_switch_states(true);
         for token in Tokenizer::new_with_emitter(text, emitter) {
             let Ok(Token::StartTag(tag)) = token else { continue };

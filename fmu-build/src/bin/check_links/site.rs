@@ -1,4 +1,4 @@
-//! Links inside a folder of pages: each must lead to a file and an anchor that are there. No page may load content from
+//! Links inside a folder of pages: each must lead to an existing file and anchor. No page may load content from
 //! elsewhere, so that it can be read offline. Links to other sites are not followed.
 
 use std::collections::HashMap;
@@ -18,7 +18,7 @@ pub struct Site {
 }
 
 impl Site {
-    /// No page is read yet.
+    /// A site without any page read.
     pub fn new(root: &Path) -> Self {
         Self {
             root: root.to_owned(),
@@ -26,7 +26,7 @@ impl Site {
         }
     }
 
-    /// What is wrong with the links of every HTML page and style sheet in this folder, but not in `except` below it.
+    /// Errors in the links of every HTML page and style sheet in this folder, except in `except` below it.
     ///
     /// # Errors
     /// A file can't be read.
@@ -45,7 +45,7 @@ impl Site {
         Ok(problems)
     }
 
-    /// What is wrong with the links of one page.
+    /// Errors in the links of one page.
     ///
     /// # Errors
     /// A file can't be read.
@@ -175,7 +175,7 @@ fn collect(folder: &Path, except: &Path, files: &mut Vec<PathBuf>) -> anyhow::Re
 mod tests {
     use super::*;
 
-    /// What is found in a folder with these files.
+    /// Errors found in a folder with these files.
     fn problems(name: &str, files: &[(&str, &str)]) -> Vec<String> {
         let root = std::env::temp_dir().join(format!("fmu-build-{name}-{}", std::process::id()));
         for (path, text) in files {
