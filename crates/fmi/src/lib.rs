@@ -3,7 +3,7 @@
 //!
 //! A model implements [`Unit`]: settings that the master writes (parameters and inputs), readings that it reads, a start and a
 //! step; and one [`Table`] that binds each variable's name to its field. The C functions and `modelDescription.xml` come from the
-//! table. [`export!`] exports the C functions. `examples/tank.rs` is a whole FMU.
+//! table. [`export!`] exports the C functions. `examples/lag.rs` is a whole FMU.
 //!
 //! | module | content |
 //! |---|---|

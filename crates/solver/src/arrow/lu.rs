@@ -44,9 +44,9 @@ pub struct ArrowLu {
     ordered: Vec<f64>,
 }
 
-/// Calls a method for the size of a block, B, and of the border together with block 0, W: those of the variator's
-/// Eulerian rings, with one cell an element and in space too, and of `ALE` and `ANCF` rings alone, so that they are
-/// constants. 0 stands for any other; each size takes 20 kB of an FMU for two machines.
+/// Calls a method for the size of a block, B, and of the border together with block 0, W, as constants: those of belts in
+/// the plane and in space, and of a planar ring alone. 0 stands for any other size. Each size takes 20 kB of an FMU for two
+/// machines.
 macro_rules! for_size {
     ($lu:expr, $method:ident($argument:expr)) => {
         match ($lu.shape.block, $lu.shape.border) {
