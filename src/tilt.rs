@@ -18,7 +18,7 @@
 
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
 
-/// Tilt stiffness from which a sheave counts as rigid, whatever its clearance, N·m/rad.
+/// Tilt stiffness from which a sheave is treated as rigid, independent of its clearance, N·m/rad.
 pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
 
 /// Stiffness within the clearance, as a share of k.

@@ -397,7 +397,7 @@ impl ReferenceCurve for Displaced {
     }
 }
 
-/// A curve with displaced centres, whatever mesh lies on it.
+/// A curve with displaced centres, on any mesh.
 pub trait DisplacedCurve: ReferenceCurve {
     /// Derivatives with respect to its coordinates at a fraction of a segment, where the curve is `point`.
     fn slopes<T: Real>(

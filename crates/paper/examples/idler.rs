@@ -94,7 +94,7 @@ fn run<M: RingFormulation>(name: &str, model: M, drive: &Drive<3>) -> Result<(),
     Ok(())
 }
 
-/// Swings the arm and prints its period.
+/// Prints the period of an oscillation of the arm.
 fn swing(drive: Drive<3>) -> Result<(), Box<dyn Error>> {
     let mesh = RingMesh::even(&[2, 3, 2, 3, 2, 4, 2], 3);
     let mut system = RingSystem::new(AleRing::rigid(belt(false), drive, mesh));

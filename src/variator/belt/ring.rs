@@ -33,7 +33,7 @@ pub trait BeltRing: Debug + Send + Sync {
         true
     }
 
-    /// Unknowns of the ring beside drift and Θ.
+    /// Unknowns of the ring other than drift and Θ.
     fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns;
 
     /// Equations of ring, elements and contact of a belt with this ring.

@@ -63,7 +63,7 @@ pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GuidedRing;
 
-/// `ALE`: the ring deflects in D components, counted in fixed directions, A_i = identity in (10).
+/// `ALE`: the ring deflects in D components of fixed directions, A_i = identity in (10).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeflectingRing<const D: usize>;
 

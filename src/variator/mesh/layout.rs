@@ -26,7 +26,7 @@ pub const CENTRES: usize = COORDINATES - 1;
 /// Index of the turn among them; the others are lengths.
 pub const TURN: usize = 1;
 
-/// Unknowns of a ring beside drift and Θ.
+/// Unknowns of a ring other than drift and Θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingUnknowns {
     /// Number of nodes with unknowns; 0 if the ring follows the reference curve.

@@ -167,7 +167,7 @@ fn reference_oscillation_has_the_reference_numbers() {
     assert!((omega - REFERENCE_FREQUENCY).abs() < 5e-3);
 }
 
-/// From Θ = 0.4 at rest the reference motion swings to −0.4 and back; s stays 0.
+/// From Θ = 0.4 at rest the reference motion oscillates between 0.4 and −0.4; s stays 0.
 #[test]
 fn reference_oscillation_conserves_energy() {
     let mut drifts = Vec::new();
