@@ -1,29 +1,32 @@
 //! Push elements as an Eulerian chain on finite volumes that move with the mesh.
 //!
-//! The elements stand on the ring: a point of the chain is the ring's r, the rocking edge (pitch line) lies e inside
-//! it. Pitch-line length per dξ: λ = |r'| − e κ_ref, so a closed loop without stretch measures L − 2πe for every Θ.
+//! The elements are on the ring: a point of the chain is at the ring's r, and the rocking edge (pitch line) is e inside
+//! it. Pitch-line length per dξ: λ = |r'| − e κ_ref, so a closed loop without stretch has the length L − 2πe for every Θ.
 //!
 //! Generalised velocity: V, the absolute speed of the elements along the tangent t̂ at the pitch line, linear between
 //! faces. With dots at fixed mesh point η:
 //!
 //! - flow through the mesh, pitch-line length per time: J = V − t̂·ṙ + e χ̇; in ξ: c = J/λ,
-//! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = V |r'|/λ t̂ + (n̂·ṙ) n̂: an element on
-//!   an arc turns about its centre. So friction between ring and elements acts on the ring in full, on V with the
-//!   factor |r'|/λ, and does not turn the arc.
+//! - velocity at the pitch line v_p = V t̂ + (n̂·ṙ) n̂, at the ring centre line v_e = V |r'|/λ t̂ + (n̂·ṙ) n̂: an
+//!   element on an arc turns about its centre. Friction between ring and elements therefore acts on the ring in full,
+//!   on V with the factor |r'|/λ, and exerts no moment on the arc.
 //!
 //! J is the same on both sides of a moving arc border although κ_ref jumps there, because χ̇ (the turning of the
 //! elements with the mesh point) is continuous.
 //!
 //! Amount: N = ∫νλ dξ per cell, dN/dt = Φ_in − Φ_out, ν = N/ℓ, ℓ = ∫λ dξ. Φ is J ν of the cell upstream ([`flux`]).
 //!
-//! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) + d_f Dν/Dt + d_s ⟨Dν/Dt⟩ / (1 + gap/δ_f)³, H the slope of ⟨·⟩₊. The stack's damping acts
-//! in contact only, that of the oil between the elements across gaps too: d_f both ways, and d_s where elements close up, the less
-//! the wider the gap is. With ε = ν − 1
-//! k_e⟨ε⟩₊ = k_e δ ln(1 + e^{ε/δ}) + (q/ln 2) ln(1 + e^{ε/δ_f}): across a gap wider than the roughness only the film acts, with q
-//! at the first touch. The play is measured at ε = 0, where the stack has half its stiffness.
+//! Push force Q = k_e (⟨ν−1⟩₊ + d_e H Dν/Dt) + d_f Dν/Dt + d_s ⟨Dν/Dt⟩ / (1 + gap/δ_f)³, H the derivative of ⟨·⟩₊.
+//! Damping of the stack acts in contact only. Damping of the oil between the elements also acts across gaps: d_f in
+//! both directions, d_s where gaps close, decreasing with the width of the gap. With ε = ν − 1,
 //!
-//! The material shortening is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q does work on exactly that, so the ring
-//! receives Qκ̂ outward and the chain −∂Q/∂ξ; nothing else is needed for the power to close.
+//! k_e⟨ε⟩₊ = k_e δ ln(1 + e^{ε/δ}) + (q/ln 2) ln(1 + e^{ε/δ_f}).
+//!
+//! Across a gap wider than the roughness only the film acts, with the force q at ε = 0. The play is measured at ε = 0,
+//! where the stack has half its stiffness.
+//!
+//! The material rate is Dν/Dt = −(ν/ℓ)(V_R − V_L − ∫κ̂ n̂·ṙ dξ), and Q is conjugate to this shortening. The ring is thus
+//! loaded by Qκ̂ outward and the chain by −∂Q/∂ξ, and the power of Q is balanced.
 //!
 //! A ring in space has two normals, n̂ and b̂. Every equation with n̂ holds for both, and their contributions add up.
 //!
@@ -49,23 +52,23 @@ pub struct Belt {
     pub push_stiffness: f64,
     /// Damping time of the stack, acting in contact only, s.
     pub damping: f64,
-    /// Roughness of the elements' faces, m: the distance over which neighbouring elements come into contact. Rough faces
-    /// touch at their summits first, and the force between them falls off exponentially with the gap, over a distance like
-    /// the deviation of their heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm of ground steel.
+    /// Roughness of the elements' faces, m: the distance over which neighbouring elements come into contact. Asperities of
+    /// the faces touch first, and the force between them decays exponentially with the gap, over a distance comparable to
+    /// the standard deviation of their heights (Greenwood and Williamson 1966), 0.1 to 0.5 µm for ground steel.
     pub roughness: f64,
-    /// Thickness of an element, m: a gap there is a strain of the stack.
+    /// Thickness of an element, m: a gap is divided by it to give a strain of the stack.
     pub element_thickness: f64,
-    /// Force between elements at their first touch by what reaches further than the roughness, N: oil, waviness and
-    /// rocking of the faces. Without it waves don't run against the flow in a stack with gaps, and the play gathers where
-    /// elements enter a pulley (`docs/sensitivity.md`).
+    /// Force between elements at ε = 0 by effects of longer range than the roughness, N: oil, waviness and rocking of the
+    /// faces. Without it no waves run against the flow in a stack with gaps, and the play gathers where elements enter a
+    /// pulley (`docs/sensitivity.md`).
     pub film_force: f64,
-    /// Distance over which that force falls off, m.
+    /// Decay length of that force, m.
     pub film_thickness: f64,
-    /// Force between elements per rate of strain that squeezes the oil between them, across gaps too, N·s. Elements that close up
-    /// are braked over some cells and not at once; at the rates of a steady state it takes next to nothing.
+    /// Force between elements per rate of strain by the oil between them, across gaps too, N·s. It spreads the braking of
+    /// closing elements over several cells; at the rates of a steady state its power is negligible.
     pub film_damping: f64,
-    /// The same by oil that is squeezed out of a gap as it closes, where the gap is zero, N·s. It falls with the cube of the gap
-    /// (Reynolds), over `film_thickness`.
+    /// Force per rate of strain by oil that is squeezed out of a closing gap, at zero gap, N·s. It decreases with the
+    /// cube of the gap (Reynolds), over `film_thickness`.
     pub squeeze_damping: f64,
 }
 
@@ -76,32 +79,32 @@ impl Belt {
         self.roughness / self.element_thickness
     }
 
-    /// Strain of the stack over which the film's force falls off.
+    /// Strain of the stack that corresponds to the decay length of the film's force.
     fn film_strain(&self) -> f64 {
         self.film_thickness / self.element_thickness
     }
 
-    /// Push force per strain that the film adds, N: at the first touch it bears `film_force`.
+    /// Contribution of the film to the push stiffness, N: its force at ε = 0 is `film_force`.
     fn film_stiffness(&self) -> f64 {
         self.film_force / (self.film_strain() * std::f64::consts::LN_2)
     }
 }
 
-/// Smoothing width of the upwind switch, m/s: far below the slowest creep that matters.
+/// Smoothing width of the upwind switch, m/s: far below any relevant creep speed.
 pub const UPWIND_SMOOTHING: f64 = 1.0e-6;
 
-/// Difference of V across a cell over which it goes from opening to closing, m/s. Where gaps close it is some 0.1 m/s.
+/// Smoothing width of the transition from opening to closing, m/s, as a difference of V across a cell. Where gaps close
+/// the difference is some 0.1 m/s.
 pub const CLOSING_SMOOTHING: f64 = 1.0e-2;
 
-/// Rate of strain over which squeezing sets in, 1/s. Where elements part, oil bears half of this rate in tension and no more:
-/// then it cavitates.
+/// Smoothing width of the squeezing law, as a rate of strain, 1/s. Where gaps open, the tension of the oil is limited
+/// to that of half this rate, by cavitation.
 pub const SQUEEZE_SMOOTHING: f64 = 0.3;
 
-/// Flow below which [`collision_force`] no longer falls, m/s. At standstill the oil that is squeezed
-/// between elements acts in place of collisions.
+/// Flow below which [`collision_force`] is constant, m/s. At standstill it represents squeezed oil in place of collisions.
 pub const SQUEEZE_SPEED: f64 = 1.0;
 
-/// Flow far above which elements that part are not affected by their neighbours' speed, m/s.
+/// Flow far above which separating elements are independent of their neighbours' speed, m/s.
 pub const FREE_FLOW: f64 = 3.0;
 
 /// The chain at a mesh point.
@@ -111,7 +114,7 @@ pub struct ChainPoint<T: Real, const D: usize = 2> {
     pub lambda: T,
     /// 1/λ.
     pub inverse_lambda: T,
-    /// |r'|/λ: way along the ring centre line per way along the pitch line.
+    /// |r'|/λ: length along the ring centre line per length along the pitch line.
     pub lead: T,
     /// V, m/s.
     pub speed: T,
@@ -172,7 +175,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         self.speed * self.lead
     }
 
-    /// The velocity that has the component `along` along t̂, and those of the ring across it, m/s.
+    /// The velocity with the component `along` along t̂ and the ring's normal components, m/s.
     #[inline(always)]
     fn velocity(&self, point: &RingPoint<T, D>, along: T) -> SVector<T, D> {
         let mut velocity = point.t * along;
@@ -199,8 +202,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
     }
 }
 
-/// How the chain at a mesh point varies in a direction that leaves the reference curve where it is: the derivatives of
-/// a [`ChainPoint`].
+/// Derivatives of a [`ChainPoint`] in a direction that does not change the reference curve.
 #[derive(Clone, Copy, Debug)]
 pub struct ChainVariation<T: Real> {
     /// δV.
@@ -220,7 +222,7 @@ pub struct ChainVariation<T: Real> {
 }
 
 impl<T: Real> ChainVariation<T> {
-    /// The variation of a point that does not vary.
+    /// No variation.
     #[inline(always)]
     pub fn none() -> Self {
         let zero = T::zero();
@@ -235,7 +237,7 @@ impl<T: Real> ChainVariation<T> {
         }
     }
 
-    /// The variation where V varies by `speed` and the ring doesn't.
+    /// The variation where V alone varies, by `speed`.
     #[inline(always)]
     pub fn of_speed<const D: usize>(chain: &ChainPoint<T, D>, speed: T) -> Self {
         Self {
@@ -247,7 +249,7 @@ impl<T: Real> ChainVariation<T> {
     }
 }
 
-/// Terms of [`ChainPoint::acceleration`] that its variation needs.
+/// Terms of [`ChainPoint::acceleration`] used by its variation.
 #[derive(Clone, Copy, Debug)]
 pub struct AccelerationTerms<T: Real> {
     /// t̂·ṙ, m/s.
@@ -259,7 +261,7 @@ pub struct AccelerationTerms<T: Real> {
 }
 
 impl<T: Real, const D: usize> ChainPoint<T, D> {
-    /// Terms of the acceleration that its variation needs.
+    /// Terms of the acceleration used by its variation.
     #[inline(always)]
     pub fn acceleration_terms(&self, point: &RingPoint<T, D>) -> AccelerationTerms<T> {
         let (mut slope_rate, mut omega) = ([T::zero(); 2], [T::zero(); 2]);
@@ -297,7 +299,7 @@ impl<T: Real, const D: usize> ChainPoint<T, D> {
         }
     }
 
-    /// How [`ChainPoint::acceleration`] varies, `speed_dot` and `gradient` being the variations of V̇ and ∂V/∂ξ.
+    /// Variation of [`ChainPoint::acceleration`]; `speed_dot` and `gradient` are the variations of V̇ and ∂V/∂ξ.
     #[inline(always)]
     pub fn vary_acceleration(
         &self,
@@ -341,8 +343,8 @@ pub struct Stack<T> {
 }
 
 impl<T: Real> Stack<T> {
-    /// Of a cell of density `nu`, of material rate `nu_rate`, 1/s, through which elements flow at `flow`, m/s, while V
-    /// has this `difference` across it, m/s.
+    /// Forces of a cell of density `nu`, material rate `nu_rate`, 1/s, mean flow `flow`, m/s, and `difference` of V across
+    /// it, m/s.
     #[inline(always)]
     pub fn new(belt: &Belt, [nu, nu_rate, flow, difference]: [T; 4]) -> Self {
         let push = push_force(belt, nu, nu_rate);
@@ -355,7 +357,7 @@ impl<T: Real> Stack<T> {
     }
 }
 
-/// Push force of a cell, and what of it is damping.
+/// Push force of a cell, and its damping part.
 #[derive(Clone, Copy, Debug)]
 pub struct Push<T> {
     /// Q, N.
@@ -380,12 +382,12 @@ pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
     }
 }
 
-/// How neighbouring elements touch.
+/// Contact of neighbouring elements.
 #[derive(Clone, Copy, Debug)]
 struct Touch<T> {
     /// ε = ν − 1.
     strain: T,
-    /// ⟨ε⟩₊ over the roughness, and its slope.
+    /// ⟨ε⟩₊ over the roughness, and its derivative.
     near: [T; 2],
 }
 
@@ -400,7 +402,7 @@ impl<T: Real> Touch<T> {
         }
     }
 
-    /// ⟨ν−1⟩₊ with the film's share, and its slope H.
+    /// ⟨ν−1⟩₊, the film included, and its derivative H.
     #[inline(always)]
     fn stack(&self, belt: &Belt) -> [T; 2] {
         let far = self.strain.soft_plus(belt.film_strain());
@@ -408,10 +410,10 @@ impl<T: Real> Touch<T> {
         std::array::from_fn(|k| self.near[k] + far[k] * share)
     }
 
-    /// Force per rate of strain by which oil is squeezed out, d_s/(1 + gap/δ_f)³, N·s.
+    /// Force per rate of strain of squeezed oil, d_s/(1 + gap/δ_f)³, N·s.
     ///
-    /// Between flat faces it falls with the cube of their distance (Reynolds): oil of 10 mPa·s between faces of 8 by 24 mm would
-    /// bear 2 kN·s at 4.5 µm if it filled the gap. The distance of two rough faces that touch takes the place of a gap of zero.
+    /// Between flat faces it decreases with the cube of their distance (Reynolds): oil of 10 mPa·s that fills a gap of
+    /// 4.5 µm between faces of 8 by 24 mm has 2 kN·s. Zero gap stands for the distance of two rough faces in contact.
     #[inline(always)]
     fn squeeze(&self, belt: &Belt) -> T {
         let [closed, _] = self.near;
@@ -421,23 +423,22 @@ impl<T: Real> Touch<T> {
     }
 }
 
-/// Rate of strain that squeezes oil: `nu_rate` where elements close up, little where they part; zero at rest, 1/s. It has the
-/// sign of `nu_rate`, so it dissipates.
+/// Rate of strain that squeezes oil, 1/s: `nu_rate` where gaps close, small where they open, zero at rest. It has the
+/// sign of `nu_rate`, so the force dissipates.
 #[inline(always)]
 fn squeezing<T: Real>(nu_rate: T) -> T {
     let [plus, ..] = nu_rate.smooth_plus(SQUEEZE_SMOOTHING);
     plus - 0.5 * SQUEEZE_SMOOTHING
 }
 
-/// Share of closing where V has this `difference` across a cell, m/s, from 0 (elements part) to 1.
+/// Smoothed switch, 0 where gaps open and 1 where they close; `difference` is that of V across the cell, m/s.
 #[inline(always)]
 fn closing<T: Real>(difference: T) -> T {
     let [_, closing, _] = (-difference).smooth_plus(CLOSING_SMOOTHING);
     closing
 }
 
-/// Weight of upwind convection, from 0 to 1: 1 where elements close up and near standstill, 0 where they part in a fast
-/// flow.
+/// Weight of upwind convection, from 0 to 1: 1 where gaps close and near standstill, 0 where they open in a fast flow.
 #[inline(always)]
 pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
     let closing = closing(difference);
@@ -445,13 +446,13 @@ pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
     closing + (-closing + 1.0) * slow
 }
 
-/// Force that opposes a difference of V across a cell whose elements close up, N: ½ m_e ν |J| ΔV, with the weight of
+/// Force that opposes a difference of V across a cell with closing gaps, N: ½ m_e ν |J| ΔV, with the weight of
 /// [`upwinding`].
 ///
-/// Elements that fly freely through gaps carry their speed along, and a faster one is stopped by the one that it hits.
-/// Central differences of J V′ alone would leave a sawtooth of V there; with this force the convection of V is upwind.
-/// Its power, ½ m_e ν |J| ΔV², is that of inelastic collisions; it vanishes with the square of the cell length in a
-/// smooth field. Elements that part don't touch, so nothing opposes them.
+/// Free elements in gaps keep their speed until a faster one collides with the one ahead of it. Central differences of
+/// J V′ alone have a sawtooth of V there; with this force the convection of V is upwind. Its power, ½ m_e ν |J| ΔV², is
+/// that of inelastic collisions; it vanishes with the square of the cell length in a smooth field. Separating elements
+/// do not touch, so no force opposes them.
 #[inline(always)]
 pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwinding: T) -> T {
     let size = (flow * flow + SQUEEZE_SPEED * SQUEEZE_SPEED).sqrt();
@@ -468,19 +469,19 @@ pub fn energy_density<T: Real>(belt: &Belt, nu: T) -> T {
         + soft_plus_energy(strain, belt.film_strain()) * belt.film_stiffness()
 }
 
-/// The quantities of a cell from which the flux of elements follows.
+/// The quantities of a cell that determine the flux of elements.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Transport<T> {
     /// J at its left face, m/s.
     pub flow: T,
     /// ν.
     pub density: T,
-    /// Half of V's difference across it as far as elements part freely, m/s: [`lag`].
+    /// [`lag`], m/s: half the difference of V across the cell, where elements separate freely.
     pub lag: T,
 }
 
 impl<T> Transport<T> {
-    /// The function of each quantity.
+    /// Applies `f` to each quantity.
     pub fn map<U>(self, f: impl Fn(T) -> U) -> Transport<U> {
         Transport {
             flow: f(self.flow),
@@ -494,15 +495,15 @@ impl<T> Transport<T> {
         [&self.flow, &self.density, &self.lag]
     }
 
-    /// The quantities, to write to.
+    /// Mutable references to the quantities.
     pub fn each_mut(&mut self) -> [&mut T; 3] {
         [&mut self.flow, &mut self.density, &mut self.lag]
     }
 }
 
 impl Transport<f64> {
-    /// Slopes in N directions of a function that has these derivatives with respect to the quantities, where `slopes` are
-    /// the slopes of the quantities.
+    /// Derivatives in N directions of a function with these derivatives with respect to the quantities; `slopes` are the
+    /// derivatives of the quantities.
     #[inline(always)]
     #[must_use]
     pub fn along<const N: usize>(&self, slopes: &Transport<[f64; N]>) -> [f64; N] {
@@ -511,14 +512,14 @@ impl Transport<f64> {
     }
 }
 
-/// How much less J is in the middle of a cell than at its right face, m/s, as far as elements part freely; as much more
-/// than at its left.
+/// Difference of J between the right face of a cell and its middle, m/s, and between its middle and its left face, where
+/// elements separate freely; zero elsewhere.
 ///
-/// In a steady state J ν is the same all around. With J at the face downstream, ν belongs half a cell upstream of its
-/// middle. That matters where elements leave a pulley. There the push force falls to a few newtons within 3 mm, ν passes
-/// the point where the flow is as fast as waves in the stack, and the rest of the force sets the gaps in the strand.
-/// With J of the middle, ν is of second order there. In contact, and with the weight of [`upwinding`], J of the face is
-/// used: with the middle alone a sawtooth of V would leave all amounts as they are.
+/// In a steady state J ν is uniform around the loop. With J at the downstream face, ν is that of a point half a cell
+/// upstream of the middle. This error is significant where elements leave a pulley: the push force falls to a few newtons
+/// within 3 mm, the flow becomes as fast as waves in the stack, and the remaining force determines the gaps in the strand.
+/// With J of the middle, ν is second-order accurate there. In contact, and with the weight of [`upwinding`], J of the face
+/// is used, because J of the middle does not respond to a sawtooth of V.
 #[inline(always)]
 pub fn lag<T: Real>(difference: T, contact: T, upwinding: T) -> T {
     (-contact + 1.0) * (-upwinding + 1.0) * difference * 0.5
@@ -559,7 +560,7 @@ mod tests {
     use num_dual::Dual64;
 
     #[test]
-    fn flux_has_the_slopes_that_differentiation_finds() {
+    fn flux_slopes_match_forward_differentiation() {
         for flow in [-3.0, -1e-6, 0.0, 2e-6, 3.0] {
             let cells = [[0.4, 0.98, 0.03], [flow, 1.01, -0.02]];
             let [before, after] = cells.map(|[flow, density, lag]| Transport { flow, density, lag });

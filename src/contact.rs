@@ -1,4 +1,4 @@
-//! Wedge contact between element flank and conical sheave, with two-dimensional friction. A pure law, no state.
+//! Wedge contact between element flank and conical sheave, with two-dimensional friction: a law without state.
 //!
 //! Place: polar coordinates about the pulley axis, e_r outward, e_t = (e_r,y, −e_r,x) clockwise like ω, pitch radius
 //! ϱ = |r − O| − e; θ grows with ω: e_r = (cos θ, −sin θ).
@@ -6,19 +6,20 @@
 //! - penetration of a flank (axial) g = z/2 − (ϱ − r₀) tan β − w, elastic opening of the sheave w = ϱ (ψ_x cos θ + ψ_y
 //!   sin θ),
 //! - its rate along an element's path Dg/Dt = ż/2 − ∂w/∂t − (tan β + ∂w/∂ϱ) v_r − (∂w/∂θ)(v_t,abs/ϱ),
-//! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), H the slope of ⟨·⟩₊,
+//! - normal force per flank and pitch-line length p = k_c cos β (⟨g⟩₊ + d_c H Dg/Dt), H the derivative of ⟨·⟩₊,
 //! - sliding: tangential v_t = v_p·e_t − ωϱ; along the flank v_f = v_e·e_r cos β + u sin β, with the closing speed of
-//!   the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a tilted sheave that turns closes and opens,
-//! - friction −μ(v) p_el (v_t, v_f)/√(v² + v₀²), v² = v_t² + v_f², with μ(v) = μ (1 − f v²/(v² + v_c²)): measured traction falls
-//!   slightly in fast sliding. p_el is the elastic part of p, which is never negative, and f < 1: friction always dissipates.
+//!   the sheave's surface u = ż/2 − (∂w/∂t + ω ∂w/∂θ): a rotating tilted sheave closes and opens,
+//! - friction −μ(v) p_el (v_t, v_f)/√(v² + v₀²), v² = v_t² + v_f², with μ(v) = μ (1 − f v²/(v² + v_c²)): measured
+//!   traction decreases slightly in fast sliding. p_el ≥ 0 is the elastic part of p and f < 1, so friction always
+//!   dissipates.
 //!
-//! ⟨g⟩₊ = ρ ln(1 + e^{g/ρ}) with the roughness ρ: the summits of rough faces touch first, and the force falls off exponentially with
-//! the clearance (Greenwood and Williamson 1966).
+//! ⟨g⟩₊ = ρ ln(1 + e^{g/ρ}) with the roughness ρ: asperities touch first, and the force decays exponentially with the
+//! clearance (Greenwood and Williamson 1966).
 //!
-//! A belt that is off the middle of its pulley by δ, towards the movable sheave, presses on that one with g + δ and on
-//! the other with g − δ; δ moves as the element does along the axis, which enters closing and sliding in the same way.
+//! An element at the distance δ from the middle of its pulley, towards the movable sheave, has the penetration g + δ on
+//! that sheave and g − δ on the other. Its axial velocity δ̇ enters closing and sliding in the same way.
 //!
-//! The normal force acts along the gradient of g, slopes of w included, so its power is −2 p cos β Dg/Dt and its energy
+//! The normal force acts along the gradient of g, derivatives of w included. Its power is −2 p cos β Dg/Dt, and its energy
 //! 2 k_c cos²β ∫⟨g⟩ dg per pitch-line length is conserved along an element's path.
 
 #![forbid(unsafe_code)]
@@ -45,11 +46,12 @@ pub struct Friction {
     pub ring: f64,
     /// Regularisation speed v_0, m/s. Micro-slip is 2 to 40 mm/s, so at most 1 mm/s.
     pub velocity: f64,
-    /// Regularisation speed of the ring's friction on the elements, m/s. In both end ratios the ring slides at some 0.1 m/s.
+    /// Regularisation speed of the ring's friction on the elements, m/s. In both end ratios the ring slides at some 0.1
+    /// m/s.
     pub ring_velocity: f64,
-    /// Share f of μ that is lost in fast sliding; 0 is Coulomb's law.
+    /// Relative decrease f of μ in fast sliding; 0 is Coulomb's law.
     pub fall: f64,
-    /// Sliding speed v_c at which half of f is lost, m/s.
+    /// Sliding speed v_c at which the decrease is f/2, m/s.
     pub fall_speed: f64,
 }
 
@@ -67,8 +69,8 @@ pub struct FlankMotion<T> {
 }
 
 impl<T: Real> FlankMotion<T> {
-    /// The motion of a flank whose element is off the middle towards it by `offset`, m, and moves towards it at `speed`,
-    /// m/s. For the other flank both have the opposite sign.
+    /// The motion of a flank whose element is at the distance `offset`, m, from the middle towards it, and moves towards it
+    /// at `speed`, m/s. For the other flank both have the opposite sign.
     #[inline(always)]
     #[must_use]
     pub fn shifted(&self, offset: T, speed: T, sin_beta: f64) -> Self {
@@ -92,11 +94,11 @@ pub struct FlankForce<T> {
     pub tangential: T,
     /// Friction up the flank (radially outward).
     pub along_flank: T,
-    /// ⟨g⟩₊, m: what the elastic part of p is in proportion to.
+    /// ⟨g⟩₊, m, to which the elastic part of p is proportional.
     pub depth: T,
 }
 
-/// Forces on an element whose flank moves by `motion`; `cos_beta` = cos β.
+/// Forces on an element whose flank has this `motion`; `cos_beta` = cos β.
 #[inline(always)]
 pub fn flank_force<T: Real>(
     contact: &Contact,
@@ -141,8 +143,8 @@ fn coefficient<T: Real>(friction: &Friction, square: T) -> T {
     lost * (-friction.pulley * friction.fall) + friction.pulley
 }
 
-/// Torque at which a pulley whose sheaves bear the axial force `force`, N, at the pitch radius `radius`, m, slips
-/// tangentially all around, N·m: 2 μ F r/cos β.
+/// Torque at which the belt slips tangentially on the whole arc, N·m: 2 μ F r/cos β, with the axial force `force` of the
+/// sheaves, N, and the pitch radius `radius`, m.
 #[must_use]
 pub fn full_slip_torque(friction: &Friction, cos_beta: f64, force: f64, radius: f64) -> f64 {
     2.0 * friction.pulley * force * radius / cos_beta
@@ -156,7 +158,7 @@ pub fn energy_density<T: Real>(contact: &Contact, cos_beta: f64, penetration: T)
     energy_density_at(contact, cos_beta, penetration, depth)
 }
 
-/// The same where ⟨g⟩₊, m, is known.
+/// The same from ⟨g⟩₊, m.
 #[inline(always)]
 pub(crate) fn energy_density_at<T: Real>(contact: &Contact, cos_beta: f64, penetration: T, depth: T) -> T {
     let stiffness = contact.stiffness * cos_beta * cos_beta;
@@ -185,7 +187,7 @@ mod tests {
         (contact, friction)
     }
 
-    /// Sticking, sliding, breaking contact: derivatives in each direction against differences.
+    /// Derivatives in each direction against differences: sticking, sliding, breaking contact.
     #[test]
     fn derivatives_in_each_regime() {
         let (contact, friction) = setting();

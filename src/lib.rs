@@ -1,14 +1,14 @@
 //! A pushbelt CVT variator around an Arbitrary-Lagrangian-Eulerian ring, as a library and as a co-simulation unit of
 //! FMI 2.0 and FMI 3.0.
 //!
-//! Pulley torques and clamping forces go in; thrust ratio, belt speed and everything a drivetrain model needs come out.
-//! The mesh stands still along the belt while the material flows through it, so a run has true steady states.
+//! Inputs are pulley torques and clamping forces; outputs are thrust ratio, belt speed and what a drivetrain model needs.
+//! The mesh is fixed along the belt and the material flows through it, so a run has true steady states.
 //!
-//! | room | what it holds |
+//! | module | content |
 //! |---|---|
 //! | [`reference_curve`] | the belt's closed curve r(ξ, Θ) and its derivatives |
 //! | [`ring`] | beam kinematics, elastic energy, inertia |
-//! | `chain`, [`contact`], [`pulley`], [`tilt`], [`shaft`] | push elements, flank contact with friction, sheaves and their tilt, drag of shafts: pure laws |
+//! | `chain`, [`contact`], [`pulley`], [`tilt`], [`shaft`] | push elements, flank contact with friction, sheaves and their tilt, drag of shafts: laws without state |
 //! | [`variator`] | parameters, mesh, residual, steady states, outputs, energy balance; start at [`variator::run::Variator`] |
 //! | [`solver`] | Newton, time integration, continuation, the arrow matrix; independent of the belt |
 //! | [`scalar`] | what every law is generic over: numbers, packs of them, either with derivatives |

@@ -1,4 +1,4 @@
-//! The two pulleys, values for each, and the end stops of the movable sheaves. Their equations of motion stand in
+//! The two pulleys, values for each, and the end stops of the movable sheaves. Their equations of motion are in
 //! `variator/pulleys/`.
 
 #![forbid(unsafe_code)]
@@ -9,9 +9,9 @@ use std::ops::{Index, IndexMut};
 /// A pulley of the variator, in the order in which the belt meets them from ξ = 0 on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Pulley {
-    /// The driven one, at the origin.
+    /// The driven pulley, at the origin.
     Secondary,
-    /// The driving one, at (d_A, 0).
+    /// The driving pulley, at (d_A, 0).
     Primary,
 }
 
@@ -19,7 +19,7 @@ impl Pulley {
     /// Both, in the order along ξ.
     pub const BOTH: [Self; 2] = [Self::Secondary, Self::Primary];
 
-    /// The pulley across the belt.
+    /// The other pulley.
     #[must_use]
     pub fn other(self) -> Self {
         match self {
@@ -28,7 +28,7 @@ impl Pulley {
         }
     }
 
-    /// The name that the interface's variables begin with.
+    /// Prefix of the names of its FMI variables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -48,7 +48,7 @@ pub struct PerPulley<T> {
 }
 
 impl<T> PerPulley<T> {
-    /// The values that `of` gives, the secondary pulley's first.
+    /// Calls `of` for each pulley, the secondary first.
     #[inline(always)]
     pub fn from_fn(mut of: impl FnMut(Pulley) -> T) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl<T> PerPulley<T> {
         }
     }
 
-    /// What `f` makes of each value.
+    /// Applies `f` to each value.
     #[inline(always)]
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> PerPulley<U> {
         PerPulley {
@@ -66,7 +66,7 @@ impl<T> PerPulley<T> {
         }
     }
 
-    /// References to both values, to write to, the secondary pulley's first.
+    /// Mutable references to both values, the secondary pulley's first.
     #[inline(always)]
     pub fn each_mut(&mut self) -> [&mut T; 2] {
         [&mut self.secondary, &mut self.primary]

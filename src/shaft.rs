@@ -1,22 +1,22 @@
-//! Drag of a pulley's shaft: seals, oil, bearings. A pure law, no state.
+//! Drag of a pulley's shaft by seals, oil and bearings: a law without state.
 //!
 //! T_d = tanh(ω/ω₀) (T₀ + μ_b r_b R) + b ω, against the rotation.
 //!
-//! - T₀, N·m: seals, whatever the speed; b, N·m·s/rad: oil. At speed it is b |ω| in the direction of rotation,
-//! - R, N: the resultant of all contact forces of the belt on the pulley, which the bearings carry. What keeps the belt's own
-//!   mass on its arc doesn't press on the pulley, so it is not in R,
+//! - T₀, N·m: seals, independent of speed; b, N·m·s/rad: oil,
+//! - R, N: the resultant of all contact forces of the belt on the pulley, which the bearings carry. The centripetal
+//!   force of the belt's own mass does not act on the pulley and is not in R,
 //! - μ_b, r_b, m: friction coefficient of the bearings, at their mean radius,
-//! - ω₀: below it the drag fades, so a shaft at a standstill feels none. Bearings that stick are not modelled.
+//! - ω₀: regularisation speed; the drag is zero at a standstill, and sticking bearings are not modelled.
 //!
-//! Friction of rolling bearings grows more slowly with speed than b ω, and with load a little faster than μ_b R; the law is
-//! good for an estimate from some 100 to 6000 rpm.
+//! Friction of rolling bearings grows more slowly with speed than b ω, and with load slightly faster than μ_b R; the law is
+//! an estimate for some 100 to 6000 rpm.
 
 #![forbid(unsafe_code)]
 
 /// ω₀, rad/s: 20 rpm.
 const FADING_SPEED: f64 = 2.0;
 
-/// Smoothing width of the resultant, N: R bends at zero load.
+/// Smoothing width of R at zero load, N.
 const RESULTANT_SMOOTHING: f64 = 1.0;
 
 /// Parameters of the drag of a shaft.
@@ -32,14 +32,14 @@ pub struct ShaftDrag {
     pub bearing_radius: f64,
 }
 
-/// The drag of a shaft, with its derivatives.
+/// Drag torque of a shaft, with its derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Drag {
     /// Torque, N·m, positive where it acts against a positive speed.
     pub torque: f64,
-    /// Its slope by the angular speed, N·m·s/rad.
+    /// Derivative with respect to the angular speed, N·m·s/rad.
     pub by_speed: f64,
-    /// Its slopes by the components of the resultant, m.
+    /// Derivatives with respect to the components of the resultant, m.
     pub by_resultant: [f64; 2],
 }
 

@@ -1,29 +1,29 @@
-//! Tilt of a loaded sheave: a clearance, then bending. A pure law, no state.
+//! Tilt of a loaded sheave, first by its clearance, then by bending: a law without state.
 //!
-//! The movable sheave slides on its shaft with a fit, so it tilts by its clearance ψ_c as soon as it is loaded; from there
-//! shaft, hub and disc bend. With a = √(ψ_x² + ψ_y² + δ²) the moment along ψ is
+//! The movable sheave slides on its shaft with clearance. Under load it tilts by the clearance ψ_c; beyond ψ_c shaft, hub
+//! and disc bend. With a = √(ψ_x² + ψ_y² + δ²) the moment along ψ is
 //!
 //! M(a) = k [s a + (1 − s) ⟨a − ψ_c⟩₊], s = 0.02, δ = 0.02 ψ_c, ⟨·⟩₊ smoothed over 0.05 ψ_c,
 //!
-//! and the moment is M ψ/a, from a potential. The soft part s takes the clearance up under some 0.6 kN. Without clearance
-//! the law is linear, k ψ. Under the moment m the tilt relaxes: (M/a)(ψ + τ ψ̇) = m, so τ is the time at every load.
+//! and the moment vector M ψ/a has a potential. Some 0.6 kN overcome the soft part s and take up the clearance. Without
+//! clearance the law is linear, k ψ. Under the moment m the tilt relaxes with the time constant τ: (M/a)(ψ + τ ψ̇) = m.
 //!
-//! The tilt is the mean of both sheaves of a pulley: both tilt alike in the model.
+//! Both sheaves of a pulley have the same tilt in the model, the mean of the two.
 //!
-//! The amplitude is that of Sattler's trigonometric law of the groove: |ψ| = aΔ tan β, a = (1 + cos²β)/sin 2β, spreads the
-//! radius as much, so |ψ| ≈ 1.02 Δ at β = 11°. The defaults follow from Δ = (1 + 0.02 (F/kN − 20))·1e-3, fitted to measured
-//! shifts (Carbone, Mangialardi, Bonsen, Tursi, Veenhuizen 2007), under a uniform pressure.
+//! The amplitude is that of Sattler's trigonometric law of the groove width: |ψ| = aΔ tan β, a = (1 + cos²β)/sin 2β,
+//! has the same variation of radius, so |ψ| ≈ 1.02 Δ at β = 11°. The defaults follow, under a uniform pressure, from
+//! Δ = (1 + 0.02 (F/kN − 20))·1e-3, fitted to measured shifts (Carbone, Mangialardi, Bonsen, Tursi, Veenhuizen 2007).
 
 #![forbid(unsafe_code)]
 
 use crate::scalar::{Real, smooth_plus, smooth_plus_energy};
 
-/// Tilt stiffness from which a sheave counts as rigid, whatever its clearance, N·m/rad.
+/// Tilt stiffness from which a sheave is treated as rigid, independent of its clearance, N·m/rad.
 pub const RIGID_TILT_STIFFNESS: f64 = 1e12;
 
-/// Share of the stiffness while the clearance is taken up.
+/// Stiffness within the clearance, as a share of k.
 const SOFT: f64 = 0.02;
-/// δ, and the width over which the sheave comes to bear, as shares of the clearance.
+/// δ, and the smoothing width of the end of the clearance, as shares of the clearance.
 const ROUNDING: f64 = 0.02;
 const BEARING: f64 = 0.05;
 
@@ -61,13 +61,13 @@ impl Tilt {
         beyond / amplitude * ((1.0 - SOFT) * self.stiffness) + SOFT * self.stiffness
     }
 
-    /// Moment that the tilt `psi`, rad, and its rate `rate`, rad/s, take: (M/a)(ψ + τ ψ̇), N·m.
+    /// Moment at the tilt `psi`, rad, and its rate `rate`, rad/s: (M/a)(ψ + τ ψ̇), N·m.
     pub fn moment<T: Real>(&self, psi: [T; 2], rate: [T; 2]) -> [T; 2] {
         let secant = self.secant(psi);
         std::array::from_fn(|axis| secant * (psi[axis] + rate[axis] * self.time))
     }
 
-    /// Power that relaxation takes, W.
+    /// Power that relaxation dissipates, W.
     #[must_use]
     pub fn loss(&self, psi: [f64; 2], [x, y]: [f64; 2]) -> f64 {
         self.secant(psi) * self.time * (x * x + y * y)
@@ -147,9 +147,9 @@ mod tests {
         }
     }
 
-    /// What the belt's moment does on a tilt that moves is stored or lost.
+    /// The work of the belt's moment on a moving tilt is stored or dissipated.
     #[test]
-    fn power_is_stored_or_lost() {
+    fn power_is_stored_or_dissipated() {
         let law = laboratory();
         for (psi, rate) in [([3e-4, 5e-4], [0.1, -0.02]), ([1e-5, 0.0], [-0.3, 0.2])] {
             let h = 1e-8;

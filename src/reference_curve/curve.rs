@@ -1,4 +1,4 @@
-//! What a reference curve is, and its geometry at a mesh point.
+//! The trait of a reference curve, and the curve at a mesh point.
 
 use super::jet::Jet;
 use crate::scalar::Real;
@@ -28,7 +28,7 @@ pub struct ReferencePoint<T: Real> {
 }
 
 impl<T: Real> ReferencePoint<T> {
-    /// The pack whose `lane` is that of `other`.
+    /// `self` with `lane` replaced by that of `other`.
     #[must_use]
     pub fn with_lane(self, lane: usize, other: Self) -> Self {
         let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
@@ -56,7 +56,7 @@ pub struct TangentAngle<T> {
 }
 
 impl<T: Real> TangentAngle<T> {
-    /// The pack whose `lane` is that of `other`.
+    /// `self` with `lane` replaced by that of `other`.
     #[must_use]
     pub fn with_lane(self, lane: usize, other: Self) -> Self {
         Self {
@@ -66,18 +66,18 @@ impl<T: Real> TangentAngle<T> {
     }
 }
 
-/// A closed curve with one ratio coordinate. Another belt system is another implementation (paper section 7).
+/// A closed curve with one ratio coordinate Θ. For another belt system, implement this trait (paper section 7).
 pub trait ReferenceCurve: Clone + Send + 'static {
-    /// Everything that depends on Θ alone, computed once for all mesh points.
+    /// Quantities that depend on Θ alone, computed once for all mesh points.
     type Frame<T: Real>: Clone;
 
     /// Length L of the curve, the same for every Θ, m.
     fn length(&self) -> f64;
 
-    /// How many segments the curve has.
+    /// Number of segments.
     fn segments(&self) -> usize;
 
-    /// Whether Θ changes the curve at all. If not, it is no degree of freedom.
+    /// Whether the curve depends on Θ. If not, Θ is no degree of freedom.
     fn has_ratio(&self) -> bool {
         true
     }
@@ -91,7 +91,7 @@ pub trait ReferenceCurve: Clone + Send + 'static {
     /// The curve at fraction `fraction` of `segment`.
     fn point<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> ReferencePoint<T>;
 
-    /// Tangent angle and curvature there.
+    /// Tangent angle and curvature at fraction `fraction` of `segment`.
     fn tangent_angle<T: Real>(frame: &Self::Frame<T>, segment: usize, fraction: T::Constant) -> TangentAngle<T>;
 
     /// Segment and fraction at the place ξ, m, taken around the loop.

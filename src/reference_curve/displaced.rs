@@ -1,17 +1,18 @@
-//! The curve around two pulleys whose arcs lie about displaced centres.
+//! The curve around two pulleys with arcs about displaced centres.
 //!
-//! A sheave that tilts moves elements at constant penetration to ϱ = R/(1 + (ψ_x cos θ + ψ_y sin θ)/tan β): to first
-//! order a circle about a displaced centre. The curve about centres at the distance d_A + a is again that of two pulleys,
-//! turned clockwise by an angle γ and shifted:
+//! On a tilted sheave, elements of constant penetration are at ϱ = R/(1 + (ψ_x cos θ + ψ_y sin θ)/tan β), to first
+//! order a circle about a displaced centre. The curve about centres at the distance d_A + a is that of two pulleys,
+//! turned clockwise by an angle γ and shifted by s:
 //!
 //! r(ξ, Θ, a, γ, s) = M + s + Γ(γ) (r₀(ξ, Θ, d_A + a) − M), M the middle between the axes.
 //!
-//! So the five coordinates are Θ, spread a, turn γ and shift s, free centres of both arcs. Only ∂/∂a is new. The closure
-//! (27) gives ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a = −(b/d)/W, W = π − φ + i φ: the tangent's own derivatives cancel.
+//! The five coordinates are Θ, spread a, turn γ and shift s (two); both centres are free. Of their derivatives only ∂/∂a is
+//! new. The closure (27) yields ∂r_P/∂i = −r_P φ/W and ∂r_P/∂a = −(b/d)/W, W = π − φ + i φ: the derivatives of φ and b
+//! cancel.
 //!
-//! What moves with time moves along a path through these coordinates. A frame holds derivatives along that path, so a
-//! path with Θ̇ = 1 gives those with respect to Θ, and one with the rates of a motion gives ∂/∂t at fixed η. Derivatives
-//! with respect to each coordinate, onto which forces are projected, are of first order: [`DisplacedPoint`].
+//! A motion is a path through these coordinates. A frame holds derivatives along a path: derivatives with respect to Θ
+//! on the path with Θ̇ = 1, and ∂/∂t at fixed η on a path with the rates of a motion. The projection of forces uses the
+//! first derivatives with respect to each coordinate: [`DisplacedPoint`].
 
 use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
 use super::jet::Jet;
@@ -59,7 +60,7 @@ struct ShapeSlopes<T: Real> {
     phi: T,
     lengths: [T; SEGMENTS],
     starts: [T; SEGMENTS],
-    /// Of the logarithms of the lengths.
+    /// Derivatives of the logarithms of the lengths.
     growth: [T; SEGMENTS],
     strands: [(Vector2<T>, Vector2<T>); 2],
 }
@@ -67,9 +68,9 @@ struct ShapeSlopes<T: Real> {
 /// Derivatives of the curve at a mesh point with respect to its coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct DisplacedPoint<T: Real> {
-    /// By Θ and by spread.
+    /// With respect to Θ and to the spread.
     pub shape: [PointSlopes<T>; OF_SHAPE],
-    /// ∂r/∂γ, m. Along the shift it is the unit matrix, and the turn changes neither ξ nor κ.
+    /// ∂r/∂γ, m. ∂r/∂s is the unit matrix; the turn changes neither ξ nor κ.
     pub turn: Vector2<T>,
 }
 
@@ -87,7 +88,7 @@ pub struct PointSlopes<T: Real> {
 }
 
 impl<T: Real> DisplacedPoint<T> {
-    /// The pack whose `lane` is that of `other`.
+    /// `self` with `lane` replaced by that of `other`.
     #[must_use]
     pub fn with_lane(self, lane: usize, other: Self) -> Self {
         let vector = |a: Vector2<T>, b: Vector2<T>| a.zip_map(&b, |a, b| a.with_lane(lane, b));
@@ -105,8 +106,8 @@ impl<T: Real> DisplacedPoint<T> {
     }
 }
 
-/// Radius r_P, φ and b with what they follow from.
-struct Tangent<T> {
+/// Radius r_P, φ and b on a path, with their first derivatives.
+struct Dimensions<T> {
     r_p: Jet<T>,
     r_s: Jet<T>,
     phi: Jet<T>,
@@ -115,12 +116,12 @@ struct Tangent<T> {
     by: [[T; 4]; OF_SHAPE],
 }
 
-impl<T: Real> Tangent<T> {
-    /// On a path through Θ and the distance d of the centres.
+impl<T: Real> Dimensions<T> {
+    /// At one place of a path through Θ and the distance d of the centres.
     fn new(curve: &TwoPulley, theta: &Jet<T>, d: &Jet<T>) -> Self {
         let ratio = ratio(theta);
         let (i, i_theta) = (ratio.v, ratio_slope(theta.v));
-        // At the plain numbers, from there to `T` by the first derivatives.
+        // Solved for plain numbers, and extended to `T` by the first derivatives.
         let (i0, d0) = (i.re(), d.v.re());
         let r0 = if d0 > 0.0 {
             curve.at_distance(d0).primary_radius(i0)
@@ -139,7 +140,7 @@ impl<T: Real> Tangent<T> {
         let (per_b, per_d) = (b.recip(), d.v.recip());
         let w = i * phi - phi + PI;
         let per_w = w.recip();
-        // Slopes of r by i and d.
+        // Derivatives of r with respect to i and d.
         let (by_i, by_d) = (-(r * phi * per_w), -(b * per_d * per_w));
 
         let r_dot = by_i * ratio.d + by_d * d.d;
@@ -207,7 +208,7 @@ fn ratio<T: Real>(theta: &Jet<T>) -> Jet<T> {
     }
 }
 
-/// Segment by segment, from half the secondary arc, the strand and the primary arc.
+/// Values of all segments from those of half the secondary arc, a strand and the primary arc.
 fn around<V: Copy>(half: V, strand: V, arc: V) -> [V; SEGMENTS] {
     [half, strand, arc, strand, half]
 }
@@ -220,8 +221,8 @@ impl Displaced {
         let axes = curve.center_distance();
         let mut distance = spread;
         distance.v += T::from(axes);
-        let tangent = Tangent::new(curve, &theta, &distance);
-        let Tangent { r_p, r_s, phi, b, .. } = tangent;
+        let dimensions = Dimensions::new(curve, &theta, &distance);
+        let Dimensions { r_p, r_s, phi, b, .. } = dimensions;
         let radius = [r_s, r_p];
         let half = r_s.times(phi);
         let opposite = Jet::constant(PI).plus_scaled(phi, -1.0);
@@ -247,7 +248,7 @@ impl Displaced {
         let by_length = lengths.map(|length| length.v.recip());
         let toward = arm.v * (distance.v * 0.5).recip();
         let by = std::array::from_fn(|k| {
-            let [of_r_p, of_r_s, of_phi, of_b] = tangent.by[k];
+            let [of_r_p, of_r_s, of_phi, of_b] = dimensions.by[k];
             let radius_by = [of_r_s, of_r_p];
             let part = |length: T, slope: T, angle: T, by: T| slope * angle + length * by;
             let lengths_of = around(
@@ -396,7 +397,7 @@ impl ReferenceCurve for Displaced {
     }
 }
 
-/// A curve with displaced centres, whatever mesh lies on it.
+/// A curve with displaced centres, on any mesh.
 pub trait DisplacedCurve: ReferenceCurve {
     /// Derivatives with respect to its coordinates at a fraction of a segment, where the curve is `point`.
     fn slopes<T: Real>(

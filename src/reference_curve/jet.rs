@@ -93,7 +93,7 @@ impl<T: Real> Jet<T> {
         }
     }
 
-    /// The pack whose `lane` is that of `other`.
+    /// `self` with `lane` replaced by that of `other`.
     #[must_use]
     pub fn with_lane(self, lane: usize, other: Self) -> Self {
         Self {

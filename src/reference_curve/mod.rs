@@ -1,5 +1,5 @@
 //! Reference curves (paper 2, 3.1, 5.1): a closed planar curve r(ξ, Θ) of fixed length L that changes with one ratio
-//! coordinate Θ, cut into segments on which it is smooth.
+//! coordinate Θ, divided into segments on which it is smooth.
 //!
 //! A mesh point η is a segment and a fraction f ∈ [0, 1] of it; ξ(η, Θ) moves with Θ while the point stays on its own
 //! arc or strand. Derivatives with respect to Θ are taken at fixed η. The curve runs clockwise: tangent

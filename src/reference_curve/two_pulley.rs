@@ -18,15 +18,15 @@ pub const SEGMENTS: usize = 5;
 /// Most Newton steps for a radius. The default variator takes one or two at every ratio; a curve that does not close
 /// may take all.
 const NEWTON_STEPS: usize = 50;
-/// Newton's last step as a share of L. The error that it leaves is of the order of its square, which is rounding.
+/// Newton's last step as a share of L. The remaining error is of the order of its square, below rounding.
 const LAST_STEP: f64 = 1e-8;
-/// Excess of length, as a share of L, up to which a curve counts as closed: some thousand times the rounding.
+/// Length error, as a share of L, up to which a curve counts as closed: some thousand times the rounding error.
 const CLOSED: f64 = 1e-12;
-/// Largest r_P to start from, as a share of that with r_P − r_S = d_A. There φ and its derivatives end.
+/// Largest start value of r_P, as a share of that with r_P − r_S = d_A, the end of the range of φ.
 const LARGEST_START: f64 = 0.999;
-/// Largest r_P that Newton may reach, as the same share.
+/// Largest iterate of r_P, as the same share.
 const LARGEST_ITERATE: f64 = 0.9999;
-/// Least |1 − i_g| for the limit of r_P: at ratio 1 there is none.
+/// Least |1 − i_g| for which r_P is limited: at ratio 1 there is no limit.
 const LEAST_DIFFERENCE: f64 = 1e-9;
 
 /// The curve around two pulleys: S at the origin, P at (d_A, 0).
@@ -78,7 +78,7 @@ impl TwoPulley {
         }
     }
 
-    /// φ and b at the difference of radii r_P − r_S, m, each with its first three derivatives along it.
+    /// φ and b at the difference of radii r_P − r_S, m, each with its first three derivatives with respect to it.
     fn tangent(&self, difference: f64) -> [[f64; 4]; 2] {
         let d = self.center_distance;
         let phi = (difference / d).acos();
@@ -97,7 +97,7 @@ impl TwoPulley {
         ]
     }
 
-    /// Closure (27): length of the curve less L, m, and its slope along r_P at ratio `ratio`, α_P + i_g α_S.
+    /// Closure (27): length of the curve less L, m, and its derivative with respect to r_P at ratio `ratio`, α_P + i_g α_S.
     fn closure<D: DualNum<Primitive = f64>>(&self, r_p: &D, ratio: &D, phi: &D, b: &D) -> (D, D) {
         let [wrap_p, wrap_s] = [-phi.clone() + PI, phi.clone()].map(|half| half * 2.0);
         let slope = wrap_p + wrap_s * ratio;
@@ -110,18 +110,18 @@ impl TwoPulley {
         self.closure(&r_p, &ratio, &phi, &b)
     }
 
-    /// r_P at ratio `ratio`, NaN where there is none, m.
+    /// r_P at ratio `ratio`, m; NaN where there is none.
     pub(super) fn primary_radius(&self, ratio: f64) -> f64 {
-        // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A. The start solves the quadratic,
-        // and corrects it by the next two terms at that solution.
+        // L = 2d_A + π(r_P + r_S) + d_A (x² + x⁴/12 + x⁶/40 + …) with x = (r_P − r_S)/d_A. The start value solves the
+        // quadratic equation and is corrected by the next two terms at that solution.
         let d = self.center_distance;
         let (square, linear) = ((1.0 - ratio) * (1.0 - ratio) / d, PI * (1.0 + ratio));
         let rest = self.length - 2.0 * d;
         let mut r_p = 2.0 * rest / (linear + (linear * linear + 4.0 * square * rest).max(0.0).sqrt());
         let x2 = square * r_p * r_p / d;
         r_p -= d * x2 * x2 * (1.0 / 12.0 + x2 / 40.0) / (linear + 2.0 * square * r_p);
-        // The closure's slope is positive and bounded away from zero, so Newton converges from every start inside the
-        // range of φ.
+        // The derivative of the closure is positive and bounded away from zero, so Newton converges from every start
+        // inside the range of φ.
         let limit = d / (1.0 - ratio).abs().max(LEAST_DIFFERENCE);
         r_p = r_p.clamp(0.0, LARGEST_START * limit);
         for _ in 0..NEWTON_STEPS {
@@ -185,7 +185,7 @@ impl TwoPulley {
         let radius = self.primary_radius(ratio.re);
         let derivatives = self.tangent(radius - ratio.re * radius);
         let strand = |r_p: Dual3_64| derivatives.map(|f| compose(f, r_p - ratio * r_p));
-        // The value is converged; each further Newton step makes one more derivative exact.
+        // The value has converged; each further Newton step makes one more derivative exact.
         let mut r_p = Dual3_64::from_re(radius);
         for _ in 0..3 {
             let [phi, b] = strand(r_p);
@@ -222,7 +222,7 @@ impl TwoPulleyShape {
         let end = Jet::constant(2.0 * PI).plus_scaled(phi, -1.0);
         let mut lower = VectorJet::polar(radius[1], end);
         lower.v.x += T::from(self.center_distance);
-        // t(χ) = (sin χ, cos χ) is the radial direction (−cos, sin) a quarter turn on.
+        // t(χ) = (sin χ, cos χ) is the radial direction (−cos χ, sin χ) at χ + π/2.
         let strands = [
             (VectorJet::polar(radius[0], phi), VectorJet::polar(strand, quarter(phi))),
             (lower, VectorJet::polar(strand, quarter(end))),
@@ -260,7 +260,7 @@ impl<T: Real> VectorJet<T> {
         }
     }
 
-    /// Of its components.
+    /// From its components.
     #[inline(always)]
     pub(super) fn of([x, y]: [Jet<T>; 2]) -> Self {
         Self {
@@ -330,7 +330,7 @@ pub(super) fn on_strand<T: Real>(position: VectorJet<T>, t: Vector2<T>, chi_thet
     }
 }
 
-/// The curve at the tangent angle χ of an arc; `from_origin` adds the arc's centre to the arm from there.
+/// The curve at the tangent angle χ of an arc; `from_origin` adds the arc's centre to the vector from it.
 #[inline(always)]
 pub(super) fn on_arc<T: Real>(
     rho: Jet<T>,
@@ -479,7 +479,7 @@ mod tests {
         }
     }
 
-    /// Duals through the frame carry the derivative of the second derivative.
+    /// Dual numbers in the frame carry the derivative of the second derivative.
     #[test]
     fn third_derivative_through_the_dual() {
         use num_dual::Dual64;

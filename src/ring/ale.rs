@@ -5,26 +5,26 @@
 //!
 //! κ_n = n_refᵀ r'' − κ_ref (t_refᵀ r' − 1).
 //!
-//! In space ½∫EI_b κ_b² dξ comes in, κ_b = b_refᵀ r'' = w'' (24), with w the deflection along z, and γ contains w'.
-//! b_ref is constant, so w bends, and is carried along, as a straight beam's deflection is; plane and binormal meet in
-//! |r'| alone. What (24) leaves out is the twist φ of the sections: with it, on an arc, κ_b = w'' + κ_ref φ and the
+//! In space V also contains ½∫EI_b κ_b² dξ, κ_b = b_refᵀ r'' = w'' (24), with w the deflection along z, and γ contains w'.
+//! b_ref is constant, so bending and transport of w are those of a straight beam. The in-plane and the binormal deflection
+//! are coupled by |r'| alone. (24) neglects the twist φ of the sections: with it, on an arc, κ_b = w'' + κ_ref φ and the
 //! torsion is φ' − κ_ref w'. φ = 0 means that sections stay upright, as elements between two flanks hold them. On
-//! strands (κ_ref = 0) nothing is left out, and the torsional stiffness of a thin band is small (G t³/3 against E
-//! w³/12·t). So a shift along z costs nothing, but a tilt of a whole free circle by ψ costs ½ EI_b ∮w''² dξ = ½π EI_b
-//! ψ²/R: its sections are not allowed to tilt with it.
+//! strands (κ_ref = 0) nothing is neglected, and the torsional stiffness of a thin band is small (G t³/3 against E
+//! w³/12·t). A shift along z therefore has no energy, but a tilt of a whole free circle by ψ has ½ EI_b ∮w''² dξ = ½π EI_b
+//! ψ²/R, because its sections do not tilt with it.
 //!
-//! V is differentiated at fixed η, dξ = ξ_η dη included. That contains the border terms ½EI\[κ²\] dξ_k/dΘ that the
+//! V is differentiated at fixed η, dξ = ξ_η dη included. The result contains the border terms ½EI\[κ²\] dξ_k/dΘ that the
 //! paper's (18), (23b) lose where κ_ref jumps at a moving arc border.
 //!
-//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric. There are two forms of it
-//! here. They are equal up to ∮∂(m_r w v·δr)/∂ξ dξ = 0, which a quadrature integrates inexactly: [`add_inertia`] has the
-//! force at each point, [`add_conservative_inertia`] keeps energy and drift momentum of the discrete ring exactly.
+//! Inertia is ∫ m_r Pᵀ Dv/Dt dξ. The printed (14), (26b) hold only where ∫PᵀṖ is symmetric. Two forms are implemented.
+//! They differ by ∮∂(m_r w v·δr)/∂ξ dξ = 0, which quadrature integrates inexactly: [`add_inertia`] uses the force at each
+//! point, [`add_conservative_inertia`] conserves energy and drift momentum of the discrete ring exactly.
 //!
 //! Kelvin–Voigt damping acts on the material strain rate: T = EA (γ + η Dγ/Dt), with the virtual power of Dγ/Dt, so it
-//! dissipates exactly ∫EA η (Dγ/Dt)² dξ. In Dγ/Dt = γ̇ + w γ', γ' is its mean over a cell of the mesh. A cubic element on an
-//! arc stretches and shortens within itself where it deflects; that ripple stands still while the ring runs through it,
-//! so a damping that follows every particle drives waves as short as an element (at 57 m/s they grew by a factor of four
-//! in a millisecond). The mean is of second order, and still dissipates in every motion.
+//! dissipates exactly ∫EA η (Dγ/Dt)² dξ. In Dγ/Dt = γ̇ + w γ', γ' is its mean over a cell of the mesh. Where a cubic
+//! element on an arc deflects, its strain varies within the element. This variation is fixed in space while the ring
+//! runs through it, so damping with the pointwise γ' excites waves as short as an element (at 57 m/s they grew by a
+//! factor of four in a millisecond). The mean is second-order accurate and dissipative in every motion.
 
 use super::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
 use super::parameters::Ring;
@@ -129,7 +129,7 @@ pub fn add_elasticity<T: Real, const D: usize>(
     tension
 }
 
-/// Adds how [`add_inertia`] varies.
+/// Adds the variation of [`add_inertia`].
 #[inline(always)]
 pub fn vary_inertia<T: Real, const D: usize>(
     ring: &Ring,
@@ -151,7 +151,7 @@ pub fn vary_inertia<T: Real, const D: usize>(
     load.drift += force.dot(&point.slope) + point.acceleration().dot(&by.slope) * mass;
 }
 
-/// Adds how [`add_elasticity`] varies. Returns the ring tension's variation, N.
+/// Adds the variation of [`add_elasticity`]. Returns that of the ring tension, N.
 #[inline(always)]
 pub fn vary_elasticity<T: Real, const D: usize>(
     ring: &Ring,

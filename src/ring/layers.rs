@@ -1,29 +1,31 @@
-//! Friction between the layers of the ring. A pure law, no state.
+//! Friction between the layers of the ring: a law without state.
 //!
-//! A ring set is a stack of n thin bands. Each keeps one speed all around the loop, but on an arc of radius R neighbours a
-//! thickness t apart would need speeds that differ by v t/R. So on the pulley that holds the layers more firmly they move
-//! together, and on the other neighbours slip by v t |1/R_P − 1/R_S|. There the interface below layer j + 1 carries the
-//! tension of the n − j layers outside it, in sum (n − 1)/2 of the whole tension. With T − m_r ṡ² the part that presses, per
-//! length of that arc this is a drag along the ring, against its own motion v,
+//! A ring set is a stack of n thin bands. The speed of a band is the same all around the loop. On an arc of radius R,
+//! however, bands a thickness t apart would have to differ in speed by v t/R to move together. They do so on the pulley
+//! that holds the layers more firmly, and slip by v t |1/R_P − 1/R_S| on the other. There the interface below layer
+//! j + 1 carries the normal load of the n − j layers outside it; the sum over all interfaces is (n − 1)/2 of the whole
+//! load. T − m_r ṡ² is the part of the tension that causes normal load. The drag along the ring per length of that arc,
+//! against its motion v, is
 //!
-//! f = μ_l t |1/R_P − 1/R_S| (n − 1)/2 · ⟨T − m_r ṡ²⟩₊ κ · v/√(v² + v₀²),
+//! f = μ_l t |1/R_P − 1/R_S| (n − 1)/2 · ⟨T − m_r ṡ²⟩₊ κ · v/√(v² + v₀²).
 //!
-//! whose power, integrated over the arc, is μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α. Several sets beside each other
-//! share the tension, so they lose what one would.
+//! Its power, integrated over the arc, is μ_l v t |1/R_P − 1/R_S| (n − 1)/2 (T − m_r ṡ²) α. Parallel ring sets
+//! share the tension, so together they dissipate as much as one.
 //!
-//! The power is right, where it is taken from is a simplification. In a real ring the layers hand on tension to each other,
-//! which turns into a couple on each pulley. A beam has no layers, so here it is a drag on the ring alone: some newtons beside a
-//! tension of kilonewtons. The moments of the strands about a pulley miss 0.3 N·m in overdrive at 20 kN.
+//! The power is exact; the place where it acts is a simplification. In a real ring the friction transfers tension
+//! between the layers, which results in a couple on each pulley. The beam model has no layers, so the law is a drag on
+//! the ring alone: some newtons, with a tension of kilonewtons. The error of the strands' moment about a pulley is
+//! 0.3 N·m in overdrive at 20 kN.
 //!
-//! The weaker pulley is the one with the smaller wrap, so the one with the smaller radius. Its share passes from 0 to 1 where
-//! the difference of curvatures passes `EVEN`. There the loss is small, and at ratio 1 it is zero with a zero slope.
+//! The layers slip on the pulley with the smaller wrap, which is the one with the smaller radius. Its share goes from 0
+//! to 1 as the difference of curvatures passes `EVEN`. There the loss is small; at ratio 1 it and its slope are zero.
 
 use crate::scalar::Real;
 
 /// Difference of the curvatures of the two arcs below which they count as equal, 1/m: a ratio of 1.03.
 const EVEN: f64 = 0.5;
 
-/// Speed v₀ below which the drag fades, m/s.
+/// Regularisation speed v₀ of the drag, m/s.
 const FADING_SPEED: f64 = 0.1;
 
 /// Parameters of the friction between the layers of the ring.
@@ -38,13 +40,13 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Drag on the secondary and on the primary arc as a share of the load that presses the ring on them. `radii` are the
+    /// Drag on the secondary and on the primary arc as a share of the ring's normal load on them. `radii` are the
     /// pitch radii in that order, m.
     #[inline(always)]
     pub fn drag_shares<T: Real>(&self, [secondary, primary]: [T; 2]) -> [T; 2] {
         let sharper = secondary.recip() - primary.recip();
         let (_, inverse) = (sharper * sharper + EVEN * EVEN).root_and_inverse();
-        // |x| as x²/√(x² + δ²): off by ½(δ/x)², zero with a zero slope at zero.
+        // |x| as x²/√(x² + δ²): relative error ½(δ/x)²; value and slope are zero at x = 0.
         let difference = sharper * sharper * inverse;
         let half = difference * (0.25 * self.friction * self.thickness * f64::from(self.count - 1));
         let lean = sharper * inverse;
@@ -79,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn there_is_none_at_ratio_1_and_none_without_neighbours() {
+    fn drag_is_zero_at_ratio_1_and_with_a_single_layer() {
         assert_eq!(LAYERS.drag_shares([0.058, 0.058]), [0.0; 2]);
         let near = LAYERS.drag_shares([0.058, 0.058 * 1.0001]);
         assert!(near[0] < 1e-4 * LAYERS.drag_shares([0.036, 0.072])[0], "{near:?}");

@@ -1,6 +1,6 @@
 //! Division of the reference curve into ring elements, and of the elements into quadrature points.
 //!
-//! Element borders lie on the segment borders for every Θ, so every quadrature point stays on its own arc or strand and
+//! Element borders lie on the segment borders for every Θ. Every quadrature point stays on its own arc or strand, and
 //! all integrals are smooth in Θ.
 
 use super::kinematics::Hermite;
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn spacings_fill_a_segment_and_are_fine_where_they_say() {
+    fn spacings_fill_a_segment_and_are_fine_at_the_named_ends() {
         for spacing in [
             Spacing::Even,
             Spacing::Start(0.6),

@@ -1,6 +1,6 @@
 //! Parameters of the ring.
 
-/// The ring sets, as one beam.
+/// The ring sets, modelled as one beam.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ring {
     /// Mass m_r per length, kg/m.
@@ -9,7 +9,7 @@ pub struct Ring {
     pub axial_stiffness: f64,
     /// Bending stiffness EI_n in the plane of the drive, N·m².
     pub bending_stiffness: f64,
-    /// Bending stiffness EI_b out of the plane of the drive, N·m²; of rings that deflect in space.
+    /// Bending stiffness EI_b out of the plane of the drive, N·m²; used by rings that deflect in space.
     pub lateral_bending_stiffness: f64,
     /// Kelvin–Voigt damping time η of the axial strain, s.
     pub damping: f64,

@@ -1,8 +1,7 @@
 //! The variator: parameters and outputs, the equations of belt and pulleys, steady states, runs, linear models.
 //!
-//! Rooms from the ground up, each of which uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`,
-//! `belt`, `assembly`, `pulleys`, `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and
-//! [`linear`].
+//! Each module uses only those before it: `settings`, `mesh`, `law`, `rings`, `cell`, `belt`, `assembly`, `pulleys`,
+//! `system`, `survey`, `steady`, `run`, `linear`. A user needs [`Variator`], [`settings`] and [`linear`].
 
 #![forbid(unsafe_code)]
 

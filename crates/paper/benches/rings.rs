@@ -1,4 +1,4 @@
-//! What the paper's rings cost beside those of the FMU, on one core: `cargo bench --package pushbelt-paper`.
+//! Computing time of the paper's rings compared with those of the FMU, on one core: `cargo bench --package pushbelt-paper`.
 //!
 //! Prints one table in about two minutes. Times are processor time of the thread, the least or the median of several runs.
 
@@ -23,7 +23,7 @@ use pushbelt_paper_lab::{AbsoluteNodal, fixed_steps, rcm, run, swinging_band};
 
 /// Communication step, s.
 const STEP: f64 = 1e-3;
-/// Revolutions of the belt that are run, as in `cargo fmu paper`.
+/// Simulated revolutions of the belt, as in `cargo fmu paper`.
 const REVOLUTIONS: f64 = 0.05;
 
 fn main() {
@@ -37,7 +37,7 @@ fn row(name: &str, figure: &str) {
     println!("{name:<58} {figure}");
 }
 
-/// Steps of the nine load cases from their steady states, as shares of the time of `RCM`.
+/// Computing times of the nine load cases from their steady states, relative to `RCM`.
 fn nine_load_cases() {
     let ale = variator(RingModel::Ale);
     let cases = [30.0, 50.0, 100.0].map(|torque| LoadCase::three(&ale, torque)).concat();
@@ -60,7 +60,7 @@ fn nine_load_cases() {
     }
 }
 
-/// Processor time of a load case's steps from its steady state, the median of three, s.
+/// Processor time of a load case from its steady state, median of three runs, s.
 fn stepping(case: &LoadCase, steady: &Outputs, ring: &Arc<dyn BeltRing>) -> f64 {
     let mut parameters = variator(RingModel::Ale);
     parameters.initial.ratio = ratio(case.theta);
@@ -83,7 +83,7 @@ fn stepping(case: &LoadCase, steady: &Outputs, ring: &Arc<dyn BeltRing>) -> f64 
     times[1]
 }
 
-/// What it costs to count the overlay in other directions: the manoeuvre, and the pieces of a step.
+/// Computing time with other directions of the overlay: the manoeuvre and the parts of a step.
 fn directions(name: &str, ring: Arc<dyn BeltRing>) {
     let trace = Manoeuvre::read().trace(STEP);
     let parameters = Manoeuvre::variator(variator(RingModel::Ale));
@@ -107,7 +107,7 @@ fn directions(name: &str, ring: Arc<dyn BeltRing>) {
     );
 }
 
-/// Time of residual, Jacobian, factors and solve, s.
+/// Time of residual, Jacobian, factorization and solve, s.
 fn pieces(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> [f64; 4] {
     let mut system = VariatorSystem::with_ring(parameters, ring);
     let start = Start {
@@ -128,7 +128,7 @@ fn pieces(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> [f64; 4] {
     ]
 }
 
-/// Least time of a call, from batches of about a millisecond.
+/// Shortest time of a call, from batches of about a millisecond, s.
 fn least(mut call: impl FnMut()) -> f64 {
     let start = ThreadTime::now();
     call();

@@ -1,12 +1,12 @@
-//! The free ring of the paper's 5.3, to compare a beam code with: a steel band without supports, 0.70 m around, 0.185
+//! The free ring of the paper's 5.3, as a benchmark for beam codes: a steel band without supports, 0.70 m around, 0.185
 //! mm × 9.5 mm, E = 2.1e11 N/m², ρ = 7800 kg/m³, stress-free when straight.
 //!
 //! `cargo run --release --package pushbelt-paper --example free_ring -- --model rcm --shape two-arc`
 //!
-//! - `--shape circle`: a small oscillation about the circle, set going in its first bending mode. A thin ring has
+//! - `--shape circle`: a small oscillation about the circle in its first bending mode. A thin ring has
 //!   f₂ = (1/2π) √(36/5) √(EI/(m R⁴)) = 9.534 Hz.
 //! - `--shape two-arc`: from rest on a belt's shape around two pulleys (Θ = 0.4, axes 0.155 m apart); an independent
-//!   nonlinear code gives about 9.23 Hz with 40 elements.
+//!   nonlinear code has about 9.23 Hz with 40 elements.
 //!
 //! The frequency is that of the zero crossings of the ovality ∮(x − x̄)² − (y − ȳ)² dξ.
 
@@ -15,14 +15,15 @@ use cpu_time::ProcessTime;
 use nalgebra::Vector2;
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{Circle, ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::ancf::Ancf;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::rcm::Rcm;
-use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::Circle;
+use pushbelt_paper_lab::RingSystem;
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::time::Duration;
@@ -60,13 +61,13 @@ struct Arguments {
     /// Time to simulate, s.
     #[arg(long, default_value_t = 0.25)]
     time: f64,
-    /// Time between two looks at the ring, s: no step is longer.
+    /// Sampling interval and largest step, s.
     #[arg(long, default_value_t = 2.5e-4)]
     interval: f64,
     /// Position error of a step, in units of the length.
     #[arg(long, default_value_t = 1.0e-5)]
     tolerance: f64,
-    /// What Newton's method leaves, in units of 1e-9 of the length.
+    /// Tolerance of Newton's method, in units of 1e-9 of the length.
     #[arg(long, default_value_t = 1.0)]
     newton: f64,
 }
@@ -92,7 +93,7 @@ fn start<M: RingFormulation>(system: &mut RingSystem<M>, shape: Shape) -> Result
     match shape {
         Shape::Circle => {
             let mut state = system.rest(0.0);
-            // Inextensible: radial a cos 2θ, along −½ a sin 2θ; a = 1e-3 R.
+            // Inextensible: a cos 2θ radially, −½ a sin 2θ tangentially; a = 1e-3 R.
             let speed = 1.0e-3 * RADIUS * TAU * 9.534;
             system.set_in_motion(&mut state, |xi| {
                 let (sin, cos) = (xi / RADIUS).sin_cos();
@@ -104,13 +105,13 @@ fn start<M: RingFormulation>(system: &mut RingSystem<M>, shape: Shape) -> Result
         Shape::TwoArc => {
             let curve = TwoPulley::new(0.155, LENGTH);
             let frame = curve.frame::<f64>(0.4);
-            // The circle's leftmost point stays where it is.
+            // The circle's leftmost point is unchanged.
             let shift = curve.at(&frame, 0.0).r + Vector2::new(RADIUS, 0.0);
             let mut state = system.rest_on(0.0, &|xi| {
                 let point = curve.at(&frame, xi);
                 [point.r - shift, point.t]
             });
-            // Cubic elements across an arc's border are stretched. That goes before the bending moves.
+            // Cubic elements across an arc's border are stretched. This relaxes before the bending starts.
             system
                 .settle(&mut state, 1.0e-5, 20)
                 .map_err(|stalled| format!("{stalled:?}"))?;

@@ -2,26 +2,27 @@
 //!
 //! `cargo run --release --package pushbelt-paper --example idler`
 //!
-//! Prints the geometry; how well each ring model keeps the belt's shape when it runs (a string in balance, EAγ = m ṡ²(1
-//! + γ) on any closed curve); and the swing of a tensioner arm, Θ, on the bending energy of a belt.
+//! Prints the geometry, the shape error of a running belt for each ring model (a string is in equilibrium on any closed
+//! curve at EAγ = m ṡ²(1 + γ)), and the oscillation of a tensioner arm, Θ, due to the bending energy of a belt.
 
 use pushbelt::solver::State;
 use pushbelt::solver::sdirk::{Sdirk, Stalled};
-use pushbelt_paper::reference_curve::{Drive, DriveError, Pulley, ReferenceCurve, Tensioner};
+use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::ancf::Ancf;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::rcm::Rcm;
-use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::RingSystem;
+use pushbelt_paper_lab::drive::{Drive, DriveError, DrivePulley, Tensioner};
 use std::error::Error;
 
 /// Belt speed, m/s.
 const SPEED: f64 = 40.0;
 
-fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
-    Pulley { center: [x, y], radius }
+fn pulley(x: f64, y: f64, radius: f64) -> DrivePulley {
+    DrivePulley { center: [x, y], radius }
 }
 
 /// Clockwise: driver, driven, idler on the back of the lower strand.
@@ -41,7 +42,7 @@ fn tensioned() -> Result<Drive<3>, DriveError> {
     })
 }
 
-/// Steel, 0.185 mm × 9.5 mm, bending left out if `string`.
+/// Steel, 0.185 mm × 9.5 mm, without bending stiffness if `string`.
 fn belt(string: bool) -> Ring {
     let (e, rho, width, thickness) = (2.1e11, 7800.0, 9.5e-3, 0.185e-3_f64);
     let bending = e * width * thickness.powi(3) / 12.0;
@@ -64,7 +65,7 @@ fn advance<M: RingFormulation>(
     integrator.advance(system, state, from, to)
 }
 
-/// Runs a string through half the drive and prints how far it leaves its shape.
+/// Runs a string through half the drive and prints the change of its shape.
 fn run<M: RingFormulation>(name: &str, model: M, drive: &Drive<3>) -> Result<(), Box<dyn Error>> {
     let mut system = RingSystem::new(model);
     system.tolerance = 1.0e-7;
@@ -93,7 +94,7 @@ fn run<M: RingFormulation>(name: &str, model: M, drive: &Drive<3>) -> Result<(),
     Ok(())
 }
 
-/// Swings the arm and prints its period.
+/// Prints the period of an oscillation of the arm.
 fn swing(drive: Drive<3>) -> Result<(), Box<dyn Error>> {
     let mesh = RingMesh::even(&[2, 3, 2, 3, 2, 4, 2], 3);
     let mut system = RingSystem::new(AleRing::rigid(belt(false), drive, mesh));

@@ -1,4 +1,4 @@
-//! The belts that the paper compares, as rings of a variator.
+//! The belts of the paper's comparison, as rings of a variator.
 
 use crate::reference_curve::{Displaced, ReferenceCurve, TwoPulley, TwoPulleyFrame, Unaligned, ratio_of_theta};
 use crate::ring::ancf::AncfElement;
@@ -18,11 +18,11 @@ use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// `ALE0` or `ALE` on elements that are spaced evenly at fixed ξ, as the paper's are. Arc borders move through them.
+/// `ALE0` or `ALE` on elements spaced evenly at fixed ξ, as in the paper. Arc borders move through them.
 #[derive(Clone, Copy, Debug)]
 pub struct Even<R>(pub R);
 
-/// A ring that has equations on evenly spaced elements.
+/// A ring with equations on evenly spaced elements.
 pub trait OnEvenMesh: BeltRing {
     /// Equations of a belt with this ring on such a mesh.
     fn even_equations(&self, belt: &Belt) -> Box<dyn Assembly>;
@@ -45,7 +45,7 @@ impl<R: OnEvenMesh> BeltRing for Even<R> {
         self.0.name()
     }
 
-    /// Each cell has one pulley if no arc reaches a quarter of the belt.
+    /// Each cell has one pulley only if no arc reaches a quarter of the belt.
     fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
         let geometry = &parameters.geometry;
         let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
@@ -83,8 +83,7 @@ impl<R: OnEvenMesh> BeltRing for Even<R> {
     }
 }
 
-/// `ALE` whose deflection is counted along the reference curve and across it, A_i = [t, n, b]_ref in (10), in D
-/// components.
+/// `ALE` with the deflection in D components along the directions of the reference curve, A_i = [t, n, b]_ref in (10).
 #[derive(Clone, Copy, Debug)]
 pub struct Rotated<const D: usize = 2>;
 
@@ -116,7 +115,7 @@ impl<const D: usize> BeltRing for Rotated<D> {
 pub trait TravellingElement: LagrangianElement {
     /// Name of the model.
     const NAME: &'static str;
-    /// Elements of a ring with the paper's 160 degrees of freedom.
+    /// Default number of elements: the paper's 160 degrees of freedom.
     const USUAL: usize;
     /// Gauss points of an element.
     const POINTS: usize;
@@ -136,25 +135,25 @@ impl TravellingElement for AncfElement {
 
 /// A ring of elements `E` whose nodes travel with the material.
 ///
-/// The stations of the cells carry the ring, which sags in between where its elements can follow: more elements, or a
-/// coarser mesh than the default, let it swing as the stations pass.
+/// The ring is supported at the stations of the cells and sags between them, as far as its elements can follow. With more
+/// elements, or a coarser mesh than the default, it oscillates as the stations pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Travels<E> {
     elements: usize,
     element: PhantomData<fn() -> E>,
 }
 
-/// Part of its elements by which a ring that travels moves on in a step. With twice as much, Newton's method needs twice
-/// the Jacobians. The thrust ratio differs by 3e-4 at four times as much, by 1e-4 at half.
+/// Largest drift of a travelling ring in a step, in element lengths. With twice this value, Newton's method needs twice
+/// as many Jacobians. The thrust ratio changes by 3e-4 at four times this value, by 1e-4 at half of it.
 const PASSING: f64 = 1.0 / 180.0;
 
-/// Fewest elements: one must not turn by a radian on the smallest arc.
+/// Smallest number of elements: an element must turn by less than 1 rad on the smallest arc.
 const FEWEST: usize = 16;
-/// Most elements.
+/// Largest number of elements.
 const MOST: usize = 400;
 
 impl<E: TravellingElement> Travels<E> {
-    /// A ring with so many elements, 16 to 400; 0 is the usual number.
+    /// A ring with this number of elements, 16 to 400; 0 is the default number.
     #[must_use]
     pub fn new(elements: usize) -> Self {
         Self {
@@ -198,8 +197,8 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
     fn cells(&self, mesh: &Mesh) -> CellDivision {
         CellDivision {
             per_element: mesh.cells_per_element as usize,
-            // A ring with elements of its own sags between the points that carry it, q d⁴/(384 EI) or 2 µm at the
-            // widest of two points a cell.
+            // A ring with elements of its own sags between the stations, by q d⁴/(384 EI): 2 µm at the largest distance
+            // of two stations per cell.
             points: 3,
         }
     }
@@ -222,12 +221,12 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
         Box::new(TravellingCells::new(belt, Self::ring(belt)))
     }
 
-    /// Steps are short, so errors of velocity matter, not those of a step's distance: the nodes slide.
+    /// Steps are short, so the error of the sliding velocity is more restrictive than that of the distance in a step.
     fn speed_error(&self, of_place: f64, of_sliding: f64) -> f64 {
         of_place.min(10.0 * of_sliding)
     }
 
-    /// The contact changes with every bit of an element that passes.
+    /// Contact changes as an element passes a cell.
     fn longest_drift(&self, belt: &Belt) -> f64 {
         PASSING * Travelling::of(&belt.layout, &belt.curve).length
     }
@@ -241,7 +240,7 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
     }
 }
 
-/// A trait object of a ring on an even mesh or not.
+/// A ring on the aligned or on the even mesh.
 pub(crate) fn on_mesh<R: OnEvenMesh + 'static>(ring: R, aligned: bool) -> Arc<dyn BeltRing> {
     if aligned { Arc::new(ring) } else { Arc::new(Even(ring)) }
 }

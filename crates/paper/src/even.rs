@@ -26,7 +26,7 @@ impl<C: MeshCurve + OnPulleys> MeshCurve for Unaligned<C> {
 
 /// A curve around two pulleys.
 trait OnPulleys {
-    /// The curve from that about the axes.
+    /// This curve, from the curve about the axes.
     fn on_pulleys(curve: &TwoPulley) -> Self;
 }
 
@@ -42,7 +42,7 @@ impl OnPulleys for Displaced {
     }
 }
 
-/// Where the mesh stands still, ξ and dξ do.
+/// On a fixed mesh ξ and dξ are constant.
 impl DisplacedCurve for Unaligned<Displaced> {
     fn slopes<T: Real>(
         frame: &UnalignedFrame<DisplacedFrame<T>>,

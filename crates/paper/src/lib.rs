@@ -1,11 +1,11 @@
-//! What the paper compares with the deflecting ring of the FMU, and no part of it.
+//! Ring models that the paper compares with the deflecting ring of the FMU. They are not part of that FMU.
 //!
 //! | module | content |
 //! |---|---|
-//! | [`ring`] | ring models behind one trait: `ALE`, `RCM`, `ANCF`; the ring alone as a system |
-//! | [`reference_curve`] | a curve that the mesh does not follow, and a circle |
-//! | [`belts`] | the seven belts that the paper compares, as rings of a variator |
-//! | [`mod@unit`] | `PushbeltPaper.fmu`: the FMU's variables and those that choose among these belts |
+//! | [`ring`] | ring models behind one trait: `ALE`, `RCM`, `ANCF` |
+//! | [`reference_curve`] | a curve whose arcs the mesh does not follow |
+//! | [`belts`] | the seven belts of the paper's comparison, as rings of a variator |
+//! | [`mod@unit`] | `PushbeltPaper.fmu`: the variables of the FMU and those that select a belt |
 //!
 //! Numbers in parentheses are those of Grundl, Schindler, Ulbrich, Rixen, *ALE beam using reference dynamics* (2019).
 #![warn(missing_docs)]

@@ -1,4 +1,4 @@
-//! `ALE` whose overlay is counted along the directions of the reference curve.
+//! `ALE` with the overlay along the directions of the reference curve.
 
 use crate::reference_curve::{self, Jet, ReferencePoint};
 use crate::ring::Ring;
@@ -10,7 +10,7 @@ use pushbelt::variator::belt_ring::{
     RingKind, SLOTS, nodes,
 };
 
-/// `ALE` whose deflection is counted in directions that turn with the reference curve.
+/// `ALE` with the deflection in directions that rotate with the reference curve.
 pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
     ring: Deflecting<'a, T, D>,
     ends: RotatedElement<T>,
@@ -18,8 +18,8 @@ pub(crate) struct Rotating<'a, T: Real, const D: usize = 2> {
 }
 
 impl<'a, T: Real, const D: usize> Rotating<'a, T, D> {
-    /// The ring between two nodes. `curve` gives angle and curvature of the reference curve at a fraction of the segment;
-    /// `ends` are the fractions at which the element begins and ends.
+    /// The ring between two nodes. `curve` returns angle and curvature of the reference curve at a fraction of the segment;
+    /// `ends` are the fractions at the ends of the element.
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,
@@ -82,7 +82,7 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
     }
 }
 
-/// The ring deflects in D components, counted along the reference curve and across it, A_i = [t, n, b]_ref in (10).
+/// The ring deflects in D components along the directions of the reference curve, A_i = [t, n, b]_ref in (10).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RotatingRing<const D: usize>;
 

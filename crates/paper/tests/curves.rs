@@ -1,4 +1,4 @@
-//! The curve about displaced centres on a mesh that does not follow its arcs, against differences.
+//! Derivatives of the curve about displaced centres, on a mesh that does not follow its arcs, against differences.
 
 use pushbelt_lab::curves::{assert_path, assert_slopes, curve, moving_frame, path};
 use pushbelt_paper::reference_curve::{Displaced, Unaligned};

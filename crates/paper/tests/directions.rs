@@ -1,5 +1,5 @@
-//! The overlay in directions that turn with the reference curve, A_i = [t, n, b]_ref in (10), instead of fixed ones:
-//! the same belt in other coordinates.
+//! The overlay in directions that rotate with the reference curve, A_i = [t, n, b]_ref in (10): the same belt in other
+//! coordinates.
 
 use std::sync::Arc;
 
@@ -23,9 +23,10 @@ fn space() -> [Arc<dyn BeltRing>; 2] {
     [Arc::new(Ale::<3>), Arc::new(Rotated::<3>)]
 }
 
-/// The two choices interpolate between nodes otherwise, so they differ by what a finer mesh changes, and less on it.
+/// The two choices interpolate differently between nodes. Their difference is that of the discretisation, and smaller
+/// on a finer mesh.
 #[test]
-fn both_choices_find_the_same_steady_states() {
+fn both_choices_have_the_same_steady_states() {
     let parameters = variator(RingModel::Ale);
     for case in LoadCase::three(&parameters, 50.0) {
         let off = [1, 2].map(|refinement| {
@@ -59,7 +60,7 @@ fn both_choices_find_the_same_steady_states() {
 
 /// In space the third direction is the same.
 #[test]
-fn misaligned_pulleys_load_both_alike() {
+fn misaligned_pulleys_load_both_choices_equally() {
     let mut parameters = Parameters {
         spatial: true,
         ..variator(RingModel::Ale)
@@ -78,7 +79,7 @@ fn misaligned_pulleys_load_both_alike() {
     }
 }
 
-/// In a shift the directions turn under the belt. The balances of energy and elements hold as in fixed ones.
+/// In a shift the directions rotate. The balances of energy and elements hold as in fixed directions.
 #[test]
 fn energy_balance_of_a_shift() {
     let [fixed, turned] = plane().map(|ring| {
@@ -103,9 +104,9 @@ fn energy_balance_of_a_shift() {
     assert!((turned.thrust_ratio / fixed.thrust_ratio - 1.0).abs() < 5e-3);
 }
 
-/// They belong to the ring that deflects, on the mesh whose elements don't reach across an arc border.
+/// The option requires a ring that deflects, on the aligned mesh.
 #[test]
-fn only_the_deflecting_ring_on_the_aligned_mesh_has_them() {
+fn directions_require_a_deflecting_ring_on_the_aligned_mesh() {
     let turning = PaperRings {
         reference_directions: true,
         ..PaperRings::default()

@@ -1,5 +1,4 @@
-//! Elements evenly spaced along the belt, as the paper's: the same laws hold, and what it costs that arc borders move
-//! through them.
+//! Elements evenly spaced along the belt, as in the paper: the same laws hold; errors and cost of moving arc borders.
 
 use std::sync::Arc;
 
@@ -23,18 +22,18 @@ fn even_ale() -> Arc<dyn BeltRing> {
     Arc::new(Even(Ale::<2>))
 }
 
-/// What the even mesh may differ by from the aligned one in a load case.
+/// Bounds on the difference between the even and the aligned mesh in a load case.
 struct Bounds {
     /// Thrust ratio, relative. It was 10 % for all cases.
     thrust: f64,
-    /// The range of the ring tension, at least so many times as wide.
+    /// Least ratio of the ranges of the ring tension.
     spread: f64,
     /// Energy residual per time, as a share of the driving power.
     power: f64,
 }
 
-/// Underdrive, medium, overdrive. Found: thrust ratio +2.4, −2.2, −2.7 %, tension 1.48, 1.18, 1.76 times as wide, power
-/// 4e-4, 2e-5, 2.5e-4. In medium both arcs are as long, so the tension ripples least.
+/// Underdrive, medium, overdrive. Measured: thrust ratio +2.4, −2.2, −2.7 %, range of the tension times 1.48, 1.18, 1.76,
+/// power 4e-4, 2e-5, 2.5e-4. In medium both arcs have the same length, so the tension varies least.
 const BOUNDS: [Bounds; 3] = [
     Bounds {
         thrust: 0.03,
@@ -53,10 +52,10 @@ const BOUNDS: [Bounds; 3] = [
     },
 ];
 
-/// Steady states: thrust ratios are off the aligned mesh's, and with three times the elements they are within 2 %: the edge of the contact is 1.6 mm wide. The
-/// ring tension ripples more where a border lies within an element. More power is left that no law accounts for:
-/// Gauss's rule takes r'' and λ, which jump at a border, for smooth across a cell, so what flows in along ξ is not what
-/// flows out. (The figures: docs/paper.md.)
+/// Steady states: thrust ratios differ from those of the aligned mesh, with three times the elements by less than 2 %: the
+/// edge of the contact is 1.6 mm wide. The ring tension varies more where a border lies within an element. The residual of
+/// the energy balance is larger: r'' and λ jump at a border, Gauss's rule assumes that they are smooth across a cell, and
+/// so inflow and outflow along ξ differ. (Figures: docs/paper.md.)
 #[test]
 fn steady_states_are_near_those_of_the_aligned_mesh() {
     let parameters = variator(RingModel::Ale);
@@ -91,10 +90,10 @@ fn steady_states_are_near_those_of_the_aligned_mesh() {
     }
 }
 
-/// A shift takes arc borders through quadrature points. Each time the reference curvature jumps there: the stack is
-/// squeezed, steps are thrown away, and energy appears and vanishes that no law accounts for.
+/// In a shift arc borders pass quadrature points. Each time the reference curvature jumps there: the stack is squeezed,
+/// steps are rejected, and the energy balance has a residual.
 #[test]
-fn a_shift_shows_what_borders_inside_elements_cost() {
+fn errors_and_cost_of_a_shift_with_moving_borders() {
     let [aligned, even, fine] = [(ale(), 1), (even_ale(), 1), (even_ale(), 3)].map(|(ring, refinement)| {
         let name = format!("{ring:?}");
         let mut parameters = variator(RingModel::Ale);
@@ -116,10 +115,11 @@ fn a_shift_shows_what_borders_inside_elements_cost() {
         assert!((o.primary.speed / SPEED - 1.0).abs() < 1e-2);
         (shift, residual, run.variator.counts())
     });
-    // Its own thrust ratio is another, so the same excess of force shifts it otherwise: by 3 %, with three times the elements by 6 %.
+    // Its thrust ratio differs, so the same excess of force shifts it differently: by 3 %, with three times the
+    // elements by 6 %.
     assert_close(even.0, aligned.0, 0.07, "shift");
     assert_close(fine.0, aligned.0, 0.07, "shift with three times the elements");
-    // Found: 13 and 33 times the factorizations, 130 and 90 times the energy.
+    // Measured: 13 and 33 times the factorizations, 130 and 90 times the energy.
     assert!(
         fine.2.factorizations > 8 * aligned.2.factorizations && even.2.factorizations > 4 * aligned.2.factorizations
     );
@@ -129,9 +129,9 @@ fn a_shift_shows_what_borders_inside_elements_cost() {
     }
 }
 
-/// `ALE0` runs on it too; rings that travel don't.
+/// The even mesh is available with `ALE0`, but not with travelling rings.
 #[test]
-fn only_eulerian_rings_stand_on_it() {
+fn only_eulerian_rings_run_on_it() {
     let parameters = variator(RingModel::Ale0);
     let case = LoadCase::new(&parameters, "medium", 0.0, 50.0);
     let found = load_case_with(&parameters, Arc::new(Even(Ale0)), &case);
@@ -155,7 +155,7 @@ fn only_eulerian_rings_stand_on_it() {
     }
 }
 
-/// Where arcs may reach the quarters of the belt, the pulley of a cell that stands still is not fixed.
+/// If arcs can reach the quarters of the belt, the pulley of a fixed cell is not unique.
 #[test]
 fn arcs_longer_than_half_the_belt_are_refused() {
     let mut parameters = variator(RingModel::Ale);

@@ -35,7 +35,7 @@ fn even() -> [(Parameters, Arc<dyn BeltRing>); 2] {
 }
 
 #[test]
-fn derivatives_by_hand_on_an_even_mesh_are_those_of_forward_differentiation() {
+fn analytic_derivatives_on_an_even_mesh_match_forward_differentiation() {
     let errors: [DerivativeError; 2] = [
         deflecting_derivative_error::<2, Unaligned<TwoPulley>>,
         guided_derivative_error::<Unaligned<Displaced>>,
@@ -47,22 +47,22 @@ fn derivatives_by_hand_on_an_even_mesh_are_those_of_forward_differentiation() {
 }
 
 #[test]
-fn an_update_of_the_slopes_of_laws_on_an_even_mesh_makes_the_current_jacobian() {
+fn updated_tangents_on_an_even_mesh_yield_the_current_jacobian() {
     for (parameters, ring) in even() {
         assert_update_of_slopes(&parameters, &ring);
     }
 }
 
-/// The nodes of a ring that travels are interchangeable: counted from another one, with s an element on, the
-/// residual is the same.
+/// The nodes of a travelling ring are interchangeable: the residual is the same with node numbers and s shifted by one
+/// element.
 #[test]
-fn a_travelling_ring_may_be_counted_from_any_node() {
+fn the_residual_is_invariant_to_the_choice_of_the_first_node() {
     for ring in travelling() {
         let (mut system, state) = disturbed_with(&plane(), ring, 200.0);
         let (layout, n) = (system.belt.layout, state.y.len());
         let (count, block) = (layout.ring.nodes, layout.ring.per_node);
         let length = system.belt.curve.length() / count as f64;
-        // Index of an unknown when the nodes are counted from the one before.
+        // Index of an unknown when node numbers start at the previous node.
         let counted_on = |i: usize| {
             let first = layout.node(0, 0);
             let nodes = first..first + count * block;
@@ -93,7 +93,7 @@ fn a_travelling_ring_may_be_counted_from_any_node() {
 }
 
 #[test]
-fn jacobians_of_rings_that_travel_match_differences() {
+fn jacobians_of_travelling_rings_match_differences() {
     for (ring, speed) in [(rcm(), 200.0), (ancf(), -200.0)] {
         assert_jacobian(disturbed_with(&plane(), ring, speed), 0.4);
     }
@@ -111,7 +111,7 @@ fn jacobian_on_evenly_spaced_elements_matches_differences() {
     }
 }
 
-/// Friction bends more sharply over a step of these coordinates, so the steps are shorter.
+/// Friction is more nonlinear over a step of these coordinates, so the steps are shorter.
 #[test]
 fn jacobian_in_directions_of_the_curve_matches_differences() {
     let cases: [(Parameters, Arc<dyn BeltRing>, f64); 2] = [

@@ -1,5 +1,5 @@
-//! Rings that travel with their mesh, inside the variator: they start where ALE is steady, run near it, meet the energy
-//! balance and continue from a stored state bit for bit.
+//! Travelling rings in the variator: start from the steady state of ALE, results close to it, energy balance, and
+//! continuation from a stored state bit for bit.
 
 use std::sync::Arc;
 
@@ -42,8 +42,8 @@ fn means(run: &mut Run, settle: f64, span: f64) -> [f64; 3] {
     sums.map(|sum| sum / count)
 }
 
-/// In under-, medium and overdrive, over two passes of an element: the thrust ratio is that of ALE within
-/// what the elements' shape costs, the co-rotational ring's tension too, and the balances of energy and elements hold.
+/// In under-, medium and overdrive, over two passes of an element: the thrust ratio is that of ALE within the error of the
+/// elements' shape, and so is the tension of the co-rotational ring; the balances of energy and elements hold.
 #[test]
 fn three_ratios_near_ale() {
     for theta in [-0.4, 0.0, 0.4] {
@@ -61,7 +61,7 @@ fn three_ratios_near_ale() {
             );
             assert!((found / thrust - 1.0).abs() < bound);
             if name == "RCM" {
-                // Found: 0.4 and 0.4, 0.1 and 0.8, 3.1 and 3.7 %.
+                // Measured: 0.4 and 0.4, 0.1 and 0.8, 3.1 and 3.7 %.
                 let bound = if theta > 0.0 { 0.05 } else { 0.015 };
                 assert_close(low, lowest, bound, "lowest tension");
                 assert_close(high, highest, bound, "highest tension");
@@ -71,14 +71,14 @@ fn three_ratios_near_ale() {
     }
 }
 
-/// The co-rotational ring has an even tension along an element, as ALE's mean is: +0.4, −1.1, −2.9 %. ANCF's membrane
-/// locks where the curvature jumps inside an element, so its tension swings by more than itself (the paper's 5.4: it
-/// reacts very stiff): +5, −3, −13 %.
+/// The tension of the co-rotational ring is uniform along an element, and close to ALE's mean: +0.4, −1.1, −2.9 %. ANCF's
+/// membrane locks where the curvature jumps inside an element, so its tension varies by more than its mean (the paper's
+/// 5.4: it reacts very stiff): +5, −3, −13 %.
 const RCM_THRUST: f64 = 0.05;
 const ANCF_THRUST: f64 = 0.15;
 
-/// From standstill: laid on the clamped ring of `ALE`, torques act at once. The stretch of the laid elements relaxes in
-/// microseconds. The oil between the push elements dissipates some of it so fast that the energy balance needs shorter
+/// Start from standstill on the clamped ring of `ALE`; torques act at once. The initial stretch of the elements relaxes in
+/// microseconds. The oil between the push elements dissipates part of it so fast that the energy balance requires shorter
 /// steps.
 #[test]
 fn a_run_may_start_at_a_standstill() {
@@ -101,7 +101,8 @@ fn stored(variator: &mut Variator) -> Vec<u8> {
     tape.into_bytes()
 }
 
-/// A run continues from a stored state bit for bit, with the factors in the order of the moment in which they were made.
+/// A run continues from a stored state bit for bit, although the order of the unknowns in stored factors is that of an
+/// earlier drift.
 #[test]
 fn runs_continue_from_stored_states_bit_for_bit() {
     for ring in travelling() {
@@ -122,7 +123,7 @@ fn runs_continue_from_stored_states_bit_for_bit() {
     }
 }
 
-/// The reference curve follows the ring: s runs with the belt, Θ and the multipliers stay small.
+/// The reference curve follows the ring: s moves with the belt, Θ and the multipliers stay small.
 #[test]
 fn the_mesh_follows_the_ring() {
     for ring in travelling() {
@@ -136,7 +137,7 @@ fn the_mesh_follows_the_ring() {
     }
 }
 
-/// A ring that travels has no steady state to linearise about.
+/// A travelling ring has no steady state for a linear model.
 #[test]
 fn there_is_no_linear_model() {
     for ring in travelling() {
@@ -146,9 +147,9 @@ fn there_is_no_linear_model() {
     }
 }
 
-/// What a millisecond takes, so that a solver that got slower shows without a clock.
+/// Work per millisecond, so that a slower solver is detected without a clock.
 #[test]
-fn a_millisecond_takes_its_usual_work() {
+fn work_per_millisecond_is_bounded() {
     for (ring, steps, residuals, factorizations) in [(rcm(), 103, 656, 23), (ancf(), 129, 1149, 54)] {
         let name = ring.name();
         let mut run = rig(ring, 0.0, 50.0);

@@ -37,7 +37,7 @@ impl<L: Real> Hermite<L> {
     }
 }
 
-/// Σ weights·d; the weights are mesh constants or, where the mesh moves under the place, numbers like d.
+/// Σ weights·d. The weights are mesh constants or, where the mesh moves past a fixed place, of the type of d.
 #[inline(always)]
 pub fn combine<T: Real + Mul<W, Output = T>, W: Copy, const D: usize>(
     weights: &[W; 4],

@@ -19,7 +19,7 @@ pub struct Load<T: Real, const D: usize = 2> {
     pub bend: SVector<T, D>,
     /// Conjugate to δw, N/m.
     pub drift: T,
-    /// Conjugate to δΘ beyond what the other entries carry, N·m/m.
+    /// Conjugate to δΘ, the parts through the other entries excepted, N·m/m.
     pub theta: T,
 }
 
@@ -96,7 +96,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
         self.theta += theta * weight;
     }
 
-    /// Adds the variation of Θ's force in [`ElementLoad::add`] where the point varies and the load does not.
+    /// Adds the variation of the force on Θ of [`ElementLoad::add`] where the point varies and the load does not.
     #[inline(always)]
     pub fn add_varied(
         &mut self,
@@ -109,14 +109,14 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
         self.theta -= (load.slope.dot(&variation.slope) + load.bend.dot(&variation.bend) * 2.0) * growth * weight;
     }
 
-    /// The variation of Θ's force in [`ElementLoad::nodes`] where component `k` of a node's slope varies by `by` and the
-    /// loads do not.
+    /// The variation of the force on Θ of [`ElementLoad::nodes`] where component `k` of a node's slope varies by `by` and
+    /// the loads do not.
     #[inline(always)]
     pub fn slope_varied(&self, node: usize, k: usize, by: f64, element: &ElementMotion<T, D>) -> T {
         self.d[2 * node + 1][k] * element.length.d * by
     }
 
-    /// Conjugates of the nodal degrees of freedom, and of Θ complete.
+    /// Conjugates of the nodal degrees of freedom, and the complete conjugate of Θ.
     #[inline(always)]
     pub fn nodes(&self, element: &ElementMotion<T, D>) -> ([Node<T, D>; 2], T) {
         let l = element.length;

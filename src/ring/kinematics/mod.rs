@@ -2,16 +2,16 @@
 //! to it.
 //!
 //! Position r = R(ξ, Θ) + B q_f (10) with A_i = identity and cubic Hermite functions (paper 5.2) on elements whose
-//! borders stay on the arc borders. The reference curve is planar, the deflection has D components: x and y, and in
+//! borders follow the arc borders. The reference curve is planar. The deflection has D components: x and y, and in
 //! space w along z, the direction of the binormal. At fixed mesh point η:
 //!
 //! - ring velocity v = ṙ + w r', w = ṡ − ξ̇_η (12),
 //! - ring acceleration Dv/Dt = r̈ + ẇ r' + 2w (r')˙ + w² r'',
 //!
 //! where a dot is ∂/∂t at fixed η. The nodal degrees of freedom are the deflection `a` and its slope `b` = ∂/∂ξ; the
-//! element works with d = (a₁, l b₁, a₂, l b₂), whose shape functions do not depend on the element length l(Θ).
+//! element uses d = (a₁, l b₁, a₂, l b₂), whose shape functions do not depend on the element length l(Θ).
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `vectors` | vectors in the plane of the drive and in space |
 //! | `hermite` | shape functions |

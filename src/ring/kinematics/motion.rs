@@ -36,7 +36,7 @@ pub struct ReferenceMotion<T> {
 }
 
 impl<T: Real> ReferenceMotion<T> {
-    /// Speed w = ṡ − ξ_Θ Θ̇ at which the material passes a mesh point, m/s, and its rate, m/s².
+    /// Speed w = ṡ − ξ_Θ Θ̇ of the material relative to a mesh point, m/s, and its rate, m/s².
     #[inline(always)]
     pub fn material_speed(&self, xi: &Jet<T>) -> (T, T) {
         let (rate, acceleration) = (self.theta.rate, self.theta.acceleration);
@@ -52,7 +52,7 @@ impl<T: Real> ReferenceMotion<T> {
 pub struct ElementMotion<T: Real, const D: usize = 2> {
     /// Element length l(Θ), m.
     pub length: Jet<T>,
-    /// Deflection over the reference curve; none where the ring keeps to it.
+    /// Deflection from the reference curve; none where the ring follows it.
     pub(super) overlay: Option<Overlay<T, D>>,
 }
 
@@ -67,7 +67,7 @@ pub(super) struct Overlay<T: Real, const D: usize> {
 }
 
 impl<T: Real, const D: usize> ElementMotion<T, D> {
-    /// An element that follows the reference curve.
+    /// An element without deflection.
     #[inline(always)]
     pub fn rigid(length: Jet<T>) -> Self {
         Self { length, overlay: None }

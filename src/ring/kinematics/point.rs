@@ -36,12 +36,12 @@ pub struct RingPoint<T: Real, const D: usize = 2> {
     pub w: T,
     /// ẇ at fixed η, m/s².
     pub w_dot: T,
-    /// γ' that damping acts on, 1/m: that of the point, until a mean replaces it (see `ale.rs`).
+    /// γ' in the damping, 1/m: that of the point, until a mean replaces it (see `ale.rs`).
     pub strain_gradient: T,
 }
 
 impl<T: Real> RingPoint<T> {
-    /// Kinematics of a ring that keeps to the reference curve.
+    /// Kinematics of a ring that follows the reference curve.
     #[inline(always)]
     pub fn guided(reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> Self {
         let (rate, acceleration) = (motion.theta.rate, motion.theta.acceleration);
@@ -66,7 +66,7 @@ impl<T: Real> RingPoint<T> {
 }
 
 impl<T: Real, const D: usize> RingPoint<T, D> {
-    /// Kinematics at `shape` of an element.
+    /// Kinematics of an element where its shape functions are `shape`.
     #[inline(always)]
     pub fn new(
         reference: ReferencePoint<T>,

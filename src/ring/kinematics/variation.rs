@@ -7,8 +7,7 @@ use super::vectors::{cross, embed, in_plane};
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
 
-/// How the ring at a mesh point varies in a direction that leaves the reference curve where it is: the derivatives of a
-/// [`RingPoint`].
+/// Derivatives of a [`RingPoint`] in a direction that does not change the reference curve.
 #[derive(Clone, Copy, Debug)]
 pub struct RingVariation<T: Real, const D: usize = 2> {
     /// δr.
@@ -38,7 +37,7 @@ pub struct RingVariation<T: Real, const D: usize = 2> {
 }
 
 impl<T: Real, const D: usize> RingVariation<T, D> {
-    /// The variation of a point that does not vary.
+    /// No variation.
     #[inline(always)]
     pub fn none() -> Self {
         let zero = zero_vector();
@@ -58,7 +57,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         }
     }
 
-    /// The variation with component `k` of the nodal unknown that has shape function `m`. `alpha` and `beta` are the
+    /// The variation with component `k` of the nodal unknown of shape function `m`. `alpha` and `beta` are the
     /// derivatives of its acceleration and its position with respect to its rate.
     #[inline(always)]
     pub fn of_node(
@@ -100,7 +99,7 @@ impl<T: Real, const D: usize> RingVariation<T, D> {
         v
     }
 
-    /// Sets the variation of the normals, from that of the tangent.
+    /// Sets the variation of the normals from that of the tangent.
     #[inline(always)]
     fn vary_normals(&mut self, point: &RingPoint<T, D>) {
         let turned = turn_right(in_plane(&self.t));

@@ -9,7 +9,7 @@ pub fn in_plane<T: Real, const D: usize>(v: &SVector<T, D>) -> Vector2<T> {
     Vector2::new(v[0], v[1])
 }
 
-/// A vector in the plane of the drive as one of D components.
+/// A vector in the plane of the drive, extended to D components.
 #[inline(always)]
 pub fn embed<T: Real, const D: usize>(v: Vector2<T>) -> SVector<T, D> {
     SVector::from_fn(|i, _| if i < 2 { v[i] } else { T::zero() })

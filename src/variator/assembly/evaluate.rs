@@ -1,4 +1,4 @@
-//! The balance of a pack of cells, with whatever scalar.
+//! The balance of a pack of cells, generic over the scalar.
 
 use crate::reference_curve::Jet;
 use crate::scalar::{Lanes, Real};
@@ -21,7 +21,7 @@ pub(crate) fn frame<C: MeshCurve>(belt: &Belt, view: View<'_>) -> C::Frame<Lanes
     C::mesh_frame(&C::shape(&belt.curve, &belt.path(view)), |_| Jet::constant(0.0))
 }
 
-/// The balance of a pack of cells while `record` gets the values at every station.
+/// The balance of a pack of cells; `record` is called with the values at every station.
 #[inline(never)]
 pub(crate) fn sampled_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
@@ -34,7 +34,8 @@ pub(crate) fn sampled_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     pack_balance::<_, _, K, D, C>(acting, of, frame, unknowns, [0.0; 2], seed, &mut Sampler(record));
 }
 
-/// The balance of a pack of cells with this kind of ring; `seed` makes a scalar of a value, its direction and its slope.
+/// The balance of a pack of cells with this kind of ring; `seed` makes a scalar from a value, its direction and its
+/// derivative.
 #[inline(always)]
 pub(crate) fn pack_balance<
     T: Real<Constant = Lanes>,

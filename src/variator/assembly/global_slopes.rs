@@ -1,5 +1,5 @@
-//! Derivatives of the rows that all cells share, and of the resultants of the contact forces, by the unknowns that all cells share: summed up in
-//! lanes before they go to the matrix.
+//! Derivatives of the global rows, and of the resultants of the contact forces, with respect to the global unknowns. They
+//! are summed in lanes before they are added to the matrix.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::scalar::Lanes;
@@ -11,14 +11,14 @@ use crate::variator::cell::directions::{Directions, MOST, RESULTANT};
 use crate::variator::mesh::belt_mesh::Group;
 use num_traits::Zero;
 
-/// Sums over the cells that can touch each pulley, row by row.
+/// Sums over the cells of each pulley, row by row.
 #[derive(Clone, Debug)]
 pub(crate) struct GlobalSlopes {
     sums: PerPulley<Vec<Lanes>>,
 }
 
 impl GlobalSlopes {
-    /// Memory for the directions from s on, and the resultants.
+    /// Memory for the directions from s on and the resultants.
     pub fn new<K: Directions>() -> Self {
         let globals = K::COUNT - K::DRIFT;
         Self {
@@ -34,7 +34,7 @@ impl GlobalSlopes {
             .for_each(|sums| sums.fill(Lanes::zero()));
     }
 
-    /// Adds those of a pack in row `k`.
+    /// Adds the derivatives of a pack in row `k`.
     #[inline(always)]
     pub fn add(&mut self, k: usize, slopes: &[Lanes], group: &Group) {
         let at = k * slopes.len()..(k + 1) * slopes.len();
@@ -49,7 +49,7 @@ impl GlobalSlopes {
         }
     }
 
-    /// Adds the sums to the matrix and to the slopes of the resultants.
+    /// Adds the sums to the matrix and to the derivatives of the resultants.
     pub fn spill<K: Directions>(&self, belt: &Belt, (out, resultants): (&mut Arrow, &mut ResultantSlopes)) {
         for pulley in Pulley::BOTH {
             let mut at = [0; MOST];

@@ -1,4 +1,4 @@
-//! Derivatives of a pack of cells: by hand where they are known, else by forward differentiation.
+//! Derivatives of a pack of cells: analytic where available, otherwise by forward differentiation.
 
 use crate::chain::Transport;
 use crate::reference_curve::{COORDINATES, DisplacedCurve, Jet, Path, TwoPulley};
@@ -6,16 +6,16 @@ use crate::ring::Ring;
 use crate::ring::kinematics::ReferenceMotion;
 use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::assembly::evaluate::pack_balance;
-use crate::variator::assembly::jacobian_cache::{JacobianCache, ReusePolicy, Update};
+use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache, ReusePolicy};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::{LawPart, in_block};
 use crate::variator::assembly::pack::Pack;
-use crate::variator::assembly::regime::{Regime, RegimeObserver, Units};
+use crate::variator::assembly::regime::{Regime, RegimeObserver, TangentScales};
 use crate::variator::assembly::unknowns::{ReadUnknowns, Unknowns, motion, rows};
 use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance_in;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS};
-use crate::variator::cell::laws::{ArgumentRecorder, Arguments};
+use crate::variator::cell::laws::{ArgumentRecorder, LawArguments};
 use crate::variator::cell::observer::{AtStation, NoObserver, Observer};
 use crate::variator::cell::state::{CellInput, Slots, StationForces};
 use crate::variator::cell::variation::{Evaluated, Linearised};
@@ -30,7 +30,7 @@ const PASS: usize = 2;
 
 /// A ring whose cells can be differentiated.
 pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
-    /// The curve at a place, without derivatives and with those that this ring needs.
+    /// Frames of the curve, without derivatives and with those in the coordinates of this ring.
     type Frames;
 
     /// Frames at one place of a path of the coordinates; `slopes` are the factors of acceleration and position.
@@ -39,13 +39,13 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
     /// Shape of the curve.
     fn shape(frames: &Self::Frames) -> &C::Shape;
 
-    /// The laws' part of derivatives by hand, of a pack with so many stations.
+    /// The laws' part of analytic derivatives, for a pack with this number of stations.
     fn law_part(stations: usize) -> Option<LawPart> {
         Some(LawPart::new::<Self, D>(stations))
     }
 
-    /// The balance of a pack at `unknowns`. Evaluates the derivatives that `policy` does not reuse from the `cache`, by hand
-    /// if the ring has such derivatives. Returns what was evaluated.
+    /// The balance of a pack at `unknowns`. Evaluates the derivatives that `policy` does not reuse from the `cache`,
+    /// analytically if the ring supports it. Returns the part that was evaluated.
     fn update(
         &self,
         acting: InForce<'_>,
@@ -54,10 +54,10 @@ pub(crate) trait Differentiate<const D: usize, C: MeshCurve>: RingKind<D, C> {
         at: (&Unknowns<Lanes>, [f64; 2]),
         policy: ReusePolicy,
         cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, Update);
+    ) -> (CellBalance<Lanes>, CacheUpdate);
 }
 
-/// How a ring makes its frames with derivatives in so many coordinates of the curve.
+/// Implements the frames of a ring with derivatives in this number of coordinates of the curve.
 macro_rules! frames_along {
     ($coordinates:expr) => {
         type Frames = Frames<C, { $coordinates }>;
@@ -83,7 +83,7 @@ impl<C: MeshCurve + DisplacedCurve> Differentiate<2, C> for GuidedRing {
         at: (&Unknowns<Lanes>, [f64; 2]),
         policy: ReusePolicy,
         cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, Update) {
+    ) -> (CellBalance<Lanes>, CacheUpdate) {
         by_hand::<Self, 2, C, COORDINATES>(acting, (self, pack), frames, at, policy, cache)
     }
 }
@@ -99,12 +99,12 @@ impl<const D: usize, C: MeshCurve> Differentiate<D, C> for DeflectingRing<D> {
         at: (&Unknowns<Lanes>, [f64; 2]),
         policy: ReusePolicy,
         cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, Update) {
+    ) -> (CellBalance<Lanes>, CacheUpdate) {
         by_hand::<Self, D, C, 1>(acting, (self, pack), frames, at, policy, cache)
     }
 }
 
-/// A ring of kind `K`, whose cells are differentiated by forward differentiation alone.
+/// A ring of kind `K` whose cells use forward differentiation alone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Forward<K>(pub K);
 
@@ -146,7 +146,7 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
         at: (&Unknowns<Lanes>, [f64; 2]),
         policy: ReusePolicy,
         cache: (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-    ) -> (CellBalance<Lanes>, Update) {
+    ) -> (CellBalance<Lanes>, CacheUpdate) {
         let (unknowns, slopes) = at;
         let mut regime = Regime::zero();
         let mut observer = RegimeObserver {
@@ -164,16 +164,16 @@ impl<const D: usize, C: MeshCurve, K: RingKind<D, C>> Differentiate<D, C> for Fo
             &mut observer,
         );
         let place = pack.place::<Lanes, C>(acting.law, &frames.plain);
-        let units = units(acting, &place, slopes[0]);
-        let update = cache.0.update::<Self>(policy, (&regime, &units), at, place.length.v);
-        if update == Update::All {
+        let scales = scales(acting, &place, slopes[0]);
+        let update = cache.0.update::<Self>(policy, (&regime, &scales), at, place.length.v);
+        if update == CacheUpdate::All {
             forward::<Self, D, C>(acting, (self, pack), &frames.shape, at, cache);
         }
         (b, update)
     }
 }
 
-/// [`Differentiate::update`] by hand, and along N coordinates of the curve by forward differentiation.
+/// [`Differentiate::update`] with analytic derivatives, and forward differentiation in N coordinates of the curve.
 #[inline(never)]
 fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     acting: InForce<'_>,
@@ -182,7 +182,7 @@ fn by_hand<K: RingKind<D, C>, const D: usize, C: MeshCurve, const N: usize>(
     at: (&Unknowns<Lanes>, [f64; 2]),
     policy: ReusePolicy,
     (cache, transports): (&mut JacobianCache, &mut [Transport<[f64; MOST]>]),
-) -> (CellBalance<Lanes>, Update)
+) -> (CellBalance<Lanes>, CacheUpdate)
 where
     for<'a> K::Ring<'a, Lanes>: VaryingRing<Lanes, D>,
 {
@@ -215,9 +215,9 @@ where
         forces: &mut forces,
     };
     let (b, cell) = balance_in(&given, &mut ring, reference, &mut slots, &mut observer);
-    let units = units(acting, &place, slopes[0]);
-    let update = cache.update::<K>(policy, (&regime, &units), at, place.length.v);
-    if update != Update::All {
+    let scales = scales(acting, &place, slopes[0]);
+    let update = cache.update::<K>(policy, (&regime, &scales), at, place.length.v);
+    if update != CacheUpdate::All {
         return (b, update);
     }
     let evaluated = Evaluated {
@@ -230,13 +230,13 @@ where
     let mut columns = Columns::of::<K>(pack, cache, transports);
     for k in 0..K::COUNT {
         if let Some(direction) = K::direction(k) {
-            let mut arguments = Arguments::zero();
+            let mut arguments = LawArguments::zero();
             let (b, ring) = linear.vary(direction, &mut arguments);
             columns.record::<K>(k, &rows::<_, K, D>(&b, &ring), &b.transport);
             columns.record_arguments::<K>(k, &arguments);
         }
     }
-    let mut arguments = Arguments::zero();
+    let mut arguments = LawArguments::zero();
     let recorder = &mut ArgumentRecorder(&mut arguments);
     let (rows, transport) = pack_pass::<N, K, D, C>(acting, (kind, pack), frames.moving(), at, K::THETA, recorder);
     for i in 0..N {
@@ -253,13 +253,13 @@ where
     (b, update)
 }
 
-/// What slopes of laws are compared with, in a step with this factor 1/(hγ), 1/s.
+/// Scales of the tangents of the laws, for a step with this factor 1/(hγ), 1/s.
 #[inline(always)]
-fn units(InForce { law, friction, .. }: InForce<'_>, place: &Place<'_, Lanes>, alpha: f64) -> Units {
-    Units::new(law, friction, alpha, place.length.v * place.stations[0].weight)
+fn scales(InForce { law, friction, .. }: InForce<'_>, place: &Place<'_, Lanes>, alpha: f64) -> TangentScales {
+    TangentScales::new(law, friction, alpha, place.length.v * place.stations[0].weight)
 }
 
-/// Keeps the forces at the stations, and records the regime.
+/// Records the forces at the stations and the regime.
 struct ForceRecorder<'a, const D: usize> {
     regime: RegimeObserver<'a>,
     forces: &'a mut [Option<StationForces<Lanes, D>>; STATIONS],
@@ -307,8 +307,8 @@ fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     (rows::<_, K, D>(&b, &ring), b.transport)
 }
 
-/// Largest difference between the derivatives of a pack by hand and by forward differentiation, as a share of the largest
-/// entry of its column, and of all figures of the transport (at least 1e-6: they are of the order of 1).
+/// Largest difference between analytic derivatives of a pack and forward differentiation, relative to the largest entry of
+/// its column, or of all derivatives of the transport quantities (at least 1e-6: they are of the order of 1).
 pub(crate) fn worst_of_pack<K: Differentiate<D, C>, const D: usize, C: MeshCurve>(
     acting: InForce<'_>,
     (kind, pack): (&K, &Pack),
@@ -383,7 +383,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Records the derivatives in a direction: rows of the balance, and figures of the transport.
+    /// Records the derivatives of balance and transport quantities in a direction.
     #[inline(always)]
     fn record<K: Directions>(&mut self, direction: usize, rows: &[Lanes; MOST_ROWS], transport: &Transport<Lanes>) {
         for (row, block) in in_block::<K>(rows).zip(self.block.chunks_exact_mut(self.count)) {
@@ -396,16 +396,16 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Records how the arguments of the laws vary in a direction.
+    /// Records the variation of the arguments of the laws in a direction.
     #[inline(always)]
-    fn record_arguments<K: Directions>(&mut self, direction: usize, by: &Arguments<Lanes>) {
+    fn record_arguments<K: Directions>(&mut self, direction: usize, by: &LawArguments<Lanes>) {
         if let Some(laws) = &mut self.laws {
             laws.record::<K>(direction, by);
         }
     }
 }
 
-/// The curve without derivatives, and with those along its first N coordinates once they are asked for.
+/// Frames of the curve without derivatives, and with those in its first N coordinates, computed at first use.
 pub(crate) struct Frames<C: MeshCurve, const N: usize> {
     shape: C::Shape,
     plain: C::Frame<Lanes>,
@@ -431,7 +431,7 @@ impl<C: MeshCurve, const N: usize> Frames<C, N> {
     }
 }
 
-/// Zero with the slopes of a coordinate of the curve and of its rates, where it is the direction `k` of a pass.
+/// Zero with the derivatives of a coordinate of the curve and of its rates, if it is direction `k` of a pass.
 fn moving<const N: usize>(k: usize, [alpha, beta]: [f64; 2]) -> Jet<Tangent<N>> {
     let seed = |slope| Tangent::seed(Lanes::zero(), k, slope);
     Jet {

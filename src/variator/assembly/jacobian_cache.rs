@@ -1,27 +1,27 @@
-//! Cache of the cells' derivatives, from which the next Jacobian reuses what is still valid.
+//! Cache of the cells' derivatives; the next Jacobian reuses those that are still valid.
 //!
 //! Where the belt slips or a gap closes, a Jacobian is needed in nearly every stage, but only few cells change their
-//! regime from one to the next: contact, friction, push, flow. The derivatives of the others are still good enough for a
-//! simplified Newton method. So each pack of cells stores the unknowns and the regime at which it was differentiated.
-//! Where the geometry still holds but a law has another tangent, only the constitutive tangents are updated.
+//! regime (contact, friction, push, flow) from one to the next. The derivatives of the others are still accurate enough for
+//! a simplified Newton method. Each pack of cells therefore stores the unknowns and the regime at which it was
+//! differentiated. Where the geometry is still valid but a law has another tangent, only constitutive tangents are updated.
 
 use crate::scalar::{LANES, Lanes};
 use crate::tape::Tape;
 use crate::variator::assembly::law_part::{LawPart, LawWork, height};
-use crate::variator::assembly::regime::{Regime, Units};
+use crate::variator::assembly::regime::{Regime, TangentScales};
 use crate::variator::assembly::unknowns::Unknowns;
 use crate::variator::cell::directions::Directions;
 
-/// Factor by which 1/(hγ) may be off.
+/// Factor by which 1/(hγ) may have changed.
 const RESCALED: f64 = 1.5;
-/// Angle per metre, and per radian of turn, that stands for the way of displaced centres.
+/// Equivalent angle of a displacement of the centres, rad/m, and of their turn, rad/rad.
 const CENTRE: f64 = 10.0;
-/// Angle by which the ring may have turned, rad.
+/// Angle by which the ring may have rotated, rad.
 const TURNED: f64 = 3.0e-3;
 
-/// What of a pack's derivatives was evaluated.
+/// Part of a pack's derivatives that was evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Update {
+pub(crate) enum CacheUpdate {
     /// None: the cached derivatives are reused.
     None,
     /// The constitutive tangents; the geometry is reused.
@@ -70,17 +70,17 @@ impl Origin {
     }
 }
 
-/// Derivatives of a pack of cells, and the unknowns and regime at which they were evaluated.
+/// Derivatives of a pack of cells, with the unknowns and the regime at which they were evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct JacobianCache {
     pub origin: Origin,
-    /// Where the slopes of the laws were evaluated, if that was later.
+    /// Where the tangents of the laws were evaluated, if later.
     pub laws_origin: Origin,
     pub regime: Regime,
-    /// The derivatives at the origin: rows of the balance, the amount's left out, then the resultant of the contact forces; each a
-    /// direction after the other.
+    /// The derivatives at the origin, direction by direction for each row: rows of the balance without that of the
+    /// amount, then the resultant of the contact forces.
     pub block: Vec<Lanes>,
-    /// The laws' part, of a ring that has derivatives by hand.
+    /// The laws' part, for a ring with analytic derivatives.
     pub laws: Option<LawPart>,
 }
 
@@ -102,7 +102,7 @@ impl JacobianCache {
         self.laws_origin.forget();
     }
 
-    /// The derivatives with the slopes of the laws that were evaluated last.
+    /// The derivatives with the last evaluated tangents of the laws.
     pub(crate) fn derivatives<'a, K: Directions>(&'a self, work: &'a mut LawWork) -> &'a [Lanes] {
         match &self.laws {
             Some(laws) if self.laws_origin.exists() => laws.with_tangents::<K>(&self.regime.laws, &self.block, work),
@@ -110,34 +110,34 @@ impl JacobianCache {
         }
     }
 
-    /// Determines what of the derivatives to evaluate where the pack is in this `regime`, and records unknowns and regime.
-    /// The element of the ring has this `length`.
+    /// Determines which derivatives to evaluate in this `regime` of the pack, and records unknowns and regime. `length` is
+    /// that of the ring element.
     #[inline(always)]
     pub(crate) fn update<K: Directions>(
         &mut self,
         policy: ReusePolicy,
-        (regime, units): (&Regime, &Units),
+        (regime, scales): (&Regime, &TangentScales),
         at: (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
-    ) -> Update {
+    ) -> CacheUpdate {
         let update = match policy {
-            ReusePolicy::WhereValid => self.needs::<K>((regime, units), at, length),
-            ReusePolicy::Geometry if self.has_similar_step(at.1) => Update::Tangents,
-            ReusePolicy::Geometry | ReusePolicy::None => Update::All,
+            ReusePolicy::WhereValid => self.needs::<K>((regime, scales), at, length),
+            ReusePolicy::Geometry if self.has_similar_step(at.1) => CacheUpdate::Tangents,
+            ReusePolicy::Geometry | ReusePolicy::None => CacheUpdate::All,
         };
-        // Without its laws' part a pack has all or nothing.
-        let update = if self.laws.is_none() && update == Update::Tangents {
-            Update::All
+        // Without a laws' part all derivatives are evaluated or none.
+        let update = if self.laws.is_none() && update == CacheUpdate::Tangents {
+            CacheUpdate::All
         } else {
             update
         };
         match update {
-            Update::None => {}
-            Update::Tangents => {
+            CacheUpdate::None => {}
+            CacheUpdate::Tangents => {
                 self.laws_origin.set(at);
                 self.regime.laws = regime.laws;
             }
-            Update::All => {
+            CacheUpdate::All => {
                 self.origin.set(at);
                 self.laws_origin.forget();
                 self.regime = *regime;
@@ -146,33 +146,33 @@ impl JacobianCache {
         update
     }
 
-    /// Whether there are derivatives, with nearly these factors.
+    /// Whether there are derivatives with nearly these factors.
     fn has_similar_step(&self, slopes: [f64; 2]) -> bool {
         (1.0 / RESCALED..RESCALED).contains(&(slopes[0] / self.origin.slopes[0]))
     }
 
-    /// What of the derivatives is no longer valid.
+    /// Part of the derivatives that is no longer valid.
     #[inline(always)]
     fn needs<K: Directions>(
         &self,
-        (regime, units): (&Regime, &Units),
+        (regime, scales): (&Regime, &TangentScales),
         (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
         length: Lanes,
-    ) -> Update {
+    ) -> CacheUpdate {
         let ratio = slopes[0] / self.origin.slopes[0];
         let holds = self.has_similar_step(slopes)
             && self.turned::<K>(unknowns, length) < TURNED
             && regime.flows_as(&self.regime, ratio);
         if !holds {
-            Update::All
-        } else if regime.has_laws_of(&self.regime, units) {
-            Update::None
+            CacheUpdate::All
+        } else if regime.has_laws_of(&self.regime, scales) {
+            CacheUpdate::None
         } else {
-            Update::Tangents
+            CacheUpdate::Tangents
         }
     }
 
-    /// Largest angle by which the ring has turned, or change of Θ or of the centres.
+    /// Largest rotation of the ring or change of Θ or of the centres, as an angle.
     #[inline(always)]
     fn turned<K: Directions>(&self, now: &Unknowns<Lanes>, length: Lanes) -> f64 {
         let components = K::NODES / 4;
@@ -192,7 +192,7 @@ impl JacobianCache {
         most
     }
 
-    /// Writes to a tape, or reads from it, where the derivatives were evaluated, in so many `directions`.
+    /// Writes the unknowns of the derivatives, in this number of `directions`, to a tape, or reads them from it.
     pub(crate) fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
         self.origin.serialize(tape, directions, used);
         if self.laws.is_some() {
@@ -202,9 +202,9 @@ impl JacobianCache {
 }
 
 impl Origin {
-    /// Writes to a tape, or reads from it, the unknowns, in so many `directions`: cell
-    /// by cell, for the first `used` lanes, so that another number of lanes reads them too. The derivatives can be evaluated
-    /// there again. Lanes beyond `used` repeat the last.
+    /// Writes the unknowns, in this number of `directions`, to a tape, or reads them from it: cell by cell for the first
+    /// `used` lanes, so that a build with another number of lanes can read them. Lanes beyond `used` repeat the last. The
+    /// derivatives are then evaluated again.
     fn serialize(&mut self, tape: &mut Tape<'_>, directions: usize, used: usize) {
         let mut slopes = [self.slopes; LANES];
         let Unknowns { position, value, rate } = &mut self.unknowns;
@@ -226,7 +226,8 @@ impl Origin {
                 *value = Lanes::new(std::array::from_fn(|lane| lanes[lane.min(used - 1)]));
             }
         }
-        // Cells of one pack share the factors. Those of two packs of another build may not: then there are no derivatives.
+        // Cells of one pack have the same factors. If they were in two packs of another build, the factors may differ;
+        // then there are no derivatives.
         let bits = |slopes: [f64; 2]| slopes.map(f64::to_bits);
         if slopes[..used].iter().all(|of| bits(*of) == bits(slopes[0])) {
             self.slopes = slopes[0];
@@ -240,7 +241,7 @@ impl Origin {
 mod tests {
     use super::*;
 
-    /// What packs of `widths` cells write for three directions, with numbers that identify the cells.
+    /// Bytes that packs of `widths` cells write for three directions, with numbers that identify the cells.
     fn written(widths: &[usize], slopes: impl Fn(usize) -> [f64; 2]) -> Vec<u8> {
         let mut tape = Tape::writer();
         let mut first = 0;

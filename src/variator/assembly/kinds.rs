@@ -1,4 +1,4 @@
-//! Kinds of ring and of mesh that the cells can have, as types: the choice is made once, at the start.
+//! Kinds of ring and of mesh as types, chosen once at the start.
 
 use crate::reference_curve::{
     Displaced, DisplacedCurve, DisplacedFrame, Jet, Path, ReferenceCurve, TwoPulley, TwoPulleyFrame, TwoPulleyShape,
@@ -13,16 +13,16 @@ use crate::variator::rings::deflecting::Deflecting;
 use crate::variator::rings::guided::Guided;
 use crate::variator::rings::ring::EulerianRing;
 
-/// The reference curve of a mesh that stands still or follows the arcs.
+/// The reference curve of a mesh, evenly spaced or following the arcs.
 pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// What it is at some coordinates, whatever the scalar.
+    /// The curve at given coordinates, independent of the scalar.
     type Shape;
 
     /// The shape at one place of a path of the coordinates.
     fn shape(curve: &TwoPulley, path: &Path<f64>) -> Self::Shape;
 
-    /// The frame of a shape. `by` gives zero, with the derivatives that a coordinate of the path and its own derivatives
-    /// along the path have.
+    /// The frame of a shape. `by` returns zero with the derivatives of a coordinate of the path and of its derivatives
+    /// along the path.
     fn mesh_frame<T: Real>(shape: &Self::Shape, by: impl Fn(usize) -> Jet<T>) -> Self::Frame<T>;
 
     /// Radii of the secondary and of the primary arc, m.
@@ -75,14 +75,14 @@ impl MeshCurve for Displaced {
     }
 }
 
-/// A ring whose mesh stands still, in D components, on the curve `C`. A value of it holds what the ring has beside the
-/// parameters of the beam.
+/// A ring on an Eulerian mesh in D components, on the curve `C`. A value of it holds parameters of the ring beyond those of
+/// the beam.
 pub trait RingKind<const D: usize, C: MeshCurve>: Directions {
     /// The ring inside a cell.
     type Ring<'a, T: Real>: EulerianRing<T, D>;
 
-    /// The ring between two nodes of a cell `at` a place under a reference motion, from the cell's `unknowns`; `seed` makes
-    /// a scalar of a value, its direction and its slope. `curve` gives frame and segment of the reference curve there.
+    /// The ring between two nodes of a cell `at` a place and a reference motion, from the cell's `unknowns`. `seed` makes a
+    /// scalar from a value, its direction and its derivative. `curve` is frame and segment of the reference curve.
     fn ring<'a, T: Real>(
         &self,
         ring: &'a Ring,

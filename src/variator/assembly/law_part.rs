@@ -1,48 +1,48 @@
-//! The laws' part of the derivatives of a pack of cells, stored as L, S, R ([`laws`](crate::variator::cell::laws)): with
-//! updated tangents S the stored derivatives become those of the present state.
+//! The laws' part of the derivatives of a pack of cells, stored as L, S, R ([`laws`](crate::variator::cell::laws)). An
+//! update of the tangents S yields the derivatives at the current state.
 
 use crate::scalar::{Lanes, along};
 use crate::variator::assembly::unknowns::rows;
 use crate::variator::cell::directions::{Directions, MOST, MOST_ROWS, RESULTANT};
 use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES};
 use crate::variator::cell::laws::{
-    Arguments, Extent, LawForce, LawSlopes, RING_ARGUMENTS, STACK_ARGUMENTS, STACK_FORCES,
+    Extent, LawArguments, LawForce, LawTangents, RING_ARGUMENTS, STACK_ARGUMENTS, STACK_FORCES,
 };
 use crate::variator::cell::variation::Linearised;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::VaryingRing;
 use num_traits::Zero;
 
-/// Most forces of a cell's laws: in space, with both flanks at each station.
+/// Largest number of forces of a cell's laws: in space, with both flanks at each station.
 const MOST_FORCES: usize = STATIONS * (2 * FLANK_FORCES + 1) + STACK_FORCES;
 
-/// L and R of a pack of cells, and the slopes S that its derivatives have.
+/// L and R of a pack of cells, and the tangents S of its cached derivatives.
 #[derive(Clone, Debug)]
 pub(crate) struct LawPart {
     extent: Extent,
-    /// L: for each force, its rows as in the block of derivatives.
+    /// L: for each force, the rows of the block of derivatives.
     left: Vec<Lanes>,
     /// R: for each argument, the directions.
     right: Vec<Lanes>,
-    slopes: LawSlopes,
+    slopes: LawTangents,
 }
 
 impl LawPart {
-    /// Memory for the laws of a pack with so many stations in D components.
+    /// Memory for the laws of a pack with this number of stations in D components.
     pub fn new<K: Directions, const D: usize>(stations: usize) -> Self {
         let extent = Extent::new(stations, D);
         let zeros = |len| vec![Lanes::zero(); len];
         Self {
             left: zeros(extent.forces() * height::<K>()),
             right: zeros(extent.arguments() * K::COUNT),
-            slopes: LawSlopes::zero(),
+            slopes: LawTangents::zero(),
             extent,
         }
     }
 
-    /// Records how the arguments of the laws vary in direction `k`.
+    /// Records the variation of the arguments of the laws in direction `k`.
     #[inline(always)]
-    pub fn record<K: Directions>(&mut self, k: usize, by: &Arguments<Lanes>) {
+    pub fn record<K: Directions>(&mut self, k: usize, by: &LawArguments<Lanes>) {
         let Extent { stations, flanks } = self.extent;
         let mut to = self.right.iter_mut().skip(k).step_by(K::COUNT);
         let mut put = |value: Lanes| {
@@ -57,12 +57,12 @@ impl LawPart {
         by.stack.iter().for_each(|value| put(*value));
     }
 
-    /// Records how the forces of the laws act, and their slopes.
+    /// Records L and the tangents of the laws.
     #[inline(always)]
     pub fn keep<K: Directions, R: VaryingRing<Lanes, D>, const D: usize>(
         &mut self,
         linear: &Linearised<'_, R, D>,
-        slopes: &LawSlopes,
+        slopes: &LawTangents,
     ) {
         self.slopes = *slopes;
         let Extent { stations, flanks } = self.extent;
@@ -90,7 +90,7 @@ impl LawPart {
     #[inline(never)]
     pub fn with_tangents<'a, K: Directions>(
         &self,
-        slopes: &LawSlopes,
+        slopes: &LawTangents,
         block: &[Lanes],
         work: &'a mut LawWork,
     ) -> &'a [Lanes] {
@@ -112,7 +112,7 @@ impl LawPart {
         changes.add::<K, STACK_ARGUMENTS>(&slopes.stack, &self.slopes.stack);
         let Changes { forces, count, .. } = changes;
         let left = |force: usize, row: usize| self.left[force * height::<K>() + row];
-        // Four at a time, so that an entry is read and written once for all of them.
+        // Four forces at a time, so that an entry is read and written once for all of them.
         let fours = through[..count].chunks_exact(4).zip(forces.chunks_exact(4));
         let rest = count - count % 4;
         let rows = out.chunks_exact_mut(K::COUNT).zip(block.chunks_exact(K::COUNT));
@@ -155,10 +155,10 @@ impl LawWork {
     }
 }
 
-/// (S_new − S) R of forces whose slopes have changed.
+/// (S_new − S) R of forces with changed tangents.
 type Through = [[Lanes; MOST]; MOST_FORCES];
 
-/// Forces whose slopes have changed, as they are found.
+/// Collects the forces with changed tangents.
 struct Changes<'a, R> {
     right: R,
     through: &'a mut Through,
@@ -192,7 +192,7 @@ pub(crate) const fn height<K: Directions>() -> usize {
     K::COUNT - 1 + RESULTANT
 }
 
-/// Those rows of a balance: the amount's is left out.
+/// The rows of a balance without that of the amount.
 #[inline(always)]
 pub(crate) fn in_block<K: Directions>(rows: &[Lanes; MOST_ROWS]) -> impl Iterator<Item = &Lanes> {
     let (before, after) = rows[..K::COUNT + RESULTANT].split_at(K::AMOUNT);

@@ -1,4 +1,4 @@
-//! From unknowns to equations: cells in packs, their balance and its derivatives added up.
+//! The equations of a belt: balance and derivatives of packs of cells, and their sums.
 
 mod evaluate;
 mod global_slopes;

@@ -1,4 +1,4 @@
-//! Cells in packs, one in each lane of a register: their places on the belt, and the places of their unknowns.
+//! Packs of cells, one in each lane of a register: their places on the belt and the indices of their unknowns.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::Jet;
@@ -18,43 +18,43 @@ use crate::variator::mesh::layout::Layout;
 use num_traits::Zero;
 use std::sync::Arc;
 
-/// Face and stations in elements of which each is divided alike: most packs share them, so they stay in the fastest
-/// cache.
+/// Face and stations of the cells of a pack. Elements are divided alike, so most packs share these and they stay in the
+/// fastest cache.
 #[derive(Debug)]
-pub(crate) struct Slots {
+pub(crate) struct PackStations {
     /// Number of each cell in its element.
     parts: [usize; LANES],
     face: Station<Lanes>,
     stations: Vec<Station<Lanes>>,
 }
 
-/// Rows of a pack's derivatives that stand one after the other in the matrix: as many as lanes, or one.
+/// Consecutive rows of a pack's derivatives in the matrix: as many as lanes, or one.
 #[derive(Clone, Debug)]
 struct Strip {
     /// The first row.
     row: usize,
     /// Whether there are as many rows as lanes.
     is_wide: bool,
-    /// Places of its entries, a direction after the other.
+    /// Indices of its entries, direction by direction.
     at: Vec<[usize; LANES]>,
 }
 
-/// Most unknowns of a node: place and slope, in space.
+/// Largest number of unknowns of a node: place and slope in space.
 const MOST_OF_NODE: usize = 6;
 
-/// A group of cells, with what their evaluation needs.
+/// A group of cells with the constants of their evaluation.
 #[derive(Clone, Debug)]
 pub(crate) struct Pack {
     pub group: Group,
     pub segment: usize,
     /// Start and length of the elements as fractions of the segment.
     pub of_segment: [Lanes; 2],
-    slots: Arc<Slots>,
+    slots: Arc<PackStations>,
     axis: Lanes,
     plane: [Lanes; 2],
     /// Unknowns of the directions.
     pub at: [[usize; LANES]; MOST],
-    /// Places of the derivatives in the matrix: the amount's row is left out.
+    /// Places of the derivatives in the matrix, without the row of the amount.
     strips: Vec<Strip>,
 }
 
@@ -75,7 +75,7 @@ impl Pack {
         }
     }
 
-    /// Adds `rows` of the balance of each cell, its own directions', to `out`; the amount has its own balance.
+    /// Adds `rows` of the balance in the own directions of each cell to `out`, without the amount.
     #[inline(always)]
     pub fn scatter<K: Directions, const D: usize>(&self, rows: &[Lanes; MOST_ROWS], out: &mut [f64]) {
         let whole = 2 * D - 2 * D % LANES;
@@ -96,7 +96,7 @@ impl Pack {
         }
     }
 
-    /// Adds derivatives to the matrix: rows of `width` directions each, of which those of a row's strip are taken.
+    /// Adds derivatives to the matrix from rows of `width` directions each, as far as a row has a strip.
     #[inline(always)]
     pub fn add_derivatives(&self, block: &[Lanes], width: usize, out: &mut Arrow) {
         // The number of lanes is known to the compiler where all are in use.
@@ -129,7 +129,7 @@ impl Pack {
         }
     }
 
-    /// Adds derivatives in its first directions to those of a component of the resultants.
+    /// Adds derivatives in the first directions to those of a component of the resultants.
     #[inline(always)]
     pub fn add_resultant(&self, values: &[Lanes], axis: usize, belt: &Belt, out: &mut ResultantSlopes) {
         for (lane, &cell) in self.cells().iter().enumerate() {
@@ -140,7 +140,7 @@ impl Pack {
         }
     }
 
-    /// Cells of its lanes in use.
+    /// Cells of the lanes in use.
     pub fn cells(&self) -> &[usize] {
         &self.group.cells[..self.group.used]
     }
@@ -162,7 +162,7 @@ impl InPlace<'_> {
         }
     }
 
-    /// Copies them all.
+    /// Copies all unknowns.
     #[inline(always)]
     pub fn gather<K: Directions>(&self, to: &mut Unknowns<Lanes>) {
         let Unknowns { position, value, rate } = to;
@@ -227,8 +227,8 @@ impl Station<Lanes> {
 /// Index of a place outside the matrix.
 pub(crate) const NOWHERE: usize = usize::MAX;
 
-/// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts before and in the cell; then the same for the
-/// directions of the cell before.
+/// Places of ∂(flux)/∂(directions of a cell) in the rows of the amounts of the previous cell and of the cell, then the same
+/// for the directions of the previous cell.
 pub(crate) type FluxEntries = [[[usize; 2]; MOST]; 2];
 
 /// The packs of a belt, around the loop.
@@ -241,14 +241,14 @@ pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
         share: 1.0,
     };
     let element = parts(&whole, mesh.cells_per_element, mesh.points);
-    let mut known: Vec<Arc<Slots>> = Vec::new();
+    let mut known: Vec<Arc<PackStations>> = Vec::new();
     let mut slots_of = |cells: [usize; LANES]| {
         let parts = cells.map(|c| c % mesh.cells_per_element);
         if let Some(slots) = known.iter().find(|slots| slots.parts == parts) {
             return slots.clone();
         }
         let of_parts = parts.map(|part| &element[part]);
-        let slots = Arc::new(Slots {
+        let slots = Arc::new(PackStations {
             parts,
             face: Station::pack(of_parts.map(|(face, _)| face)),
             stations: (0..mesh.points)
@@ -283,8 +283,8 @@ pub(crate) fn packs<K: Directions>(belt: &Belt) -> Vec<Pack> {
     mesh.groups.iter().map(pack).collect()
 }
 
-/// Places of the derivatives of a pack in the matrix. What rows and directions of the globals share is left out: it is summed up
-/// before it goes there.
+/// Places of the derivatives of a pack in the matrix, without derivatives of global rows with respect to global directions:
+/// those are first summed over the packs.
 fn strips<K: Directions>(shape: &Shape, at: &[[usize; MOST]; LANES]) -> Vec<Strip> {
     let places = |row: usize| -> Vec<[usize; LANES]> {
         // The block has no row of the amount.
@@ -324,8 +324,8 @@ pub(crate) fn flux_entries<K: Directions>(belt: &Belt) -> Vec<FluxEntries> {
             [cell, before].map(|of| {
                 let at = unknowns_of::<K>(belt, of);
                 std::array::from_fn(|k| {
-                    // With one cell in an element, its density's dependence on the far node (ring stretch, reverse
-                    // flow only) would leave the band.
+                    // With one cell per element, the derivative of its density with respect to the far node (ring
+                    // stretch, reverse flow only) would be outside the band.
                     rows.map(|row| {
                         if k < K::COUNT {
                             shape.index(row, at[k]).unwrap_or(NOWHERE)
@@ -359,7 +359,7 @@ fn unknowns_of<K: Directions>(belt: &Belt, cell: usize) -> [usize; MOST] {
     at
 }
 
-/// Unknowns of the directions from s on, of a cell on that pulley.
+/// Unknowns of the directions from s on, for a cell on this pulley.
 pub(crate) fn global_unknowns<K: Directions>(layout: &Layout, pulley: Pulley, at: &mut [usize; MOST]) {
     at[K::DRIFT] = layout.drift();
     at[K::THETA] = layout.theta();

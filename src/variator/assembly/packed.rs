@@ -1,4 +1,4 @@
-//! Cells on a mesh that stands still: residual, Jacobian and samples, a pack of cells at a time.
+//! Cells on an Eulerian mesh: residual, Jacobian and samples, pack by pack.
 
 use crate::chain::Transport;
 use crate::pulley::PerPulley;
@@ -12,7 +12,7 @@ use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
 use crate::variator::assembly::jacobian::worst_of_pack;
 use crate::variator::assembly::jacobian::{Differentiate, Forward};
-use crate::variator::assembly::jacobian_cache::{JacobianCache, ReusePolicy, Update};
+use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache, ReusePolicy};
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
@@ -28,16 +28,16 @@ use crate::variator::law::place::CellBalance;
 use num_traits::Zero;
 use std::marker::PhantomData;
 
-/// Cells with a ring of kind `K` in D components, whose mesh lies on the curve `C`.
+/// Cells with a ring of kind `K` in D components, on a mesh of the curve `C`.
 #[derive(Clone, Debug)]
 pub(crate) struct PackedCells<K, const D: usize, C> {
     pub(crate) packs: Vec<Pack>,
-    /// JacobianCache derivatives of each pack.
+    /// Cached derivatives of each pack.
     pub(crate) caches: Vec<JacobianCache>,
-    /// Number of packs that were differentiated, and whose constitutive tangents alone were updated.
+    /// Numbers of packs that were differentiated, and of packs whose constitutive tangents alone were updated.
     pub(crate) differentiations: [u64; 2],
     pub(crate) transports: Transports,
-    /// Slopes of `transports` in the cell's directions, cached as those of the packs are.
+    /// Derivatives of `transports` in the directions of the cells, cached with those of the packs.
     pub(crate) transport_slopes: Vec<Transport<[f64; MOST]>>,
     pub(crate) flux_entries: Vec<FluxEntries>,
     /// Working memory.
@@ -79,7 +79,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
         self.packs.iter().zip(&self.caches).map(of_pack).fold(0.0, f64::max)
     }
 
-    /// Adds the derivatives of the balance of the amounts: fluxes through the left faces, which no pulley moves.
+    /// Adds the derivatives of the balance of the amounts. The fluxes do not depend on the pulleys.
     fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
         for face in self.transports.faces(belt) {
             let [before, cell] = face.cells;
@@ -165,7 +165,11 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
             let of_pack = (&mut *cache, &mut *self.transport_slopes);
             let at = (&*self.unknowns, slopes);
             let (b, update) = self.kind.update(acting, pack, &frames, at, policy(number), of_pack);
-            for (count, of) in self.differentiations.iter_mut().zip([Update::All, Update::Tangents]) {
+            for (count, of) in self
+                .differentiations
+                .iter_mut()
+                .zip([CacheUpdate::All, CacheUpdate::Tangents])
+            {
                 *count += u64::from(update == of);
             }
             let block = cache.derivatives::<K>(&mut self.work);
@@ -232,7 +236,7 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
     }
 }
 
-/// Equations of a belt whose ring keeps to the curve `C` (`ALE0`).
+/// Equations of a belt whose ring follows the curve `C` (`ALE0`).
 #[must_use]
 pub fn guided_equations<C: MeshCurve + DisplacedCurve>(belt: &Belt) -> Box<dyn Assembly> {
     Box::new(PackedCells::<GuidedRing, 2, C>::new(GuidedRing, belt))
@@ -244,22 +248,22 @@ pub fn deflecting_equations<const D: usize, C: MeshCurve>(belt: &Belt) -> Box<dy
     Box::new(PackedCells::<DeflectingRing<D>, D, C>::new(DeflectingRing, belt))
 }
 
-/// Equations of a belt with a ring of this kind in D components, whose mesh lies on the curve `C`. Their derivatives come
-/// from forward differentiation of the ring's functions.
+/// Equations of a belt with a ring of this kind in D components, on a mesh of the curve `C`. Derivatives are computed by
+/// forward differentiation of the ring's functions.
 #[must_use]
 pub fn eulerian_equations<K: RingKind<D, C>, const D: usize, C: MeshCurve>(kind: K, belt: &Belt) -> Box<dyn Assembly> {
     Box::new(PackedCells::<Forward<K>, D, C>::new(Forward(kind), belt))
 }
 
-/// Largest difference, in a state, between the derivatives of [`guided_equations`] by hand and by forward differentiation, as
-/// a share of the largest entry of its column.
+/// Largest difference in a state between the analytic derivatives of [`guided_equations`] and forward differentiation,
+/// relative to the largest entry of its column.
 #[doc(hidden)]
 #[must_use]
 pub fn guided_derivative_error<C: MeshCurve + DisplacedCurve>(acting: InForce<'_>, view: View<'_>, alpha: f64) -> f64 {
     PackedCells::<_, 2, C>::new(GuidedRing, acting.belt).derivative_error(acting, view, alpha)
 }
 
-/// The same of [`deflecting_equations`].
+/// The same for [`deflecting_equations`].
 #[doc(hidden)]
 #[must_use]
 pub fn deflecting_derivative_error<const D: usize, C: MeshCurve>(

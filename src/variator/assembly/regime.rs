@@ -1,53 +1,53 @@
-//! The regime of a pack of cells: the slopes of its laws, how it flows, and how it bends.
+//! The regime of a pack of cells: the tangents of its laws, its flow and its curvature.
 
 use crate::contact::Friction;
 use crate::scalar::{Lanes, Real};
-use crate::variator::cell::flank_variation::FlankSlopes;
-use crate::variator::cell::laws::{LawSlopes, STACK_ARGUMENTS, STACK_FORCES, TangentRecorder};
+use crate::variator::cell::flank_variation::FlankTangents;
+use crate::variator::cell::laws::{LawTangents, STACK_ARGUMENTS, STACK_FORCES, TangentRecorder};
 use crate::variator::cell::observer::{AtStation, Observer};
 use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
 use num_traits::Zero;
 
-/// Change of a figure at which derivatives are no longer good, relative to its size and to one.
+/// Change of a value, relative to its size and to one, at which derivatives are no longer valid.
 const CHANGED: f64 = 0.03;
-/// Least coefficient of friction that slopes of friction are compared with.
+/// Lower bound of the friction coefficient in the scale of friction tangents.
 const LEAST_FRICTION: f64 = 0.01;
 
-/// How elements flow through a station, and how the belt bends there.
+/// Flow of the elements at a station, and curvature of the belt there.
 #[derive(Clone, Copy, Debug)]
 struct Flow {
-    /// Cell lengths that pass in the time of the step.
+    /// Number of cell lengths that pass during the step.
     convection: Lanes,
-    /// Reference curvature, 1/m: where arcs move through the mesh it jumps.
+    /// Reference curvature, 1/m. It jumps where arcs move through the mesh.
     curvature: Lanes,
 }
 
 /// Regime of a pack of cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Regime {
-    pub laws: LawSlopes,
+    pub laws: LawTangents,
     flows: [Flow; STATIONS],
 }
 
-/// What slopes of the laws are compared with.
+/// Scales of the tangents of the laws.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Units {
-    /// One by the stiffness of a flank, m²/N; the same by its coefficient of friction.
+pub(crate) struct TangentScales {
+    /// Reciprocal of the stiffness of a flank, m²/N, and the same divided by its friction coefficient.
     flank: f64,
     friction: f64,
-    /// One by the stiffness of the stack, 1/N.
+    /// Reciprocal of the stiffness of the stack, 1/N.
     stack: f64,
-    /// One by the inertia of the elements per belt length that resists in the step, m²/(N·s).
+    /// Reciprocal of the inertia of the elements per belt length in the step, m²/(N·s).
     inertia: f64,
-    /// The same for those of a station, m/(N·s), and one by its length, 1/m.
+    /// The same for the elements of a station, m/(N·s), and the reciprocal of its length, 1/m.
     station: Lanes,
     per_length: Lanes,
 }
 
-impl Units {
-    /// In a step with this factor 1/(hγ), 1/s, for stations of this length, m.
+impl TangentScales {
+    /// For a step with this factor 1/(hγ), 1/s, and stations of this length, m.
     #[inline(always)]
     pub fn new(law: &CellLaw, friction: &Friction, alpha: f64, length: Lanes) -> Self {
         let flank = 1.0 / (law.contact.stiffness * law.wedge[1]);
@@ -63,9 +63,9 @@ impl Units {
         }
     }
 
-    /// Slopes of a flank's forces by penetration, and of its friction by sliding.
+    /// Tangents of a flank's forces with respect to penetration, and of its friction with respect to sliding.
     #[inline(always)]
-    fn flank(&self, [normal, around, across]: &FlankSlopes) -> [Lanes; 6] {
+    fn flank(&self, [normal, around, across]: &FlankTangents) -> [Lanes; 6] {
         let inertia = 2.0 * self.inertia;
         [
             normal[0] * self.flank,
@@ -77,7 +77,8 @@ impl Units {
         ]
     }
 
-    /// Slopes of the push force by density and by its rate, and of the collision force by the difference of V.
+    /// Tangents of the push force with respect to density and its rate, and of the collision force with respect to the
+    /// difference of V.
     #[inline(always)]
     fn stack(&self, [push, collision]: &[[Lanes; STACK_ARGUMENTS]; STACK_FORCES]) -> [Lanes; 3] {
         [
@@ -88,24 +89,24 @@ impl Units {
     }
 }
 
-/// Whether each of these figures has hardly changed, in every lane.
+/// Whether all of these values have hardly changed, in every lane.
 #[inline(always)]
 fn alike<const N: usize>(now: [Lanes; N], then: [Lanes; N]) -> bool {
     now.iter().zip(&then).all(|(&now, &then)| {
         let off = now - then;
         let allowed = then * then + 1.0;
-        // |off| < CHANGED·√(1 + then²), in every lane; not so for NaN.
+        // |off| < CHANGED·√(1 + then²) in every lane; false for NaN.
         let (off, allowed) = ((off * off).to_array(), (allowed * (CHANGED * CHANGED)).to_array());
         off.iter().zip(&allowed).all(|(off, allowed)| off < allowed)
     })
 }
 
 impl Regime {
-    /// No slopes and no flow.
+    /// All zero.
     pub fn zero() -> Self {
         let zero = Lanes::zero();
         Self {
-            laws: LawSlopes::zero(),
+            laws: LawTangents::zero(),
             flows: [Flow {
                 convection: zero,
                 curvature: zero,
@@ -113,20 +114,20 @@ impl Regime {
         }
     }
 
-    /// Whether the slopes of the laws in the regime `earlier` are good in this one.
+    /// Whether the tangents of the laws in the regime `earlier` are valid in this one.
     #[inline(always)]
-    pub fn has_laws_of(&self, earlier: &Self, units: &Units) -> bool {
+    pub fn has_laws_of(&self, earlier: &Self, scales: &TangentScales) -> bool {
         let (now, then) = (&self.laws, &earlier.laws);
         let mut stations = now.stations.iter().zip(&then.stations);
-        alike(units.stack(&now.stack), units.stack(&then.stack))
+        alike(scales.stack(&now.stack), scales.stack(&then.stack))
             && stations.all(|(now, then)| {
                 let mut flanks = now.flanks.iter().zip(&then.flanks);
-                flanks.all(|(now, then)| alike(units.flank(now), units.flank(then)))
-                    && alike([now.ring[1] * units.inertia], [then.ring[1] * units.inertia])
+                flanks.all(|(now, then)| alike(scales.flank(now), scales.flank(then)))
+                    && alike([now.ring[1] * scales.inertia], [then.ring[1] * scales.inertia])
             })
     }
 
-    /// Whether the belt flows and bends as in the regime `earlier`, when 1/(hγ) was a `ratio` smaller.
+    /// Whether flow and curvature are those of the regime `earlier`, in which 1/(hγ) was smaller by the factor `ratio`.
     #[inline(always)]
     pub fn flows_as(&self, earlier: &Self, ratio: f64) -> bool {
         self.flows.iter().zip(&earlier.flows).all(|(now, then)| {

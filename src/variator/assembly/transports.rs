@@ -1,4 +1,4 @@
-//! The balance of the amounts: flow, density and lag of every cell, and the fluxes through the left faces.
+//! The balance of the amounts: transport quantities of every cell, and the fluxes through the left faces.
 
 use crate::chain::{self, Transport};
 use crate::scalar::{LANES, Lanes};
@@ -7,52 +7,52 @@ use crate::variator::belt::Belt;
 
 /// Flow, density and lag of every cell.
 ///
-/// Each figure is a list. It begins with the last cell, which stands before the first. All cells follow in their order,
-/// then room for a pack that ends beyond them.
+/// Each quantity is a list that begins with the last cell, as the predecessor of the first. All cells follow in their
+/// order, then padding for a pack that ends beyond them.
 #[derive(Clone, Debug)]
 pub struct Transports {
-    figures: Transport<Vec<f64>>,
+    quantities: Transport<Vec<f64>>,
     cells: usize,
 }
 
 impl Transports {
-    /// Room for so many cells.
+    /// Memory for this number of cells.
     pub fn new(cells: usize) -> Self {
         Self {
-            figures: Transport::default().map(|()| vec![0.0; 1 + cells + LANES]),
+            quantities: Transport::default().map(|()| vec![0.0; 1 + cells + LANES]),
             cells,
         }
     }
 
-    /// Records the figures of a cell.
+    /// Records the quantities of a cell.
     pub fn set(&mut self, cell: usize, transport: &Transport<f64>) {
-        for (to, value) in self.figures.each_mut().into_iter().zip(transport.each()) {
+        for (to, value) in self.quantities.each_mut().into_iter().zip(transport.each()) {
             to[1 + cell] = *value;
         }
     }
 
-    /// Records the figures of a pack that starts with cell `first`. Lanes that it doesn't use are overwritten by the next
-    /// pack, so packs come in their order.
+    /// Records the quantities of a pack that starts with cell `first`. The next pack overwrites unused lanes, so packs
+    /// must be recorded in their order.
     #[inline(always)]
     pub fn set_pack(&mut self, first: usize, transport: &Transport<Lanes>) {
-        for (to, value) in self.figures.each_mut().into_iter().zip(transport.each()) {
+        for (to, value) in self.quantities.each_mut().into_iter().zip(transport.each()) {
             value.write(&mut to[1 + first..]);
         }
     }
 
-    /// Copies the last cell to the place before the first.
+    /// Copies the last cell to the entry before the first.
     fn close(&mut self) {
         let last = self.cells;
-        for figure in self.figures.each_mut() {
-            figure[0] = figure[last];
+        for quantity in self.quantities.each_mut() {
+            quantity[0] = quantity[last];
         }
     }
 
-    /// The figures on both sides of the left faces of the cells from `first` on, once the loop is closed.
+    /// The quantities on both sides of the left faces of the cells from `first` on; requires [`Self::close`].
     #[inline(always)]
     fn beside(&self, first: usize) -> [Transport<Lanes>; 2] {
         [first, first + 1].map(|start| {
-            let [flow, density, lag] = self.figures.each().map(|of| Lanes::read(&of[start..]));
+            let [flow, density, lag] = self.quantities.each().map(|of| Lanes::read(&of[start..]));
             Transport { flow, density, lag }
         })
     }
@@ -91,18 +91,18 @@ impl Transports {
     }
 }
 
-/// The left face of a cell, with the cell before it (0) and the cell itself (1).
+/// The left face of a cell, between the cell before (0) and the cell itself (1).
 pub struct Face {
     /// The two cells.
     pub cells: [usize; 2],
     /// Their amounts: unknowns, and rows of the balance.
     pub amounts: [usize; 2],
-    /// Derivatives of the flux by their figures.
+    /// Derivatives of the flux with respect to the quantities of both cells.
     by: [Transport<f64>; 2],
 }
 
 impl Face {
-    /// Derivatives of the flux in the directions of the cell on that side; `slopes` are those of its figures.
+    /// Derivatives of the flux in the directions of the cell on a side; `slopes` are those of its quantities.
     #[inline(always)]
     pub fn slopes<const N: usize>(&self, side: usize, slopes: &Transport<[f64; N]>) -> [f64; N] {
         self.by[side].along(slopes)

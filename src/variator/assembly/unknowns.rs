@@ -1,4 +1,4 @@
-//! The unknowns of a cell by their directions, the motion that they are, and the rows of its balance.
+//! The unknowns of a cell by their directions, its motion, and the rows of its balance.
 
 use crate::reference_curve::{COORDINATES, Jet, Path};
 use crate::ring::kinematics::{Motion, Node};
@@ -29,7 +29,7 @@ impl<L: Zero + Copy> Unknowns<L> {
     }
 }
 
-/// An unknown itself, its position or its rate.
+/// Position, value or rate of an unknown.
 #[derive(Clone, Copy, Debug)]
 pub enum Part {
     /// The position q.
@@ -45,7 +45,7 @@ pub trait ReadUnknowns<L> {
     /// The unknown of direction `k`.
     fn read(&self, part: Part, k: usize) -> L;
 
-    /// Those of a node in D components, whose first direction is `first`.
+    /// The unknowns of a node in D components whose first direction is `first`.
     #[inline(always)]
     fn read_node<const D: usize>(&self, part: Part, first: usize) -> impl Fn(usize) -> L {
         move |k| self.read(part, first + k)
@@ -129,7 +129,7 @@ pub(crate) fn path<K: Directions>(unknowns: &Unknowns<Lanes>) -> Path<f64> {
     path
 }
 
-/// Motion of a cell; `seed` makes a scalar of a value, its direction and its slope.
+/// Motion of a cell; `seed` makes a scalar from a value, its direction and its derivative.
 #[inline(always)]
 pub(crate) fn motion<T: Real, K: Directions>(
     unknowns: &impl ReadUnknowns<T::Constant>,
@@ -141,14 +141,14 @@ pub(crate) fn motion<T: Real, K: Directions>(
     let position = |k: usize| seed(unknowns.read(Part::Position, k), k, beta);
     let mut motion = CellMotion::of_directions([K::NODES, K::DRIFT, K::SHEAVE], position, value, rate);
     if K::COORDINATES > 1 {
-        // The curve holds derivatives along the motion: time stands for Θ.
+        // The curve holds derivatives along the motion, so time replaces Θ.
         (motion.reference.theta.rate, motion.reference.theta.acceleration) = (T::one(), T::zero());
     }
     motion
 }
 
-/// Rows of the balance in the order of the directions, then the resultant of the contact forces; the amount has its own
-/// balance, the flux.
+/// Rows of the balance in the order of the directions, then the resultant of the contact forces. The row of the amount is
+/// zero; its balance is that of the fluxes.
 #[inline(always)]
 pub(crate) fn rows<T: Real, K: Directions, const D: usize>(
     b: &CellBalance<T>,

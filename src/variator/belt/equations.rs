@@ -1,5 +1,5 @@
 //! The equations of ring, elements and contact.
-//! [`PackedCells`](crate::variator::assembly::packed::PackedCells) implements them for rings whose mesh stands still.
+//! [`PackedCells`](crate::variator::assembly::packed::PackedCells) implements them for rings on an Eulerian mesh.
 
 use crate::contact::Friction;
 use crate::pulley::PerPulley;
@@ -26,8 +26,8 @@ pub struct InForce<'a> {
     pub friction: &'a Friction,
 }
 
-/// Equations of ring and elements. It keeps derivatives and working memory. Results depend on the arguments alone; those of
-/// [`Assembly::jacobian`] depend on the cached derivatives too.
+/// Equations of ring and elements, with cached derivatives and working memory. Results depend on the arguments alone; those
+/// of [`Assembly::jacobian`] also depend on the cached derivatives.
 pub trait Assembly: Debug + Send + Sync {
     /// A copy with the same cached derivatives.
     fn boxed(&self) -> Box<dyn Assembly>;
@@ -35,9 +35,9 @@ pub trait Assembly: Debug + Send + Sync {
     /// Adds the equations of the belt to `out`; returns its loads on the pulleys.
     fn residual(&mut self, acting: InForce<'_>, view: View<'_>, out: &mut [f64]) -> PerPulley<PulleyLoad>;
 
-    /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the resultants
-    /// of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier call are used where they are
-    /// good for Newton's method; if a `geometry` is given, as it says.
+    /// Adds the derivatives of the equations, with the factors α of ẏ and β of q, to the matrix, and those of the
+    /// resultants of the contact forces to their slopes; returns the loads on the pulleys. Derivatives of an earlier
+    /// call are reused where they are still valid for a simplified Newton method; `geometry` overrides this choice.
     fn jacobian(
         &mut self,
         acting: InForce<'_>,
@@ -50,21 +50,21 @@ pub trait Assembly: Debug + Send + Sync {
     /// Values at the stations of each group of cells.
     fn sample(&self, acting: InForce<'_>, view: View<'_>, out: &mut [Sample<Lanes>]);
 
-    /// Energies, J, and damping loss, W, of a ring that has elements of its own; else zero.
+    /// Energies, J, and damping loss, W, of a ring with elements of its own; zero for other rings.
     fn ring_energy(&self, _belt: &Belt, _view: View<'_>) -> (Energy, f64) {
         (Energy::default(), 0.0)
     }
 
-    /// Drops the cached derivatives: the next Jacobian evaluates all of them.
+    /// Drops the cached derivatives; the next Jacobian evaluates all of them.
     fn forget_derivatives(&mut self) {}
 
-    /// Evaluates the cached derivatives at the places that were read from a tape.
+    /// Evaluates the cached derivatives at the unknowns that were read from a tape.
     fn restore_derivatives(&mut self, _acting: InForce<'_>) {}
 
-    /// Writes to a tape, or reads from it, the places of the cached derivatives.
+    /// Writes the unknowns of the cached derivatives to a tape, or reads them from it.
     fn serialize_derivatives(&mut self, _belt: &Belt, _tape: &mut Tape<'_>) {}
 
-    /// Number of packs of cells that were differentiated, and of those whose constitutive tangents alone were updated.
+    /// Numbers of packs of cells that were differentiated, and of packs whose constitutive tangents alone were updated.
     fn differentiations(&self) -> [u64; 2] {
         [0; 2]
     }

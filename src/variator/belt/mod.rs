@@ -1,4 +1,4 @@
-//! The belt: constants of its cells, mesh, layout of the unknowns, reference curve. It never changes in a run.
+//! The belt: constants of its cells, mesh, layout of the unknowns, reference curve. It is constant in a run.
 
 pub(crate) mod equations;
 pub(crate) mod ring;
@@ -14,10 +14,10 @@ use crate::variator::mesh::layout::Layout;
 use crate::variator::settings::parameters::Parameters;
 use std::sync::Arc;
 
-/// Scale of rows that hold a quantity: of the order of the other entries of its row.
+/// Scale of rows of constraints, of the order of the other entries of a row.
 pub const HOLD: f64 = 1.0e6;
 
-/// The constants of a belt, shared by all that evaluate it.
+/// The constants of a belt.
 #[derive(Clone, Debug)]
 pub struct Belt {
     /// Model of the ring.
@@ -30,7 +30,7 @@ pub struct Belt {
     pub layout: Layout,
     /// Reference curve of the ring.
     pub curve: TwoPulley,
-    /// Indices of V at the left face and of the amount, for each cell.
+    /// Unknowns of the elements of each cell.
     pub cells_at: Vec<CellUnknowns>,
     /// Whether each unknown is the rate of a position.
     pub has_position: Vec<bool>,
@@ -143,13 +143,12 @@ impl Belt {
         }
     }
 
-    /// Conditions of the gauge.
+    /// The gauge conditions.
     ///
-    /// s and Θ repeat motions that the overlay can make, so two conditions hold it, with multipliers in the border. They
-    /// are even in the two pulleys, so swapping these is a symmetry of the discrete system: the deflections of node 0 and
-    /// of the node opposite are equal outwards (which fixes what Θ means) and opposite along the curve (which fixes s).
-    /// In directions of the curve these are the same two conditions in the other order: t of node 0 is along y, n along
-    /// x, and opposite both are reversed.
+    /// s and Θ duplicate motions of the overlay, so two conditions with multipliers in the border constrain it. They are
+    /// symmetric in the two pulleys: the deflections of node 0 and of the opposite node are equal outwards (which
+    /// determines Θ) and opposite along the curve (which determines s). In directions of the curve these are the same
+    /// two conditions in reverse order: t of node 0 is along y, n along x, and both are reversed at the opposite node.
     pub fn gauge(&self) -> impl Iterator<Item = GaugeCondition> + use<> {
         let layout = self.layout;
         let components = [(0, [1.0, 1.0]), (1, [1.0, -1.0])];
@@ -164,7 +163,7 @@ impl Belt {
     }
 }
 
-/// A condition on the velocities of two nodes, a·`signs` = 0, with the unknown that is its multiplier.
+/// A condition on the velocities a of two nodes, a·`signs` = 0, and its multiplier.
 pub struct GaugeCondition {
     /// Unknown of the multiplier.
     pub multiplier: usize,

@@ -18,7 +18,7 @@ pub struct PulleyLoad<T = f64> {
 }
 
 impl<T: Real> PulleyLoad<T> {
-    /// Adds the load of a cell, times `on`.
+    /// Adds `on` times the load of a cell.
     #[inline(always)]
     pub fn add(&mut self, cell: &CellBalance<T>, on: T) {
         self.axial += cell.axial * on;
@@ -69,13 +69,13 @@ impl std::ops::AddAssign for PulleyLoad {
     }
 }
 
-/// Derivatives of the resultants of the contact forces on the belt by every unknown, which the drag of the shafts needs.
-/// The resultants are no rows of the matrix.
+/// Derivatives of the resultants of the contact forces on the belt with respect to every unknown, for the drag of the
+/// shafts. The resultants are not rows of the matrix.
 #[derive(Clone, Debug)]
 pub struct ResultantSlopes(PerPulley<[Vec<f64>; 2]>);
 
 impl ResultantSlopes {
-    /// Room for so many unknowns.
+    /// Memory for this number of unknowns.
     pub fn new(unknowns: usize) -> Self {
         Self(PerPulley::from_fn(|_| [0, 1].map(|_| vec![0.0; unknowns])))
     }
@@ -89,13 +89,13 @@ impl ResultantSlopes {
         }
     }
 
-    /// The slopes of component `axis` at a pulley, by each unknown.
+    /// Derivatives of component `axis` at a pulley with respect to each unknown.
     #[inline(always)]
     pub fn of(&mut self, pulley: Pulley, axis: usize) -> &mut [f64] {
         &mut self.0[pulley][axis]
     }
 
-    /// The slopes at a pulley of `factors`·resultant by each unknown.
+    /// Derivatives of `factors`·resultant at a pulley with respect to each unknown.
     pub fn along(&self, pulley: Pulley, factors: [f64; 2]) -> impl Iterator<Item = f64> + '_ {
         let [x, y] = &self.0[pulley];
         x.iter().zip(y).map(move |(x, y)| factors[0] * x + factors[1] * y)

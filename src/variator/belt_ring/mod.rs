@@ -1,14 +1,14 @@
-//! The seam between a variator and its ring: [`BeltRing`], and what a ring model of one's own is built from.
+//! The interface between a variator and its ring: [`BeltRing`], and the parts of a user-defined ring model.
 //!
-//! [`Variator::with_ring`](crate::variator::Variator::with_ring) takes any ring. A ring whose mesh stands still in space has
-//! three parts:
+//! [`Variator::with_ring`](crate::variator::Variator::with_ring) accepts any ring. A ring on an Eulerian mesh has three
+//! parts:
 //!
 //! 1. [`EulerianRing`] is the ring inside one cell, generic over the scalar. It may wrap [`Deflecting`], the ring of `ALE`.
-//! 2. [`RingKind`] makes it from the unknowns of the cell, which [`Directions`] counts. A value of it holds parameters.
-//! 3. [`BeltRing`] puts it into a belt. [`eulerian_equations`] evaluates and differentiates the cells.
+//! 2. [`RingKind`] constructs it from the unknowns of the cell, as numbered by [`Directions`]. A value of it holds
+//!    parameters.
+//! 3. [`BeltRing`] is the ring of a whole belt. [`eulerian_equations`] evaluates and differentiates the cells.
 //!
-//! A ring of another kind implements [`Assembly`] itself, with the balance of a cell, [`balance`], for elements, flanks and
-//! friction.
+//! Other rings implement [`Assembly`] and call [`balance`] for elements, flanks and friction of a cell.
 //!
 //! `examples/own_ring.rs` is a ring model in one file.
 

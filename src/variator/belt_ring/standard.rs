@@ -9,7 +9,7 @@ use crate::variator::mesh::belt_mesh::{BeltMesh, CellDivision};
 use crate::variator::mesh::layout::RingUnknowns;
 use crate::variator::settings::parameters::{Mesh, Parameters, RingModel};
 
-/// `ALE0`: the ring keeps to the reference curve.
+/// `ALE0`: the ring follows the reference curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ale0;
 
@@ -17,13 +17,13 @@ pub struct Ale0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ale<const D: usize = 2>;
 
-/// Cells of a ring that deflects, on a mesh with so many in each element.
+/// Cells of a ring that deflects.
 #[must_use]
 pub fn cells_of_deflecting(mesh: &Mesh) -> CellDivision {
     let per_element = mesh.cells_per_element as usize;
     CellDivision {
         per_element,
-        // Full integration of the membrane needs three points or more in an element.
+        // Full integration of the membrane needs at least three points in an element.
         points: 2 + usize::from(per_element == 1),
     }
 }

@@ -1,23 +1,24 @@
-//! One cell of the belt: ring, chain and contact meet in one virtual-power statement.
+//! One cell of the belt: the virtual-power statement of ring, chain and contact.
 //!
 //! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact force)·δ(its own point)
 //!    − ∫ f_r δ(sliding of ring on elements) − ∫ f_l δ(ring along itself) = 0.
 //!
-//! Each force enters with the velocity Jacobian of its own point: tangential flank forces at the pitch line (v_p),
-//! radial ones at the ring centre line (v_e), ring friction on the difference of ring and element there, drag of the ring's
-//! layers on the ring alone, the push force on the shortening of the stack. So no power is lost between ring, chain and pulleys, and no moment on the arcs.
+//! Each force is multiplied by the velocity Jacobian of its own point: tangential flank forces at the pitch line (v_p),
+//! radial ones at the ring centre line (v_e), ring friction at the difference of ring and element velocity there, drag
+//! of the ring's layers at the ring alone, the push force at the shortening of the stack. Power between ring, chain and
+//! pulleys and moments on the arcs are thus balanced.
 
 use crate::chain::{Stack, Transport};
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::in_plane;
 use crate::scalar::Real;
 use crate::variator::cell::observer::{AtStation, Observer};
-use crate::variator::cell::state::{CellInput, CellState, Slots, Station, StationForces, chain_at_face};
+use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, StationState, chain_at_face};
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{Action, CellRing};
 
-/// The balance of a cell, or of one in each lane of `T`, on whatever `ring` it has. `reference` gives the reference
-/// curve at the face (0) and at the stations (1 and on); `observer` looks on at every station.
+/// The balance of a cell, or of one in each lane of `T`, with this `ring`. `reference` returns the reference curve at the
+/// face (0) and at the stations (1 and up); `observer` is called at every station.
 #[inline(always)]
 pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>(
     given: &CellInput<'_, T>,
@@ -29,7 +30,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>(
     balance_in(given, ring, reference, &mut slots, observer).0
 }
 
-/// [`balance`] with the state of the cell; `slots`, which were empty, are filled.
+/// [`balance`], with the state of the cell; fills the empty `slots`.
 #[inline(always)]
 pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>(
     given: &CellInput<'_, T>,
@@ -72,16 +73,16 @@ pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>
     (out, cell)
 }
 
-/// Adds what happens at station `i`: to the ring, to the elements, and to the pulley.
+/// Adds the contributions of station `i` to the forces on ring, elements and pulley.
 #[inline(always)]
 fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     given: &CellInput<'_, T>,
-    (i, station): (usize, &Station<T, D>),
+    (i, station): (usize, &StationState<T, D>),
     forces: &StationForces<T, D>,
     ring: &mut R,
     out: &mut CellBalance<T>,
 ) {
-    let Station {
+    let StationState {
         ring: point,
         chain,
         weight,
@@ -113,7 +114,7 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     out.speed[0] += along * weight * (-right + 1.0);
     out.speed[1] += along * weight * right;
 
-    // Both sheaves tilt alike, under the mean of their moments.
+    // Both sheaves have the same tilt, under the mean of their moments.
     let (flanks, approach) = (&forces.flanks, &forces.approach);
     let axial = flanks.loads.axial * 0.5;
     out.axial += flanks.on_movable * weight;

@@ -1,31 +1,31 @@
-//! The directions in which a cell can vary, by the ring that it has.
+//! The directions in which a cell can vary, which depend on its ring.
 //!
 //! Motions of the nodes come first, then V, V, N, in `ALE0` the tensions T, T, then s, Θ, in `ALE0` the other coordinates
 //! of the curve, then z, ψ_x, ψ_y, ω.
 
 use crate::reference_curve::COORDINATES;
 
-/// Most directions of a cell: 12 node motions in space, V, V, N, and six globals.
+/// Largest number of directions of a cell: 12 node motions in space, V, V, N, and six globals.
 pub(crate) const MOST: usize = 21;
 
-/// Most rows of a cell: one for each direction, and two for the resultant of the contact forces.
+/// Largest number of rows of a cell: one for each direction, and two for the resultant of the contact forces.
 pub(crate) const MOST_ROWS: usize = MOST + RESULTANT;
 
-/// Components of the resultant, whose rows come after those of the directions.
+/// Components of the resultant; their rows follow those of the directions.
 pub(crate) const RESULTANT: usize = 2;
 
 /// Directions of the pulley: z, ψ_x, ψ_y, ω.
 const OF_PULLEY: usize = 4;
 
-/// Directions of a cell with a certain ring.
+/// Directions of a cell with a given ring.
 pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
-    /// Number of those that are motions of the nodes.
+    /// Number of motions of the nodes.
     const NODES: usize;
-    /// Number of those that are tensions of the ring.
+    /// Number of tensions of the ring.
     const TENSIONS: usize;
-    /// Number of coordinates of the reference curve, Θ the first.
+    /// Number of coordinates of the reference curve; Θ is the first.
     const COORDINATES: usize;
-    /// Direction of the amount, whose row the fluxes fill.
+    /// Direction of the amount. Its row is the balance of the fluxes.
     const AMOUNT: usize = Self::NODES + 2;
     /// The drift s, first of the globals.
     const DRIFT: usize = Self::NODES + 3 + Self::TENSIONS;
@@ -36,8 +36,7 @@ pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// Number of all directions.
     const COUNT: usize = Self::SHEAVE + OF_PULLEY;
 
-    /// Unknown that varies in direction `k`; none for coordinates of the curve, along which derivatives come from forward
-    /// differentiation.
+    /// Unknown of direction `k`; none for coordinates of the curve, where forward differentiation is used.
     fn direction(k: usize) -> Option<Direction> {
         if k < Self::NODES {
             return Some(Direction::Ring(k));
@@ -60,11 +59,11 @@ pub trait Directions: Copy + std::fmt::Debug + Send + Sync + 'static {
     }
 }
 
-/// `ALE0`: the ring keeps to the reference curve.
+/// `ALE0`: the ring follows the reference curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GuidedRing;
 
-/// `ALE`: the ring deflects in D components, counted in fixed directions, A_i = identity in (10).
+/// `ALE`: the ring deflects in D components of fixed directions, A_i = identity in (10).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeflectingRing<const D: usize>;
 
@@ -83,7 +82,7 @@ impl<const D: usize> Directions for DeflectingRing<D> {
 /// An unknown of a cell that varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// An unknown of the ring's own: of a node, or (`ALE0`) the tension at a face.
+    /// An unknown of the ring: of a node, or (`ALE0`) the tension at a face.
     Ring(usize),
     /// The speed V at a face.
     Speed(usize),

@@ -1,5 +1,5 @@
-//! Derivatives of a flank's loads by hand: its law is differentiated forward in its four arguments, and all else that
-//! they depend on enters through the chain rule.
+//! Analytic derivatives of a flank's loads: forward differentiation of its law in its four arguments, and the chain
+//! rule for everything else.
 
 use crate::contact::{FlankForce, FlankMotion, Friction, flank_force};
 use crate::scalar::{Lanes, Tangent, along};
@@ -9,7 +9,7 @@ use num_traits::Zero;
 
 /// Forces of a flank: normal, friction around, friction along it.
 pub(crate) const FLANK_FORCES: usize = 3;
-/// What they depend on: penetration, closing, sliding around, sliding along.
+/// Arguments of these forces: penetration, closing, sliding around, sliding along.
 pub(crate) const FLANK_ARGUMENTS: usize = 4;
 
 /// The arguments of a flank's laws in this order.
@@ -23,13 +23,13 @@ pub(crate) fn of_flank<T: Copy>(motion: &FlankMotion<T>) -> [T; FLANK_ARGUMENTS]
     ]
 }
 
-/// Slopes of the normal force, of friction around and of friction along the flank. Each has those by penetration, by
-/// closing, by sliding around and by sliding along.
-pub(crate) type FlankSlopes = [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES];
+/// Tangents of the normal force, of friction around and of friction along the flank, each with respect to penetration,
+/// closing, sliding around and sliding along.
+pub(crate) type FlankTangents = [[Lanes; FLANK_ARGUMENTS]; FLANK_FORCES];
 
-/// Slopes of the forces of a flank that moves by `motion`.
+/// Tangents of the forces of a flank with this `motion`.
 #[inline(always)]
-pub(crate) fn flank_slopes(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> FlankSlopes {
+pub(crate) fn flank_slopes(law: &CellLaw, friction: &Friction, motion: &FlankMotion<Lanes>) -> FlankTangents {
     let seeded = FlankMotion {
         penetration: Tangent::<FLANK_ARGUMENTS>::seed(motion.penetration, 0, 1.0),
         closing: Tangent::seed(motion.closing, 1, 1.0),
@@ -40,15 +40,15 @@ pub(crate) fn flank_slopes(law: &CellLaw, friction: &Friction, motion: &FlankMot
     [force.normal.eps, force.tangential.eps, force.along_flank.eps]
 }
 
-/// Forces of a flank with their slopes.
+/// Forces of a flank with their tangents.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flank {
     pub force: FlankForce<Lanes>,
-    pub slopes: FlankSlopes,
+    pub slopes: FlankTangents,
 }
 
 impl Flank {
-    /// Variation of its loads where its motion varies by `motion`, and λ and its place on the pulley vary as `by` says.
+    /// Variation of its loads with the variations `motion` of its motion and `by` of λ and its place on the pulley.
     #[inline(always)]
     pub fn vary(
         &self,
@@ -96,7 +96,7 @@ impl Flank {
     }
 }
 
-/// Variation of an [`Approach`], and of λ: the place of a point of the belt on its pulley and the motion of its flanks.
+/// Variation of an [`Approach`] and of λ: the place of a point of the belt on its pulley and the motion of its flanks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FlankVariation {
     /// Motion of a flank in the middle of the pulley.
@@ -107,7 +107,7 @@ pub(crate) struct FlankVariation {
     pub opening_slope: Lanes,
     /// Angle by which e_r turns towards e_t.
     pub turn: Lanes,
-    /// In space: offset from the middle, and its rate.
+    /// In space: offset from the middle and its rate.
     pub offset: [Lanes; 2],
 }
 

@@ -1,16 +1,16 @@
-//! The constitutive laws of a cell, whose tangents change by orders of magnitude where a gap closes or a cell begins to
-//! slide: flanks, friction between ring and elements, stack. Each gives some forces that depend on some arguments. In the
-//! derivatives of the balance they are a sum of products L S R:
+//! The constitutive laws of a cell: flanks, friction between ring and elements, stack. Their tangents change by orders of
+//! magnitude where a gap closes or a cell begins to slide. Each law has forces and arguments. Its contribution to the
+//! derivatives of the balance is a sum of products L S R:
 //!
-//! - R is the derivative of an argument in a direction, L the place of a force in the rows: geometry.
-//! - S are the tangents, the slopes of the forces by their arguments.
+//! - R, the derivative of an argument in a direction, and L, the derivative of the rows with respect to a force: geometry.
+//! - S, the tangents: derivatives of the forces with respect to their arguments.
 //!
-//! So an update of S alone gives the present derivatives
-//! ([`LawPart`](crate::variator::assembly::law_part::LawPart)), as long as the geometry has hardly changed.
+//! While the geometry has hardly changed, an update of S alone yields the current derivatives
+//! ([`LawPart`](crate::variator::assembly::law_part::LawPart)).
 
 use crate::chain::Stack;
 use crate::scalar::{Lanes, Real, Tangent};
-use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES, FlankSlopes, flank_slopes, of_flank};
+use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES, FlankTangents, flank_slopes, of_flank};
 use crate::variator::cell::observer::{AtStation, Observer};
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
@@ -21,12 +21,13 @@ use num_traits::Zero;
 pub(crate) const RING_ARGUMENTS: usize = 2;
 /// Forces in a stack: push force, collision force.
 pub(crate) const STACK_FORCES: usize = 2;
-/// Arguments of a stack's laws: density, its material rate, flow, difference of V, rate of the density at fixed mesh points.
+/// Arguments of a stack's laws: density, its material rate, flow, difference of V, rate of the density at fixed mesh
+/// points.
 pub(crate) const STACK_ARGUMENTS: usize = 5;
 
 /// Arguments of the laws, or their variations in a direction.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Arguments<T> {
+pub(crate) struct LawArguments<T> {
     pub stations: [StationArguments<T>; STATIONS],
     pub stack: [T; STACK_ARGUMENTS],
 }
@@ -34,12 +35,12 @@ pub(crate) struct Arguments<T> {
 /// Arguments at a station.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StationArguments<T> {
-    /// Of the flank on the movable sheave; in space also of that on the fixed one.
+    /// Of the flank on the movable sheave; in space also of the flank on the fixed sheave.
     pub flanks: [[T; FLANK_ARGUMENTS]; 2],
     pub ring: [T; RING_ARGUMENTS],
 }
 
-impl<T: Real> Arguments<T> {
+impl<T: Real> LawArguments<T> {
     /// All zero.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -55,11 +56,11 @@ impl<T: Real> Arguments<T> {
     }
 }
 
-impl<T: Copy> Arguments<T> {
-    /// A part of each.
+impl<T: Copy> LawArguments<T> {
+    /// Applies `f` to each.
     #[inline(always)]
-    pub fn map<U>(&self, part: impl Fn(T) -> U) -> Arguments<U> {
-        Arguments {
+    pub fn map<U>(&self, part: impl Fn(T) -> U) -> LawArguments<U> {
+        LawArguments {
             stations: self.stations.each_ref().map(|at| StationArguments {
                 flanks: at.flanks.map(|flank| flank.map(&part)),
                 ring: at.ring.map(&part),
@@ -69,7 +70,7 @@ impl<T: Copy> Arguments<T> {
     }
 }
 
-/// How many laws a cell has: at so many stations, with so many flanks that differ.
+/// Numbers of stations and of distinct flanks of a cell, which determine the number of its laws.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     pub stations: usize,
@@ -77,7 +78,7 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// Of a cell with so many stations, in so many components: in the plane both flanks are alike.
+    /// Of a cell with this number of stations and components; in the plane both flanks are equal.
     pub fn new(stations: usize, components: usize) -> Self {
         Self {
             stations,
@@ -96,7 +97,7 @@ impl Extent {
     }
 }
 
-/// A force that a law gives.
+/// A force of a law.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum LawForce {
     /// At a station, on the flank 0 or 1: its number among [`FLANK_FORCES`].
@@ -109,27 +110,27 @@ pub(crate) enum LawForce {
     Collision,
 }
 
-/// Slopes of the laws of a pack of cells.
+/// Tangents of the laws of a pack of cells.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LawSlopes {
-    pub stations: [StationSlopes; STATIONS],
+pub(crate) struct LawTangents {
+    pub stations: [StationTangents; STATIONS],
     pub stack: [[Lanes; STACK_ARGUMENTS]; STACK_FORCES],
-    /// Of the lag, which is no force.
+    /// Derivatives of the lag, which is not a force.
     pub lag: [Lanes; STACK_ARGUMENTS],
 }
 
-/// Slopes of the laws at a station.
+/// Tangents of the laws at a station.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct StationSlopes {
-    pub flanks: [FlankSlopes; 2],
+pub(crate) struct StationTangents {
+    pub flanks: [FlankTangents; 2],
     pub ring: [Lanes; RING_ARGUMENTS],
 }
 
-impl LawSlopes {
-    /// No slopes.
+impl LawTangents {
+    /// All zero.
     pub fn zero() -> Self {
         let zero = Lanes::zero();
-        let station = StationSlopes {
+        let station = StationTangents {
             flanks: [[[zero; FLANK_ARGUMENTS]; FLANK_FORCES]; 2],
             ring: [zero; RING_ARGUMENTS],
         };
@@ -141,8 +142,8 @@ impl LawSlopes {
     }
 }
 
-/// Finds the slopes of the laws: those of a second flank in space alone.
-pub(crate) struct TangentRecorder<'a>(pub &'a mut LawSlopes);
+/// Records the tangents of the laws; those of the second flank in space only.
+pub(crate) struct TangentRecorder<'a>(pub &'a mut LawTangents);
 
 impl<const D: usize> Observer<Lanes, D> for TangentRecorder<'_> {
     #[inline(always)]
@@ -170,8 +171,8 @@ impl<const D: usize> Observer<Lanes, D> for TangentRecorder<'_> {
     }
 }
 
-/// Keeps the arguments of the laws.
-pub(crate) struct ArgumentRecorder<'a, T>(pub &'a mut Arguments<T>);
+/// Records the arguments of the laws.
+pub(crate) struct ArgumentRecorder<'a, T>(pub &'a mut LawArguments<T>);
 
 impl<T: Real, const D: usize> Observer<T, D> for ArgumentRecorder<'_, T> {
     #[inline(always)]

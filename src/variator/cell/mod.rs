@@ -1,4 +1,4 @@
-//! One cell of the belt: where ring, push elements and sheaves meet.
+//! One cell of the belt: the coupling of ring, push elements and sheaves.
 
 pub(crate) mod balance;
 pub(crate) mod directions;

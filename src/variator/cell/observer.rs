@@ -1,24 +1,24 @@
-//! Probes observe on while a cell is evaluated: they sample it, or keep what derivatives need.
+//! Observers of the evaluation of a cell: they sample it, or record quantities for its derivatives.
 
 use crate::chain::Stack;
 use crate::contact::energy_density_at;
 use crate::ring::kinematics::{RingPoint, in_plane};
 use crate::scalar::Real;
 use crate::variator::cell::sample::Sample;
-use crate::variator::cell::state::{CellInput, CellState, Station, StationForces};
+use crate::variator::cell::state::{CellInput, CellState, StationForces, StationState};
 use crate::variator::law::flanks::BothFlanks;
 use crate::variator::rings::ring::CellRing;
 use nalgebra::Vector2;
 
-/// Looks on at every station of a cell as it is evaluated.
+/// Called at every station of a cell during its evaluation.
 pub trait Observer<T: Real, const D: usize = 2> {
-    /// Whether it samples for outputs: a ring that travels then has the tension of the state at hand.
+    /// Whether it samples for outputs. A travelling ring then computes its tension at the current state.
     const SAMPLES: bool = false;
-    /// Looks at a station.
+    /// Called at a station.
     fn observe<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>);
 }
 
-/// A station of a cell that was just evaluated.
+/// An evaluated station of a cell.
 pub struct AtStation<'a, T: Real, const D: usize, R> {
     pub given: &'a CellInput<'a, T>,
     pub cell: &'a CellState<T>,
@@ -27,12 +27,12 @@ pub struct AtStation<'a, T: Real, const D: usize, R> {
     pub face: &'a RingPoint<T, D>,
     /// Number of the station in the cell.
     pub index: usize,
-    pub station: &'a Station<T, D>,
+    pub station: &'a StationState<T, D>,
     pub forces: &'a StationForces<T, D>,
     pub ring: &'a R,
 }
 
-/// A observer that needs nothing.
+/// An observer that does nothing.
 #[derive(Debug)]
 pub struct NoObserver;
 
@@ -41,7 +41,7 @@ impl<T: Real, const D: usize> Observer<T, D> for NoObserver {
     fn observe<R: CellRing<T, D>>(&mut self, _at: &AtStation<'_, T, D, R>) {}
 }
 
-/// A observer that hands samples to a closure.
+/// An observer that passes samples to a closure.
 pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
 
 impl<T: Real, const D: usize> Observer<T, D> for Sampler<'_, T> {
@@ -54,7 +54,7 @@ impl<T: Real, const D: usize> Observer<T, D> for Sampler<'_, T> {
 }
 
 impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
-    /// The values that outputs, losses and energies need.
+    /// The values for outputs, losses and energies.
     #[inline(always)]
     fn sample(&self) -> Sample<T> {
         let Self {
@@ -65,7 +65,7 @@ impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
             ..
         } = *self;
         let Stack { push, collision, .. } = self.stack;
-        let Station {
+        let StationState {
             ring: point,
             chain,
             weight,

@@ -9,7 +9,7 @@ pub struct Sample<L = f64> {
     pub xi: L,
     /// Reference curvature κ there and at the left face of the cell, 1/m: 0 on a strand.
     pub curvature: [L; 2],
-    /// Ring length dξ that the station stands for, m.
+    /// Quadrature weight dξ, m.
     pub weight: L,
     /// Position of the ring centre line, m.
     pub r: [L; 2],
@@ -21,7 +21,7 @@ pub struct Sample<L = f64> {
     pub lambda: L,
     /// Density ν of the cell.
     pub density: L,
-    /// Its rate along with the elements Dν/Dt, 1/s.
+    /// Material rate of the density Dν/Dt, 1/s.
     pub density_rate: L,
     /// Push force Q, N.
     pub push: L,
@@ -69,7 +69,7 @@ pub struct Sample<L = f64> {
     pub outward: L,
 }
 
-/// Calls a macro with all figures of a [`Sample`].
+/// Calls a macro with all fields of a [`Sample`].
 macro_rules! for_each_figure {
     ($with:ident) => {
         $with! {
@@ -81,7 +81,7 @@ macro_rules! for_each_figure {
 }
 
 impl Sample<Lanes> {
-    /// The sample of the cell in a lane. Inlined, it reads only the values that are used.
+    /// The sample of the cell in a lane. Inlining removes reads of unused values.
     #[inline(always)]
     #[must_use]
     pub fn get(&self, lane: usize) -> Sample {

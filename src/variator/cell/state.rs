@@ -1,4 +1,4 @@
-//! The state of a cell and of its stations, from which its balance and the derivatives of that follow.
+//! The state of a cell and of its stations, used by its balance and by the derivatives of the balance.
 
 use crate::chain::{ChainPoint, Stack};
 use crate::contact::Friction;
@@ -21,13 +21,13 @@ pub struct CellInput<'a, T: Real> {
     pub friction: &'a Friction,
     /// Place of the cell on the belt.
     pub place: &'a Place<'a, T>,
-    /// State of the cell, the ring aside.
+    /// State of the cell without the ring.
     pub motion: &'a CellMotion<T>,
 }
 
-/// Ring and chain at a station, and the length dξ that it stands for, m.
+/// Ring and chain at a station, and its quadrature weight.
 #[derive(Clone, Copy, Debug)]
-pub struct Station<T: Real, const D: usize> {
+pub struct StationState<T: Real, const D: usize> {
     /// The ring.
     pub ring: RingPoint<T, D>,
     /// The push elements.
@@ -36,12 +36,12 @@ pub struct Station<T: Real, const D: usize> {
     pub weight: T,
 }
 
-/// The ring at the left face of a cell, ring and chain at its stations. They are kilobytes, so they are written in place and
-/// never moved.
+/// The ring at the left face of a cell, ring and chain at its stations. Their size is kilobytes, so they are written in
+/// place.
 #[derive(Clone, Copy, Debug)]
 pub struct Slots<T: Real, const D: usize> {
     pub face: Option<RingPoint<T, D>>,
-    pub stations: [Option<Station<T, D>>; STATIONS],
+    pub stations: [Option<StationState<T, D>>; STATIONS],
 }
 
 impl<T: Real, const D: usize> Slots<T, D> {
@@ -70,24 +70,24 @@ pub fn chain_at_face<T: Real, const D: usize>(given: &CellInput<'_, T>, face: &R
 /// Arguments of the laws of a cell's stack.
 #[derive(Clone, Copy, Debug)]
 pub struct CellState<T: Real> {
-    /// One by the length of the pitch line, and by that of the cell, 1/m.
+    /// Reciprocals of the length of the pitch line and of the cell, 1/m.
     pub inverse_pitch_length: T,
     pub inverse_length: T,
     /// Density ν.
     pub density: T,
-    /// ∂ν/∂t at fixed mesh points, 1/s; the ring's stretch aside.
+    /// ∂ν/∂t at fixed mesh points without the ring's stretch, 1/s.
     pub density_rate: T,
     /// Difference of V across the cell, m/s.
     pub difference: T,
     /// Rate of the stack's lengthening, m/s.
     pub lengthening: T,
-    /// Flow through the cell, m/s: its mean.
+    /// Mean flow through the cell, m/s.
     pub flow: T,
 }
 
 impl<T: Real> CellState<T> {
-    /// The state of a cell with this `ring`, whose `slots` are filled. `reference` gives the reference curve at the face (0)
-    /// and at the stations (1 and on). One loop evaluates all slots, so that the code for a slot is inlined once.
+    /// The state of a cell with this `ring`; fills `slots`. `reference` returns the reference curve at the face (0) and at
+    /// the stations (1 and up). One loop evaluates all slots, so that the code for a slot is inlined once.
     #[inline(always)]
     pub fn new<R: CellRing<T, D>, const D: usize>(
         given: &CellInput<'_, T>,
@@ -116,7 +116,7 @@ impl<T: Real> CellState<T> {
             }
             through += weight * chain.flow;
             steepness += weight * point.strain_gradient;
-            slots.stations[i] = Some(Station {
+            slots.stations[i] = Some(StationState {
                 ring: point,
                 chain,
                 weight,
@@ -126,13 +126,13 @@ impl<T: Real> CellState<T> {
         let difference = motion.speed[1] - motion.speed[0];
         let cell_length: T = place.stations.iter().fold(T::zero(), |sum, s| sum + length * s.weight);
         let inverse_length = cell_length.recip();
-        // The gradient of the strain is its mean over the cell: within an element the strain ripples.
+        // The gradient of the strain is its mean over the cell (see `ring/ale.rs`).
         let strain_gradient = steepness * inverse_length;
         for station in slots.stations.iter_mut().flatten() {
             station.ring.strain_gradient = strain_gradient;
         }
         let density = motion.amount * inverse_pitch_length;
-        // Without another division: of a cell it is that of its element.
+        // Avoids a division: a cell has the gradient of its element.
         let lengthened: T = place
             .stations
             .iter()
@@ -166,7 +166,7 @@ impl<T: Real> CellState<T> {
         stack
     }
 
-    /// Part of the push force that settles the stack, N.
+    /// Part of the push force that damps the stack at fixed mesh points, N.
     #[inline(always)]
     pub fn settling(&self, law: &CellLaw) -> T {
         self.density_rate * law.settling
@@ -198,7 +198,7 @@ pub struct StationForces<T: Real, const D: usize> {
     pub at_ring_line: SVector<T, D>,
     /// Forces along the normals, inwards, N/m.
     pub inward: [T; 2],
-    /// Part of the tension that presses ring on elements, N, sliding speed of the ring on them, m/s, and friction, N/m.
+    /// T − m_r ṡ², N, sliding speed of the ring on the elements, m/s, and its friction, N/m.
     pub pressing: T,
     pub sliding: T,
     pub ring_friction: T,
@@ -215,7 +215,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
     pub fn new<R: CellRing<T, D>>(
         given: &CellInput<'_, T>,
         cell: &CellState<T>,
-        (i, station): (usize, &Station<T, D>),
+        (i, station): (usize, &StationState<T, D>),
         ring: &R,
         push: T,
     ) -> Self {
@@ -225,7 +225,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             place,
             motion,
         } = given;
-        let Station { ring: point, chain, .. } = station;
+        let StationState { ring: point, chain, .. } = station;
         let mut own_load = Load::zero();
         let tension = ring.own_load(i + 1, point, &mut own_load);
         let speed_dot = between(&motion.speed_dot, place.stations[i].right);

@@ -1,39 +1,39 @@
-//! Derivatives at a station of a cell by hand: its variations of ring and chain, and the loads that follow from them.
+//! Analytic derivatives at a station of a cell: variations of ring and chain, and of the resulting loads.
 
 use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation};
 use crate::contact::FlankMotion;
 use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
 use crate::variator::cell::flank_variation::{FLANK_FORCES, Flank, FlankVariation, of_flank};
-use crate::variator::cell::laws::{StationArguments, StationSlopes};
-use crate::variator::cell::state::{CellInput, Station, StationForces};
+use crate::variator::cell::laws::{StationArguments, StationTangents};
+use crate::variator::cell::state::{CellInput, StationForces, StationState};
 use crate::variator::law::flanks::FlankLoads;
 use crate::variator::law::place::{CellBalance, CellLaw};
 use crate::variator::law::ring_friction::layer_drag;
 use nalgebra::{SVector, Vector2};
 
-/// A station, and the coefficients of its variations.
+/// A station and the coefficients of its variations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LinearisedStation<'a, const D: usize> {
     pub ring: &'a RingPoint<Lanes, D>,
     pub chain: &'a ChainPoint<Lanes, D>,
     terms: AccelerationTerms<Lanes>,
-    /// Length dξ that the station stands for, m.
+    /// Quadrature weight dξ, m.
     pub weight: Lanes,
-    /// Share of the right face in what is linear between the faces.
+    /// Weight of the right face in linear interpolation between the faces.
     pub right: Lanes,
     pub forces: &'a StationForces<Lanes, D>,
     /// v_e·e_t and v_p·e_r, m/s.
     crosswise: [Lanes; 2],
-    /// Flank on the movable sheave; in space also that on the fixed one.
+    /// Flank on the movable sheave; in space also that on the fixed sheave.
     flanks: [Flank; 2],
-    /// Derivatives of ring friction by the load's argument T − m_r ṡ² and by the sliding speed.
+    /// Derivatives of ring friction with respect to T − m_r ṡ² and to the sliding speed.
     friction_by: [Lanes; 2],
-    /// Derivatives of the drag of the ring's layers by the same argument and by the ring's speed along itself.
+    /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's speed along itself.
     drag_by: [Lanes; 2],
 }
 
-/// Variation of a station before contact: what its forces on ring, elements and pulley follow from.
+/// Variations at a station from which those of its forces on ring, elements and pulley are computed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StationVariation<'a, const D: usize> {
     pub by: &'a RingVariation<Lanes, D>,
@@ -77,7 +77,7 @@ impl BothFlanksVariation {
         }
     }
 
-    /// Of flanks that are alike.
+    /// Of two equal flanks.
     #[inline(always)]
     fn alike(one: &FlankLoads<Lanes>) -> Self {
         Self {
@@ -88,7 +88,7 @@ impl BothFlanksVariation {
     }
 }
 
-/// Density, push force and gradient of V in a cell, with their variations: the forces at its stations depend on them.
+/// Density, push force and gradient of V in a cell, with their variations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StackForce {
     /// Density ν and its variation.
@@ -100,15 +100,15 @@ pub(crate) struct StackForce {
 }
 
 impl<'a, const D: usize> LinearisedStation<'a, D> {
-    /// Station `i` of a cell, under `forces` that have these `slopes`.
+    /// Station `i` of a cell with `forces` of these `slopes`.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
-        (i, station): (usize, &'a Station<Lanes, D>),
+        (i, station): (usize, &'a StationState<Lanes, D>),
         forces: &'a StationForces<Lanes, D>,
-        slopes: &StationSlopes,
+        slopes: &StationTangents,
     ) -> Self {
-        let Station { ring, chain, weight } = station;
+        let StationState { ring, chain, weight } = station;
         let StationForces { v_e, v_p, approach, .. } = forces;
         let drag = layer_drag(
             Tangent::<2>::constant(given.place.layer_drag),
@@ -182,7 +182,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         [v_e, v_p]
     }
 
-    /// Variation of the place on the pulley, and of the flanks' motion, where ring (`MOVES`) and chain vary.
+    /// Variation of the place on the pulley and of the flanks' motion, where ring (`MOVES`) and chain vary.
     #[inline(always)]
     pub fn vary_approach<const MOVES: bool>(
         &self,
@@ -224,7 +224,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         flank
     }
 
-    /// Variation of the motion of the flank on the movable sheave; in space also of that on the fixed one.
+    /// Variation of the motion of the flank on the movable sheave; in space also of the flank on the fixed sheave.
     #[inline(always)]
     pub fn vary_motions(&self, given: &CellInput<'_, Lanes>, flank: &FlankVariation) -> [FlankMotion<Lanes>; 2] {
         if D == 2 {
@@ -234,7 +234,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         [1.0, -1.0].map(|sign| flank.motion.shifted(offset * sign, speed * sign, given.law.wedge[0]))
     }
 
-    /// Variation of the loads of both flanks, whose `motions` vary.
+    /// Variation of the loads of both flanks with the variations `motions` of their motion.
     #[inline(always)]
     pub fn vary_flanks(
         &self,
@@ -256,7 +256,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         }
     }
 
-    /// Loads of both flanks where a force of one of them is one: of both, in the plane.
+    /// Loads of both flanks at a unit force of one of them; in the plane, of both.
     #[inline(always)]
     pub fn unit_flanks(&self, given: &CellInput<'_, Lanes>, flank: usize, force: usize) -> BothFlanksVariation {
         let zero = Lanes::from(0.0);
@@ -278,9 +278,9 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         }
     }
 
-    /// Adds the variation of the flanks' forces to the load on the ring. Returns those of the conjugates of V, N/m: of the
-    /// part that acts at the pitch line, with inertia, and of the part that acts at the ring centre line; and the variation
-    /// of the force of both flanks in the plane, N/m.
+    /// Adds the variation of the flanks' forces to the load on the ring. Returns the variations, N/m, of the conjugate
+    /// of V at the pitch line, with inertia, of that at the ring centre line, and of the force of both flanks in the
+    /// plane.
     #[inline(always)]
     pub fn add_flank_forces<const MOVES: bool>(
         &self,
@@ -321,7 +321,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         ([along, tangential], push_out + drag)
     }
 
-    /// Adds the variation of the loads on the pulley; `force` is that of both flanks in the plane, N/m.
+    /// Adds the variation of the loads on the pulley; `force` is the variation of the force of both flanks in the
+    /// plane, N/m.
     #[inline(always)]
     pub fn add_pulley_loads<const MOVES: bool>(
         &self,
@@ -344,8 +345,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         out.resultant[1] += force.y * weight;
     }
 
-    /// Variation of the friction between ring and elements, and of the drag of the ring's layers, N/m, where the flanks' `motions`
-    /// vary too; and of the arguments of its laws.
+    /// Variations of the friction between ring and elements and of the drag of the ring's layers, N/m, and of the
+    /// arguments of the laws; `motions` are the variations of the flanks' motion.
     #[inline(always)]
     pub fn vary_ring_friction<const MOVES: bool>(
         &self,

@@ -1,18 +1,18 @@
-//! The derivatives of [`balance`](crate::variator::cell::balance::balance) by hand, in every direction that leaves the
-//! reference curve where it is.
+//! Analytic derivatives of [`balance`](crate::variator::cell::balance::balance) in every direction that does not change the
+//! reference curve.
 //!
-//! Forward differentiation repeats the whole law for each direction, though a node moves only the ring, a sheave only
-//! the flanks, and nearly everything is linear between them. Here each station keeps the coefficients of its variation.
-//! Laws that are not linear (flanks, stack) are differentiated forward, in their few arguments. This takes less than half
-//! the time and gives the same digits: a test of `variator` compares the two. Θ moves everything and stays with forward
-//! differentiation.
+//! Forward differentiation repeats the whole law for each direction, although a node moves only the ring, a sheave only
+//! the flanks, and nearly all relations between them are linear. Here the coefficients of the variation are stored for each
+//! station. Nonlinear laws (flanks, stack) are differentiated forward in their few arguments. This takes less than half the
+//! time and agrees to rounding: a test of `variator` compares the two. Θ changes every quantity, so its derivatives use
+//! forward differentiation.
 
 use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{Load, RingPoint, RingVariation};
 use crate::scalar::{Lanes, along};
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
-use crate::variator::cell::laws::{Arguments, LawForce, LawSlopes, STACK_ARGUMENTS, StationArguments};
+use crate::variator::cell::laws::{LawArguments, LawForce, LawTangents, STACK_ARGUMENTS, StationArguments};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
 use crate::variator::cell::station_variation::{BothFlanksVariation, LinearisedStation, StackForce, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
@@ -20,16 +20,16 @@ use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
 use num_traits::Zero;
 
-/// A pack of cells as it was evaluated: its state, ring and chain, forces at the stations, slopes of the laws.
+/// An evaluated pack of cells: its state, ring and chain, forces at the stations, tangents of the laws.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Evaluated<'a, const D: usize> {
     pub cell: CellState<Lanes>,
     pub slots: &'a Slots<Lanes, D>,
     pub forces: &'a [Option<StationForces<Lanes, D>>; STATIONS],
-    pub laws: &'a LawSlopes,
+    pub laws: &'a LawTangents,
 }
 
-/// A pack of cells, and the coefficients of the variations of its balance.
+/// A pack of cells and the coefficients of the variations of its balance.
 #[derive(Debug)]
 pub(crate) struct Linearised<'a, R, const D: usize> {
     given: CellInput<'a, Lanes>,
@@ -38,13 +38,13 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     face: (&'a RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
-    /// Push force, collision force and lag: by density, its rate, flow and difference of V.
+    /// Tangents of push force, collision force and lag with respect to the arguments of the stack's laws.
     stack: [[Lanes; STACK_ARGUMENTS]; 3],
     /// Factors of acceleration and position.
     slopes: [f64; 2],
 }
 
-/// Variations of ring and chain at the stations: kilobytes, written in place.
+/// Variations of ring and chain at the stations. Their size is kilobytes, so they are written in place.
 type VariedStations<const D: usize> = [Option<(RingVariation<Lanes, D>, ChainVariation<Lanes>)>; STATIONS];
 
 /// Variation of a cell's integrals.
@@ -74,7 +74,7 @@ struct StackVariation {
 }
 
 impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
-    /// Linearises cells that were `evaluated` on a `ring`. `slopes` are the factors of acceleration and position.
+    /// Linearises `evaluated` cells with this `ring`. `slopes` are the factors of acceleration and position.
     #[inline(always)]
     pub fn new(given: CellInput<'a, Lanes>, ring: &'a R, evaluated: Evaluated<'a, D>, slopes: [f64; 2]) -> Self {
         let Evaluated {
@@ -108,12 +108,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// Variation of balance and ring forces in a direction, and of the `arguments` of the laws, which were zero.
+    /// Variation of balance and ring forces in a direction. Writes that of the `arguments` of the laws, which must be
+    /// zero before.
     #[inline(always)]
     pub fn vary(
         &self,
         direction: Direction,
-        arguments: &mut Arguments<Lanes>,
+        arguments: &mut LawArguments<Lanes>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let own = match direction {
             Direction::Ring(own) => Some(own),
@@ -134,7 +135,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         &self,
         direction: Direction,
         own: Option<usize>,
-        arguments: &mut Arguments<Lanes>,
+        arguments: &mut LawArguments<Lanes>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let [alpha, beta] = self.slopes;
         let mut varied = [None; STATIONS];
@@ -179,8 +180,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         (out, self.ring.varied_forces(&sum, own, beta))
     }
 
-    /// Variation of ring and chain at the face (0) or at a station (1 and on), where V varies by `speed` there. In a
-    /// direction that moves the ring (`MOVES`) an unknown of its own varies, else the drift rate.
+    /// Variation of ring and chain at the face (0) or at a station (1 and up), where V varies by `speed`. In a
+    /// direction that moves the ring (`MOVES`) one of its own unknowns varies, otherwise the drift rate.
     #[inline(always)]
     fn vary_slot<const MOVES: bool>(
         &self,
@@ -249,7 +250,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
     }
 
-    /// Variation of the stack where that of ring and chain is `by`.
+    /// Variation of the stack with the variation `by` of ring and chain.
     #[inline(always)]
     fn vary_stack(&self, direction: Direction, by: &CellVariation) -> StackVariation {
         let amount = if direction == Direction::Amount {
@@ -282,7 +283,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     fn pulley_column(
         &self,
         direction: Direction,
-        arguments: &mut Arguments<Lanes>,
+        arguments: &mut LawArguments<Lanes>,
     ) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let zero = Lanes::zero();
         let [alpha, beta] = self.slopes;
@@ -311,7 +312,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         (out, self.ring.varied_forces(&sum, None, beta))
     }
 
-    /// Variation of balance and ring forces where a force of the laws varies by one.
+    /// Variation of balance and ring forces for a unit variation of a force of the laws.
     #[inline(always)]
     pub fn vary_law(&self, force: LawForce) -> (CellBalance<Lanes>, RingForces<Lanes, D>) {
         let [zero, one] = [0.0, 1.0].map(Lanes::from);
@@ -354,7 +355,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         (out, self.ring.varied_forces(&sum, None, self.slopes[1]))
     }
 
-    /// Adds the variation of contact, ring friction and `load` at station `i`; returns that of the arguments of its laws.
+    /// Adds the variation of contact, ring friction and `load` at station `i`; returns that of the arguments of the laws.
     #[inline(always)]
     fn add_station<const MOVES: bool>(
         &self,
@@ -371,8 +372,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         arguments
     }
 
-    /// Adds the variation of a load on the ring, of the flanks' loads, of ring friction and of the drag of the ring's layers at
-    /// station `i`.
+    /// Adds the variation of a load on the ring, of the flanks' loads, of ring friction and of the drag of the ring's
+    /// layers at station `i`.
     #[inline(always)]
     fn add_loads<const MOVES: bool>(
         &self,

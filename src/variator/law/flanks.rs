@@ -44,9 +44,9 @@ impl<T: Real> FlankLoads<T> {
 /// Loads of both flanks of an element, per dξ.
 #[derive(Clone, Copy, Debug)]
 pub struct BothFlanks<T> {
-    /// Motion of the flank on the movable sheave, and of the other.
+    /// Motion of the flank on the movable sheave and of the other flank.
     pub motions: [FlankMotion<T>; 2],
-    /// Forces of the two.
+    /// Forces of both flanks.
     pub forces: [FlankForce<T>; 2],
     /// Sum of the loads of both flanks.
     pub loads: FlankLoads<T>,
@@ -65,13 +65,13 @@ pub struct Approach<T: Real> {
     pub e_r: Vector2<T>,
     /// Unit vector around it, clockwise.
     pub e_t: Vector2<T>,
-    /// One by the distance of the ring from the axis, 1/m.
+    /// Reciprocal of the distance of the ring from the axis, 1/m.
     pub inverse_distance: T,
     /// Pitch radius ϱ, m.
     pub rho: T,
     /// ∂w/∂ϱ, elastic opening of the sheave per radius.
     pub opening: T,
-    /// (∂w/∂θ)/ϱ, elastic opening per way around the axis.
+    /// (∂w/∂θ)/ϱ, elastic opening per length around the axis.
     pub opening_slope: T,
     /// Radial velocity v_e·e_r at the ring centre line, m/s.
     pub v_r: T,
@@ -82,7 +82,7 @@ pub struct Approach<T: Real> {
 }
 
 impl<T: Real> Approach<T> {
-    /// The approach of a point of the ring, whose elements move with v_e at the ring centre line and with v_p at the pitch
+    /// The approach of a point of the ring with the element velocities v_e at the ring centre line and v_p at the pitch
     /// line.
     #[inline(always)]
     pub fn new<const D: usize>(
@@ -122,8 +122,9 @@ impl<T: Real> Approach<T> {
         }
     }
 
-    /// Loads of the two flanks of an element whose ring moves with v_e. In the plane they are alike; in space the
-    /// element may be off the middle. `plane` is that of [`Place::plane`](crate::variator::law::place::Place::plane).
+    /// Loads of the two flanks of an element with velocity v_e at the ring centre line. In the plane both flanks have
+    /// the same loads; in space the element may be out of the middle. `plane` is
+    /// [`Place::plane`](crate::variator::law::place::Place::plane).
     #[inline(always)]
     pub fn both_flanks<const D: usize>(
         &self,
@@ -160,8 +161,8 @@ impl<T: Real> Approach<T> {
         }
     }
 
-    /// Distance of an element from the middle towards the movable sheave, m, and the motion of its flanks on that sheave and
-    /// on the fixed one.
+    /// Distance of an element from the middle towards the movable sheave, m, and the motion of its flanks on that
+    /// sheave and on the fixed one.
     #[inline(always)]
     pub fn flanks<const D: usize>(
         &self,
@@ -184,7 +185,7 @@ impl<T: Real> Approach<T> {
         (offset, flanks)
     }
 
-    /// Loads of a flank with this motion under `force`.
+    /// Loads of a flank with this motion and this `force`.
     #[inline(always)]
     pub fn loads(&self, law: &CellLaw, lambda: T, flank: &FlankMotion<T>, force: &FlankForce<T>) -> FlankLoads<T> {
         let [sin_beta, cos_beta, tan_beta] = law.wedge;

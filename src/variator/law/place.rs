@@ -29,18 +29,19 @@ pub struct CellLaw {
     pub axes: PerPulley<f64>,
     /// Position of the sheaves along z.
     pub planes: PerPulley<SheavePlane>,
-    /// Force between elements per rate at which the density changes at fixed mesh points, N·s: it settles a stack over some
-    /// rough ticks of [`Mode::RealTime`](crate::variator::settings::Mode::RealTime), and vanishes in a steady state. Else zero.
+    /// Force between elements per rate of the density at fixed mesh points, N·s. It damps the stack over some rounded
+    /// ticks of
+    /// [`Mode::RealTime`](crate::variator::settings::Mode::RealTime), and vanishes in a steady state. Otherwise zero.
     pub settling: f64,
-    /// Whether amounts leave with a lag. Not with one cell an element: what it depends on would leave the band of the
-    /// matrix.
+    /// Whether fluxes include the [`lag`](chain::lag). Not with one cell per element, because its derivatives would be
+    /// outside the band of the matrix.
     pub has_lag: bool,
 }
 
-/// The middle of a pulley along z: it moves away from the movable sheave by half of what that closes.
+/// The middle of a pulley along z: it moves by half the closing of the movable sheave, away from that sheave.
 ///
-/// The movable sheaves stand on opposite sides of the belt, so both middles go the same way when the ratio changes.
-/// They part by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii don't change equally.
+/// The movable sheaves are on opposite sides of the belt, so both middles move in the same direction when the ratio
+/// changes. Their distance changes by z_P/2 + z_S/2 = (r_P + r_S − 2r₀) tan β, because the radii do not change equally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheavePlane {
     /// Side of the movable sheave: +1 or −1 along z.
@@ -63,13 +64,13 @@ impl SheavePlane {
         })
     }
 
-    /// Side and middle, m, as a pack of cells needs them.
+    /// Side and middle, m, in all lanes.
     #[must_use]
     pub fn constants(&self) -> [f64; 2] {
         [self.side, self.middle]
     }
 
-    /// Middle of the pulley whose sheave has closed by `z`, m.
+    /// Middle of the pulley at the closing `z` of the sheave, m.
     #[must_use]
     pub fn middle(&self, z: f64) -> f64 {
         self.middle - 0.5 * self.side * z
@@ -91,7 +92,7 @@ pub struct PulleyMotion<T> {
     pub omega: T,
 }
 
-/// State of a cell, the ring aside.
+/// State of a cell without the ring.
 #[derive(Clone, Copy, Debug)]
 pub struct CellMotion<T: Real> {
     /// V at the faces, m/s.
@@ -109,8 +110,7 @@ pub struct CellMotion<T: Real> {
 }
 
 impl<T: Real> CellMotion<T> {
-    /// From the unknowns by their directions: V, V, N are those from `own` on, s, Θ those from `drift` on, z, ψ_x, ψ_y, ω
-    /// those from `sheave` on.
+    /// From the unknowns by their directions: V, V, N start at `own`, s, Θ at `drift`, z, ψ_x, ψ_y, ω at `sheave`.
     #[inline(always)]
     pub fn of_directions(
         [own, drift, sheave]: [usize; 3],
@@ -145,7 +145,7 @@ impl<T: Real> CellMotion<T> {
     }
 }
 
-/// Generalised residual forces of a cell (inertia − forces), those on the ring aside, and its flow.
+/// Generalised residual forces of a cell (inertia − forces), without those on the ring, and its flow.
 #[derive(Clone, Copy, Debug)]
 pub struct CellBalance<T: Real> {
     /// Conjugates of V at the faces, N.
@@ -156,9 +156,9 @@ pub struct CellBalance<T: Real> {
     pub tilting: [T; 2],
     /// Torque of the belt on the pulley, N·m.
     pub torque: T,
-    /// Resultant of the contact forces on the belt, N: the pulley's shaft bears the opposite.
+    /// Resultant of the contact forces on the belt, N; its negative acts on the pulley's shaft.
     pub resultant: [T; 2],
-    /// Quantities from which the fluxes of elements follow.
+    /// Quantities that determine the fluxes of elements.
     pub transport: Transport<T>,
 }
 
@@ -167,7 +167,7 @@ pub struct CellBalance<T: Real> {
 pub struct Place<'a, T: Real> {
     /// Start and length of the element as fractions of the segment.
     pub of_segment: [T::Constant; 2],
-    /// Left face; its fraction and those of the stations are of the element.
+    /// Left face. Fractions of face and stations refer to the element.
     pub face: &'a Station<T::Constant>,
     /// Quadrature points.
     pub stations: &'a [Station<T::Constant>],
@@ -177,19 +177,19 @@ pub struct Place<'a, T: Real> {
     pub plane: [T::Constant; 2],
     /// Length of the element.
     pub length: Jet<T>,
-    /// Drag of the ring's layers on the arc that is near, as a share of the load that presses the ring on it.
+    /// Drag of the ring's layers on the nearest arc, as a share of the ring's normal load.
     pub layer_drag: T,
 }
 
 impl<T: Real> Place<'_, T> {
-    /// The face (0), or a station (1 and on).
+    /// The face (0) or a station (1 and up).
     #[inline(always)]
     #[must_use]
     pub fn slot(&self, slot: usize) -> &Station<T::Constant> {
         if slot == 0 { self.face } else { &self.stations[slot - 1] }
     }
 
-    /// Fraction of the segment there.
+    /// Fraction of the segment at a slot.
     #[inline(always)]
     #[must_use]
     pub fn fraction(&self, slot: usize) -> T::Constant {
@@ -198,13 +198,13 @@ impl<T: Real> Place<'_, T> {
     }
 }
 
-/// Linear between the two faces of a cell.
+/// Linear interpolation between the two faces of a cell.
 #[inline(always)]
 pub fn between<T: Real>(faces: &[T; 2], right: T::Constant) -> T {
     faces[0] * (-right + 1.0) + faces[1] * right
 }
 
-/// Share of a face in [`between`]: 0 the left one, 1 the right one.
+/// Weight of a face in [`between`]: 0 the left one, 1 the right one.
 #[inline(always)]
 pub fn share<T: Real>(face: usize, right: T::Constant) -> T {
     T::constant(if face == 0 { -right + 1.0 } else { right })

@@ -7,27 +7,27 @@ use crate::scalar::{Real, smooth_plus};
 /// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
 const RING_LOAD_SMOOTHING: f64 = 1.0;
 
-/// Part of the ring's tension that presses it on the elements, N: less what keeps its own mass on the curve at ṡ, m/s.
+/// Part of the ring's tension that presses it on the elements, N: T − m_r ṡ², with ṡ in m/s.
 #[inline(always)]
 pub fn pressing<T: Real>(ring: &Ring, tension: T, s_dot: T) -> T {
     tension - s_dot * s_dot * ring.mass_per_length
 }
 
-/// Load of the ring on the elements under the tension `pressing`, N: never negative.
+/// Normal load ⟨`pressing`⟩₊ of the ring on the elements, N.
 #[inline(always)]
 fn ring_load<T: Real>(pressing: T) -> T {
     smooth_plus(pressing, RING_LOAD_SMOOTHING).0
 }
 
-/// Friction of the ring on elements per dξ, N/m, under the tension `pressing`, N, where it slides at `sliding`, m/s.
+/// Friction of the ring on elements per dξ, N/m, at the tension `pressing`, N, and the sliding speed `sliding`, m/s.
 #[inline(always)]
 pub fn ring_friction<T: Real>(friction: &Friction, pressing: T, kappa: T, sliding: T) -> T {
     let (_, inverse_speed) = square_of_speed(friction, sliding).root_and_inverse();
     ring_load(pressing) * kappa * friction.ring * sliding * inverse_speed
 }
 
-/// Drag of the ring's layers per dξ, N/m, under the tension `pressing`, N, where the ring moves along itself at `speed`, m/s.
-/// `share` is that of [`Layers::drag_shares`](layers::Layers::drag_shares).
+/// Drag of the ring's layers per dξ, N/m, at the tension `pressing`, N, and the speed `speed` of the ring along itself,
+/// m/s. `share` is that of [`Layers::drag_shares`](layers::Layers::drag_shares).
 #[inline(always)]
 pub fn layer_drag<T: Real>(share: T, pressing: T, kappa: T, speed: T) -> T {
     share * ring_load(pressing) * kappa * layers::direction(speed)

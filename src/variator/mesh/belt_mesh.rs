@@ -1,13 +1,13 @@
 //! The mesh: ring elements around the belt, each divided into chain cells.
 //!
-//! It has five segments, each divided into elements. Element borders lie on the arc borders for every Θ, so every
+//! It has five segments, each divided into elements. Element borders follow the arc borders for every Θ, so every
 //! quadrature point stays on its own arc or strand and all integrals are smooth in Θ. Elements are graded towards the
-//! arc borders, where the contact begins (pressure rises over about 5 mm) and the ring has its bending boundary layer
+//! arc borders, where contact begins (pressure rises over about 5 mm) and the ring has its bending boundary layer
 //! (√(EI/T) ≈ 2 mm).
 //!
 //! A mesh that is not aligned to the arcs has one segment, the whole curve, with elements evenly spaced along ξ. Arc
-//! borders move through them, and the reference curvature jumps at the quadrature points that a border passes. Each cell
-//! has one pulley here too if no arc reaches the quarters of the belt, ξ = L/4 and 3L/4.
+//! borders move through the elements, and the reference curvature jumps at the quadrature points that a border passes.
+//! Each cell still has one pulley, provided that no arc reaches the quarters of the belt, ξ = L/4 and 3L/4.
 
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
@@ -17,12 +17,12 @@ use crate::variator::settings::parameters::Mesh;
 
 pub use crate::ring::mesh::{Element, Station};
 
-/// Most quadrature points of a cell.
+/// Largest number of quadrature points of a cell.
 pub const STATIONS: usize = 3;
-/// Its quadrature points, and its left face before them.
+/// Slots of a cell: its left face, then its quadrature points.
 pub const SLOTS: usize = STATIONS + 1;
 
-/// Grading of the arcs: an element at the border has 1 − this of the mean size.
+/// Grading g of the arcs: an element at the border has 1 − g times the mean size.
 const ARC_GRADING: f64 = 0.76;
 /// Grading of the strands.
 const STRAND_GRADING: f64 = 0.88;
@@ -30,33 +30,33 @@ const STRAND_GRADING: f64 = 0.88;
 /// A finite volume of the chain of push elements.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// Ring element it lies in.
+    /// Ring element that contains it.
     pub element: usize,
-    /// Pulley whose sheaves it can touch.
+    /// Pulley that it can touch.
     pub pulley: Pulley,
     /// Left face of the cell.
     pub face: Station,
     /// Quadrature points between its faces.
     pub stations: Vec<Station>,
-    /// Index of its group of cells that are evaluated together.
+    /// Index of its group.
     pub group: usize,
     /// Lane of the cell in its group.
     pub lane: usize,
 }
 
-/// Neighbours on one segment that are evaluated at once, a cell in each lane of a register.
+/// Neighbouring cells on one segment, evaluated together, one in each lane of a register.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// Cells; the last one repeats where there are fewer than lanes.
+    /// Cells; the last one is repeated in unused lanes.
     pub cells: [usize; LANES],
     /// Number of lanes in use.
     pub used: usize,
-    /// 1 in the lanes in use whose cell can touch the pulley, else 0.
+    /// 1 in the lanes in use whose cell can touch the pulley, otherwise 0.
     pub on: PerPulley<Lanes>,
 }
 
 impl Group {
-    /// 1 in the lanes in use, else 0.
+    /// 1 in the lanes in use, otherwise 0.
     #[inline(always)]
     #[must_use]
     pub fn in_use(&self) -> Lanes {
@@ -82,7 +82,7 @@ pub struct BeltMesh {
     pub elements: Vec<Element>,
     /// Chain cells, in the order of ξ.
     pub cells: Vec<Cell>,
-    /// Cells that are evaluated at once, around the loop.
+    /// Groups of cells, around the loop.
     pub groups: Vec<Group>,
     /// Cells in each element.
     pub cells_per_element: usize,
@@ -107,7 +107,7 @@ fn segments(mesh: &Mesh, aligned: bool) -> Vec<(usize, Spacing)> {
     }
 }
 
-/// Divides cells into groups, and records group and lane in each cell.
+/// Divides cells into groups and records group and lane in each cell.
 fn group(cells: &mut [Cell], elements: &[Element]) -> Vec<Group> {
     let mut groups = Vec::new();
     for segment in cells.chunk_by_mut(|a, b| elements[a.element].segment == elements[b.element].segment) {
@@ -131,7 +131,7 @@ fn group(cells: &mut [Cell], elements: &[Element]) -> Vec<Group> {
 }
 
 impl BeltMesh {
-    /// Mesh of a belt on two pulleys, `aligned` to its arcs or not, with these cells.
+    /// Mesh of a belt on two pulleys with these cells, `aligned` to its arcs or not.
     #[must_use]
     pub fn new(mesh: &Mesh, cells: CellDivision, aligned: bool) -> Self {
         let CellDivision {
@@ -179,7 +179,7 @@ impl BeltMesh {
         }
     }
 
-    /// Segment of the reference curve, and the fraction of it, at which an element starts.
+    /// Segment of the reference curve and its fraction at the start of an element.
     #[must_use]
     pub fn start(&self, curve: &TwoPulley, frame: &TwoPulleyFrame<f64>, element: usize) -> (usize, f64) {
         let Element { segment, start, .. } = self.elements[element];
@@ -190,7 +190,7 @@ impl BeltMesh {
         }
     }
 
-    /// Node in the middle of the primary arc, opposite to node 0.
+    /// Node in the middle of the primary arc, opposite node 0.
     #[must_use]
     pub fn opposite(&self) -> usize {
         if !self.aligned {
@@ -211,7 +211,7 @@ mod tests {
     };
 
     #[test]
-    fn evenly_spaced_elements_fill_the_belt_and_halves_touch_one_pulley_each() {
+    fn evenly_spaced_elements_fill_the_belt_and_each_half_touches_one_pulley() {
         let mesh = crate::variator::settings::Parameters::default().mesh;
         let [even, aligned] = [false, true].map(|aligned| BeltMesh::new(&mesh, CELLS, aligned));
         assert_eq!(even.elements.len(), aligned.elements.len());

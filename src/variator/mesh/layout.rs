@@ -4,8 +4,8 @@
 //! the speed V of its left face, the element amount N of the cell before, and (`ALE0`) the ring tension T at its left
 //! face. The border holds the globals, of `ALE0` also the coordinates of displaced centres.
 //!
-//! A ring whose nodes have no fixed neighbours among the cells stands apart: cells first, each with V and N, then the
-//! nodes, then the unknowns that only fill the blocks. Its equations sort them into the order of the matrix.
+//! The nodes of a travelling ring have no fixed neighbours among the cells. Its unknowns are in separate groups: V and N of
+//! each cell, then the nodes, then unknowns that only fill the blocks. Its equations reorder them for the matrix.
 
 use crate::pulley::Pulley;
 use crate::reference_curve::COORDINATES;
@@ -19,34 +19,34 @@ const SHEAVE: usize = 2;
 const TILT: usize = 4;
 const SHAFT: usize = 8;
 const GAUGE: usize = 10;
-/// Conditions that hold the gauge, where the ring has nodes.
+/// Number of gauge conditions, where the ring has nodes.
 pub const CONDITIONS: usize = 2;
-/// Coordinates of displaced centres, where it has none.
+/// Number of coordinates of displaced centres, where it has none.
 pub const CENTRES: usize = COORDINATES - 1;
-/// The turn among them; the others are lengths.
+/// Index of the turn among them; the others are lengths.
 pub const TURN: usize = 1;
 
-/// Unknowns of a ring beside drift and Θ.
+/// Unknowns of a ring other than drift and Θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingUnknowns {
-    /// Number of nodes with unknowns; 0 if the ring keeps to the reference curve.
+    /// Number of nodes with unknowns; 0 if the ring follows the reference curve.
     pub nodes: usize,
-    /// Unknowns of a node, with those of the element after it.
+    /// Unknowns of a node and of the element after it.
     pub per_node: usize,
-    /// A bit for each unknown of a node that is a length; the others are angles or slopes.
+    /// Bit mask of the unknowns of a node that are lengths; the others are angles or slopes.
     pub lengths: u32,
-    /// Components of the deflection from the reference curve at each node: 2, or 3 in space, the value and its slope of
-    /// each in turn; 0 if the unknowns of the nodes are others.
+    /// Components of the deflection from the reference curve at each node: 2, or 3 in space. The unknowns of a node are
+    /// then value and slope of each component in turn. 0 if the nodes have other unknowns.
     pub components: usize,
     /// Whether the ring tension at each face is an unknown.
     pub tension: bool,
-    /// Number of blocks of the matrix, and their size, of nodes that have no fixed neighbours among the cells. Otherwise
-    /// node k stands in block k, with the cells of element k.
+    /// Number and size of the matrix blocks, if the nodes have no fixed neighbours among the cells. Otherwise node k is in
+    /// block k, with the cells of element k.
     pub apart: Option<[usize; 2]>,
 }
 
 impl RingUnknowns {
-    /// The tension at each face: a ring on the reference curve (`ALE0`).
+    /// The tension at each face, for a ring on the reference curve (`ALE0`).
     pub const TENSION: Self = Self {
         nodes: 0,
         per_node: 0,
@@ -56,7 +56,7 @@ impl RingUnknowns {
         apart: None,
     };
 
-    /// Deflection and slope at each of the mesh's nodes, in so many `components`: 2, or 3 in space (`ALE`).
+    /// Deflection and slope at each node of the mesh in 2 `components`, or 3 in space (`ALE`).
     #[must_use]
     pub fn deflection(components: usize, mesh: &BeltMesh) -> Self {
         Self {
@@ -85,7 +85,7 @@ pub struct Layout {
     pub cells_per_element: usize,
     /// Unknowns of the ring.
     pub ring: RingUnknowns,
-    /// Node in the middle of the primary arc, opposite to node 0.
+    /// Node in the middle of the primary arc, opposite node 0.
     pub opposite: usize,
 }
 
@@ -101,7 +101,7 @@ impl Layout {
         }
     }
 
-    /// Components of the deflection from the reference curve; 0 of a ring that keeps to it or has other unknowns.
+    /// Components of the deflection from the reference curve; 0 if the ring follows it or has other unknowns.
     #[must_use]
     pub fn components(&self) -> usize {
         self.ring.components
@@ -119,7 +119,8 @@ impl Layout {
         self.ring.tension
     }
 
-    /// Whether s and Θ repeat motions of the ring, so that conditions with multipliers hold them (all but `ALE0`).
+    /// Whether s and Θ duplicate motions of the ring, so that gauge conditions with multipliers are needed (all but
+    /// `ALE0`).
     #[must_use]
     pub fn has_gauge(&self) -> bool {
         !self.has_tension()
@@ -131,7 +132,7 @@ impl Layout {
         2 * self.cells()
     }
 
-    /// Unknown `k` of an element whose nodes stand apart: of its own node, then of the next.
+    /// Unknown `k` of a travelling element: those of its left node, then those of the next node.
     #[inline]
     #[must_use]
     pub fn nodal(&self, element: usize, k: usize) -> usize {
@@ -177,7 +178,7 @@ impl Layout {
         self.elements * self.cells_per_element
     }
 
-    /// Index of unknown `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; of other rings, what their model has there.
+    /// Index of unknown `k` of node `node`: a_x, b_x, a_y, b_y, in space a_z, b_z; other ring models have other unknowns.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
         if self.ring.apart.is_some() {
@@ -201,8 +202,9 @@ impl Layout {
         self.cell(cell)
     }
 
-    /// Index of the amount N of `cell`. It belongs to the block of the next cell: then the flow into a cell, from either
-    /// side, depends on nodes of neighbouring blocks only. One cell an element can't have that for both directions of flow.
+    /// Index of the amount N of `cell`. It belongs to the block of the next cell, so that the flow into a cell from either
+    /// side depends on nodes of neighbouring blocks only. With one cell per element this holds for one direction of
+    /// flow only.
     #[must_use]
     pub fn amount(&self, cell: usize) -> usize {
         let with = if self.cells_per_element > 1 && self.ring.apart.is_none() {
@@ -254,7 +256,7 @@ impl Layout {
         self.border() + SHAFT + pulley as usize
     }
 
-    /// Index of the multiplier of a condition of the gauge.
+    /// Index of the multiplier of a gauge condition.
     #[must_use]
     pub fn gauge(&self, condition: usize) -> usize {
         self.border() + GAUGE + condition
@@ -273,7 +275,7 @@ impl Layout {
         self.centre(0)..self.centre(count)
     }
 
-    /// Indices of the globals that every ring has: neither multipliers of the gauge nor displaced centres.
+    /// Indices of the global unknowns common to all rings: no gauge multipliers, no displaced centres.
     #[must_use]
     pub fn globals(&self) -> std::ops::Range<usize> {
         self.border()..self.border() + GAUGE
@@ -297,7 +299,7 @@ impl Layout {
         has_position
     }
 
-    /// Calls `f` with every unknown of the ring's nodes that is a length, not a slope or an angle.
+    /// Calls `f` with every unknown of the ring's nodes that is a length.
     pub(crate) fn for_each_length_unknown(&self, mut f: impl FnMut(usize)) {
         for node in 0..self.ring.nodes {
             for k in (0..self.ring.per_node).filter(|&k| self.ring.is_length(k)) {

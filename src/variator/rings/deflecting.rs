@@ -22,7 +22,7 @@ pub struct Deflecting<'a, T: Real, const D: usize = 2> {
     pub motion: &'a ReferenceMotion<T>,
     /// (∂l/∂Θ)/l, l the length of the element.
     pub growth: T,
-    /// Sum of the loads that were applied.
+    /// Sum of the applied loads.
     pub sum: ElementLoad<T, D>,
 }
 
@@ -149,7 +149,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
     }
 }
 
-/// Node, component, and whether it is the slope, of a direction of a ring that deflects.
+/// Node and component of a direction of a ring that deflects, and whether it is the slope.
 #[inline(always)]
 fn node_direction<const D: usize>(own: usize) -> (usize, usize, bool) {
     (own / (2 * D), own / 2 % D, own % 2 == 1)

@@ -1,8 +1,8 @@
-//! `ALE0`: the ring keeps to the reference curve, whose arcs lie about free centres.
+//! `ALE0`: the ring follows the reference curve, whose arcs have free centres.
 //!
-//! The curve has five coordinates: Θ, and spread, turn and shift of the centres ([`Displaced`]). Loads act on each with
-//! the virtual motion of a mesh point, ∂r/∂p|_η − ∂ξ/∂p|_η r'. Derivatives along the motion stand where a ring that
-//! deflects has those by Θ, and its Θ̇ is one.
+//! The curve has five coordinates p: Θ, and spread, turn and shift of the centres ([`Displaced`]). The virtual motion of a
+//! mesh point with p, ∂r/∂p|_η − ∂ξ/∂p|_η r', projects loads on p. The curve holds derivatives along the motion in place of
+//! those with respect to Θ, so its Θ̇ is one.
 //!
 //! [`Displaced`]: crate::reference_curve::Displaced
 
@@ -13,7 +13,7 @@ use crate::scalar::{Real, zero_vector};
 use crate::variator::law::place::{Place, between, share};
 use crate::variator::rings::ring::{Action, CellRing, EulerianRing, RingDensity, RingForces, VaryingRing};
 
-/// `ALE0`: the ring keeps to the reference curve; its tension is an unknown at the faces.
+/// `ALE0`: the ring follows the reference curve; its tension is an unknown at the faces.
 pub(crate) struct Guided<'a, T: Real, C: DisplacedCurve> {
     ring: &'a Ring,
     place: &'a Place<'a, T>,
@@ -24,7 +24,7 @@ pub(crate) struct Guided<'a, T: Real, C: DisplacedCurve> {
     sum: GuidedSum<T>,
 }
 
-/// Loads on a ring that keeps to the reference curve.
+/// Loads on a ring that follows the reference curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GuidedSum<T: Real> {
     /// Conjugates of the coordinates of the curve.
@@ -62,7 +62,7 @@ impl<T: Real> GuidedSum<T> {
 }
 
 impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
-    /// The ring `at` a place under a motion and under the tensions at the two faces, N. `curve` gives frame and segment.
+    /// The ring `at` a place with this motion and the tensions at the two faces, N. `curve` is frame and segment.
     #[inline(always)]
     pub fn new(
         ring: &'a Ring,
@@ -83,7 +83,8 @@ impl<'a, T: Real, C: DisplacedCurve> Guided<'a, T, C> {
         }
     }
 
-    /// Adds the loads at a station; `own` is what the ring's own energy does along a coordinate of the shape, N.
+    /// Adds the loads at a station; `own` is the derivative of the ring's own energy with respect to a coordinate of
+    /// the shape, N.
     #[inline(always)]
     fn add(
         &self,
@@ -154,7 +155,7 @@ impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
     }
 }
 
-/// The ring's own unknowns are the tensions at the faces.
+/// The unknowns of the ring are the tensions at the faces.
 impl<T: Real, C: DisplacedCurve> VaryingRing<T> for Guided<'_, T, C> {
     type Sum = GuidedSum<T>;
 

@@ -1,4 +1,4 @@
-//! The ring inside a cell: rings that keep to the reference curve, and rings that deflect from it.
+//! The ring inside a cell: rings that follow the reference curve, and rings that deflect from it.
 
 pub(crate) mod deflecting;
 pub(crate) mod guided;

@@ -1,6 +1,6 @@
-//! The ring inside a cell: the traits through which chain and contact act on a ring model.
+//! The ring inside a cell: traits that couple a ring model to chain and contact.
 //!
-//! [`balance`](crate::variator::cell::balance) uses any ring through the four functions of [`CellRing`].
+//! [`balance`](crate::variator::cell::balance) calls the four functions of [`CellRing`].
 
 use crate::reference_curve::{COORDINATES, ReferencePoint};
 use crate::ring::kinematics::{Load, Node, RingPoint, RingVariation};
@@ -9,7 +9,7 @@ use crate::scalar::Real;
 /// Loads at a station, per dξ.
 #[derive(Clone, Copy, Debug)]
 pub struct Action<T: Real, const D: usize = 2> {
-    /// Loads on the ring: its own, and those of chain and contact.
+    /// Loads on the ring: its own and those of chain and contact.
     pub load: Load<T, D>,
     /// Ring tension T, N.
     pub tension: T,
@@ -17,7 +17,7 @@ pub struct Action<T: Real, const D: usize = 2> {
     pub across: T,
     /// The ring's own forces and the ring friction along it, N/m.
     pub along: T,
-    /// Length dξ that the station stands for, m.
+    /// Quadrature weight dξ, m.
     pub weight: T,
 }
 
@@ -32,41 +32,42 @@ pub struct RingDensity<T> {
     pub viscous: T,
 }
 
-/// A ring inside a cell. Slot 0 is the left face of the cell, the slots from 1 on are its stations.
+/// A ring inside a cell. Slot 0 is the left face of the cell, slots 1 and up are its stations.
 pub trait CellRing<T: Real, const D: usize = 2> {
-    /// The ring where the reference curve is at `reference`.
+    /// The ring at a slot where the reference curve is `reference`.
     fn point(&self, slot: usize, reference: ReferencePoint<T>) -> RingPoint<T, D>;
 
-    /// Adds the forces that the ring exerts by itself, inertia included; returns its tension, N. A ring that balances
-    /// these on elements of its own adds nothing.
+    /// Adds the ring's own forces, inertia included; returns its tension, N. A ring that assembles these on elements of
+    /// its own adds nothing.
     fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T;
 
     /// Applies the loads at a station.
     fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>);
 
-    /// Energies at a station; zero for a ring that has elements of its own.
+    /// Energies at a station; zero for a ring with elements of its own.
     fn density(&self, point: &RingPoint<T, D>) -> RingDensity<T>;
 }
 
-/// A ring whose mesh stands still, inside a cell.
+/// A ring on an Eulerian mesh, inside a cell.
 pub trait EulerianRing<T: Real, const D: usize = 2>: CellRing<T, D> {
-    /// Forces of the loads that were applied.
+    /// Generalised forces of the applied loads.
     fn forces(&self) -> RingForces<T, D>;
 }
 
-/// A ring with derivatives by hand in the directions that leave the reference curve where it is: its own unknowns, and the
+/// A ring with analytic derivatives in the directions that do not change the reference curve: its own unknowns and the
 /// drift.
 pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
     /// Sums of varied loads.
     type Sum;
 
-    /// Whether the ring moves in its own directions.
+    /// Whether the ring moves with its own unknowns.
     const MOVES: bool;
 
-    /// Variation of the ring at a slot in its own direction `own`; `slopes` are the factors of acceleration and position.
+    /// Variation of the ring at a slot with its own unknown `own`; `slopes` are the factors of acceleration and position.
     fn vary(&self, slot: usize, point: &RingPoint<T, D>, own: usize, slopes: [f64; 2]) -> RingVariation<T, D>;
 
-    /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` as above, if it is such a direction.
+    /// Adds the variation of [`CellRing::own_load`]; returns that of the tension. `own` is the ring's unknown that
+    /// varies, if any.
     fn vary_own_load(
         &self,
         slot: usize,
@@ -76,10 +77,10 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
         load: &mut Load<T, D>,
     ) -> T;
 
-    /// The sum of no loads.
+    /// The empty sum.
     fn empty(&self) -> Self::Sum;
 
-    /// Applies the variation of the loads at a station, where the ring's own load is `own_load`.
+    /// Applies the variation of the loads at a station with the ring's own load `own_load`.
     fn apply_varied(
         &self,
         sum: &mut Self::Sum,
@@ -89,7 +90,7 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
         action: &Action<T, D>,
     );
 
-    /// Variation of its forces. The loads of the cell must have been applied to a ring that moves.
+    /// Variation of the generalised forces. If the ring moves, the loads of the cell must have been applied to it before.
     fn varied_forces(&self, sum: &Self::Sum, own: Option<usize>, beta: f64) -> RingForces<T, D>;
 }
 

@@ -1,9 +1,9 @@
-//! The ring tests of the paper's 5.3, for every ring model, as CSV files: what `cargo fmu paper` shows of rings alone.
+//! The ring tests of the paper's 5.3, for every ring model, as CSV files for `cargo fmu paper`.
 //!
 //! `cargo run --release --package pushbelt-paper --example paper_rings -- --output target/paper/rings`
 //!
-//! It measures with the functions of the tests of the ring (`pushbelt_paper_lab`). A line of the output names what has
-//! been done: its number, how many there are, and a name.
+//! The measurements are those of the tests of the ring (`pushbelt_paper_lab`). Each line of the output is a finished
+//! job: its number, the number of jobs, and its name.
 
 mod tables;
 
@@ -17,7 +17,6 @@ use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley, Unaligned};
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
-use pushbelt_paper::ring::system::RingSystem;
 use pushbelt_paper_lab::*;
 use std::f64::consts::TAU;
 use std::fmt::Debug;
@@ -46,18 +45,18 @@ struct Arguments {
     short: bool,
 }
 
-/// How much is done.
+/// Extent of the computations.
 #[derive(Clone, Copy)]
 struct Plan {
-    /// Energy runs of fig. 6 and 7.
+    /// Tolerance of the energy runs of fig. 6 and 7.
     tolerance: f64,
-    /// Steps of the turn of a running ring on a mesh that travels.
+    /// Steps per turn of a running ring on a travelling mesh.
     turn_steps: usize,
     /// Meshes of the frequency table.
     meshes: &'static [usize],
-    /// Runs of which computing times are taken.
+    /// Number of runs for computing times.
     repetitions: usize,
-    /// Orders of convergence.
+    /// Whether orders of convergence are computed.
     orders: bool,
 }
 
@@ -121,7 +120,7 @@ impl Tables {
         self.judge(check, statement, model, value, None, [Some(low), None], judged);
     }
 
-    /// A value that is reported, beside a reference if there is one, not judged.
+    /// A value that is reported without a check, with a reference if there is one.
     fn report(&mut self, check: &str, statement: &str, model: &str, value: f64, reference: Option<f64>) {
         self.judge(check, statement, model, value, reference, [None; 2], "reported");
     }
@@ -179,7 +178,7 @@ impl Tables {
         }
     }
 
-    /// Errors on a ladder of halved steps or elements.
+    /// Errors at successively halved steps or elements.
     fn ladder(&mut self, model: &str, quantity: &str, expected: f64, resolution: [f64; 3], errors: [f64; 3]) {
         let observed = orders(&errors, 2.0);
         for k in 0..3_usize {
@@ -224,7 +223,7 @@ fn job(jobs: &mut Vec<Job>, name: impl Into<String>, work: impl FnOnce(&mut Tabl
     jobs.push((name.into(), Box::new(work)));
 }
 
-/// What holds for the reference motion alone (paper fig. 6).
+/// The reference motion alone (paper fig. 6).
 fn reference_motion(jobs: &mut Vec<Job>, plan: Plan) {
     job(jobs, "ALE0: reference numbers", |tables| {
         for (at, potential, inertia) in REFERENCE_NUMBERS {
@@ -294,8 +293,8 @@ fn swing<C: ReferenceCurve + Debug>(tables: &mut Tables, name: &str, curve: C, m
     tables.record("6", name, &system, &record);
 }
 
-/// Smallest eigenvalue of the mass matrix over the largest, with nothing held and with what the model holds, in units
-/// that give every overlay the mass of a node.
+/// Ratio of smallest to largest eigenvalue of the mass matrix, without held unknowns and with those of the model, in units
+/// in which every overlay has the mass of a node.
 fn mass_condition<C: ReferenceCurve + Debug>(system: &RingSystem<AleRing<C>>) -> [f64; 2] {
     let mass = system.mass_matrix(&system.rest(0.4).q);
     let scaled = |free: &[usize]| {
@@ -310,7 +309,7 @@ fn mass_condition<C: ReferenceCurve + Debug>(system: &RingSystem<AleRing<C>>) ->
     [scaled(&all), scaled(&free)]
 }
 
-/// What the paper's fig. 7 shows of rings that deflect in the Eulerian view.
+/// The paper's fig. 7 for Eulerian rings that deflect.
 fn eulerian_rings(jobs: &mut Vec<Job>, plan: Plan) {
     job(jobs, "ALE: what locking a node is for", |tables| {
         let curve = solid_curve();
@@ -332,7 +331,7 @@ fn eulerian_rings(jobs: &mut Vec<Job>, plan: Plan) {
     });
 }
 
-/// What every model has to show.
+/// Checks of every model.
 fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
     job(jobs, format!("{}: derivatives", S::NAME), |tables| {
         let check = |tables: &mut Tables, what: &str, off: f64, bound: f64| {
@@ -367,11 +366,11 @@ fn model<S: Case + 'static>(jobs: &mut Vec<Job>, plan: Plan) {
     job(jobs, format!("{}: running ring", S::NAME), move |tables| {
         let travels = S::Model::<TwoPulley>::LAGRANGIAN;
         let found = running_ring::<S>(40, if travels { plan.turn_steps } else { 0 });
-        // A ring that travels keeps the integrator's error of a turn.
+        // The error of a travelling ring is that of the integrator over a turn.
         let (bound, strain_bound) = match (travels, plan.orders) {
             (false, _) => (1.0e-9, 1.0e-2),
             (true, true) => (2.0e-6, 1.0e-2),
-            // The short form takes steps four times as long.
+            // The short form has steps four times as long.
             (true, false) => (1.0e-4, 5.0e-2),
         };
         let check = |tables: &mut Tables, what: &str, off: f64, bound: f64| {

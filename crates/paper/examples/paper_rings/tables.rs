@@ -1,4 +1,4 @@
-//! What the program writes: CSV files with a header, text in quotes.
+//! Output: CSV files with a header, text in quotes.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -76,13 +76,13 @@ impl Table {
     /// Writes the file.
     ///
     /// # Errors
-    /// The folder can't be written to.
+    /// The folder is not writable.
     pub fn write(&self, folder: &Path) -> io::Result<()> {
         fs::write(folder.join(self.file), &self.text)
     }
 }
 
-/// A row of [`Table::add`] from values of any kind of cell.
+/// A row for [`Table::add`] from values of any cell type.
 #[macro_export]
 macro_rules! row {
     ($($value:expr),* $(,)?) => { [$($crate::tables::Cell::from($value)),*] };

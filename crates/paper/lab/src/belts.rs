@@ -1,4 +1,4 @@
-//! The rings that travel under the cells, with their usual numbers of elements.
+//! The travelling rings, with their default numbers of elements.
 
 use std::sync::Arc;
 

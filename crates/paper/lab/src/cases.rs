@@ -1,26 +1,26 @@
-//! Every ring model behind one trait, so that one test runs for all.
+//! A trait for all ring models, so that one test runs for each of them.
 
 use std::fmt::Debug;
 
+use crate::system::RingSystem;
 use pushbelt::ring::Ring;
 use pushbelt_paper::reference_curve::ReferenceCurve;
-use pushbelt_paper::ring::ale_ring::{AleRing, Directions};
+use pushbelt_paper::ring::ale_ring::{AleRing, OverlayDirections};
 use pushbelt_paper::ring::ancf::Ancf;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::rcm::Rcm;
-use pushbelt_paper::ring::system::RingSystem;
 
 /// A ring model under test.
 pub trait Case<const D: usize = 2, const N: usize = 10> {
     /// The model on a curve.
     type Model<C: ReferenceCurve + Debug>: RingFormulation<D, N>;
     const NAME: &'static str;
-    /// Order of frequencies in the element length when stretch and bending both matter.
+    /// Order of convergence of frequencies in the element length, if both stretch and bending are relevant.
     const ORDER: f64;
     /// Elements of 160 degrees of freedom, as in the paper.
     const ELEMENTS: usize = 40;
-    /// With about `elements` elements, with exactly so many on a circle.
+    /// A model with about `elements` elements, exactly so on a circle.
     fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Self::Model<C>;
     fn system<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> RingSystem<Self::Model<C>, D, N> {
         RingSystem::new(Self::model(ring, curve, elements))
@@ -64,7 +64,7 @@ impl Case for AleTurning {
     const ORDER: f64 = 4.0;
     fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C> {
         let mut model = Ale::model(ring, curve, elements);
-        model.directions = Directions::Reference;
+        model.directions = OverlayDirections::Reference;
         model
     }
 }
@@ -85,7 +85,7 @@ impl Case<3, 14> for AleSpatialTurning {
     const ORDER: f64 = 4.0;
     fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> AleRing<C, 3> {
         let mut model = AleSpatial::model(ring, curve, elements);
-        model.directions = Directions::Reference;
+        model.directions = OverlayDirections::Reference;
         model
     }
 }
@@ -103,7 +103,7 @@ impl Case for CoRotational {
     type Model<C: ReferenceCurve + Debug> = Rcm<C>;
     const NAME: &'static str = "RCM";
     const ELEMENTS: usize = 32;
-    // One strain an element. Bending alone has order 4.
+    // One strain per element. Bending alone has order 4.
     const ORDER: f64 = 2.0;
     fn model<C: ReferenceCurve + Debug>(ring: Ring, curve: C, elements: usize) -> Rcm<C> {
         Rcm::new(ring, curve, elements, 5)

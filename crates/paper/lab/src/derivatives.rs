@@ -1,16 +1,16 @@
 //! Kinematics, elasticity and inertia of a ring against differences.
 
+use crate::system::RingSystem;
 use nalgebra::{DMatrix, DVector};
 use pushbelt::solver::State;
 use pushbelt_paper::ring::model::RingFormulation;
-use pushbelt_paper::ring::system::RingSystem;
 
 use super::cases::Case;
 use super::motion::residual;
 use super::specimens::{solid, solid_curve, without_stiffness};
 use pushbelt_lab::noise;
 
-/// Number of elements in the tests of derivatives: every kind of neighbourhood occurs.
+/// Number of elements in the tests of derivatives. It is large enough for every kind of neighbourhood.
 pub const FEW: usize = 12;
 
 /// A ring on the reference curve at Θ with deflections of a few per cent, in motion.
@@ -47,7 +47,7 @@ pub fn lagrangian<M: RingFormulation<D, N>, const D: usize, const N: usize>(_: &
     M::LAGRANGIAN
 }
 
-/// Unknowns whose rows are balances of force: without s and Θ on a mesh that travels.
+/// Number of unknowns whose rows are force balances: without s and Θ on a travelling mesh.
 fn forces<M: RingFormulation<D, N>, const D: usize, const N: usize>(system: &RingSystem<M, D, N>) -> usize {
     if M::LAGRANGIAN {
         system.drift()
@@ -82,8 +82,7 @@ pub fn inertia_by_differences<M: RingFormulation<D, N>, const D: usize, const N:
     force
 }
 
-/// P (12): the velocity at a unit rate is how fast the particle at ξ = x̄ + s moves. Largest difference of the columns,
-/// m.
+/// P (12): the velocity at a unit rate is that of the particle at ξ = x̄ + s. Largest difference of the columns, m.
 pub fn velocity_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let system = S::system(solid(), solid_curve(), FEW);
     let mut state = waving(&system, 0.25, 1.0);
@@ -108,8 +107,8 @@ pub fn velocity_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     off
 }
 
-/// The residual at rest is ∂V/∂q, moving arc borders included: there the curvature jumps. Largest difference relative
-/// to the largest force.
+/// The residual at rest is ∂V/∂q, including moving arc borders, where the curvature jumps. Largest difference relative to
+/// the largest force.
 pub fn elastic_force_error<S: Case<D, N>, const D: usize, const N: usize>() -> f64 {
     let mut system = S::system(solid(), solid_curve(), FEW);
     system.held.clear();

@@ -1,11 +1,11 @@
 //! A ring alone in motion: residual, integration with fixed steps, small oscillations, shape.
 
+use crate::system::RingSystem;
 use nalgebra::{DVector, Vector2};
 use pushbelt::solver::arrow::{Arrow, ArrowLu};
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt::solver::{State, System, View};
 use pushbelt_paper::ring::model::RingFormulation;
-use pushbelt_paper::ring::system::RingSystem;
 
 use pushbelt_lab::noise;
 
@@ -18,8 +18,8 @@ pub fn residual<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     DVector::from_vec(out)
 }
 
-/// Integrator with fixed steps. Errors that Newton's method leaves in the velocities add up over the steps of a
-/// ladder's last rung, so it is held tighter than its default.
+/// Integrator with fixed steps. Errors of Newton's method in the velocities accumulate over the steps of the finest
+/// resolution, so its tolerance is below the default.
 pub fn fixed_steps<M: RingFormulation<D, N>, const D: usize, const N: usize>(
     system: &mut RingSystem<M, D, N>,
     step: f64,
@@ -50,7 +50,7 @@ pub fn mode<M: RingFormulation<D, N>, const D: usize, const N: usize>(
 ) -> (f64, Vec<f64>) {
     let mut system = system.clone();
     if M::LAGRANGIAN {
-        // s follows, it takes no part.
+        // s follows from the other unknowns.
         let s = system.drift();
         system.held.push(s);
     }

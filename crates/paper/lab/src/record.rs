@@ -1,13 +1,13 @@
-//! Runs of a ring alone, sampled at even times.
+//! Runs of a ring alone, sampled at equal intervals.
 
+use crate::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
 use pushbelt::solver::sdirk::Sdirk;
 use pushbelt_paper::ring::model::{Energy, RingFormulation};
-use pushbelt_paper::ring::system::RingSystem;
 
-/// A ring at a moment.
-pub struct Sample {
+/// A ring at one time.
+pub struct RingSample {
     pub time: f64,
     pub theta: f64,
     /// s, m.
@@ -16,9 +16,9 @@ pub struct Sample {
     pub state: State,
 }
 
-/// A run, sampled at even times from its start on.
+/// A run, sampled at equal intervals from its start on.
 pub struct Record {
-    pub samples: Vec<Sample>,
+    pub samples: Vec<RingSample>,
     pub counts: Counts,
 }
 
@@ -26,7 +26,7 @@ impl Record {
     /// Largest change of the energy, J.
     pub fn energy_drift(&self) -> f64 {
         let start = self.samples[0].energy.total();
-        let off = |sample: &Sample| (sample.energy.total() - start).abs();
+        let off = |sample: &RingSample| (sample.energy.total() - start).abs();
         self.samples.iter().map(off).fold(0.0, f64::max)
     }
 
@@ -45,7 +45,7 @@ impl Record {
     }
 }
 
-/// Runs from `state` for `count` times `step`, s. Ends early where the integrator can't go on or Θ leaves ±`limit`.
+/// Runs from `state` for `count` times `step`, s. Ends early if the integrator fails or |Θ| exceeds `limit`.
 pub fn record<M: RingFormulation>(
     system: &mut RingSystem<M>,
     mut state: State,
@@ -54,7 +54,7 @@ pub fn record<M: RingFormulation>(
     count: usize,
     limit: f64,
 ) -> Record {
-    let sample = |system: &RingSystem<M>, state: &State, time: f64| Sample {
+    let sample = |system: &RingSystem<M>, state: &State, time: f64| RingSample {
         time,
         theta: state.q[system.theta()],
         drift: state.q[system.drift()],

@@ -2,26 +2,26 @@
 
 use std::fmt::Debug;
 
+use crate::system::RingSystem;
 use pushbelt::solver::State;
 use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::Energy;
-use pushbelt_paper::ring::system::RingSystem;
 
 use super::motion::{fixed_steps, mode, run};
 use super::record::{Record, record};
 use super::specimens::{solid, solid_curve};
 
-/// The solid ring that keeps to its reference curve.
+/// The solid ring that follows its reference curve.
 pub fn rigid<C: ReferenceCurve + Debug>(curve: C, mesh: RingMesh) -> RingSystem<AleRing<C>> {
     RingSystem::new(AleRing::rigid(solid(), curve, mesh))
 }
 
-/// What the reference motion of the solid ring has to meet: bending energy, J, and M_ΘΘ, kg·m², at Θ.
+/// Reference values for the solid ring: Θ, bending energy, J, and M_ΘΘ, kg·m².
 pub const REFERENCE_NUMBERS: [(f64, f64, f64); 2] = [(0.0, 1_151_453.8, 3.10883), (0.4, 1_298_705.6, 2.04239)];
 
-/// The frequency of its small oscillation, rad/s.
+/// Reference value of the frequency of its small oscillation, rad/s.
 pub const REFERENCE_FREQUENCY: f64 = 718.05;
 
 /// Energy, M_ΘΘ and M_sΘ of the reference motion at Θ.
@@ -39,7 +39,7 @@ pub fn reference_frequency() -> f64 {
     mode(&system, &system.rest(0.0), 700.0).0
 }
 
-/// The reference oscillation (paper fig. 6) from Θ = 0.4 at rest, over 20 ms. With the energy of the swing, J.
+/// The reference oscillation (paper fig. 6) from Θ = 0.4 at rest, over 20 ms, and its energy, J.
 pub fn reference_oscillation<C: ReferenceCurve + Debug>(
     curve: C,
     mesh: RingMesh,

@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use crate::circle::Circle;
 use nalgebra::Vector2;
 use pushbelt::ring::Ring;
-use pushbelt_paper::reference_curve::{Circle, ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 
 /// The ring of the reference numbers for the paper's fig. 6 and 7: L = 1 m, d_A = 0.2 m. EA belongs to the same steel
 /// section (E = 2.1e11 N/m², ρ = 7800 kg/m³).
@@ -58,7 +59,7 @@ pub fn without_stiffness(ring: &Ring) -> Ring {
     }
 }
 
-/// A ring whose membrane is soft enough not to decide, and about what its first frequency is, rad/s.
+/// A ring with a soft membrane, and an estimate of its first frequency, rad/s.
 pub fn soft_membrane() -> (Ring, f64) {
     let radius = BAND_LENGTH / TAU;
     let thin = band(0.185e-3);
@@ -74,7 +75,7 @@ pub fn soft_membrane() -> (Ring, f64) {
 pub fn two_arc() -> impl Fn(f64) -> [Vector2<f64>; 2] {
     let curve = TwoPulley::new(0.155, BAND_LENGTH);
     let frame = curve.frame::<f64>(0.4);
-    // Leftmost point where the circle has its own.
+    // Same leftmost point as the circle.
     let shift = curve.at(&frame, 0.0).r + Vector2::new(BAND_LENGTH / TAU, 0.0);
     move |xi| {
         let point = curve.at(&frame, xi);

@@ -1,15 +1,16 @@
-//! Rings that deflect: running, swinging, from the two-arc shape (paper fig. 7 and 5.3).
+//! Rings that deflect: running, oscillating, from the two-arc shape (paper fig. 7 and 5.3).
 
 use std::f64::consts::TAU;
 
+use crate::circle::Circle;
+use crate::system::RingSystem;
 use nalgebra::Vector2;
 use pushbelt::ring::Ring;
 use pushbelt::solver::State;
 use pushbelt::solver::newton::Counts;
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{Circle, ReferenceCurve, TwoPulley};
+use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::model::RingFormulation;
-use pushbelt_paper::ring::system::RingSystem;
 
 use super::cases::Case;
 use super::motion::{fixed_steps, mode, nodes, ovality, run};
@@ -30,7 +31,7 @@ pub fn bulges<M: RingFormulation>(system: &RingSystem<M>, state: &State) -> [f64
     })
 }
 
-/// Paper fig. 7: a deformable ring from Θ = 0.4 at rest, `count` times 50 µs. The model gets about `elements` elements.
+/// Paper fig. 7: a deformable ring of about `elements` elements from Θ = 0.4 at rest, `count` times 50 µs.
 pub fn deformable_ring<S: Case>(
     elements: usize,
     tolerance: f64,
@@ -43,8 +44,8 @@ pub fn deformable_ring<S: Case>(
     (system, record)
 }
 
-/// How a running ring keeps its shape.
-pub struct Running {
+/// Errors of strain, shape and drift of a running ring.
+pub struct RunningRing {
     /// Mean strain relative to m_r ṡ²/(EA − m_r ṡ²), less 1.
     pub strain: f64,
     /// Largest error of the radius after one turn, relative.
@@ -54,9 +55,9 @@ pub struct Running {
     pub counts: Counts,
 }
 
-/// A ring that runs on a circle carries EAγ = m_r ṡ²(1 + γ) and keeps its shape where stations see it. One turn; steps
-/// 0: as many as a tolerance of 1e-5 needs.
-pub fn running_ring<S: Case>(elements: usize, steps: usize) -> Running {
+/// A ring that runs on a circle has EAγ = m_r ṡ²(1 + γ) and a constant shape in space. One turn in `steps` fixed steps;
+/// with 0, steps are adapted to a tolerance of 1e-5.
+pub fn running_ring<S: Case>(elements: usize, steps: usize) -> RunningRing {
     let ring = band(0.185e-3);
     let radius = BAND_LENGTH / TAU;
     let speed = 100.0;
@@ -82,7 +83,7 @@ pub fn running_ring<S: Case>(elements: usize, steps: usize) -> Running {
         strain += p.strain() / gamma / (4 * elements) as f64;
         round = round.max((p.r.norm() / radius / (1.0 + gamma) - 1.0).abs());
     }
-    Running {
+    RunningRing {
         strain: strain - 1.0,
         shape: round,
         drift: (state.y[system.drift()] / speed - 1.0).abs(),
@@ -105,13 +106,13 @@ pub fn thin_band_error<S: Case>(elements: usize) -> f64 {
     free_ring_mode::<S>(&ring, elements, 1.01 * exact) / exact - 1.0
 }
 
-/// Frequencies' errors on a ladder of meshes, against one eight times finer than its last rung.
+/// Errors of the frequency on three meshes, compared with a mesh eight times finer than the last.
 pub fn frequency_errors<S: Case>(ring: &Ring, near: f64, ladder: [usize; 3]) -> [f64; 3] {
     let exact = free_ring_mode::<S>(ring, 8 * ladder[2], near);
     ladder.map(|n| (free_ring_mode::<S>(ring, n, near) / exact - 1.0).abs())
 }
 
-/// Meshes on which the order of a model in space shows.
+/// Numbers of elements in the asymptotic range of a model's order in space.
 pub fn space_ladder<S: Case>() -> [usize; 3] {
     [12, 24, 48].map(|n| if S::ORDER < 3.0 { 2 * n } else { n })
 }
@@ -127,7 +128,7 @@ pub struct Swing {
     pub counts: Counts,
 }
 
-/// The band from the two-arc shape at rest (paper 5.3; about 9.23 Hz by an independent nonlinear code).
+/// The band from the two-arc shape at rest (paper 5.3; an independent nonlinear code has about 9.23 Hz).
 pub fn two_arc_swing<S: Case>(tolerance: f64) -> Swing {
     let mut system = S::system(band(0.185e-3), band_circle(), S::ELEMENTS);
     system.tolerance = tolerance;
@@ -172,7 +173,7 @@ pub fn swinging_band<S: Case>(thickness: f64, amplitude: f64) -> (RingSystem<S::
     (system, state, omega)
 }
 
-/// Errors of the nodes' places after 1.2 periods of a swinging band, with so many fixed steps a period, m.
+/// Errors of the nodes' places after 1.2 periods of an oscillating band, with these numbers of fixed steps per period, m.
 pub fn time_errors<S: Case>(thickness: f64, ladder: [f64; 3]) -> [f64; 3] {
     let shape = |steps: f64| {
         let (mut system, mut state, omega) = swinging_band::<S>(thickness, 1.0e-2);

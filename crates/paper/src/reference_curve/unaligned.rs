@@ -1,9 +1,9 @@
-//! A curve for a mesh that does not follow its arcs. Mesh points stand at fixed ξ, as the paper's elements do, and arc
-//! borders move through them as Θ changes.
+//! A curve for a mesh that does not follow its arcs. Mesh points are at fixed ξ, as in the paper, and arc borders move
+//! through the elements as Θ changes.
 //!
 //! With F(ξ, Θ) the curve and ξ(η, Θ) its own mesh: ∂F/∂Θ = ∂r/∂Θ|_η − ξ_Θ t, χ_Θ|_ξ = χ_Θ|_η − ξ_Θ κ, and so on; the
-//! curvature of an arc does not depend on ξ, so κ_Θ is the same. What is lost is what the paper's (18) loses: when a
-//! border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature misses ½EI\[κ²\] dξ_k/dΘ.
+//! curvature of an arc does not depend on ξ, so κ_Θ is the same. As in the paper's (18), the border terms are missing: when
+//! a border passes a quadrature point, κ jumps there, and the force −∂V/∂Θ of the quadrature lacks ½EI\[κ²\] dξ_k/dΘ.
 
 use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
 use crate::scalar::Real;
@@ -32,7 +32,7 @@ impl<F> UnalignedFrame<F> {
 }
 
 impl<C: ReferenceCurve> Unaligned<C> {
-    /// What `frame` of `curve` is to a mesh that does not follow its arcs.
+    /// The frame for a mesh that does not follow the arcs, from `frame` of `curve`.
     #[must_use]
     pub fn frame_of<T: Real>(curve: &C, frame: C::Frame<T>) -> UnalignedFrame<C::Frame<T>> {
         UnalignedFrame {
@@ -42,7 +42,7 @@ impl<C: ReferenceCurve> Unaligned<C> {
         }
     }
 
-    /// Segment in which the fraction of the whole curve lies.
+    /// Segment that contains a fraction of the whole curve.
     fn segment<T: Real>(frame: &UnalignedFrame<C::Frame<T>>, fraction: f64) -> usize {
         let mut rest = fraction * frame.length;
         (0..frame.segments - 1)
@@ -71,8 +71,8 @@ impl<C: ReferenceCurve> Unaligned<C> {
         })
     }
 
-    /// The fraction of `segment` that belongs to a fraction of the whole curve: its value, and a part that is zero but
-    /// carries the derivatives with respect to Θ.
+    /// The fraction of `segment` at a fraction of the whole curve: its value, and a zero with its derivatives with respect
+    /// to Θ.
     pub(crate) fn within<T: Real>(
         frame: &UnalignedFrame<C::Frame<T>>,
         segment: usize,
@@ -96,7 +96,7 @@ impl<C: ReferenceCurve> Unaligned<C> {
         let p = C::point(&frame.frame, segment, f);
         let chi = C::tangent_angle(&frame.frame, segment, f).chi;
         let length = C::segment_length(&frame.frame, segment);
-        // To the place itself, df away: derivatives along the segment at fixed η.
+        // Taylor expansion by df along the segment, at fixed η.
         let step = length.v * df;
         let t = p.t + p.n * (p.kappa * step);
         let n = p.n - p.t * (p.kappa * step);
@@ -151,8 +151,8 @@ impl<C: ReferenceCurve> Unaligned<C> {
     }
 }
 
-/// Scalars that carry derivatives carry first ones. Places in the lanes of a pack may lie on different segments; Θ is
-/// the same in all.
+/// Scalars with derivatives have first derivatives only. Places in the lanes of a pack may lie on different segments; Θ is
+/// the same in all lanes.
 impl<C: ReferenceCurve> ReferenceCurve for Unaligned<C> {
     type Frame<T: Real> = UnalignedFrame<C::Frame<T>>;
 
@@ -225,9 +225,9 @@ mod tests {
         }
     }
 
-    /// Places of a pack lie on different segments; each lane is what it would be alone.
+    /// Places of a pack lie on different segments; each lane equals a separate evaluation.
     #[test]
-    fn lanes_of_a_pack_stand_where_they_stand_alone() {
+    fn lanes_of_a_pack_equal_separate_evaluations() {
         let pulleys = TwoPulley::new(0.168, 0.703);
         let theta = -0.35;
         let pack = Unaligned::frame_of(

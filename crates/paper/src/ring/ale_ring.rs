@@ -1,11 +1,11 @@
-//! `ALE` and `ALE0` as a ring model: the kinematics and the law that the variator uses, element by element.
+//! `ALE` and `ALE0` as a ring model, with the kinematics and the beam law of the variator.
 //!
-//! r = R(ξ, Θ) + Σ A_i S_i q_fi (10). A_i is the identity, or [t, n]_ref, see [`Directions`]. s and Θ repeat motions
-//! that q_f can make, so node 0 is locked to the reference curve: along the curve because of s, across it because of Θ.
-//! A curve without a ratio needs the first lock only; a second would hold the free ring. `ALE0` locks every node: the
-//! ring then has s and Θ alone.
+//! r = R(ξ, Θ) + Σ A_i S_i q_fi (10). A_i is the identity, or [t, n]_ref, see [`OverlayDirections`]. s and Θ duplicate
+//! motions of q_f, so node 0 is locked to the reference curve: along the curve because of s, across it because of Θ. A
+//! curve without a ratio has the first lock only; a second would constrain the free ring. `ALE0` locks every node, so
+//! the ring has s and Θ alone.
 //!
-//! In space (D = 3) nodes deflect along z too. Nothing is locked there: s and Θ don't move along z.
+//! In space (D = 3) nodes also deflect along z, without locks: s and Θ do not move along z.
 
 use super::Ring;
 use super::ale;
@@ -18,33 +18,33 @@ use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
 use crate::scalar::Real;
 use nalgebra::{SVector, Vector2};
 
-/// Holds for a deflection with D components and N = 4D + 2: an element's motion has N unknowns, which are deflection and
-/// slope of two nodes, s and Θ.
-pub trait Unknowns<const N: usize> {}
-/// The type that stands for a deflection with D components.
+/// Implemented for D components and N = 4D + 2, the number of unknowns of an element: deflection and slope of two nodes, s
+/// and Θ.
+pub trait UnknownCount<const N: usize> {}
+/// A deflection with D components.
 #[derive(Debug)]
 pub enum Deflection<const D: usize> {}
-impl Unknowns<DIRECTIONS> for Deflection<2> {}
-impl Unknowns<14> for Deflection<3> {}
+impl UnknownCount<DIRECTIONS> for Deflection<2> {}
+impl UnknownCount<14> for Deflection<3> {}
 
 /// Form in which the inertia is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inertia {
-    /// It keeps energy and drift momentum of the discrete ring exactly (`ale::add_conservative_inertia`).
+    /// Conserves energy and drift momentum of the discrete ring exactly (`ale::add_conservative_inertia`).
     Conservative,
-    /// It has the force of inertia at each point (`ale::add_inertia`).
+    /// The force of inertia at each point (`ale::add_inertia`).
     Pointwise,
 }
 
-/// Directions in which the overlay is counted: the matrices A_i of (10).
+/// Directions of the overlay: the matrices A_i of (10).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Directions {
+pub enum OverlayDirections {
     /// A_i = identity: x and y. The paper's choice for the variator, and the default.
     #[default]
     Fixed,
-    /// A_i = [t, n]_ref: along the reference curve and inwards. The deflection turns with the curve as Θ changes.
-    /// Slopes of nodes are those of the deflection itself, resolved in t and n, so that the ring has one tangent where
-    /// an arc meets a strand and A_i' jumps.
+    /// A_i = [t, n]_ref: along the reference curve and inwards. The deflection rotates with the curve as Θ changes.
+    /// Slopes of nodes are those of the deflection itself, resolved in t and n, so that the ring's tangent is
+    /// continuous where an arc meets a strand and A_i' jumps.
     Reference,
 }
 
@@ -53,23 +53,23 @@ pub enum Directions {
 pub struct AleRing<C, const D: usize = 2> {
     /// Parameters of the beam.
     pub ring: Ring,
-    /// The curve from which the overlay is counted.
+    /// The reference curve of the overlay.
     pub curve: C,
     /// Division of the curve into elements.
     pub mesh: RingMesh,
     /// Form of the inertia; conservative unless changed.
     pub inertia: Inertia,
     /// Directions of the overlay; fixed unless changed.
-    pub directions: Directions,
+    pub directions: OverlayDirections,
     flexible: bool,
 }
 
 /// Motion of an element and of the reference curve.
-struct Parts<T: Real, const D: usize> {
+struct ElementState<T: Real, const D: usize> {
     /// Overlay: in x and y, or along t and n; in space along z too.
     element: ElementMotion<T, D>,
     reference: ReferenceMotion<T>,
-    /// Ends of an element with [`Directions::Reference`].
+    /// Ends of an element with [`OverlayDirections::Reference`].
     rotated: Option<RotatedElement<T>>,
 }
 
@@ -80,7 +80,7 @@ impl<C: ReferenceCurve> AleRing<C> {
         Self::new(ring, curve, mesh, true)
     }
 
-    /// A ring that keeps to the reference curve, `q_f` = 0 (`ALE0`).
+    /// A ring that follows the reference curve, `q_f` = 0 (`ALE0`).
     #[must_use]
     pub fn rigid(ring: Ring, curve: C, mesh: RingMesh) -> Self {
         Self::new(ring, curve, mesh, false)
@@ -105,12 +105,17 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
             curve,
             mesh,
             inertia: Inertia::Conservative,
-            directions: Directions::Fixed,
+            directions: OverlayDirections::Fixed,
             flexible,
         }
     }
 
-    fn parts<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, motion: &[Motion<T>]) -> Parts<T, D> {
+    fn parts<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        motion: &[Motion<T>],
+    ) -> ElementState<T, D> {
         let (drift, theta) = (&motion[2 * Self::BLOCK], motion[2 * Self::BLOCK + 1]);
         let reference = ReferenceMotion {
             theta,
@@ -120,7 +125,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         let place = &self.mesh.elements[element];
         let length = Jet::constant(0.0).plus_scaled(C::segment_length(frame, place.segment), place.share);
         if !self.flexible {
-            return Parts {
+            return ElementState {
                 element: ElementMotion::rigid(length),
                 reference,
                 rotated: None,
@@ -136,14 +141,14 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
             acceleration: node(i, |m| m.acceleration),
         });
         let rotated = match self.directions {
-            Directions::Fixed => None,
-            Directions::Reference => {
+            OverlayDirections::Fixed => None,
+            OverlayDirections::Reference => {
                 let curvature = [place.start, place.start + place.share]
                     .map(|fraction| C::tangent_angle(frame, place.segment, fraction).kappa);
                 Some(RotatedElement::new(curvature, &reference.theta, &mut nodes))
             }
         };
-        Parts {
+        ElementState {
             element: ElementMotion::flexible(length, &reference.theta, &nodes),
             reference,
             rotated,
@@ -164,7 +169,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         frame: &C::Frame<T>,
         element: usize,
         station: &Station,
-        parts: &Parts<T, D>,
+        parts: &ElementState<T, D>,
     ) -> RingPoint<T, D> {
         let reference = self.reference_point(frame, element, station);
         if parts.rotated.is_none() {
@@ -175,12 +180,17 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         rotated_point(reference, &angle, &station.shape, &parts.element, &parts.reference)
     }
 
-    /// γ' that damping acts on: its mean over an element, 1/m. Zero where nothing damps.
-    fn strain_gradient<T: Real<Constant = f64>>(&self, frame: &C::Frame<T>, element: usize, parts: &Parts<T, D>) -> T {
+    /// γ' in the damping: its mean over an element, 1/m. Zero without damping.
+    fn strain_gradient<T: Real<Constant = f64>>(
+        &self,
+        frame: &C::Frame<T>,
+        element: usize,
+        parts: &ElementState<T, D>,
+    ) -> T {
         if self.ring.damping == 0.0 {
             return T::zero();
         }
-        // Weights of an element sum to one.
+        // The weights of an element sum to one.
         self.mesh.stations[element].iter().fold(T::zero(), |sum, station| {
             sum + self.point(frame, element, station, parts).strain_gradient * station.weight
         })
@@ -189,7 +199,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
     /// Adds a load over the length `weight`, m, on the ring at a station.
     fn add<T: Real<Constant = f64>>(
         station: &Station,
-        parts: &Parts<T, D>,
+        parts: &ElementState<T, D>,
         point: &RingPoint<T, D>,
         load: &Load<T, D>,
         weight: T,
@@ -210,7 +220,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         }
     }
 
-    fn rows<T: Real<Constant = f64>, const N: usize>(sum: &ElementLoad<T, D>, parts: &Parts<T, D>) -> [T; N] {
+    fn rows<T: Real<Constant = f64>, const N: usize>(sum: &ElementLoad<T, D>, parts: &ElementState<T, D>) -> [T; N] {
         let ([mut left, mut right], mut theta) = sum.nodes(&parts.element);
         if let Some(rotated) = &parts.rotated {
             rotated.nodes([&mut left, &mut right], &mut theta);
@@ -262,7 +272,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
 
 impl<C: ReferenceCurve + std::fmt::Debug, const D: usize, const N: usize> RingFormulation<D, N> for AleRing<C, D>
 where
-    Deflection<D>: Unknowns<N>,
+    Deflection<D>: UnknownCount<N>,
 {
     const BLOCK: usize = Self::BLOCK;
     const LAGRANGIAN: bool = false;
@@ -298,8 +308,8 @@ where
         let ratio = self.curve.has_ratio();
         // At ξ = 0, the leftmost point, y is along the curve and x across it.
         let (along, across) = match self.directions {
-            Directions::Fixed => (2, 0),
-            Directions::Reference => (0, 2),
+            OverlayDirections::Fixed => (2, 0),
+            OverlayDirections::Reference => (0, 2),
         };
         let mut held = match (self.flexible, ratio) {
             (false, _) => (0..blocks).collect(),
@@ -328,7 +338,7 @@ where
             let point = C::point::<f64>(&frame, element.segment, element.start);
             let [r, slope] = shape(point.xi.v);
             let (mut a, mut b) = (r - embed(point.r), slope - embed(point.t));
-            if self.directions == Directions::Reference {
+            if self.directions == OverlayDirections::Reference {
                 for v in [&mut a, &mut b] {
                     let planar: Vector2<f64> = in_plane(v);
                     (v[0], v[1]) = (planar.dot(&point.t), planar.dot(&point.n));

@@ -1,8 +1,8 @@
 //! A ring on a mesh that travels with it: Lagrangian elements of equal unstretched length l = L/n.
 //!
-//! The unknowns are positions, so s and Θ are no part of the motion. s still counts how far the mesh has moved: the
-//! particle at ξ is the one at x̄ = ξ − s (1). s follows from the mean drift, ṡ = ∮v·r' dx̄ / ∮r'·r' dx̄, which leaves as
-//! little as possible of v for the rest. Θ only places stations on the reference curve and is held.
+//! The unknowns are positions, so s and Θ are not coordinates of the motion. s measures the displacement of the mesh: the
+//! particle at ξ is at x̄ = ξ − s (1). s follows from the mean drift, ṡ = ∮v·r' dx̄ / ∮r'·r' dx̄, the least-squares fit of
+//! ṡ r' to v. Θ determines only the stations on the reference curve and is held.
 
 use super::Ring;
 use super::beam;
@@ -19,10 +19,10 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     /// Unknowns in a block.
     const BLOCK: usize;
 
-    /// Whether the membrane carries the mean strain of an element, or the strain of each point.
+    /// Whether the membrane energy uses the mean strain of an element, or the strain at each point.
     const MEAN_STRAIN: bool;
 
-    /// Shape functions at a place. `W` is a mesh constant, or the scalar itself where the mesh moves under the place.
+    /// Shape functions at a place. `W` is a mesh constant, or the scalar itself where the mesh moves past a fixed place.
     type Shape<W: Real>: Clone + std::fmt::Debug + Send + Sync;
 
     /// Motion of an element.
@@ -99,8 +99,8 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
         E::motion(self.element_length(), &motion[..NODAL])
     }
 
-    /// The particle at the local coordinate x of an element with these unknowns. x may carry derivatives: a station
-    /// that stands in space meets x̄ = ξ(Θ) − s, so x moves with s and Θ.
+    /// The particle at the local coordinate x of an element with these unknowns. x may have derivatives: a station fixed in
+    /// space is at x̄ = ξ(Θ) − s, so x depends on s and Θ.
     #[inline(always)]
     pub fn particle_at<T: Real + Mul<W, Output = T>, W: Real>(&self, unknowns: &[Motion<T>], x: W) -> Particle<T> {
         E::particle(&self.motion(unknowns), &E::shape(x))
@@ -120,7 +120,7 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
         E::conjugates(&motion, &force)
     }
 
-    /// Particles at the quadrature points, and the length that each stands for.
+    /// Particles at the quadrature points, and their quadrature weights dx̄, m.
     #[inline(always)]
     fn particles<'a, T: Real>(
         &'a self,
@@ -148,13 +148,13 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
         )
     }
 
-    /// A strain rate, or zero where nothing damps.
+    /// A strain rate, or zero without damping.
     #[inline(always)]
     fn damped<T: Real>(&self, rate: impl FnOnce() -> T) -> T {
         if self.ring.damping == 0.0 { T::zero() } else { rate() }
     }
 
-    /// Balance of an element with these unknowns: elements are alike.
+    /// Balance of an element with these unknowns, the same function for all elements.
     #[inline(always)]
     fn law<T: Real>(&self, motion: &Coordinates<T>) -> [T; DIRECTIONS] {
         let element = self.motion(motion);

@@ -1,5 +1,4 @@
-//! Ring models behind one trait, [`model::RingFormulation`]: [`ale_ring::AleRing`], [`ancf::Ancf`] and [`rcm::Rcm`]; and
-//! the ring alone as a [`system`] (paper 5).
+//! Ring models behind one trait, [`model::RingFormulation`]: [`ale_ring::AleRing`], [`ancf::Ancf`] and [`rcm::Rcm`].
 
 pub mod ale_ring;
 pub mod ancf;
@@ -10,6 +9,5 @@ pub mod model;
 pub mod particle;
 pub mod rcm;
 pub(crate) mod rotated;
-pub mod system;
 
 pub use pushbelt::ring::{Energy, Ring, ale, kinematics};

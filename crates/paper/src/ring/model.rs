@@ -1,13 +1,13 @@
-//! What a ring model is: the law of one element in the unknowns it depends on.
+//! The trait of a ring model: the law of one element as a function of its unknowns.
 //!
-//! Unknowns stand in blocks around the loop, one a ring element: its left node, then what belongs to the element alone.
-//! The border holds the drift s and Θ. An element depends on N of them: those of its own block and the next one's node,
-//! s, and Θ; N = 10 in the plane. From their motion a model calculates the ring's [`Particle`]s and the balance of inertia
+//! Unknowns are in blocks around the loop, one block per ring element: its left node, then unknowns of the element alone.
+//! The border holds the drift s and Θ. An element depends on N unknowns: those of its own block, the next block's node,
+//! s and Θ; N = 10 in the plane. From their motion a model computes the ring's [`Particle`]s and the balance of inertia
 //! and elasticity, and it maps forces on particles to forces on unknowns. Particles have D = 2 components, or 3 in space.
 //!
 //! | model | mesh | block | s | Θ |
 //! |---|---|---|---|---|
-//! | [`AleRing`](super::ale_ring::AleRing) | stands in space, material flows through | a_x, b_x, a_y, b_y: overlay and its slope | unknown of the motion | unknown of the motion |
+//! | [`AleRing`](super::ale_ring::AleRing) | fixed in space, material flows through | a_x, b_x, a_y, b_y: overlay and its slope | unknown of the motion | unknown of the motion |
 //! | the same in space, N = 14 | the same | a_x, b_x, a_y, b_y, a_z, b_z | the same | the same |
 //! | the same with q_f = 0 (`ALE0`) | the same | locked | the same | the same |
 //! | [`Ancf`](super::ancf::Ancf) | travels with the ring | x, x', y, y' | follows: mean drift | held |
@@ -22,39 +22,39 @@ use nalgebra::SVector;
 
 /// Unknowns that an element of a planar ring depends on: eight of its block and the next node, then s and Θ.
 pub const DIRECTIONS: usize = 10;
-/// Those of the [`DIRECTIONS`] that belong to blocks.
+/// Number of the [`DIRECTIONS`] that belong to blocks.
 pub const NODAL: usize = 8;
-/// Place of s among the [`DIRECTIONS`].
+/// Index of s among the [`DIRECTIONS`].
 pub const DRIFT: usize = 8;
 
 /// Motion of the unknowns that an element depends on.
 pub type Coordinates<T, const N: usize = DIRECTIONS> = [Motion<T>; N];
 
-/// Where a ring runs and how it is sloped: (r, r') at ξ.
+/// Shape of a ring: (r, r') at ξ.
 pub type Shape<'a, const D: usize = 2> = &'a dyn Fn(f64) -> [SVector<f64, D>; 2];
 
-/// A ring model on its mesh: of D components, with N unknowns an element, s and Θ the last two.
+/// A ring model on its mesh, with D components and N unknowns per element; s and Θ are the last two.
 pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + std::fmt::Debug {
     /// Unknowns in a block.
     const BLOCK: usize;
 
-    /// Whether the mesh travels with the ring. Its unknowns are positions then, s follows from the mean drift and Θ is
+    /// Whether the mesh travels with the ring. If so, its unknowns are positions, s follows from the mean drift and Θ is
     /// held; otherwise s and Θ are coordinates of the motion.
     const LAGRANGIAN: bool;
 
-    /// What depends on Θ alone, computed once for all elements.
+    /// Quantities that depend on Θ alone, computed once for all elements.
     type Frame<T: Real>: Clone;
 
     /// The parameters of the beam.
     fn ring(&self) -> &Ring;
 
-    /// The parameters of the beam, to be changed.
+    /// Mutable parameters of the beam.
     fn ring_mut(&mut self) -> &mut Ring;
 
     /// Unstretched length L, m.
     fn length(&self) -> f64;
 
-    /// How many elements the ring has.
+    /// Number of elements.
     fn elements(&self) -> usize;
 
     /// Quadrature points of an element: local coordinate x ∈ [−1, 1], weight (of sum 2).
@@ -63,16 +63,16 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
     /// Whether unknown `k` of a block is a length, m; otherwise it is an angle or a slope.
     fn is_length(&self, k: usize) -> bool;
 
-    /// Unknowns that are held, as indices of the vector.
+    /// Indices of the unknowns that are held.
     fn held(&self) -> Vec<usize>;
 
-    /// What depends on Θ alone, at this Θ.
+    /// The frame at Θ.
     fn frame<T: Real>(&self, theta: T) -> Self::Frame<T>;
 
     /// Element and local coordinate x of the particle that is at ξ when the ring has drifted by s.
     fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> (usize, f64);
 
-    /// Sets the unknowns `q` so that the nodes of a ring that has not drifted are on a shape; `q[Θ]` is given.
+    /// Sets the unknowns `q` so that the nodes are on a shape at s = 0; `q[Θ]` is given.
     fn place_on(&self, shape: Shape<'_, D>, q: &mut [f64]);
 
     /// Sets the unknowns `q` so that the nodes are on the reference curve; `q[Θ]` is given.
@@ -105,7 +105,7 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
         motion: &Coordinates<T, N>,
     ) -> [T; N];
 
-    /// [`RingFormulation::balance`] of an element in each lane, if elements differ in their unknowns only; otherwise none.
+    /// [`RingFormulation::balance`] of an element in each lane; `None` if elements differ by more than their unknowns.
     #[inline(always)]
     fn balance_of_many<T: Real<Constant = Lanes>>(&self, _motion: &Coordinates<T, N>) -> Option<[T; N]> {
         None
@@ -117,7 +117,7 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
     /// Power that damping dissipates in an element, W.
     fn dissipation(&self, frame: &Self::Frame<f64>, element: usize, motion: &Coordinates<f64, N>) -> f64;
 
-    /// Indices of the vector of the unknowns that an element depends on.
+    /// Indices of the unknowns of an element.
     fn directions(&self, element: usize) -> [usize; N] {
         let blocks = self.elements() * Self::BLOCK;
         std::array::from_fn(|k| match k {

@@ -1,9 +1,9 @@
-//! A ring particle: where the ring is at a place, and how its material moves there. Every ring model calculates its
+//! A ring particle: position of the ring at a place, and motion of its material there. Every ring model computes its
 //! particles from its unknowns, and maps forces on them to forces on its unknowns.
 //!
 //! A prime is the derivative along the unstretched ring, ∂/∂ξ at fixed time = ∂/∂x̄ (1), and velocities are those of
-//! the material. The mesh of chain and contact stands in space. The chain needs the ring at a mesh point η:
-//! [`Particle::at_station`] makes this [`RingPoint`] from the particle that passes there,
+//! the material. The mesh of chain and contact is fixed in space. The chain uses the ring at a mesh point η:
+//! [`Particle::at_station`] computes this [`RingPoint`] from the particle that passes there,
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 
@@ -12,7 +12,7 @@ use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
 
-/// The ring at a place, and its material there.
+/// The ring at a place, and the motion of its material there.
 #[derive(Clone, Copy, Debug)]
 pub struct Particle<T: Real, const D: usize = 2> {
     /// Position r, m.
@@ -48,7 +48,7 @@ impl<T: Real, const D: usize> Particle<T, D> {
         self.slope.dot(&self.velocity_slope) * self.stretch().1
     }
 
-    /// The ring at a mesh point that is at `reference` now and follows its curve.
+    /// The ring at a mesh point of the reference curve, currently at `reference`.
     #[inline(always)]
     pub fn at_station(&self, reference: ReferencePoint<T>, motion: &ReferenceMotion<T>) -> RingPoint<T, D> {
         let (w, w_dot) = motion.material_speed(&reference.xi);
@@ -97,7 +97,7 @@ impl<T: Real, const D: usize> From<&RingPoint<T, D>> for Particle<T, D> {
     }
 }
 
-/// Forces per length on a particle, conjugate to its virtual displacement and to the primes of that.
+/// Forces per length on a particle, conjugate to its virtual displacement and the derivatives of that along ξ.
 #[derive(Clone, Copy, Debug)]
 pub struct ParticleLoad<T: Real, const D: usize = 2> {
     /// Conjugate to δr, N/m.
@@ -120,8 +120,8 @@ impl<T: Real, const D: usize> ParticleLoad<T, D> {
     }
 }
 
-/// A load on the particle that passes a mesh point: virtual displacements at fixed x̄ are δr|_η + r' δσ, δσ the
-/// drift through the mesh. Of a load k on r'' the part in δσ is left out, because it needs r'''.
+/// The load on a mesh point from one on the particle that passes it: virtual displacements at fixed x̄ are δr|_η + r' δσ,
+/// δσ the drift through the mesh. The part in δσ of a load on r'' is neglected, because it contains r'''.
 #[inline(always)]
 #[must_use]
 pub fn load_of_particle<T: Real, const D: usize>(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> Load<T, D> {

@@ -3,22 +3,22 @@
 //! Source (the paper's [13, 14, 41, 43]; Zander and Ulbrich 2006, "Reference-free mixed FE-MBS approach for beam
 //! structures with constraints", Nonlinear Dyn. 46, as the paper's program MBSim has it in `FiniteElement1s21RCM`): the
 //! coordinates of an element are the positions and angles of its two nodes and two inner bending coordinates,
-//! (x₁, y₁, φ₁, c_L, c_R, x₂, y₂, φ₂), five unknowns an element of a ring; from them follow a rigid-body motion of the
-//! element, one axial strain, and a small bending deflection; neighbours share position and tangent of their node.
+//! (x₁, y₁, φ₁, c_L, c_R, x₂, y₂, φ₂), five unknowns per element of a ring. They determine a rigid-body motion of the
+//! element, one axial strain, and a small bending deflection. Neighbours share position and tangent of their node.
 //!
-//! The rest is this project's own, because the source's frame (at the middle of the element, its halves along the end
-//! tangents) needs much longer formulas for the same beam. With x = x̄/l ∈ [0, 1] and ⊥ the right turn (inwards):
+//! The formulation below is this project's own. The source's frame (at the middle of the element, its halves along the end
+//! tangents) has much longer formulas for the same beam. With x = x̄/l ∈ [0, 1] and ⊥ a right turn (inwards):
 //!
-//! - frame: the chord g = (r₂ − r₁)/l; lengths along and across it are counted in units of |g|, c_L and c_R too,
+//! - frame: the chord g = (r₂ − r₁)/l; lengths along and across it, c_L and c_R included, are in units of |g|,
 //! - bending: w(x) = l Σ p_k N_k(x) with N_k quintic, p = (θ₁, θ₂, c_L/l, c_R/l), so c_L and c_R are the deflections
-//!   at the quarter points; end slopes θ_i = t(φ_i)·g⊥/g², so that
+//!   at the quarter points; end slopes are θ_i = t(φ_i)·g⊥/g², so that
 //!   g⊥ w' across the chord is the sine of the angle between tangent and chord (up to the strain),
-//! - the deflection shortens its projection: u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²] keeps |r'| even to the order of w'⁴,
+//! - the deflection shortens its projection: with u(x) = −½l [∫₀ˣ w'² − x∫₀¹ w'²], |r'| is uniform up to the order w'⁴,
 //! - r = r₁ + g (x̄ + u) + g⊥ w.
 //!
-//! Angles enter by sine and cosine of φ only, so the ring may turn without end. Energy is that of `beam.rs` with
-//! the mean strain of the element: the deflection of an inextensible arc then costs no membrane energy (no locking).
-//! Limits: an element may turn by less than about 1 rad; inside an element the stretch is even up to w'⁴/8.
+//! The equations contain φ in sine and cosine only, so rotations are unlimited. The energy is that of `beam.rs` with the
+//! mean strain of the element: the deflection of an inextensible arc has no membrane energy (no locking).
+//! Limits: an element must turn by less than about 1 rad; within an element the stretch is uniform up to w'⁴/8.
 
 use super::kinematics::Motion;
 use super::lagrangian::{LagrangianElement, LagrangianRing};
@@ -79,7 +79,7 @@ pub struct RcmForce<T: Real> {
     p: [T; 4],
 }
 
-/// Unit tangent (sin φ, cos φ) at the angle φ; its derivative is [`turn_right`] of it.
+/// Unit tangent (sin φ, cos φ) at the angle φ. Its derivative is its [`turn_right`].
 fn tangent<T: Real>(phi: T) -> Vector2<T> {
     let (sin, cos) = phi.sin_cos();
     Vector2::new(sin, cos)
@@ -91,7 +91,7 @@ fn sum<T: Real + Mul<W, Output = T>, W: Copy>(weights: &[W; 4], p: &[T; 4]) -> T
     p[0] * weights[0] + p[1] * weights[1] + p[2] * weights[2] + p[3] * weights[3]
 }
 
-/// a·b of four.
+/// a·b of vectors of four.
 #[inline(always)]
 fn dot<T: Real>(a: &[T; 4], b: &[T; 4]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]

@@ -1,14 +1,14 @@
-//! The overlay in directions that turn with the reference curve: A_i = [t, n]_ref in (10). In space the third column is
-//! e_z; b_ref = t × n = −e_z is as constant, and with this sign w is the same number for either choice of A_i.
+//! The overlay in directions that rotate with the reference curve: A_i = [t, n]_ref in (10). In space the third column is
+//! e_z. b_ref = t × n = −e_z is also constant; with e_z the sign of w is the same for both choices of A_i.
 //!
 //! With d = (d_t, d_n) along t and n, κ and χ of the reference curve, and J v = (v_n, −v_t):
 //!
 //! - u = A d, u' = A e, e = d' − κ J d, u'' = A (d'' − 2κ J d' − κ² d), since t' = κ n and n' = −κ t,
 //! - u̇ = A (ḋ − χ̇ J d), ü = A (d̈ − 2χ̇ J ḋ − χ̈ J d − χ̇² d), (u')˙ = A (ė − χ̇ J e), dots at fixed η.
 //!
-//! d is interpolated on elements by the same Hermite functions as with fixed directions. κ is constant on an arc or
-//! strand and jumps in between, so with d' continuous the tangent of the ring would not be: nodes hold e, and an
-//! element's d' = e + κ J d with the curvature of its own side.
+//! d is interpolated by the same Hermite functions as with fixed directions. κ is constant on an arc or strand and jumps
+//! at their borders, where a continuous d' would make the tangent of the ring discontinuous. The nodal unknown is therefore
+//! e, and an element has d' = e + κ J d with the curvature of its own side.
 
 use super::kinematics::{
     ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane, inward_normal,
@@ -17,14 +17,14 @@ use crate::reference_curve::{Jet, ReferencePoint, TangentAngle};
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::{SVector, Vector2};
 
-/// What an element needs to change between the slopes e of its nodes and its own d'.
+/// Conversion between the slopes e of the nodes and d' of an element.
 pub struct RotatedElement<T: Real> {
     curvature: [Jet<T>; 2],
     deflection: [Vector2<T>; 2],
 }
 
 impl<T: Real> RotatedElement<T> {
-    /// Changes the slopes of `nodes` from e to d'; `curvature` of the reference curve at the two ends.
+    /// Converts the slopes of `nodes` from e to d'. `curvature` is that of the reference curve at the two ends.
     pub fn new<const D: usize>(curvature: [Jet<T>; 2], theta: &Motion<T>, nodes: &mut [Motion<Node<T, D>>; 2]) -> Self {
         let deflection = [in_plane(&nodes[0].value.a), in_plane(&nodes[1].value.a)];
         for (node, k) in nodes.iter_mut().zip(&curvature) {
@@ -38,7 +38,7 @@ impl<T: Real> RotatedElement<T> {
         Self { curvature, deflection }
     }
 
-    /// Conjugates of the nodes' e and of Θ from those of d'.
+    /// Converts conjugates of d' to those of the nodes' e and of Θ.
     pub fn nodes<const D: usize>(&self, nodes: [&mut Node<T, D>; 2], theta: &mut T) {
         for ((node, k), a) in nodes.into_iter().zip(&self.curvature).zip(&self.deflection) {
             let b = in_plane(&node.b);
@@ -48,7 +48,7 @@ impl<T: Real> RotatedElement<T> {
     }
 }
 
-/// No reference curve: a mesh point on it is at the origin with zero slope, so that the point is d itself.
+/// A degenerate reference curve at the origin with zero slope, so that the point of the ring is d itself.
 fn nowhere<T: Real>(reference: &ReferencePoint<T>) -> ReferencePoint<T> {
     let zero = zero_vector();
     ReferencePoint {
@@ -73,12 +73,12 @@ fn deflection<T: Real, const D: usize>(
     RingPoint::new(nowhere(reference), shape, element, motion)
 }
 
-/// `v` with other components in the plane.
+/// `v` with its in-plane components replaced.
 fn turned<T: Real, const D: usize>(in_plane: Vector2<T>, v: &SVector<T, D>) -> SVector<T, D> {
     SVector::from_fn(|i, _| if i < 2 { in_plane[i] } else { v[i] })
 }
 
-/// Kinematics at `shape` of an element whose overlay is d.
+/// Kinematics of an element with overlay d where its shape functions are `shape`.
 pub fn rotated_point<T: Real, const D: usize>(
     reference: ReferencePoint<T>,
     angle: &TangentAngle<T>,
@@ -115,7 +115,7 @@ pub fn rotated_point<T: Real, const D: usize>(
     point
 }
 
-/// Adds a load over the length `weight`, m, at a point of [`rotated_point`]: its transpose.
+/// Adds a load over the length `weight`, m, at a point of [`rotated_point`]: the transpose of its velocities.
 pub fn rotated_load<T: Real, const D: usize>(
     load: &Load<T, D>,
     point: &RingPoint<T, D>,

@@ -1,4 +1,4 @@
-//! Equations of the belt with a ring that travels with its mesh under the cells.
+//! Equations of the belt with a travelling ring.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::lagrangian::{LagrangianElement, LagrangianRing};
@@ -17,7 +17,7 @@ use pushbelt::variator::belt_ring::{
     Assembly, Belt, InForce, Layout, NoObserver, PulleyLoad, ResultantSlopes, Sample, Sampler, Transport, Transports,
 };
 
-/// Slopes of a cell's figures in the balance of the amounts, in the directions `at`.
+/// Derivatives of the transport quantities of a cell in the directions `at`.
 #[derive(Clone, Copy, Debug)]
 struct CellSlopes {
     at: [usize; MOST],
@@ -35,7 +35,7 @@ impl Default for CellSlopes {
     }
 }
 
-/// Cells over a ring of elements `E` that travel.
+/// Cells over a travelling ring of elements `E`.
 #[derive(Clone, Debug)]
 pub(crate) struct TravellingCells<E: LagrangianElement> {
     ring: LagrangianRing<E, TwoPulley>,
@@ -68,7 +68,7 @@ impl<E: LagrangianElement> TravellingCells<E> {
         }
     }
 
-    /// Adds the derivatives of the ring's own elements, and finds those of their mean tensions.
+    /// Adds the derivatives of the ring's own elements, and computes those of their mean tensions.
     fn add_ring_slopes(&mut self, layout: &Layout, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
         for element in 0..self.ring.elements() {
             let seed = Tangent::<NODAL, f64>::seed;
@@ -107,17 +107,17 @@ impl<E: LagrangianElement> TravellingCells<E> {
     }
 }
 
-/// Frames of the curve, still and moving with the first directions of a pass.
-struct Frames {
+/// Frames of the curve without derivatives, and with those in a direction of a pass.
+struct PassFrames {
     still: TwoPulleyFrame<Slopes>,
     moving: [TwoPulleyFrame<Slopes>; PASS],
 }
 
-/// Adds the derivatives of a cell's rows to the matrix, and records those of its figures in the balance of the amounts.
+/// Adds the derivatives of a cell's rows to the matrix, and records those of its transport quantities.
 fn add_cell_slopes<E: LagrangianElement>(
     evaluation: &Evaluation<'_, E>,
     over: &CellOver,
-    frames: &Frames,
+    frames: &PassFrames,
     slopes: [f64; 2],
     (of_cell, transports): (&mut CellSlopes, &mut Transports),
     (out, resultants): (&mut Arrow, &mut ResultantSlopes),
@@ -237,7 +237,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         let s = view.q[layout.drift()];
         let shape = belt.curve.shape(belt.theta(view));
         let frame = shape.frame(0.0);
-        let frames = Frames {
+        let frames = PassFrames {
             still: shape.frame(Slopes::from(0.0)),
             moving: std::array::from_fn(|k| shape.frame(Slopes::seed(0.0, k, beta))),
         };

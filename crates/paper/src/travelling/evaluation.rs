@@ -1,4 +1,4 @@
-//! A cell over a ring that travels with its mesh, evaluated in plain numbers or with derivatives.
+//! A cell over a travelling ring, evaluated with plain numbers or with derivatives.
 
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TwoPulley, TwoPulleyFrame};
 use crate::ring::beam;
@@ -17,22 +17,22 @@ pub(super) const PASS: usize = 4;
 /// A number with its derivatives in the directions of a pass.
 pub(super) type Slopes = Tangent<PASS, f64>;
 
-/// Tension of an element that carries its mean strain, N, and its slopes in the element's unknowns.
+/// Tension of an element at its mean strain, N, and its derivatives with respect to the element's unknowns.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MeanTension {
     pub value: f64,
     pub slopes: [f64; NODAL],
 }
 
-/// The scalars in which a cell is evaluated, and the directions of their derivatives.
+/// The scalars of an evaluation of a cell, and the directions of their derivatives.
 pub(super) trait Scalars: Copy {
     /// Scalar of the equations.
     type T: Real<Constant = f64> + Mul<Self::W, Output = Self::T>;
-    /// Scalar of places on the ring: a plain number where nothing moves the mesh.
+    /// Scalar of places on the ring: a plain number where the mesh is fixed.
     type W: Real;
     /// Factors of ẏ and q in the derivatives.
     fn slopes(&self) -> [f64; 2];
-    /// The scalar of a value, its direction and its slope.
+    /// The scalar of a value, its direction and its derivative.
     fn seed(&self, value: f64, direction: usize, slope: f64) -> Self::T;
     /// The scalar of a place on the ring.
     fn place(&self, place: Self::T) -> Self::W;
@@ -58,7 +58,7 @@ impl Scalars for Values {
     }
 }
 
-/// Derivatives in the directions `first` and on, which leave the mesh where it is.
+/// Derivatives in the directions from `first` on, none of which moves the mesh.
 #[derive(Clone, Copy)]
 pub(super) struct Still {
     pub first: usize,
@@ -81,7 +81,7 @@ impl Scalars for Still {
     }
 }
 
-/// Derivatives in the directions `first` and on, of which one moves the mesh.
+/// Derivatives in the directions from `first` on, one of which moves the mesh.
 #[derive(Clone, Copy)]
 pub(super) struct Moving(pub Still);
 
@@ -101,7 +101,7 @@ impl Scalars for Moving {
     }
 }
 
-/// Belt, state and ring at which cells are evaluated.
+/// Belt, state and ring of an evaluation of cells.
 pub(super) struct Evaluation<'a, E: LagrangianElement> {
     pub acting: InForce<'a>,
     pub view: View<'a>,
@@ -111,13 +111,13 @@ pub(super) struct Evaluation<'a, E: LagrangianElement> {
 
 /// The unknowns of a cell as scalars, by their directions.
 #[derive(Clone, Copy)]
-struct CellUnknowns<'a, S> {
+struct CellScalars<'a, S> {
     view: View<'a>,
     at: &'a [usize],
     scalars: S,
 }
 
-impl<S: Scalars> CellUnknowns<'_, S> {
+impl<S: Scalars> CellScalars<'_, S> {
     #[inline(always)]
     fn position(&self, k: usize) -> S::T {
         let [_, beta] = self.scalars.slopes();
@@ -147,7 +147,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         observer: &mut P,
     ) -> CellRows<S::T> {
         let InForce { belt, law, friction } = self.acting;
-        let of = CellUnknowns {
+        let of = CellScalars {
             view: self.view,
             at: over.unknowns(),
             scalars,
@@ -163,7 +163,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
         let place = Place {
-            // The mesh's own stations have fractions of the segment.
+            // Stations of the mesh have fractions of the segment.
             of_segment: [0.0, 1.0],
             face: &of_mesh.face,
             stations: &of_mesh.stations,
@@ -198,7 +198,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         }
     }
 
-    /// Drag of the ring's layers on the arc of a pulley, as a share of the load that presses the ring on it.
+    /// Drag of the ring's layers on the arc of a pulley, as a share of the ring's normal load.
     fn layer_drag<T: Real>(&self, frame: &TwoPulleyFrame<T>, pulley: Pulley) -> T {
         let law = self.acting.law;
         let radii = frame.radius.map(|radius| radius.v - law.chain.pitch_offset);
@@ -212,7 +212,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         over: &CellOver,
         slot: usize,
         x: S::T,
-        of: &CellUnknowns<'_, S>,
+        of: &CellScalars<'_, S>,
     ) -> RingAtSlot<S::T, S::W, E> {
         let first = over.first(slot);
         let unknowns: [Motion<S::T>; NODAL] = std::array::from_fn(|k| Motion {
@@ -236,8 +236,8 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         }
     }
 
-    /// Tension of an element that carries its mean strain, N, whose first direction is `first`. Sampled, it is that of the
-    /// state at hand.
+    /// Tension at the mean strain of an element whose first direction is `first`, N. For samples it is computed at the
+    /// current state.
     #[inline(always)]
     fn mean_tension<S: Scalars, P: Observer<S::T>>(&self, element: usize, first: usize, scalars: S) -> S::T {
         if P::SAMPLES {
@@ -252,7 +252,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
     }
 }
 
-/// Motion of the unknowns of an element: `seed` makes a scalar of a value, its direction and its slope.
+/// Motion of the unknowns of an element: `seed` makes a scalar from a value, its direction and its derivative.
 pub(super) fn coordinates<T: Real>(
     layout: &Layout,
     view: View<'_>,

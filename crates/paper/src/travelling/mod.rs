@@ -1,4 +1,4 @@
-//! Rings whose nodes travel with the material, under the cells.
+//! Travelling rings: their nodes move with the material under the cells.
 
 pub(crate) mod assembly;
 mod evaluation;

@@ -1,14 +1,14 @@
-//! Order of the unknowns in the matrix where the ring travels with its mesh.
+//! Order of the unknowns in the matrix for a travelling ring.
 //!
-//! Its nodes pass under the cells, so neighbours change. The vector keeps its order. Each Jacobian sorts cells and nodes
-//! by their position along the belt at that moment, and divides this order into blocks of equal size.
-//! Blocks hold as many unknowns as any coupling reaches, so the matrix is an arrow again.
+//! Its nodes pass under the cells, so neighbours change. The order of the vector is constant. Each Jacobian sorts cells and
+//! nodes by their current position along the belt, and divides this order into blocks of equal size. The block size is
+//! the largest distance of two coupled unknowns, so the result is an arrow matrix.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame, ratio_of_theta};
 use pushbelt::variator::belt_ring::{Belt, BeltMesh, Cell, Layout, SLOTS};
 use pushbelt::variator::settings::Parameters;
 
-/// Nodes of a ring that travels.
+/// Nodes of a travelling ring.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Travelling {
     /// Number of nodes, and of elements.
@@ -29,14 +29,14 @@ impl Travelling {
         }
     }
 
-    /// Element at the unstretched place x̄, m, around the loop, and its number counted on over turns.
+    /// Element at the unstretched place x̄, m, around the loop, and its number without wrapping.
     #[inline]
     pub fn element(&self, place: f64) -> (usize, f64) {
         let count = (place / self.length).floor();
         (self.wrap(count), count)
     }
 
-    /// A whole number counted on over turns, as the number of a node.
+    /// Node number from a number without wrapping.
     #[inline]
     fn wrap(&self, count: f64) -> usize {
         let nodes = self.nodes as f64;
@@ -50,11 +50,11 @@ impl Travelling {
     }
 }
 
-/// Unknowns beyond the farthest coupling that was found, for states in between those examined.
+/// Margin of unknowns beyond the farthest coupling of the examined states.
 const MARGIN: usize = 4;
-/// Shapes of the curve, between the end stops, for which the matrix must hold every coupling.
+/// Number of examined shapes of the curve between the end stops.
 const SHAPES: u32 = 16;
-/// Drifts within an element at which the couplings are examined.
+/// Number of examined drifts within an element.
 const DRIFTS: u32 = 8;
 
 /// Places ξ of the slots of every cell, m.
@@ -82,7 +82,7 @@ fn shapes(parameters: &Parameters, curve: &TwoPulley) -> Vec<f64> {
         .collect()
 }
 
-/// Number and size of the blocks that hold every coupling of a ring that travels, at any ratio that the stops allow.
+/// Number and size of the blocks that contain every coupling of a travelling ring, at all ratios between the stops.
 pub(crate) fn blocks(layout: &Layout, mesh: &BeltMesh, parameters: &Parameters, curve: &TwoPulley) -> [usize; 2] {
     let travelling = &Travelling::of(layout, curve);
     let total = layout.cell_unknowns() + travelling.nodes * travelling.block;
@@ -102,7 +102,7 @@ pub(crate) fn blocks(layout: &Layout, mesh: &BeltMesh, parameters: &Parameters, 
     [count, total.div_ceil(count)]
 }
 
-/// Places along the belt, without gaps: cells and nodes merged.
+/// Consecutive places of cells and nodes along the belt.
 fn line_up(layout: &Layout, travelling: &Travelling, faces: &[f64], s: f64, places: &mut [usize]) {
     let &Travelling { nodes, block, length } = travelling;
     // The first node after ξ = 0, and where it is.
@@ -130,7 +130,7 @@ fn line_up(layout: &Layout, travelling: &Travelling, faces: &[f64], s: f64, plac
     append_nodes_before(f64::INFINITY, &mut append);
 }
 
-/// Distance of the two unknowns farthest apart that depend on each other.
+/// Largest distance of two coupled unknowns.
 fn farthest(
     layout: &Layout,
     travelling: &Travelling,
@@ -216,7 +216,7 @@ impl Order {
             let block = place * blocks / total;
             block * size + place - start(block)
         }));
-        // What is left free in the blocks.
+        // Unused places in the blocks.
         for block in 0..blocks {
             let used = start(block + 1) - start(block);
             self.order.extend((used..size).map(|k| block * size + k));

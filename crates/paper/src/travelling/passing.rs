@@ -1,18 +1,18 @@
 //! A Lagrangian ring that passes under the cells: `ANCF` and `RCM` in the variator.
 //!
-//! The stations of chain and contact stand in space. The ring passes under them: the particle at a station ξ is
-//! x̄ = ξ − s (1). The ring's own forces are balanced on its own elements
+//! The stations of chain and contact are fixed in space and the ring passes under them: the particle at a station ξ is
+//! x̄ = ξ − s (1). The ring's own forces are assembled on its own elements
 //! ([`LagrangianRing`](crate::ring::lagrangian::LagrangianRing)). The loads of chain and contact at a station act on the
-//! nodes of the element that is there.
+//! nodes of the element under it.
 //!
-//! s and Θ only move the mesh of the stations, so they repeat motions of the ring, as in `ALE`, and as there two
-//! conditions with multipliers hold them: the reference curve R follows the ring as least squares would have it,
+//! s and Θ only move the mesh of the stations. As in `ALE` they duplicate motions of the ring, and two conditions with
+//! multipliers constrain them: the reference curve R follows the ring in the least-squares sense,
 //!
 //! ∮ (ḋ + d/τ)·G dξ = 0, d = r − R, with G = R' for s and G = ∂R/∂Θ for Θ.
 //!
-//! With δr|_η = δr − r' δw, δw = δs − (∂ξ/∂Θ) δΘ, every virtual motion of the mesh has its row, so the power of chain
-//! and contact arrives at the ring without remainder. The multipliers are small: they carry what the pitch line's
-//! reference curvature (λ = |r'| − e κ_ref) leaves of a change of s alone.
+//! With δr|_η = δr − r' δw, δw = δs − (∂ξ/∂Θ) δΘ, every virtual motion of the mesh has a row, so the power between ring,
+//! chain and contact is balanced. The multipliers are small: they balance the force on s alone that results from the
+//! reference curvature in the pitch line (λ = |r'| − e κ_ref).
 
 use crate::reference_curve::ReferencePoint;
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
@@ -25,21 +25,21 @@ use crate::travelling::order::Travelling;
 use pushbelt::variator::belt_ring::{Action, Belt, CellBalance, CellRing, HOLD, Layout, RingDensity, SLOTS};
 use std::ops::Mul;
 
-/// Time τ within which the reference curve follows the ring, s: some passes of an element.
+/// Time constant τ with which the reference curve follows the ring, s: some passes of an element.
 const FOLLOWING_TIME: f64 = 0.02;
 
 /// Directions of a cell: unknowns of the elements under its slots, V, V, N, then s, Θ, z, ψ_x, ψ_y, ω and two
 /// multipliers.
 pub(super) const MOST: usize = NODAL * SLOTS + OTHERS;
 pub(super) const OTHERS: usize = 11;
-/// Place of the amount among the others; its row is the flux.
+/// Index of the amount among the others. Its row is the balance of the fluxes.
 pub(super) const AMOUNT: usize = 2;
-/// Places of s, Θ and the first multiplier among the others.
+/// Indices of s, Θ and the first multiplier among the others.
 pub(super) const DRIFT: usize = 3;
 pub(super) const THETA: usize = 4;
 pub(super) const GAUGE: usize = 9;
 
-/// A cell with the elements of the ring that are under its slots.
+/// A cell and the elements of the ring under its slots.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellOver {
     /// The cell.
@@ -49,7 +49,7 @@ pub(super) struct CellOver {
     count: usize,
     /// Index in `elements` of the element under each slot.
     of_slot: [usize; SLOTS],
-    /// Its number counted on over turns.
+    /// Its number without wrapping.
     pub turn: [f64; SLOTS],
     /// Unknowns of the directions.
     at: [usize; MOST],
@@ -144,12 +144,11 @@ pub(super) struct PassingForces<T> {
     pub nodal: [[T; NODAL]; SLOTS],
     pub drift: T,
     pub theta: T,
-    /// The two conditions.
+    /// Residuals of the two conditions.
     pub gauge: [T; 2],
 }
 
-/// The ring that passes under a cell. `W` is the scalar of places on the ring: a plain number where nothing moves the
-/// mesh.
+/// The ring that passes under a cell. `W` is the scalar of places on the ring: a plain number where the mesh is fixed.
 pub(super) struct Passing<'a, T: Real, W: Real, E: LagrangianElement> {
     slots: [Option<RingAtSlot<T, W, E>>; SLOTS],
     motion: &'a ReferenceMotion<T>,
@@ -158,7 +157,7 @@ pub(super) struct Passing<'a, T: Real, W: Real, E: LagrangianElement> {
 }
 
 impl<'a, T: Real, W: Real, E: LagrangianElement> Passing<'a, T, W, E> {
-    /// The ring at the slots of a cell, held by `multipliers`.
+    /// The ring at the slots of a cell, with these `multipliers`.
     #[inline(always)]
     pub fn new(
         slots: [Option<RingAtSlot<T, W, E>>; SLOTS],
@@ -178,7 +177,7 @@ impl<'a, T: Real, W: Real, E: LagrangianElement> Passing<'a, T, W, E> {
         }
     }
 
-    /// Forces of the loads that were applied.
+    /// Generalised forces of the applied loads.
     pub fn into_forces(self) -> PassingForces<T> {
         self.forces
     }
@@ -201,7 +200,7 @@ impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> fo
         let Some(at) = &self.slots[slot] else { return };
         let reference = &point.reference;
         let weight = action.weight;
-        // What the mesh point would have to do to follow s and Θ.
+        // Virtual motion of the mesh point with s and Θ.
         let along = reference.t;
         let across = reference.r_theta - reference.t * reference.xi.d;
         let off = (point.r - reference.r) * T::from(FOLLOWING_TIME.recip()) + point.r_dot
@@ -241,7 +240,7 @@ pub(super) struct CellRows<T: Real> {
 }
 
 impl<T: Real> CellRows<T> {
-    /// Rows of V, V and of the globals, in the order of the directions after the elements'.
+    /// Rows of V, V and of the globals, in the order of the directions.
     pub fn others(&self) -> [T; OTHERS] {
         let (b, ring) = (&self.balance, &self.ring);
         [

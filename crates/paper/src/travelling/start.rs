@@ -1,9 +1,9 @@
-//! Start of a ring that travels with its mesh, on the shape of the deflecting ring of `ALE`.
+//! Start of a travelling ring on the shape of the deflecting ring of `ALE`.
 //!
-//! Its nodes pass under the stations, so it has no steady state, only one that repeats with every element. The steady
-//! solver finds the state of `ALE`. Nodes get its r(ξ) and its slope, and the velocity of the material; everything else is
-//! the same. The elements can't follow this shape exactly, and it stretches them; both settle within the first pass of an
-//! element.
+//! Its nodes pass under the stations, so it has no steady state but a periodic one, with the period of an element. The
+//! steady solver computes the state of `ALE`. Position, slope and velocity of the nodes are those of its material;
+//! everything else is the same. The elements cannot follow this shape exactly and are stretched by it. This transient
+//! decays within the first pass of an element.
 
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
 use crate::ring::ale_ring::AleRing;
@@ -16,10 +16,10 @@ use crate::solver::State;
 use pushbelt::variator::belt_ring::Belt;
 use std::f64::consts::{PI, TAU};
 
-/// Half the time over which the unknowns of the ring are differentiated, s: it moves by a micrometre.
+/// Half the time of the difference quotient of the unknowns, s, in which the ring moves by a micrometre.
 const MOMENT: f64 = 1.0e-7;
 
-/// The state in which the `ring` of `belt` has the shape of that of `ale`, which has the same mesh and the deflecting ring.
+/// The state of `belt` in which its `ring` has the shape of the deflecting ring of `ale`, on the same mesh.
 #[must_use]
 pub(crate) fn state_on_ale<E: LagrangianElement>(
     belt: &Belt,
@@ -53,7 +53,7 @@ pub(crate) fn state_on_ale<E: LagrangianElement>(
     for i in 0..layout.ring.nodes * layout.ring.per_node {
         let mut change = after[i] - before[i];
         if !layout.ring.is_length(i % layout.ring.per_node) {
-            // Angles are counted within a turn.
+            // Difference of angles, within half a turn.
             change = (change + PI).rem_euclid(TAU) - PI;
         }
         out.q[first + i] = now[i];

@@ -1,4 +1,4 @@
-//! `PushbeltPaper.fmu`: the variator with the belts that the paper compares.
+//! `PushbeltPaper.fmu`: the variator with the belts of the paper's comparison.
 
 #[cfg(feature = "fmu")]
 #[allow(unsafe_code, non_snake_case)]

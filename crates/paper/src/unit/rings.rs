@@ -1,4 +1,4 @@
-//! The variables that choose among the paper's belts.
+//! The variables that select one of the paper's belts.
 
 use crate::belts::{Rotated, Travels, on_mesh};
 use crate::ring::ancf::AncfElement;
@@ -49,16 +49,16 @@ static RING_MODEL: Enumeration = Enumeration {
     ],
 };
 
-/// The paper's belts, with the parameters that choose among them.
+/// The parameters that select one of the paper's belts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PaperRings {
     /// Number of the ring model, an item of `ring.model`.
     pub model: i32,
     /// Whether element borders follow the arc borders.
     pub aligned: bool,
-    /// Whether the deflection is counted along the reference curve and across it.
+    /// Whether the deflection is along the directions of the reference curve.
     pub reference_directions: bool,
-    /// Elements of a ring that travels with its mesh; 0 for the usual number.
+    /// Number of elements of a travelling ring; 0 for the default.
     pub elements: i32,
 }
 

@@ -1,5 +1,4 @@
-//! What only the Eulerian ring has: forms of its inertia, the reference motion, the choice of directions and of the
-//! mesh.
+//! The Eulerian ring: forms of its inertia, the reference motion, the choice of directions and of the mesh.
 
 use nalgebra::DVector;
 use pushbelt::solver::State;
@@ -11,7 +10,6 @@ use pushbelt_paper::ring::kinematics::{Motion, ReferenceMotion};
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::particle::Particle;
-use pushbelt_paper::ring::system::RingSystem;
 use pushbelt_paper_lab::*;
 use std::f64::consts::TAU;
 
@@ -72,8 +70,8 @@ fn wave_inertia_error<C: ReferenceCurve + std::fmt::Debug>(
     (direct - &expected).amax() / expected.amax()
 }
 
-/// The conservative form is Lagrange's on every mesh. Dv/Dt at the points differs from it by ∮∂(…)/∂ξ dξ = 0, which a
-/// quadrature integrates inexactly: the difference must fall with Gauss points and with the mesh.
+/// The conservative form is Lagrange's on every mesh. The pointwise form differs from it by ∮∂(…)/∂ξ dξ = 0, which a
+/// quadrature integrates inexactly: the difference must decrease with Gauss points and with the mesh.
 #[test]
 fn forms_of_inertia() {
     let mesh = |refinement: usize, points: usize| RingMesh::even(&[1, 1, 2, 1, 1].map(|n| n * refinement), points);
@@ -101,7 +99,7 @@ fn forms_of_inertia() {
 }
 
 /// The printed (14), 2ρA q̇ᵀ∫PᵀṖ, holds only where ∫PᵀṖ is symmetric. On a circle P = [r', B] and Ṗ = [ṙ', 0]:
-/// the printed form gives 2∫m_r v·ṙ' to s and nothing to q_f.
+/// the printed form has 2∫m_r v·ṙ' in the row of s and nothing in those of q_f.
 #[test]
 fn the_printed_convective_term_is_wrong() {
     let mut system = flexible(band_circle(), RingMesh::even(&[12], 5));
@@ -111,7 +109,7 @@ fn the_printed_convective_term_is_wrong() {
     state.y_dot.fill(0.0);
     let right = inertia_by_differences(&system, &state);
     let direct = residual(&mut system, state.view());
-    // Both share −∂T/∂q (13); Ṁq̇ is exchanged for the printed term.
+    // Both contain −∂T/∂q (13); the printed term replaces Ṁq̇.
     let h = 1.0e-6;
     let moved = |h: f64| {
         let q: Vec<f64> = state.q.iter().zip(&state.y).map(|(q, y)| q + h * y).collect();
@@ -132,7 +130,7 @@ fn the_printed_convective_term_is_wrong() {
     assert!(ours < 1e-7 && theirs > 1e-2);
 }
 
-/// The residual of the reference motion at rest is ∂V/∂Θ, moving arc borders included.
+/// The residual of the reference motion at rest is ∂V/∂Θ, including moving arc borders.
 #[test]
 fn elastic_force_of_the_reference_motion() {
     let mut system = rigid(solid_curve(), RingMesh::even(&[2, 2, 3, 2, 2], 3));
@@ -169,7 +167,7 @@ fn reference_oscillation_has_the_reference_numbers() {
     assert!((omega - REFERENCE_FREQUENCY).abs() < 5e-3);
 }
 
-/// From Θ = 0.4 at rest the reference motion swings to −0.4 and back; s stays 0.
+/// From Θ = 0.4 at rest the reference motion oscillates between 0.4 and −0.4; s stays 0.
 #[test]
 fn reference_oscillation_conserves_energy() {
     let mut drifts = Vec::new();
@@ -200,7 +198,7 @@ fn order_in_time_of_the_reference_motion() {
 }
 
 /// Paper fig. 7: 8 elements, from Θ = 0.4 at rest for 0.3 ms. Largest energy drift relative to the energy. Later the
-/// leftmost point comes so close to the axis of S that Θ can't follow (Θ → 1 at 1.1 ms).
+/// leftmost point approaches the axis of S and Θ reaches its limit (Θ → 1 at 1.1 ms).
 fn deformable_ring<C: ReferenceCurve + std::fmt::Debug>(
     curve: C,
     mesh: RingMesh,
@@ -219,7 +217,7 @@ fn deformable_ring<C: ReferenceCurve + std::fmt::Debug>(
         run(&mut system, &mut integrator, &mut state, t, t + 5.0e-5);
         let energy = system.energy(state.view());
         drift = drift.max((energy.total() / start - 1.0).abs());
-        // Nothing drives the drift: its momentum ∂T/∂ṡ stays zero.
+        // No force acts on the drift: its momentum ∂T/∂ṡ stays zero.
         let momentum = (system.mass_matrix(&state.q) * DVector::from_column_slice(&state.y))[system.drift()];
         let size = (2.0 * energy.kinetic * system.model.ring.mass_per_length).sqrt();
         assert!(
@@ -239,7 +237,7 @@ fn eight() -> RingMesh {
     RingMesh::even(&[1, 2, 2, 2, 1], 3)
 }
 
-/// Dv/Dt at the points leaves an energy drift that no tolerance removes.
+/// The pointwise form has an energy drift independent of the tolerance.
 #[test]
 fn conservative_inertia_conserves() {
     let drift = |inertia| deformable_ring(solid_curve(), eight(), inertia, 1.0e-7);
@@ -253,9 +251,9 @@ fn swing<C: ReferenceCurve + std::fmt::Debug>(curve: C, mesh: RingMesh, toleranc
     record.energy_drift() / swing
 }
 
-/// The paper's even spacing: borders of arcs move through the elements. Where they pass a quadrature point the
-/// curvature jumps, and the energy with it: a drift that no tolerance removes and that falls with no mesh, because what
-/// is missing is the border term of dV/dΘ. The aligned mesh has none.
+/// The paper's even spacing: borders of arcs move through the elements. Where they pass a quadrature point, curvature and
+/// energy jump. The resulting drift is independent of tolerance and mesh, because the border term of dV/dΘ is missing. The
+/// aligned mesh has no such drift.
 #[test]
 fn evenly_spaced_mesh_does_not_conserve() {
     let even = |elements: usize, tolerance| {
@@ -268,11 +266,11 @@ fn evenly_spaced_mesh_does_not_conserve() {
     assert!(aligned < 1e-3 && evens.iter().all(|&drift| drift > 0.1));
 }
 
-/// Paper fig. 7: the ring leaves its place along x, by millimetres within 0.4 ms. No law of the beam or of inertia does
-/// that: moving all nodes at one Θ costs no energy, and with Θ held in place of node 0 the centre of mass rests. It is
-/// the lock of node 0 to the reference curve: along x the node can only move with Θ, and Θ at a fixed shape of the ring
-/// is not free, because the bending measure (23) counts from the curve. So the lock bears a force, of second order in
-/// the deflection.
+/// Paper fig. 7: the ring moves along x, by millimetres within 0.4 ms. This is not due to beam law or inertia: moving all
+/// nodes at constant Θ has no energy, and with Θ held instead of node 0 the centre of mass is at rest. The cause is the
+/// lock of node 0 to the reference curve. Along x the node moves with Θ only, and Θ changes the energy at a fixed shape
+/// of the ring, because the bending measure (23) is relative to the curve. The lock therefore has a reaction force, of
+/// second order in the deflection.
 #[test]
 fn a_lock_to_the_reference_curve_bears_a_force() {
     let centre = |system: &RingSystem<AleRing<_>>, state: &State, k: usize| {
@@ -316,7 +314,7 @@ fn a_lock_to_the_reference_curve_bears_a_force() {
     assert!(locked.iter().all(|[_, y]| y.abs() < 1e-7));
 }
 
-/// Between two jumps the evenly spaced ring is a mechanical system like any other.
+/// Between two jumps the inertia of the evenly spaced ring is Lagrange's.
 #[test]
 fn evenly_spaced_inertia_is_lagranges() {
     let curve = Unaligned { curve: solid_curve() };
@@ -324,9 +322,9 @@ fn evenly_spaced_inertia_is_lagranges() {
     assert!(off < 1e-8, "{off}");
 }
 
-/// A mesh point that follows its arc sees of its particle what the kinematics gives, with Θ in motion.
+/// Kinematics at a mesh point that follows its arc, with Θ in motion.
 #[test]
-fn mesh_points_see_their_particles() {
+fn kinematics_at_a_moving_mesh_point() {
     let system = flexible(solid_curve(), RingMesh::even(&[2, 3, 4, 3, 2], 3));
     let state = smooth_wave(&system, 0.25, 1.0);
     let frame = system.frame(state.view());

@@ -1,16 +1,16 @@
-//! Another belt system through the same ring code: three pulleys, one of them a back-side idler (paper section 7).
+//! Another belt system with the same ring code: three pulleys, one of them a back-side idler (paper section 7).
 
 use pushbelt::solver::sdirk::Sdirk;
-use pushbelt_paper::reference_curve::{Drive, Pulley, ReferenceCurve, Tensioner};
+use pushbelt_paper::reference_curve::ReferenceCurve;
 use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
-use pushbelt_paper::ring::system::RingSystem;
+use pushbelt_paper_lab::drive::{Drive, DrivePulley, Tensioner};
 use pushbelt_paper_lab::*;
 
-fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
-    Pulley { center: [x, y], radius }
+fn pulley(x: f64, y: f64, radius: f64) -> DrivePulley {
+    DrivePulley { center: [x, y], radius }
 }
 
 /// An idler on the back of the lower strand.
@@ -23,7 +23,7 @@ fn fixed() -> Drive<3> {
     .expect("a belt runs around them")
 }
 
-/// An idler inside the upper strand, on an arm that stands upright.
+/// An idler inside the upper strand, on an upright arm.
 fn tensioned() -> Drive<3> {
     Drive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])
         .and_then(|drive| {
@@ -86,9 +86,9 @@ fn the_laws_hold() {
     }
 }
 
-/// The belt bends least at the small idler when the arm is upright: about that it swings, and conserves the energy.
+/// The bending energy is least with the arm upright. The arm oscillates about this position and conserves the energy.
 #[test]
-fn the_arm_swings() {
+fn the_arm_oscillates() {
     let mut system = RingSystem::new(AleRing::rigid(solid(), tensioned(), mesh(1, 3)));
     system.tolerance = 1.0e-8;
     assert_eq!(system.degrees_of_freedom(), 2);
@@ -111,8 +111,7 @@ fn the_arm_swings() {
     assert!(drift < 1e-3 && (low + high).abs() < 0.02 * high && high < 0.3);
 }
 
-/// A string that runs is in balance on every closed curve if it carries EAγ = m ṡ²(1 + γ): on this one too, back bend
-/// included.
+/// A running string is in equilibrium on every closed curve if EAγ = m ṡ²(1 + γ), also on one with a back bend.
 #[test]
 fn a_running_string_keeps_any_shape() {
     let ring = Ring {

@@ -1,4 +1,4 @@
-//! One suite for all ring models.
+//! Tests of all ring models.
 
 use nalgebra::{SVector, Vector2};
 use num_dual::Dual64;
@@ -12,7 +12,6 @@ use pushbelt_paper::ring::lagrangian::{LagrangianElement, LagrangianRing};
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::particle::ParticleLoad;
 use pushbelt_paper::ring::rcm::RcmElement;
-use pushbelt_paper::ring::system::RingSystem;
 use pushbelt_paper_lab::*;
 use std::f64::consts::TAU;
 
@@ -23,7 +22,7 @@ fn velocity_follows_the_particle<S: Case<D, N>, const D: usize, const N: usize>(
 }
 
 /// Dv/Dt, v', strain rate and velocity on a path q(t): differences in time of the particle's place and slope. The
-/// Eulerian view sees the same at a station that stands in space.
+/// Eulerian values at a station fixed in space agree.
 fn acceleration_follows_the_particle<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let state = waving(&system, -0.3, 1.0);
@@ -95,11 +94,11 @@ fn primes_are_derivatives<S: Case<D, N>, const D: usize, const N: usize>() {
     }
 }
 
-/// What a station in space sees of the passing particle: differences in time of place and slope at fixed ξ.
-fn a_station_sees_the_particle_pass<S: Case<D, N>, const D: usize, const N: usize>() {
+/// The passing particle at a station in space: differences in time of place and slope at fixed ξ.
+fn the_particle_at_a_station<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let mut state = waving(&system, 0.25, 1.0);
-    // Stations at fixed ξ, so Θ stands still.
+    // Stations at fixed ξ, so Θ is constant.
     let theta = system.theta();
     (state.y[theta], state.y_dot[theta]) = (0.0, 0.0);
     let s = system.drift();
@@ -136,7 +135,7 @@ fn a_station_sees_the_particle_pass<S: Case<D, N>, const D: usize, const N: usiz
     }
 }
 
-/// Power of a load on a particle = its generalised forces on the rates.
+/// The power of a load on a particle equals that of its generalised forces.
 fn projection_is_the_transpose<S: Case<D, N>, const D: usize, const N: usize>() {
     let system = S::system(solid(), solid_curve(), FEW);
     let state = waving(&system, 0.25, 1.0);
@@ -238,14 +237,14 @@ fn running_ring_stays_round<S: Case>() {
         found
     };
     if lagrangian(&S::system(solid(), band_circle(), FEW)) {
-        // Every node runs around: what slows it down is the integrator's damping of a turn, of order 3.
+        // Every node runs around the loop; its speed decreases by the integrator's damping, of order 3.
         let runs = [400, 800, 1600].map(|steps| run(40, steps));
         let observed = orders(&runs.each_ref().map(|run| run.drift), 2.0);
         assert!(observed.iter().all(|&order| order > 2.5), "{observed:?}");
         assert!(runs[2].shape < 2e-6);
         assert!(runs[2].strain.abs() < 2e-3, "{}", runs[2].strain);
     } else {
-        // Nothing moves on this mesh.
+        // This mesh does not move.
         let runs = [10, 20, 40].map(|elements| run(elements, 0));
         assert!(runs[2].strain.abs() < 1e-6, "{}", runs[2].strain);
         let errors = runs.map(|run| run.shape);
@@ -288,13 +287,13 @@ fn two_arc_oscillation<S: Case>() {
     if lagrangian(&system) {
         assert!((frequency - 9.23).abs() < 0.05, "{frequency}");
     } else {
-        // The linear curvature measure makes a large deflection from a circle swing too slowly: that is what it does,
-        // not what a ring does.
+        // With the linear curvature measure a large deflection from a circle oscillates too slowly. The bound is that of
+        // the measure, not of a ring.
         assert!((8.4..8.7).contains(&frequency), "{frequency}");
     }
 }
 
-/// The same mode in time: after whole periods it has its first velocities again.
+/// The same mode in time: after whole periods the velocities are the initial ones.
 fn free_ring_swings_at_its_frequency<S: Case>() {
     let (mut system, mut state, omega) = swinging_band::<S>(0.185e-3, 1.0e-4);
     let period = TAU / omega;
@@ -311,15 +310,15 @@ fn free_ring_swings_at_its_frequency<S: Case>() {
     assert!(off < 5e-3);
 }
 
-/// Frequencies of a ring whose membrane is soft enough not to decide.
+/// Frequencies of a ring with a soft membrane.
 fn order_in_space<S: Case>() {
     let (ring, near) = soft_membrane();
     let errors = frequency_errors::<S>(&ring, near, space_ladder::<S>());
     assert_order(&format!("{}, frequency", S::NAME), &errors, S::ORDER);
 }
 
-/// With one strain an element the membrane does not lock: a thin band's frequencies have the order of bending, 4, from
-/// the coarsest mesh on.
+/// With one strain per element the membrane does not lock: frequencies of a thin band converge with the order of bending,
+/// 4, from the coarsest mesh on.
 #[test]
 fn co_rotational_bending_has_order_four() {
     let ring = band(0.185e-3);
@@ -337,7 +336,7 @@ fn order_in_time<S: Case>() {
 }
 
 /// Places that move with the unknowns: derivatives through x of a Lagrangian element.
-fn places_may_carry_derivatives<E: LagrangianElement>() {
+fn places_may_have_derivatives<E: LagrangianElement>() {
     let ring = LagrangianRing::<E, _>::new(solid(), solid_curve(), FEW, 5);
     let system = RingSystem::new(ring);
     let state = waving(&system, 0.25, 1.0);
@@ -357,9 +356,9 @@ fn places_may_carry_derivatives<E: LagrangianElement>() {
 }
 
 #[test]
-fn places_on_lagrangian_elements_may_carry_derivatives() {
-    places_may_carry_derivatives::<AncfElement>();
-    places_may_carry_derivatives::<RcmElement>();
+fn places_on_lagrangian_elements_may_have_derivatives() {
+    places_may_have_derivatives::<AncfElement>();
+    places_may_have_derivatives::<RcmElement>();
 }
 
 macro_rules! suite {
@@ -375,7 +374,7 @@ macro_rules! suite {
     };
     (@laws $case:ty) => {
         suite!(@laws $case: velocity_follows_the_particle, acceleration_follows_the_particle, primes_are_derivatives,
-            a_station_sees_the_particle_pass, projection_is_the_transpose, elastic_force_is_the_gradient_of_the_energy,
+            the_particle_at_a_station, projection_is_the_transpose, elastic_force_is_the_gradient_of_the_energy,
             power_of_damping_is_the_dissipation, inertia_is_lagranges);
     };
     (@laws $case:ty: $($test:ident),*) => {$(

@@ -1,4 +1,4 @@
-//! The ring in space: a deflection w along z, the binormal of the drive, beside that in the plane.
+//! The ring in space: a deflection w along z, the binormal of the drive, in addition to that in the plane.
 
 use nalgebra::{Complex, DMatrix, Rotation3, Vector2, Vector3};
 use num_dual::Dual64;
@@ -8,11 +8,10 @@ use pushbelt_lab::checks::{assert_order, list};
 use pushbelt_lab::noise;
 use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
 use pushbelt_paper::ring::Ring;
-use pushbelt_paper::ring::ale_ring::{AleRing, Directions};
+use pushbelt_paper::ring::ale_ring::{AleRing, OverlayDirections};
 use pushbelt_paper::ring::kinematics::Motion;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
-use pushbelt_paper::ring::system::RingSystem;
 use pushbelt_paper_lab::*;
 use std::f64::consts::{PI, TAU};
 
@@ -26,8 +25,7 @@ fn drive() -> TwoPulley {
 const LATERAL: [usize; 4] = [4, 5, 10, 11];
 
 /// Stiffness, gyroscopic and mass matrix of small deflections w, w' of the nodes of a straight strand of `count`
-/// elements and length 0.168 m, that is stretched by `strain` and runs at `speed`. Exact derivatives of the ring's
-/// balance.
+/// elements and length 0.168 m, with the strain `strain` and the speed `speed`. Exact derivatives of the ring's balance.
 fn strand(ring: &Ring, count: usize, strain: f64, speed: f64) -> [DMatrix<f64>; 3] {
     let model = AleRing::spatial(ring.clone(), drive(), RingMesh::even(&[1, count, 2, count, 1], 4));
     let frame = model.curve.frame(Dual64::from(0.0));
@@ -80,12 +78,12 @@ fn wire(stiffness: f64) -> Ring {
 const STRAIN: f64 = 1.0e-3;
 const LENGTH: f64 = 0.168;
 
-/// EAγ/(1 + γ): what resists w' per unstretched length, N.
+/// EAγ/(1 + γ): stiffness against w' per unstretched length, N.
 fn pull(ring: &Ring) -> f64 {
     ring.axial_stiffness * STRAIN / (1.0 + STRAIN)
 }
 
-/// A strand between two guides that are offset by a and keep its ends parallel: EI w'''' = N w'' has
+/// A strand between two parallel guides with the offset a: EI w'''' = N w'' has the solution
 /// w = a/2 + A y − B sinh ky, k = √(N/EI), y from the middle: a straight line with boundary layers of width 1/k.
 #[test]
 fn offset_guides() {
@@ -119,7 +117,7 @@ fn frequencies(ring: &Ring, count: usize, speed: f64) -> Vec<f64> {
     let [stiffness, gyroscopic, mass] = strand(ring, count, STRAIN, speed).map(|m| without(&m, &[0, 2 * count]));
     let n = stiffness.nrows();
     let inverse = mass.try_inverse().expect("a strand with mass");
-    // In a unit of time that makes the entries alike.
+    // In a unit of time for which the entries have similar size.
     let unit = (&inverse * &stiffness).amax().sqrt();
     let mut companion = DMatrix::zeros(2 * n, 2 * n);
     companion.view_mut((0, n), (n, n)).fill_with_identity();
@@ -190,16 +188,12 @@ fn critical_speed() {
     }
 }
 
-fn circle(elements: usize, ring: Ring) -> Spatial<pushbelt_paper::reference_curve::Circle> {
+fn circle(elements: usize, ring: Ring) -> Spatial<pushbelt_paper_lab::Circle> {
     RingSystem::new(AleRing::spatial(ring, band_circle(), RingMesh::even(&[elements], 4)))
 }
 
 /// A ring of 40 elements on its circle after a rigid motion.
-fn placed(
-    system: &Spatial<pushbelt_paper::reference_curve::Circle>,
-    turn: &Rotation3<f64>,
-    shift: Vector3<f64>,
-) -> State {
+fn placed(system: &Spatial<pushbelt_paper_lab::Circle>, turn: &Rotation3<f64>, shift: Vector3<f64>) -> State {
     let curve = band_circle();
     let frame = curve.frame::<f64>(0.0);
     let space = |v: Vector2<f64>| turn * Vector3::new(v.x, v.y, 0.0);
@@ -209,8 +203,8 @@ fn placed(
     })
 }
 
-/// A shift along z costs no energy and no force. A tilt costs ½π EI_b ψ²/R, because (24) has no twist: the sections
-/// stay upright. Stretch and the bending in the plane find nothing in it.
+/// A shift along z has no energy and no force. A tilt has the energy ½π EI_b ψ²/R, because (24) has no twist: the sections
+/// stay upright. Neither changes stretch and in-plane bending.
 #[test]
 fn rigid_motions() {
     let ring = band(0.185e-3);
@@ -242,9 +236,9 @@ fn rigid_motions() {
     }
 }
 
-/// A free ring out of its plane. With upright sections w bends as a straight beam does, ω = n² √(EI_b/m)/R². A thin
-/// band that may twist has ω² = EI_b/(m R⁴) n²(n² − 1)²/(n² + EI_b/GJ) (Love 1927, § 293): for it (24) is no model. A
-/// stocky section held upright is what it describes.
+/// A free ring out of its plane. With upright sections w bends like a straight beam, ω = n² √(EI_b/m)/R². A thin band
+/// that is free to twist has ω² = EI_b/(m R⁴) n²(n² − 1)²/(n² + EI_b/GJ) (Love 1927, § 293), which (24) does not
+/// describe: it is valid for a stocky section that is held upright.
 #[test]
 fn frequency_out_of_plane() {
     let ring = Ring {
@@ -257,7 +251,7 @@ fn frequency_out_of_plane() {
         let system = circle(elements, ring.clone());
         let rest = system.rest(0.0);
         let mut lateral = system.clone();
-        // The plane is another test's matter.
+        // In-plane motion has its own tests.
         lateral.held = (0..elements)
             .flat_map(|i| (0..4).map(move |k| (i, k)))
             .map(|(i, k)| system.node(i, k))
@@ -268,10 +262,10 @@ fn frequency_out_of_plane() {
     assert_order("n = 2 out of the plane", &errors, 4.0);
 }
 
-/// What does not leave the plane is the planar ring, number for number.
+/// Without motion out of the plane the results are those of the planar ring.
 #[test]
 fn planar_motion_is_the_planar_rings() {
-    for directions in [Directions::Fixed, Directions::Reference] {
+    for directions in [OverlayDirections::Fixed, OverlayDirections::Reference] {
         let mesh = || RingMesh::even(&[1, 2, 3, 2, 1], 3);
         let mut flat = AleRing::flexible(solid(), solid_curve(), mesh());
         let mut spatial = AleRing::spatial(solid(), solid_curve(), mesh());
@@ -299,8 +293,8 @@ fn planar_motion_is_the_planar_rings() {
     }
 }
 
-/// A belt that runs, shifts its ratio and swings out of its plane: largest drift of the energy, what damping took
-/// included, relative to the energy that moves.
+/// A belt that runs, shifts its ratio and oscillates out of its plane: largest drift of the energy, with the energy that
+/// damping dissipated, relative to the exchanged energy.
 fn swinging(damping: f64, tolerance: f64) -> (f64, f64) {
     let ring = Ring { damping, ..solid() };
     let mut system = RingSystem::new(AleRing::spatial(
@@ -338,7 +332,7 @@ fn swinging(damping: f64, tolerance: f64) -> (f64, f64) {
     (drift, system.dissipated / start.kinetic)
 }
 
-/// Power balance in space: nothing is lost but what damping takes.
+/// Power balance in space: only damping dissipates.
 #[test]
 fn energy_out_of_plane() {
     for damping in [0.0, 1.0e-5] {

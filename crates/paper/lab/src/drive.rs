@@ -1,29 +1,29 @@
 //! The reference curve of a belt drive with any number of pulleys, back-side idlers included (paper section 7).
 //!
-//! Pulleys stand in the order in which the belt meets them, clockwise. A pulley inside the loop has a positive radius
-//! ρ; one that presses on the back of the belt has a negative one. With t = (sin χ, cos χ), n = (cos χ, −sin χ) the
-//! belt on a pulley is at O − ρ n, so the strand from pulley j to the next has D = O' − O = b t + (ρ' − ρ) n:
+//! Pulleys are listed clockwise along the belt. A pulley inside the loop has a positive radius ρ; one on the back of the
+//! belt has a negative ρ. With t = (sin χ, cos χ), n = (cos χ, −sin χ) the belt on a pulley is at O − ρ n, so the strand
+//! from pulley j to the next has D = O' − O = b t + (ρ' − ρ) n:
 //!
 //! b = √(D² − (ρ'−ρ)²), χ = atan2(D_x, D_y) − asin((ρ'−ρ)/|D|),
 //!
-//! and the arc on a pulley measures ρ (χ_out − χ_in), with turning of the sign of ρ. All turnings add up to 2π. The
-//! curve starts at the leftmost point of pulley 0, χ = 0, which must lie on its arc: its segments are the rest of that
-//! arc, strand, arc, …, strand, and the beginning of that arc.
+//! and the arc on a pulley has the length ρ (χ_out − χ_in); χ_out − χ_in has the sign of ρ. The sum over all arcs is
+//! 2π. The curve starts at the leftmost point of pulley 0, χ = 0, which must lie on its arc. Its segments are the rest
+//! of that arc, strand, arc, …, strand, and the beginning of that arc.
 //!
-//! Without a [`Tensioner`] all axes are fixed; the belt then has the length that fits, and no Θ. A tensioner carries
-//! one pulley on an arm about a pivot; Θ is the arm's angle, and the arm's length a(Θ) keeps the belt's length, as
+//! Without a [`Tensioner`] all axes are fixed, the belt has the length that fits, and there is no Θ. A tensioner carries
+//! one pulley on an arm about a pivot. Θ is the arm's angle, and the arm's length a(Θ) keeps the belt's length constant, as
 //! r_P(Θ) does in a variator.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
-use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use num_dual::{Dual3_64, DualNum};
+use pushbelt::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use pushbelt::scalar::{Real, turn_right};
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
 /// A pulley with the radius of the belt's centre line on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pulley {
+pub struct DrivePulley {
     /// Axis, m.
     pub center: [f64; 2],
     /// Radius of the belt's centre line, m; negative on the back of the belt.
@@ -45,13 +45,13 @@ pub enum DriveError {
     /// Fewer than two pulleys.
     #[error("a belt drive needs two pulleys")]
     TooFew,
-    /// Two pulleys that follow each other overlap, or the belt meets a pulley on the wrong side.
+    /// Two consecutive pulleys overlap, or the belt touches a pulley on the wrong side.
     #[error("the belt does not wrap pulley {0} in the sense of its radius")]
     Wrap(usize),
     /// The leftmost point of pulley 0 is not on the belt.
     #[error("the leftmost point of pulley 0 is not on its arc, so the curve cannot start there")]
     Start,
-    /// The tensioner carries no pulley that may move.
+    /// The tensioner carries pulley 0, no pulley, or a pulley at its own pivot.
     #[error("a tensioner carries a pulley other than pulley 0 and does not have its axis for a pivot")]
     Tensioner,
 }
@@ -59,16 +59,16 @@ pub enum DriveError {
 /// A belt drive with N pulleys.
 #[derive(Clone, Debug)]
 pub struct Drive<const N: usize> {
-    pulleys: [Pulley; N],
+    pulleys: [DrivePulley; N],
     length: f64,
     tensioner: Option<Arm>,
 }
 
-/// Most Newton steps for the length of an arm.
+/// Limit of Newton steps for the length of an arm.
 const NEWTON_STEPS: usize = 50;
-/// Newton's last step as a share of the belt's length. It is below rounding, so that the length is as exact as it can be.
+/// Newton's last step as a share of the belt's length, below rounding.
 const LAST_STEP: f64 = 1e-16;
-/// Largest arc of a pulley, rad: three quarters of a turn. A larger one comes from a strand on the wrong side.
+/// Largest arc of a pulley, rad: three quarters of a turn. A larger arc means a strand on the wrong side.
 const LARGEST_WRAP: f64 = 0.75 * TAU;
 
 /// The arm of a [`Tensioner`] with the length that it has for Θ = 0.
@@ -84,16 +84,16 @@ struct Arm {
 /// Axes with derivatives.
 type Centers<D, const N: usize> = [[D; 2]; N];
 
-/// atan2(x, y) whose derivatives hold in every direction.
+/// atan2(x, y) with derivatives that are valid for all signs of x and y.
 fn direction<D: DualNum<Primitive = f64> + Copy>(x: D, y: D) -> D {
     let value = x.re().atan2(y.re());
     let (sin, cos) = value.sin_cos();
     ((x * cos - y * sin) / (x * sin + y * cos)).atan() + value
 }
 
-/// χ of the strand behind each pulley, counted on along the belt, and its length b.
+/// χ, continuous along the belt, and length b of the strand after each pulley.
 fn strands<D: DualNum<Primitive = f64> + Copy, const N: usize>(
-    pulleys: &[Pulley; N],
+    pulleys: &[DrivePulley; N],
     centers: &Centers<D, N>,
 ) -> [(D, D); N] {
     let mut before: Option<f64> = None;
@@ -104,7 +104,7 @@ fn strands<D: DualNum<Primitive = f64> + Copy, const N: usize>(
         let square = dx * dx + dy * dy;
         let b = (square - difference * difference).sqrt();
         let chi = direction(dx, dy) - (square.sqrt().recip() * difference).asin();
-        // On a pulley of positive radius χ grows, on one of negative radius it falls.
+        // χ increases on a pulley of positive radius and decreases on one of negative radius.
         let least = match before {
             None => 0.0,
             Some(before) if pulleys[j].radius > 0.0 => before,
@@ -118,7 +118,7 @@ fn strands<D: DualNum<Primitive = f64> + Copy, const N: usize>(
 
 /// Length of the belt, m.
 fn belt_length<D: DualNum<Primitive = f64> + Copy, const N: usize>(
-    pulleys: &[Pulley; N],
+    pulleys: &[DrivePulley; N],
     centers: &Centers<D, N>,
 ) -> D {
     let strands = strands(pulleys, centers);
@@ -136,7 +136,7 @@ impl<const N: usize> Drive<N> {
     ///
     /// # Errors
     /// No belt runs around these pulleys.
-    pub fn new(pulleys: [Pulley; N]) -> Result<Self, DriveError> {
+    pub fn new(pulleys: [DrivePulley; N]) -> Result<Self, DriveError> {
         if N < 2 {
             return Err(DriveError::TooFew);
         }
@@ -148,7 +148,7 @@ impl<const N: usize> Drive<N> {
             }
         }
         let (first, end) = (strands[0].0, strands[N - 1].0);
-        // Once around, and the arc of pulley 0 holds χ = 0.
+        // One turn in total, and χ = 0 is on the arc of pulley 0.
         if pulleys[0].radius <= 0.0 || !(0.0..TAU).contains(&first) || !(0.0..=TAU).contains(&end) {
             return Err(DriveError::Start);
         }
@@ -165,10 +165,10 @@ impl<const N: usize> Drive<N> {
         })
     }
 
-    /// The same drive with a pulley on an arm. Θ is the angle of the arm, clockwise from where it stands, rad.
+    /// The same drive with a pulley on an arm. Θ is the clockwise rotation of the arm from this position, rad.
     ///
     /// # Errors
-    /// The tensioner carries no pulley that may move.
+    /// [`DriveError::Tensioner`].
     pub fn with_tensioner(mut self, tensioner: Tensioner) -> Result<Self, DriveError> {
         let pulley = self.pulleys.get(tensioner.pulley).ok_or(DriveError::Tensioner)?;
         let arm = Vector2::from(pulley.center) - Vector2::from(tensioner.pivot);
@@ -218,7 +218,7 @@ impl<const N: usize> Drive<N> {
                 break;
             }
         }
-        // The value is converged; each further Newton step makes one more derivative exact.
+        // The value has converged; each further Newton step makes one more derivative exact.
         let mut jet = Dual3_64::from_re(a);
         for _ in 0..3 {
             jet -= (belt_length(&self.pulleys, &self.centers(variable, jet)) - self.length) / slope;
@@ -318,7 +318,7 @@ impl<const N: usize> ReferenceCurve for Drive<N> {
             closing,
         };
         if !fits {
-            // The belt has left a pulley.
+            // The belt does not touch a pulley.
             frame.closing.length = Jet::constant(f64::NAN);
         }
         frame
@@ -338,7 +338,7 @@ impl<const N: usize> ReferenceCurve for Drive<N> {
         let place = [|j: &Jet<T>| j.v, |j: &Jet<T>| j.d, |j: &Jet<T>| j.dd]
             .map(|of| Vector2::new(of(&s.place[0]), of(&s.place[1])));
         let curved = s.radius.is_finite();
-        // From the place: −ρ n on an arc, x t on a strand; t_Θ = χ_Θ n, n_Θ = −χ_Θ t.
+        // Relative to `place`: −ρ n on an arc, x t on a strand; t_Θ = χ_Θ n, n_Θ = −χ_Θ t.
         let [r, r_theta, r_theta2] = if curved {
             let rho = T::from(s.radius);
             [
@@ -373,120 +373,5 @@ impl<const N: usize> ReferenceCurve for Drive<N> {
             chi: s.chi.plus_scaled(s.sweep, fraction),
             kappa: Jet::constant(s.radius.recip()),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn pulley(x: f64, y: f64, radius: f64) -> Pulley {
-        Pulley { center: [x, y], radius }
-    }
-
-    /// Two pulleys and a back-side idler on the lower strand.
-    fn idler() -> Drive<3> {
-        Drive::new([
-            pulley(0.0, 0.0, 0.04),
-            pulley(0.25, 0.02, 0.06),
-            pulley(0.12, -0.05, -0.02),
-        ])
-        .unwrap()
-    }
-
-    fn tensioned() -> Drive<3> {
-        idler()
-            .with_tensioner(Tensioner {
-                pulley: 2,
-                pivot: [0.17, -0.12],
-            })
-            .unwrap()
-    }
-
-    #[test]
-    fn two_pulleys_have_the_length_of_theirs() {
-        use crate::reference_curve::TwoPulley;
-        let curve = TwoPulley::new(0.168, 0.703);
-        let (r_p, r_s) = curve.radii(0.6).unwrap();
-        let drive = Drive::new([pulley(0.0, 0.0, r_s), pulley(0.168, 0.0, r_p)]).unwrap();
-        assert!((drive.length() - 0.703).abs() < 1e-14);
-        let theta = (1.0 - 0.6) / (1.0 + 0.6);
-        for xi in [0.0, 0.03, 0.1, 0.3, 0.45, 0.69] {
-            let (a, b) = (
-                drive.at(&drive.frame::<f64>(0.0), xi),
-                curve.at(&curve.frame::<f64>(theta), xi),
-            );
-            let off = [(a.r - b.r).norm(), (a.t - b.t).norm(), (a.kappa - b.kappa).abs()];
-            assert!(off[0] < 1e-13 && off[1] < 1e-12 && off[2] < 1e-9, "ξ = {xi}: {off:?}");
-        }
-    }
-
-    #[test]
-    fn the_loop_closes_and_turns_once() {
-        for drive in [idler(), tensioned()] {
-            let frame = drive.frame::<f64>(0.0);
-            let count = drive.segments();
-            for k in 0..count {
-                let (end, start) = (
-                    Drive::<3>::point::<f64>(&frame, k, 1.0),
-                    Drive::<3>::point::<f64>(&frame, (k + 1) % count, 0.0),
-                );
-                assert!(
-                    (end.r - start.r).norm() < 1e-14 && (end.t - start.t).norm() < 1e-14,
-                    "segment {k}"
-                );
-                assert!(Drive::<3>::segment_length(&frame, k).v > 0.0);
-            }
-            assert!((Drive::<3>::tangent_angle::<f64>(&frame, count - 1, 1.0).chi.v - TAU).abs() < 1e-14);
-            // The idler bends the belt backwards.
-            assert!(Drive::<3>::point::<f64>(&frame, 4, 0.5).kappa < 0.0);
-        }
-    }
-
-    #[test]
-    fn derivatives_match_differences() {
-        let drive = tensioned();
-        let h = 1e-5;
-        let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
-        for theta in [-0.15, 0.0, 0.2] {
-            let sum: f64 = (0..drive.segments())
-                .map(|k| Drive::<3>::segment_length(&drive.frame::<f64>(theta), k).v)
-                .sum();
-            assert!((sum - drive.length()).abs() < 1e-14);
-            for segment in 0..drive.segments() {
-                for f in [0.0, 0.3, 1.0] {
-                    let at = |theta: f64, f: f64| Drive::<3>::point::<f64>(&drive.frame(theta), segment, f);
-                    let angle = |theta: f64| Drive::<3>::tangent_angle::<f64>(&drive.frame(theta), segment, f).chi;
-                    let (p, plus, minus) = (at(theta, f), at(theta + h, f), at(theta - h, f));
-                    close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
-                    close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-6);
-                    close(p.n * p.chi_theta, (plus.t - minus.t) / (2.0 * h), 1e-8);
-                    assert!((p.xi.d - (plus.xi.v - minus.xi.v) / (2.0 * h)).abs() < 1e-8);
-                    assert!((p.xi.dd - (plus.xi.d - minus.xi.d) / (2.0 * h)).abs() < 1e-6);
-                    let chi_dd = (angle(theta + h).d - angle(theta - h).d) / (2.0 * h);
-                    assert!((angle(theta).dd - chi_dd).abs() < 1e-6);
-                    if f == 0.3 {
-                        let (a, b) = (at(theta, f - h), at(theta, f + h));
-                        let dxi = b.xi.v - a.xi.v;
-                        close(p.t, (b.r - a.r) / dxi, 1e-9);
-                        close(p.n * p.kappa, (b.t - a.t) / dxi, 1e-7);
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn impossible_drives_are_refused() {
-        assert_eq!(Drive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(), DriveError::TooFew);
-        let inside = Drive::new([pulley(0.0, 0.0, 0.1), pulley(0.01, 0.0, 0.05)]);
-        assert_eq!(inside.unwrap_err(), DriveError::Wrap(0));
-        let backwards = Drive::new([pulley(0.3, 0.0, 0.05), pulley(0.0, 0.0, 0.05), pulley(0.15, 0.1, 0.02)]);
-        assert!(backwards.is_err());
-        let fixed = Tensioner {
-            pulley: 0,
-            pivot: [0.0, 0.1],
-        };
-        assert_eq!(idler().with_tensioner(fixed).unwrap_err(), DriveError::Tensioner);
     }
 }

@@ -1,8 +1,8 @@
-//! A fixed circle: the reference curve of a free or spinning ring. Θ has no effect.
+//! A fixed circle, the reference curve of a free or spinning ring. It does not depend on Θ.
 
-use super::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
-use crate::scalar::Real;
 use nalgebra::Vector2;
+use pushbelt::reference_curve::{Jet, ReferenceCurve, ReferencePoint, TangentAngle};
+use pushbelt::scalar::Real;
 use std::f64::consts::TAU;
 
 /// Circle about the origin, starting at its leftmost point.

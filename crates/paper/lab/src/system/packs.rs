@@ -1,10 +1,10 @@
 //! Neighbouring elements, one in each lane of a register.
 
-use crate::ring::kinematics::Motion;
-use crate::ring::model::{Coordinates, RingFormulation};
-use crate::scalar::{LANES, Lanes, Real, Tangent};
-use crate::solver::View;
-use crate::solver::arrow::{Arrow, Shape as MatrixShape};
+use pushbelt::scalar::{LANES, Lanes, Real, Tangent};
+use pushbelt::solver::View;
+use pushbelt::solver::arrow::{Arrow, Shape as MatrixShape};
+use pushbelt_paper::ring::kinematics::Motion;
+use pushbelt_paper::ring::model::{Coordinates, RingFormulation};
 use std::array;
 
 /// Directions differentiated in one pass over a pack of elements.
@@ -19,8 +19,8 @@ pub(super) fn shape<M: RingFormulation<D, N>, const D: usize, const N: usize>(mo
     }
 }
 
-/// Motion of an element's unknowns: `read` finds unknown k of the element in a vector, `seed` makes a scalar of a value,
-/// its direction and its slope.
+/// Motion of an element's unknowns: `read` returns unknown k of the element from a vector, `seed` makes a scalar from a
+/// value, its direction and its derivative.
 #[inline(always)]
 pub(super) fn coordinates<W, T: Real, const N: usize>(
     view: View<'_>,
@@ -37,18 +37,18 @@ pub(super) fn coordinates<W, T: Real, const N: usize>(
 
 /// Neighbouring elements, one in each lane of a register.
 #[derive(Clone, Debug)]
-pub(super) struct Pack<const N: usize> {
+pub(super) struct ElementPack<const N: usize> {
     /// The first element.
     pub(super) first: usize,
     /// Unknowns of each element.
     pub(super) elements: Vec<[usize; N]>,
     /// Places in the matrix of each element's derivatives.
     pub(super) entries: Vec<[[usize; N]; N]>,
-    /// Those that fill the lanes: where elements are missing, the first stands again.
+    /// Unknowns by lane; the first element is repeated in unused lanes.
     lanes: [[usize; LANES]; N],
 }
 
-impl<const N: usize> Pack<N> {
+impl<const N: usize> ElementPack<N> {
     pub(super) fn all<M: RingFormulation<D, N>, const D: usize>(model: &M) -> Vec<Self> {
         let shape = shape::<M, D, N>(model);
         let elements: Vec<_> = (0..model.elements()).map(|element| model.directions(element)).collect();
@@ -75,7 +75,7 @@ impl<const N: usize> Pack<N> {
         coordinates(view, slopes, |of, k| Lanes::new(self.lanes[k].map(|i| of[i])), seed)
     }
 
-    /// Adds its derivatives to the matrix; false if the model's elements go one by one.
+    /// Adds its derivatives to the matrix; false if the model evaluates its elements one by one.
     pub(super) fn add_slopes<M: RingFormulation<D, N>, const D: usize>(
         &self,
         model: &M,

@@ -1,12 +1,12 @@
-//! States to start from.
+//! Start states.
 
 use super::free_ring::RingSystem;
-use crate::ring::model::{RingFormulation, Shape};
-use crate::ring::particle::ParticleLoad;
-use crate::solver::arrow::{Arrow, ArrowLu, Singular};
-use crate::solver::sdirk::{Sdirk, Stalled};
-use crate::solver::{State, System};
 use nalgebra::SVector;
+use pushbelt::solver::arrow::{Arrow, ArrowLu, Singular};
+use pushbelt::solver::sdirk::{Sdirk, Stalled};
+use pushbelt::solver::{State, System};
+use pushbelt_paper::ring::model::{RingFormulation, Shape};
+use pushbelt_paper::ring::particle::ParticleLoad;
 
 impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     /// At rest on the reference curve at Θ.
@@ -15,7 +15,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         self.at_rest(theta, |model, q| model.place_on_curve(q))
     }
 
-    /// At rest on a shape: (r, r') at ξ. Nodes are on it exactly, and the rest of an element as closely as it can.
+    /// At rest on a shape: (r, r') at ξ. Nodes are on it exactly, the inside of an element approximately.
     #[must_use]
     pub fn rest_on(&self, theta: f64, shape: Shape<'_, D>) -> State {
         self.at_rest(theta, |model, q| model.place_on(shape, q))
@@ -28,7 +28,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         state
     }
 
-    /// Gives a ring the velocities v(ξ), m/s, in the sense of least squares: M q̇ = ∫m_r Pᵀv dξ.
+    /// Sets the velocities of a ring to the least-squares fit of v(ξ), m/s: M q̇ = ∫m_r Pᵀv dξ.
     ///
     /// # Errors
     /// The mass matrix is singular: the ring has no mass, or too few unknowns are held.
@@ -69,9 +69,9 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         Ok(())
     }
 
-    /// Lets a ring at rest that is nearly in balance find it: `count` implicit steps of size `step`, s, whose
-    /// velocities are set to zero. What is stiff against `step` settles, and what is soft hardly moves. So the stretch
-    /// vanishes that cubic elements have after [`RingSystem::rest_on`].
+    /// Relaxes a ring at rest towards equilibrium by `count` implicit steps of size `step`, s, each followed by zero
+    /// velocities. Modes that are stiff for `step` relax; soft modes hardly move. This removes the stretch of cubic
+    /// elements after [`RingSystem::rest_on`].
     ///
     /// # Errors
     /// The step size fell below the integrator's smallest.

@@ -1,27 +1,27 @@
 //! The free ring and its unknowns.
 
-use super::packs::{Pack, coordinates, shape};
-use crate::ring::model::{Coordinates, DIRECTIONS, RingFormulation};
-use crate::scalar::Real;
-use crate::solver::View;
+use super::packs::{ElementPack, coordinates, shape};
+use pushbelt::scalar::Real;
+use pushbelt::solver::View;
+use pushbelt_paper::ring::model::{Coordinates, DIRECTIONS, RingFormulation};
 
-/// Position error of a step that is tolerated unless it is changed, in units of L.
+/// Default tolerance of the position error of a step, in units of L.
 const TOLERANCE: f64 = 1.0e-5;
 
-/// A ring that no chain, contact or pulley touches.
+/// A ring without chain, contact and pulleys.
 #[derive(Clone, Debug)]
 pub struct RingSystem<M, const D: usize = 2, const N: usize = DIRECTIONS> {
     /// The ring model on its mesh.
     pub model: M,
-    /// Position error of a step that is tolerated, in units of L (deflection, drift) and 1 (slope, Θ). Infinite:
-    /// every step is accepted, so the longest step of the integrator is the step.
+    /// Tolerance of the position error of a step, in units of L (deflection, drift) and 1 (slope, Θ). If infinite, every
+    /// step is accepted and the step size is the largest step of the integrator.
     pub tolerance: f64,
     /// Unknowns held at zero rate.
     pub held: Vec<usize>,
     /// Energy that damping has dissipated since the start, J.
     pub dissipated: f64,
     pub(super) has_position: Vec<bool>,
-    pub(super) packs: Vec<Pack<N>>,
+    pub(super) packs: Vec<ElementPack<N>>,
 }
 
 impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
@@ -34,7 +34,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         assert!(model.elements() >= 3, "a ring needs three elements");
         let held = model.held();
         let mut system = Self {
-            packs: Pack::all(&model),
+            packs: ElementPack::all(&model),
             model,
             tolerance: TOLERANCE,
             held,
@@ -45,7 +45,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         system
     }
 
-    /// Index of component `k` of a block; blocks count around the loop.
+    /// Index of component `k` of a block; block numbers are taken modulo the number of elements.
     #[must_use]
     pub fn node(&self, node: usize, k: usize) -> usize {
         node % self.model.elements() * M::BLOCK + k
@@ -63,14 +63,15 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         self.drift() + 1
     }
 
-    /// Number of degrees of freedom: unknowns that are neither held nor follow from the others.
+    /// Number of degrees of freedom: unknowns that are neither held nor determined by the others.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
         shape(&self.model).len() - self.held.len() - usize::from(M::LAGRANGIAN)
     }
 
     /// Whether an unknown is the rate of a length.
-    pub(super) fn is_length(&self, i: usize) -> bool {
+    #[must_use]
+    pub fn is_length(&self, i: usize) -> bool {
         i == self.drift() || (i < self.drift() && self.model.is_length(i % M::BLOCK))
     }
 

@@ -1,10 +1,10 @@
 //! Particles, energies, the power of damping, and the mass matrix of a state.
 
 use super::free_ring::RingSystem;
-use crate::ring::model::{Energy, RingFormulation};
-use crate::ring::particle::Particle;
-use crate::solver::View;
 use nalgebra::DMatrix;
+use pushbelt::solver::View;
+use pushbelt_paper::ring::model::{Energy, RingFormulation};
+use pushbelt_paper::ring::particle::Particle;
 
 impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
     /// The particle at the local coordinate x ∈ [−1, 1] of an element.
@@ -14,7 +14,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
         self.model.particle(&self.frame(view), element, x, &motion).0
     }
 
-    /// The particle at the place ξ, m, wherever the mesh stands: x̄ = ξ − s (1).
+    /// The particle at the place ξ, m, for any drift of the mesh: x̄ = ξ − s (1).
     #[must_use]
     pub fn particle_at(&self, view: View<'_>, xi: f64) -> Particle<f64, D> {
         let (element, x) = self.model.locate(&self.frame(view), view.q[self.drift()], xi);
@@ -55,7 +55,8 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
             .sum()
     }
 
-    /// Mass matrix M(q) = ∫ m_r PᵀP dξ (16), dense, nothing held. The columns of P are the velocities at unit rates.
+    /// Dense mass matrix M(q) = ∫ m_r PᵀP dξ (16), without held unknowns. The columns of P are the velocities at unit
+    /// rates.
     #[must_use]
     pub fn mass_matrix(&self, q: &[f64]) -> DMatrix<f64> {
         let n = q.len();

@@ -1,9 +1,10 @@
 //! The ring alone, free in the plane or in space, as an implicit system: no chain, contact or pulleys (paper 5.3).
 //!
-//! ∫ m_r Pᵀ Dv/Dt dξ + ∂V/∂q + damping = 0 (25) for any [`RingFormulation`](super::model::RingFormulation). Unknowns are the rates: blocks of the model
-//! around the loop, then ṡ and Θ̇ in the border, so the Jacobian is an arrow matrix whatever the model.
+//! ∫ m_r Pᵀ Dv/Dt dξ + ∂V/∂q + damping = 0 (25) for any
+//! [`RingFormulation`](pushbelt_paper::ring::model::RingFormulation). Unknowns are the rates: blocks of the model
+//! around the loop, then ṡ and Θ̇ in the border, so the Jacobian is an arrow matrix for every model.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `free_ring` | the ring and its unknowns |
 //! | `starts` | states to start from |
