@@ -23,8 +23,8 @@ fn derivatives_require_an_input_or_output_and_order_one() {
         for (vr, order, words) in [
             (torque, 0, "derivative is 1, not 0"),
             (torque, 2, "derivative is 1, not 2"),
-            (friction, 1, "no input"),
-            (ratio, 1, "no input"),
+            (friction, 1, "not an input"),
+            (ratio, 1, "not an input"),
             (77, 1, "value reference 77"),
         ] {
             assert_eq!(fmi2SetRealInputDerivatives(c, &vr, 1, &order, &1.0), Error);
@@ -33,8 +33,8 @@ fn derivatives_require_an_input_or_output_and_order_one() {
         for (vr, order, words) in [
             (ratio, 0, "not 0"),
             (ratio, 2, "maxOutputDerivativeOrder"),
-            (energy, 1, "no output"),
-            (torque, 1, "no output"),
+            (energy, 1, "not an output"),
+            (torque, 1, "not an output"),
             (reference("macroSlip"), 1, "another type"),
         ] {
             assert_eq!(fmi2GetRealOutputDerivatives(c, &vr, 1, &order, &mut value), Error);

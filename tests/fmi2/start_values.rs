@@ -119,7 +119,7 @@ fn an_unusable_file_is_an_error_that_names_it() {
     fs::create_dir(resources.0.join(FILE)).expect("a folder");
     let importer = resources.importer();
     assert!(
-        importer.c.is_null() && importer.last().contains("no file"),
+        importer.c.is_null() && importer.last().contains("not a file"),
         "{:?}",
         importer.record
     );

@@ -48,7 +48,7 @@ fn serialized(importer: &Importer) -> Vec<u8> {
             fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr().cast(), size - 1),
             Error
         );
-        assert!(importer.last().contains("not enough"), "{}", importer.last());
+        assert!(importer.last().contains("but only"), "{}", importer.last());
         assert_eq!(fmi2FreeFMUstate(c, &mut state), Ok);
         bytes
     }
