@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::settings::{Rings, Settings};
+use super::rings::Rings;
+use super::settings::Settings;
 use super::table;
 use super::variator_unit::UnitWith;
 use crate::fmi::Table;

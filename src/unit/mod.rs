@@ -17,6 +17,10 @@ mod linear;
 #[allow(unsafe_code, non_snake_case)]
 pub mod linear_c;
 #[forbid(unsafe_code)]
+mod rings;
+#[forbid(unsafe_code)]
+mod rows;
+#[forbid(unsafe_code)]
 mod settings;
 #[forbid(unsafe_code)]
 mod table;
@@ -29,7 +33,8 @@ mod variator_unit;
 
 #[cfg(feature = "exports")]
 pub use exports::exports;
-pub use settings::{CONTACT_STRAIN, Rings, Settings, StandardRings};
-pub use table::Rows;
+pub use rings::{CONTACT_STRAIN, Rings};
+pub use rows::Rows;
+pub use settings::{Settings, StandardRings};
 pub use terminals::{TERMINALS, terminals};
 pub use variator_unit::{UnitWith, VariatorUnit, model_description, model_description3};

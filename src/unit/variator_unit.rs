@@ -1,6 +1,7 @@
 //! The variator as a unit of the FMI layer.
 
-use super::settings::{Rings, Settings, StandardRings};
+use super::rings::Rings;
+use super::settings::{Settings, StandardRings};
 use super::table;
 use crate::fmi::Table;
 use crate::fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure, Unit};

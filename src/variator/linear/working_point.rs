@@ -4,7 +4,7 @@ use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, ArrowLu, Singular};
 use crate::solver::{State, System};
 use crate::variator::pulleys::loads::{Boundary, LoadRates, ShaftMode, SheaveMode};
-use crate::variator::run::variator::{InitialisationError, Variator};
+use crate::variator::run::{InitialisationError, Variator};
 use crate::variator::settings::parameters::{Axial, Drive, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, StartState};
 use crate::variator::settings::validation::ParameterError;

@@ -5,8 +5,11 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::solver::newton::Counts;
 use crate::variator::pulleys::rows::Stop;
 use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
-use crate::variator::run::variator::{StepError, Variator};
+use crate::variator::run::outcome::StepError;
+use crate::variator::run::variator::Variator;
 use crate::variator::settings::parameters::Mode;
+#[cfg(doc)]
+use crate::variator::settings::parameters::Solver;
 use crate::variator::settings::signals::Inputs;
 
 /// An ongoing communication step.
@@ -45,6 +48,31 @@ impl Event {
             Self::Grips => "the belt grips again".into(),
             Self::Reaches(pulley, stop) => format!("the {} sheave reaches its {} stop", pulley.name(), stop.name()),
         }
+    }
+}
+
+/// Whole communication steps.
+impl Variator {
+    /// Advances to time `to` with inputs that are held, after the ramp of [`Solver::input_ramp`].
+    ///
+    /// # Errors
+    /// Inputs out of range, or a step that can't be done.
+    pub fn advance(&mut self, to: f64, inputs: &Inputs) -> Result<(), StepError> {
+        self.advance_along(to, inputs, &Inputs::ZERO)
+    }
+
+    /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the time derivatives
+    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call.
+    ///
+    /// # Errors
+    /// Inputs out of range, or a step that can't be done.
+    pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
+        while !step.is_over() {
+            step.advance(self)?;
+        }
+        step.finish(self);
+        Ok(())
     }
 }
 

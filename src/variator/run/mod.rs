@@ -6,6 +6,7 @@
 //! | `communication_step` | [`CommunicationStep`]: begin, advance, set inputs, finish |
 //! | `stepper` | the trait behind a communication step, and the accurate integrator |
 //! | `real_time` | the same trait with bounded work |
+//! | `outcome` | remarks, errors, outputs around a moment |
 //! | `plant` | what a stepper advances: equations, state, inputs in force |
 //! | `inputs` | inputs as functions of time |
 //! | `initial`, `at_rest`, `soft_start` | the state that a run starts from |
@@ -15,6 +16,7 @@ mod at_rest;
 mod communication_step;
 mod initial;
 mod inputs;
+mod outcome;
 mod pace;
 mod plant;
 mod real_time;
@@ -23,4 +25,5 @@ mod stepper;
 pub(crate) mod variator;
 
 pub use communication_step::{CommunicationStep, Event};
-pub use variator::{InitialisationError, Message, Moment, StepError, Variator};
+pub use outcome::{InitialisationError, Message, Moment, StepError};
+pub use variator::Variator;

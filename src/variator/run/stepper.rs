@@ -1,5 +1,4 @@
-//! How a plant is advanced within a communication step: one trait, behind it the accurate integrator and
-//! [`RealTime`](super::real_time::RealTime).
+//! How a plant is advanced within a communication step: one trait, and the accurate integrator.
 
 use std::fmt::Debug;
 
@@ -8,8 +7,6 @@ use crate::solver::sdirk::{Sdirk, Span, Stalled};
 use crate::tape::Tape;
 use crate::variator::run::inputs::{InputProfile, SHORTEST_STEP};
 use crate::variator::run::plant::Plant;
-use crate::variator::run::real_time::RealTime;
-use crate::variator::settings::parameters::Mode;
 use crate::variator::settings::signals::Work;
 use crate::variator::system::VariatorSystem;
 
@@ -64,14 +61,6 @@ pub(super) trait Stepper: Debug + Send + Sync {
 impl Clone for Box<dyn Stepper> {
     fn clone(&self) -> Self {
         self.boxed()
-    }
-}
-
-/// The stepper that the parameters choose, for the plant's state and time.
-pub(super) fn stepper(plant: &Plant, first_step: f64) -> Box<dyn Stepper> {
-    match plant.system.parameters.solver.mode {
-        Mode::Accurate => Box::new(Accurate::new(&plant.system, first_step)),
-        Mode::RealTime => Box::new(RealTime::new(plant)),
     }
 }
 

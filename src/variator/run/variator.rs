@@ -5,15 +5,14 @@ use crate::solver::State;
 use crate::solver::newton::Counts;
 use crate::tape::Tape;
 use crate::variator::belt::ring::BeltRing;
-use crate::variator::run::communication_step::CommunicationStep;
 use crate::variator::run::initial::find_start;
 use crate::variator::run::inputs::InputSegment;
+use crate::variator::run::outcome::{InitialisationError, Message, Moment};
 use crate::variator::run::pace::Pace;
 use crate::variator::run::plant::Plant;
-use crate::variator::run::stepper::{COLD_STEP, Stepper, stepper};
-use crate::variator::settings::parameters::Parameters;
-#[cfg(doc)]
-use crate::variator::settings::parameters::Solver;
+use crate::variator::run::real_time::RealTime;
+use crate::variator::run::stepper::{Accurate, COLD_STEP, Stepper};
+use crate::variator::settings::parameters::{Mode, Parameters};
 use crate::variator::settings::signals::{Inputs, Outputs, Profile, Readings, StartState, Work};
 use crate::variator::settings::validation::ParameterError;
 use crate::variator::steady::solve::geometric_ratio;
@@ -32,44 +31,6 @@ const CHATTER: f64 = 0.1;
 /// Half the distance in time over which outputs are differentiated, s: the loads of the flanks are linear over it, and
 /// it leaves nine digits of a difference.
 const MOMENT: f64 = 1.0e-6;
-
-/// A remark for the user's log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Message {
-    /// Whether the user should act on it.
-    pub warning: bool,
-    /// Text of the remark, one sentence.
-    pub text: String,
-}
-
-/// Why a variator could not be initialised.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum InitialisationError {
-    /// An input is out of its range.
-    #[error(transparent)]
-    Input(#[from] ParameterError),
-    /// No state was found to start from.
-    #[error("the initial state could not be found: {0}")]
-    NoState(String),
-}
-
-/// Why a step could not be done. The state stays at the last successful time.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum StepError {
-    /// An input is out of its range; nothing was changed.
-    #[error(transparent)]
-    Input(#[from] ParameterError),
-    /// The step size fell below the smallest useful one.
-    #[error("the step from {from} s stalled at {reached} s: {reason}")]
-    Stalled {
-        /// Start of the step, s.
-        from: f64,
-        /// Last successful time, s.
-        reached: f64,
-        /// Cause, as the solver reports it.
-        reason: String,
-    },
-}
 
 /// A variator: parameters, mesh and the whole dynamic state in one place. A clone is a snapshot that continues
 /// bit for bit as the original does.
@@ -104,15 +65,12 @@ pub struct Variator {
     messages: Vec<Message>,
 }
 
-/// Outputs a moment before and after the present, along the tangent of the state.
-#[derive(Debug)]
-pub struct Moment {
-    /// Outputs a moment before.
-    pub before: Box<Outputs>,
-    /// Outputs a moment after.
-    pub after: Box<Outputs>,
-    /// Time between the two, s.
-    pub span: f64,
+/// The stepper that the parameters choose, for the plant's state and time.
+fn stepper(plant: &Plant, first_step: f64) -> Box<dyn Stepper> {
+    match plant.system.parameters.solver.mode {
+        Mode::Accurate => Box::new(Accurate::new(&plant.system, first_step)),
+        Mode::RealTime => Box::new(RealTime::new(plant)),
+    }
 }
 
 impl Variator {
@@ -176,28 +134,6 @@ impl Variator {
         self.macro_slip = plant.slips(false);
         self.warn_of_slip();
         self.update_outputs();
-        Ok(())
-    }
-
-    /// Advances to time `to` with inputs that are held, after the ramp of [`Solver::input_ramp`].
-    ///
-    /// # Errors
-    /// Inputs out of range, or a step that can't be done.
-    pub fn advance(&mut self, to: f64, inputs: &Inputs) -> Result<(), StepError> {
-        self.advance_along(to, inputs, &Inputs::ZERO)
-    }
-
-    /// Advances to time `to` with inputs that change in proportion to time: `inputs` now, with the time derivatives
-    /// `rates`. A clamping force that falls ends at zero. Less than a nanosecond is left to the next call.
-    ///
-    /// # Errors
-    /// Inputs out of range, or a step that can't be done.
-    pub fn advance_along(&mut self, to: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        let mut step = CommunicationStep::begin(self, to, inputs, rates)?;
-        while !step.is_over() {
-            step.advance(self)?;
-        }
-        step.finish(self);
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use std::cell::OnceCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::error::{CallError, Outcome, refused};
-use super::steps::StepInProgress;
+use super::step_in_progress::StepInProgress;
 use crate::fmi2::guid;
 use crate::log::{Category, Log, Sink, Status};
 use crate::snapshot::Snapshot;

@@ -21,6 +21,7 @@ mod error;
 mod instance;
 mod lifecycle;
 mod states;
+mod step_in_progress;
 mod steps;
 mod values;
 

@@ -2,19 +2,11 @@
 
 use super::error::{CallError, Outcome, refused};
 use super::instance::{Environment, IntermediateUpdate, Slave};
+use super::step_in_progress::StepInProgress;
 use crate::log::{Category, Status};
 use crate::snapshot::Snapshot;
 use crate::state::{Call, State};
 use crate::unit::{CommunicationStep, StepFailure, Unit};
-
-/// A communication step in progress.
-pub(super) struct StepInProgress<U: Unit> {
-    step: CommunicationStep<U>,
-    /// The communication point at which it ends, by the master's sum of steps, s.
-    end: f64,
-    /// Whether it ends early.
-    shortened: bool,
-}
 
 /// What comes next in a communication step.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,102 @@
+//! The rings that a unit offers, and the variables that choose among them.
+
+use super::rows::Rows;
+use super::settings::{Settings, StandardRings};
+use super::types::{AXIAL, DRIVE, MODE, RING_MODEL, START_STATE};
+use crate::fmi::table::{Access, Enumeration, Retired};
+use crate::fmi::unit::Identity;
+use crate::variator::belt_ring::BeltRing;
+use crate::variator::settings::{ParameterError, Parameters, RingModel};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// The rings that a unit offers, with the parameters that choose among them.
+pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
+    /// Name of the unit, and what its description suggests.
+    const IDENTITY: Identity;
+
+    /// The items of `ring.model`.
+    const RING_MODEL: &'static Enumeration;
+
+    /// The enumerations of the unit.
+    const ENUMERATIONS: &'static [&'static Enumeration] = &[Self::RING_MODEL, &DRIVE, &AXIAL, &START_STATE, &MODE];
+
+    /// Variables of earlier versions that the unit no longer has.
+    const RETIRED: &'static [Retired];
+
+    /// Adds the variables that choose the ring: `ring.model`, and parameters of rings that no other unit has.
+    fn add_variables(rows: &mut Rows<Self>);
+
+    /// Checks these parameters among themselves.
+    ///
+    /// # Errors
+    /// The first parameter that does not fit the others.
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
+    }
+
+    /// The ring that is chosen.
+    fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing>;
+}
+
+/// Removed in an earlier version.
+pub const CONTACT_STRAIN: Retired = Retired {
+    name: "belt.contactStrain",
+    reference: 1036,
+    instead: "set belt.roughness, the same strain times belt.elementThickness",
+};
+
+/// A variable of the FMU of the paper's comparison alone.
+const fn of_paper(name: &'static str, reference: u32) -> Retired {
+    Retired {
+        name,
+        reference,
+        instead: "the FMU of the comparison with the paper has it (cargo fmu build --paper)",
+    }
+}
+
+impl Rings for StandardRings {
+    const IDENTITY: Identity = Identity {
+        name: "PushbeltVariator",
+        description: "Pushbelt CVT variator: steel ring in reference dynamics (ALE), push elements, wedge contact, tilting sheaves",
+        version: env!("CARGO_PKG_VERSION"),
+        author: "The pushbelt developers",
+        license: env!("CARGO_PKG_LICENSE"),
+        generation_tool: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")),
+        stop_time: 1.0,
+        step_size: 1e-3,
+        tolerance: 1e-4,
+        longest_step: 1000.0,
+    };
+    const RING_MODEL: &'static Enumeration = &RING_MODEL;
+    const RETIRED: &'static [Retired] = &[
+        CONTACT_STRAIN,
+        of_paper("mesh.aligned", 1075),
+        of_paper("ring.referenceDirections", 1048),
+        of_paper("ring.elements", 1045),
+    ];
+
+    fn add_variables(rows: &mut Rows<Self>) {
+        let access = Access::Setting {
+            get: |settings: &Settings| settings.parameters.ring_model as i32,
+            set: |settings: &mut Settings, number| {
+                settings.parameters.ring_model = if number == RingModel::Ale0 as i32 {
+                    RingModel::Ale0
+                } else {
+                    RingModel::Ale
+                }
+            },
+        };
+        rows.choice(
+            "ring.model",
+            1001,
+            Self::RING_MODEL,
+            "Level of detail of the ring",
+            access,
+        );
+    }
+
+    fn ring(&self, parameters: &Parameters) -> Arc<dyn BeltRing> {
+        parameters.ring_of_model()
+    }
+}

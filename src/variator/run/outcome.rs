@@ -1,0 +1,53 @@
+//! What a run reports: remarks, errors, outputs around a moment.
+
+use crate::variator::settings::signals::Outputs;
+use crate::variator::settings::validation::ParameterError;
+
+/// A remark for the user's log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Message {
+    /// Whether the user should act on it.
+    pub warning: bool,
+    /// Text of the remark, one sentence.
+    pub text: String,
+}
+
+/// Why a variator could not be initialised.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InitialisationError {
+    /// An input is out of its range.
+    #[error(transparent)]
+    Input(#[from] ParameterError),
+    /// No state was found to start from.
+    #[error("the initial state could not be found: {0}")]
+    NoState(String),
+}
+
+/// Why a step could not be done. The state stays at the last successful time.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// An input is out of its range; nothing was changed.
+    #[error(transparent)]
+    Input(#[from] ParameterError),
+    /// The step size fell below the smallest useful one.
+    #[error("the step from {from} s stalled at {reached} s: {reason}")]
+    Stalled {
+        /// Start of the step, s.
+        from: f64,
+        /// Last successful time, s.
+        reached: f64,
+        /// Cause, as the solver reports it.
+        reason: String,
+    },
+}
+
+/// Outputs a moment before and after the present, along the tangent of the state.
+#[derive(Debug)]
+pub struct Moment {
+    /// Outputs a moment before.
+    pub before: Box<Outputs>,
+    /// Outputs a moment after.
+    pub after: Box<Outputs>,
+    /// Time between the two, s.
+    pub span: f64,
+}
