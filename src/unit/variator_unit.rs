@@ -38,6 +38,7 @@ impl<R: Rings> UnitWith<R> {
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
+        settings.rings.check().map_err(|error| error.to_string())?;
         let ring = settings.rings.ring(&parameters);
         let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
         Ok(Self {
