@@ -44,9 +44,9 @@ const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
   seconds      build, demo, compare, describe, linearize
   a minute     drive, sweep, calibrate (60 points), bench
-  minutes      test (8 the first time), validate (3), paper, wheel, docs
-  20 minutes   test --all
-The first command of a new clone compiles and installs for three minutes more.";
+  minutes      test (3), validate (3), paper, wheel, docs
+  15 minutes   test --all
+The first command of a new clone compiles and installs for two minutes more.";
 
 #[derive(Subcommand)]
 enum Command {
