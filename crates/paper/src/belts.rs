@@ -11,8 +11,8 @@ use crate::travelling::start::state_on_ale;
 use nalgebra::Vector2;
 use pushbelt::solver::State;
 use pushbelt::variator::belt_ring::{
-    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, RingUnknowns, cells_of_deflecting,
-    deflecting_equations, eulerian_equations, guided_equations,
+    Ale, Ale0, Assembly, Belt, BeltMesh, BeltRing, CellDivision, Layout, RingUnknowns, deflecting_equations,
+    eulerian_equations, guided_equations,
 };
 use pushbelt::variator::settings::{Mesh, Mode, ParameterError, Parameters};
 use std::marker::PhantomData;
@@ -89,15 +89,15 @@ pub struct Rotated<const D: usize = 2>;
 
 impl<const D: usize> BeltRing for Rotated<D> {
     fn name(&self) -> &'static str {
-        "ALE"
+        Ale::<D>.name()
     }
 
     fn cells(&self, mesh: &Mesh) -> CellDivision {
-        cells_of_deflecting(mesh)
+        Ale::<D>.cells(mesh)
     }
 
-    fn unknowns(&self, _parameters: &Parameters, mesh: &BeltMesh, _curve: &TwoPulley) -> RingUnknowns {
-        RingUnknowns::deflection(D, mesh)
+    fn unknowns(&self, parameters: &Parameters, mesh: &BeltMesh, curve: &TwoPulley) -> RingUnknowns {
+        Ale::<D>.unknowns(parameters, mesh, curve)
     }
 
     fn equations(&self, belt: &Belt) -> Box<dyn Assembly> {

@@ -274,7 +274,7 @@ impl Bounded {
         self.open = None;
     }
 
-    /// Begins a step, or goes on with the open one, as far as the budget lasts. Returns its defect once it is over: root mean square
+    /// Begins a step, or continues the open one, as far as the budget lasts. Returns its defect once it is over: root mean square
     /// of the correction that is left, in units of Newton's scale. Until then the state stays at its start.
     pub fn tick<S: Evolution>(
         &mut self,

@@ -158,7 +158,7 @@ impl RealTime {
         true
     }
 
-    /// Goes on with the step that was chosen.
+    /// Continues the chosen step.
     fn go_on(&mut self, plant: &mut Plant, budget: &mut Budget) {
         plant.system.round(self.rounded);
         plant.apply(self.inputs);
