@@ -71,6 +71,7 @@ macro_rules! pulley_outputs {
         $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed, without the acceleration of {}.inertia and the drag of the shaft", read!($pulley.power));
         $t.read("spiral.{}", 18, (Output, "m", not_negative(1e-4)), "Spiral running: spread of the running radius within the {} arc", read!($pulley.spiral));
         $t.read("{}.tilt", 19, (Output, "rad", not_negative(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", read!($pulley.tilt));
+        $t.read("{}.idleArc", 20, (Output, "rad", not_negative(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", read!($pulley.idle_arc));
     };
 }
 
@@ -216,4 +217,5 @@ fn locals<R: Rings>(t: &mut Rows<R>) {
     t.profile("radialDeviation", 10_401, "m", 1e-4, "Radius less the mean radius of the arc; on strands the outward distance from the tangent line of the reference curve", |readings, at| readings.profile.radial_deviation[at]);
     t.profile("slidingSpeed", 10_501, "m/s", 0.01, "Tangential sliding speed of the flanks", |readings, at| readings.profile.sliding_speed[at]);
     t.profile("lateralDeflection", 10_601, "m", 1e-3, "Deflection of the ring from the middle between the two belt planes, along the pulley axes", |readings, at| readings.profile.lateral_deflection[at]);
+    t.profile("gap", 10_701, "m", 1e-6, "Gap between neighbouring elements, 0 in contact,", |readings, at| readings.profile.gap[at]);
 }

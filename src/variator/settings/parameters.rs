@@ -269,10 +269,10 @@ impl Default for Parameters {
                 damping: 5.0e-6,
                 roughness: 1.0e-7,
                 element_thickness: 1.5e-3,
-                film_force: 100.0,
+                film_force: 5.0,
                 film_thickness: 1.5e-6,
-                film_damping: 3.0,
-                squeeze_damping: 900.0,
+                film_damping: 2.0,
+                squeeze_damping: 2700.0,
             },
             ring: Ring {
                 mass_per_length: 0.24,
