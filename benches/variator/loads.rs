@@ -2,7 +2,7 @@
 
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::loads::{Driven, LOADS, Load};
+use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_lab::variators::{one_cell, variator};
 use serde_json::json;
 
@@ -35,7 +35,7 @@ fn rings() -> [(&'static str, Parameters); 3] {
     ]
 }
 
-fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, parameters): (&str, Parameters), seconds: f64) {
+fn row(table: &mut Table, (load, ratio): (LoadHistory, f64), (ring, parameters): (&str, Parameters), seconds: f64) {
     let shape = if parameters.solver.input_ramp == 0.0 {
         "jumping"
     } else {
