@@ -1,6 +1,7 @@
-//! Time integration with bounded work, for real time. A millisecond has some Jacobians, most with reused geometry ([`GeometryUpdate`]), and a fixed
-//! number of residuals after each ([`Budget`]). A step that is not solved when the work is used up stays open. The next millisecond goes on
-//! from its best point, with a new Jacobian there. There are two schemes, both one-step and L-stable:
+//! Time integration with bounded work, for real time. A millisecond has some Jacobians, most with reused geometry
+//! ([`GeometryUpdate`]), and a fixed number of residuals after each ([`Budget`]). A step that is not solved when the work is used up
+//! stays open. The next millisecond goes on from its best point, with a new Jacobian there. There are two schemes, both one-step and
+//! L-stable:
 //!
 //! - [`Scheme::Sdirk`] is that of [`Sdirk`](super::sdirk::Sdirk): order two, two stages.
 //! - [`Scheme::Euler`] is implicit Euler: order one, one stage, more damping. In steps of 1 ms a swing of 70 Hz lags by 0.2 rad.
