@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::ptr::null_mut;
 
 use pushbelt::fmi::log::Status::{self, Error, Ok, Warning};
-use pushbelt::unit::linear_c::{pushbeltFreeText, pushbeltLinearize};
+use pushbelt::unit::exports::linear_c::{pushbeltFreeText, pushbeltLinearize};
 use serde_json::Value;
 
 use crate::importer::*;
