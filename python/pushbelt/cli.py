@@ -27,8 +27,8 @@ def parser() -> argparse.ArgumentParser:
     found = argparse.ArgumentParser(
         prog="pushbelt",
         description="A pushbelt CVT variator as an FMU. `pushbelt COMMAND --help` lists the options of a command.",
-        epilog="Programs run the FMU of this package unless --fmu names another, and write to pushbelt-COMMAND unless "
-        "--output names another folder.",
+        epilog="Programs run the FMU of this package by default (see --fmu) and write to the folder pushbelt-COMMAND "
+        "(see --output).",
     )
     found.add_argument("--version", action="version", version=f"pushbelt {__version__}")
     commands = found.add_subparsers(dest="command", required=True, metavar="COMMAND")
