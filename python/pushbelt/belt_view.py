@@ -19,7 +19,7 @@ from .style import COLOUR_SCALE
 ELEMENTS_TOGETHER = 3
 """Number of elements of the belt per drawn element."""
 TURNS_A_SECOND = 0.35
-"""Speed of the faster pulley in the animation."""
+"""Speed of the faster pulley in the animation, turns per second."""
 LONGEST = 60.0
 """Longest duration of the animation, s."""
 STEADY_TIME = 20.0

@@ -18,7 +18,7 @@ MINUS = "\N{MINUS SIGN}"
 
 
 def number(value: float, digits: int = 0) -> str:
-    """A number with a fixed count of decimals, thin spaces between thousands and a real minus."""
+    """A number with fixed decimals, thin spaces between thousands and a typographic minus sign."""
     text = f"{value:,.{digits}f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
     negative_zero = float(f"{value:.{digits}f}") == 0.0
     return text.removeprefix("-") if negative_zero else text.replace("-", MINUS)

@@ -1,4 +1,4 @@
-"""One push element on its way round the belt.
+"""Path of one push element around the belt.
 
 The pitch-line speed V of touching elements is the same all around the belt (to the strain of the stack, about 1e-4), so an
 element's place on the pitch line moves by ∫V dt. A place on the ring's centre line follows from it by the pitch-line length
