@@ -90,7 +90,7 @@ class Results:
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """All of them."""
+        """All runs."""
         return self.fixed, self.slip, self.close_up, self.fixed_low_friction, self.slip_low_friction
 
 

@@ -1,7 +1,7 @@
 """How fast the ratio changes after a step of the primary clamping force, measured on the FMU.
 
 A run starts in a steady state at a speed ratio s = r_P/r_S. The primary force is then multiplied by exp(step) at once.
-ds/dt is the mean over a window after it: what the step itself does is over by then, and the ratio has hardly moved.
+ds/dt is the mean over a window after the step. It starts after the transient of the step and ends before the ratio changes much.
 """
 
 from __future__ import annotations

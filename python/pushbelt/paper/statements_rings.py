@@ -81,11 +81,11 @@ def _deformable_ring(rings: Rings) -> list[Statement]:
             "does not occur in a free ring",
             verdict(ale.theta.max() > 0.6),
             f"Θ rises from 0.4 to {ale.theta.max():.2f} at {1e3 * ale.time[int(ale.theta.argmax())]:.2f} ms; until "
-            f"{1e3 * ale.time[-1]:.0f} ms the centre of mass gets off by {1e3 * abs(_centre(rings, 'ALE')):.0f} mm (RCM: "
+            f"{1e3 * ale.time[-1]:.0f} ms the centre of mass moves by {1e3 * abs(_centre(rings, 'ALE')):.0f} mm (RCM: "
             f"{1e3 * abs(_centre(rings, 'RCM')):.1f} mm)",
             "The left end has to move inwards, which only Θ permits. The lock transmits a force, because the bending measure (23) "
-            "counts from the curve and resists a change of Θ alone: no energy is lost, but momentum goes into the lock. With Θ held "
-            "instead of the node the centre of mass rests to rounding (crates/paper/tests/ring/ale.rs). RCM and ANCF have no such lock.",
+            "is relative to the curve and resists a change of Θ alone: energy is conserved, but the lock takes up momentum. With Θ held "
+            "instead of the node the centre of mass is at rest to rounding (crates/paper/tests/ring/ale.rs). RCM and ANCF have no such lock.",
         ),
         Statement(
             "5.3, fig. 7",

@@ -98,8 +98,8 @@ def _ale_agrees(results: PaperResults) -> Statement:
         verdict(max(map(abs, thrust)) < 0.05 and max(map(abs, points)) < 0.01, max(map(abs, thrust)) < 0.1),
         f"thrust ratio {span(thrust)}, efficiency {plain(100 * min(points), '+.2f')} to "
         f"{plain(100 * max(points), '+.2f')} points",
-        "ALE's mesh is fine at the arc borders and stays there; RCM's 32 even elements travel through them, 22 mm long where the small arc is "
-        "75 mm. So they differ most in overdrive.",
+        "ALE's mesh is fine at the arc borders and fixed; RCM's 32 even elements travel through them and are 22 mm long where the small arc is "
+        "75 mm. The models therefore differ most in overdrive.",
     )
 
 
@@ -183,11 +183,11 @@ def _ancf_oscillates(results: PaperResults) -> Statement:
         outcome,
         "standard deviation of the push force in the push strand (median of the cases): "
         + ", ".join(f"{model} {100 * value:.2g}{THIN}%" for model, value in ripple.items()),
-        "Where an element lies across an arc border its curvature jumps, which a cubic cannot follow without stretching: every passage "
-        "is a blow. RCM has one strain an element and bends freely; the meshes of ALE and ALE0 stand still."
+        "In an element across an arc border the curvature jumps, which a cubic cannot represent without stretching: every passage "
+        "is an impact. RCM has one strain per element and bends freely; the meshes of ALE and ALE0 are fixed."
         if outcome is not Verdict.NO
         else "The passage of an element at an arc border is an impact, for RCM as well as ANCF; the meshes of ALE and ALE0 are "
-        "still.",
+        "fixed.",
     )
 
 
@@ -237,7 +237,7 @@ def _half_the_time(results: PaperResults) -> Statement:
         claim,
         verdict(max(ratio.values()) < 0.65, min(ratio.values()) < 0.65),
         ", ".join(f"{m} {value:.2g} of RCM" for m, value in ratio.items()) + " (median of the cases)",
-        "ALE0 stands still in its steady state and has hardly anything to compute. ANCF travels as RCM does and meets the same "
+        "ALE0 is at rest in its steady state and needs little computation. The mesh of ANCF travels like that of RCM and passes the same "
         "arc borders, but its mass matrix is constant and its elements are cheaper.",
     )
 
@@ -246,15 +246,15 @@ def _ale_time(results: PaperResults) -> Statement:
     claim = "ALE needs less computing time than RCM (the paper: about 80 %)"
     ratios = [results.time_ratio(case, "ALE") for case in results.cases]
     wavy = [value for case in results.cases if (value := results.wavy_time_ratio(case, "ALE")) is not None]
-    swinging = f"; with a load that swings {min(wavy):.2g} to {max(wavy):.2g}" if wavy else ""
+    swinging = f"; with an oscillating load {min(wavy):.2g} to {max(wavy):.2g}" if wavy else ""
     return Statement(
         "5.4, fig. 9",
         claim,
         verdict(max(ratios) < 0.8, min(ratios) < 0.8),
         f"{min(ratios):.2g} to {max(ratios):.2g} of RCM{swinging}",
-        "The mesh stands still where the belt runs through: constant loads leave nothing that changes, so the implicit steps are "
-        "as long as the communication steps and need no new Jacobian. With explicit or short steps, as the paper's, that "
-        "advantage cannot show.",
+        "The belt runs through a fixed mesh. Under constant loads the unknowns are constant, so the implicit steps are "
+        "as long as the communication steps and need no new Jacobian. Explicit or short steps, as in the paper, do not have "
+        "this advantage.",
     )
 
 
