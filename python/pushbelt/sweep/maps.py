@@ -151,7 +151,7 @@ def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: 
 
 
 def sheets(results: Results) -> dict[str, Figure]:
-    """Writes all maps, by file name."""
+    """Figures of all maps, by file name."""
     several = len(results.grid.force) > 1
     return {
         quantity.name.replace(" ", "-") + (f"-{force:.0f}N" if several else ""): maps(results, quantity, index)

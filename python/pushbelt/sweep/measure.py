@@ -23,7 +23,7 @@ GRID = Grid(
 
 
 LOAD = hasattr(os, "getloadavg")
-"""Load average. It is not available on Windows."""
+"""Whether the system has a load average; Windows has none."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What was measured on pushbelts, read from `measured.json`, and the sources that goals are taken from."""
+"""Measurements of pushbelts from `measured.json`, and sources of the goals."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FILE = Path(__file__).with_name("measured.json")
 
 @lru_cache(maxsize=1)
 def data() -> dict[str, Any]:
-    """The whole file."""
+    """Content of the file."""
     return json.loads(FILE.read_text(encoding="utf-8"))
 
 

@@ -1,4 +1,4 @@
-"""The continuum theory: in its limit, on the way there, and at default parameters."""
+"""Comparison with the continuum theory: in its limit, at levels towards it, and at default parameters."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from ..outcome import (
 )
 
 TOLERANCE = 0.05
-"""Of the thrust ratio in the theory's limit."""
+"""Tolerance of the thrust ratio in the theory's limit."""
 LEAST_ERROR = 0.01
-"""Below this an error need not fall any more along a ladder."""
+"""Error below which further reduction along the series of levels is not required."""
 NO_TORQUE_TOLERANCE = 0.12
-"""Of the thrust ratio without torque at default parameters."""
+"""Tolerance of the thrust ratio without torque at default parameters."""
 NO_TORQUE_RATIOS = (2.25, 1.0, 0.44)
 NO_TORQUE_FORCES, NO_TORQUE_SPEED = (10e3, 20e3), 104.72
-"""N, rad/s: a published state of the laboratory rig."""
+"""Force, N, and speed, rad/s, of a published state of the laboratory rig."""
 
 VARIANTS = (({}, ""), ({"friction.ring": 0.0}, ", no ring friction"))
 """Changed parameters: the theory has no ring friction."""
@@ -158,7 +158,7 @@ def _range(statement: str, errors: Iterable[float]) -> Check:
 
 
 def _without_torque(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
-    """Without torque the ring's friction and the play decide how much of an arc is loaded by push forces."""
+    """Without torque the ring's friction and the play determine which part of an arc is loaded by push forces."""
     belt, rows, checks = against_theory.belt_of(bench), [], []
     for (changed, variant), force in product(VARIANTS, NO_TORQUE_FORCES):
         what = f", {force / 1e3:g} kN{variant}"

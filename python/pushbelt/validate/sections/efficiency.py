@@ -1,4 +1,4 @@
-"""Losses: the FMU beside a whole transmission's efficiency map, bounds from the literature, and drag without torque."""
+"""Losses: comparison of the FMU with the efficiency map of a whole transmission, bounds from the literature, and drag without torque."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from ..outcome import (
 )
 
 SAFETIES = (1.3, 2.0)
-"""As a variator is controlled, and over-clamped as it is without a slip controller."""
+"""Safety factors: that of a slip-controlled variator, and a larger one as without a slip controller."""
 LEAST_FORCE = 4e3
 """Least secondary force, N."""
 POINTS = Unit("points", 1, 100.0)
@@ -59,12 +59,12 @@ class Beside:
 
     @property
     def margin(self) -> float:
-        """Least efficiency of the FMU less the measured one."""
+        """Least efficiency of the FMU minus the measured one."""
         return min(self.efficiencies) - self.measured.efficiency
 
     @property
     def missing_torque(self) -> float:
-        """What the rest of the transmission loses, as a torque on its primary shaft, N·m, at the smaller safety."""
+        """Loss of the rest of the transmission as a torque on its primary shaft, N·m, at the smaller safety factor."""
         return self.measured.torque * (self.efficiencies[0] - self.measured.efficiency)
 
 
@@ -155,7 +155,7 @@ def _map_checks(beside: Sequence[Beside]) -> list[Check]:
 
 
 def _rest(beside: Sequence[Beside]) -> tuple[float, float, float]:
-    """c₀ in N·m, c₁ in N·m per rpm and c₂ of the losses beside the variator, by least squares."""
+    """c₀ in N·m, c₁ in N·m per rpm and c₂ of the losses outside the variator, by least squares."""
     matrix = np.array([[1.0, b.measured.rpm, b.measured.torque] for b in beside])
     found, *_ = np.linalg.lstsq(matrix, np.array([b.missing_torque for b in beside]), rcond=None)
     return tuple(found.tolist())
@@ -274,7 +274,7 @@ def _bands(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
 
 
 def _drag(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
-    """Torque on P that turns a variator without load: all that goes in is lost."""
+    """Torque on P that turns a variator without load. All input power is lost."""
     rows, torques = [], []
     for rpm in plan.thin(DRAG_SPEEDS):
         speed = rpm * math.pi / 30.0
@@ -312,7 +312,7 @@ LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.shafts", "loss.other
 
 
 def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, list[Check]]:
-    """Statements of measured studies about a variator at fixed force."""
+    """Statements of experimental studies about a variator at fixed force."""
     rows: list[list[float]] = []
     for force in plan.thin(BOUND_FORCES, 1):
         for torque in BOUND_TORQUES:
@@ -355,7 +355,7 @@ def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, 
 
 
 def _picture(beside: Sequence[Beside]) -> Picture:
-    """Per cent over torque, a panel a ratio."""
+    """Efficiency in per cent over torque, one panel per ratio."""
     panels: list[Panel] = []
     for ratio in dict.fromkeys(b.measured.ratio for b in beside):
         group = sorted((b for b in beside if b.measured.ratio == ratio), key=lambda b: b.measured.torque)

@@ -1,4 +1,4 @@
-"""Which parameter moves what, one at a time, at the default parameters."""
+"""Sensitivity of results to single parameters about the default parameters."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Change:
 
 
 def changes(bench: Bench) -> list[Change]:
-    """What is changed, in pairs: less and more."""
+    """Changes in pairs: decrease and increase."""
 
     def pair(label: str, *names: str, factors: tuple[float, float] = (0.5, 2.0)) -> list[Change]:
         return [

@@ -1,10 +1,9 @@
-"""How fast the ratio changes: the laboratory rig's law beside the FMU, without load.
+"""Speed of ratio change: comparison of the FMU with the laboratory rig's law, without load.
 
     ds/dt = ω_P a Δ(F_S) g(s) [ln(F_P/F_S) − ln(F_P/F_S)_eq],   a = (1 + cos²β)/sin 2β,   s = r_P/r_S
 
-Δ was fitted to shifts measured at 20 and 30 kN; g is the continuum theory's. The law is run and read as the FMU is: a
-step of
-0.3 in ln F_P, and the mean of ds/dt from 60 to 120 ms after it.
+Δ was fitted to shifts measured at 20 and 30 kN; g is from the continuum theory. The law is evaluated like the FMU: by a
+step of 0.3 in ln F_P, and the mean of ds/dt from 60 to 120 ms after it.
 """
 
 from __future__ import annotations
@@ -47,18 +46,18 @@ FORCES = (10e3, 20e3, 30e3)
 SPEEDS = (1000.0, 2000.0)
 """Primary speeds, rpm."""
 BETWEEN = (0.5, 0.65, 0.85, 1.0, 1.2, 1.5, 1.9, 2.3)
-"""Speed ratios at which the theory is solved; splines in between."""
+"""Speed ratios at which the theory is solved. Values in between are interpolated by splines."""
 TILT_FORCES = (5e3, 10e3, 15e3, 20e3, 25e3, 30e3)
 LINEAR_STEPS = (-0.3, -0.2, -0.1, 0.1, 0.2, 0.3)
 """Steps of ln F_P for linearity."""
 STEP_PLACES = (0.85, 0.9, 0.95, 0.98, 1.0, 1.02, 1.05, 1.1, 1.15)
 """Speed ratios about the step at s = 1."""
 NEAR = 0.04
-"""Lines on both sides of s = 1 are fitted outside of this."""
+"""Half-width of the range about s = 1 that is excluded from the linear fits on both sides."""
 TILT_TOLERANCE = 0.05
 GAIN_TOLERANCE, RATIO_TOLERANCE, DOUBLING_TOLERANCE, LINE_TOLERANCE, SAME = 0.2, 0.06, 0.1, 0.05, 0.05
 LIGHT = 0.1
-"""Of the driven shaft's inertia, where its acceleration shall not load the belt."""
+"""Factor of the driven shaft's inertia in runs in which its acceleration must not load the belt."""
 SYMMETRY = (0.8, 1.25)
 """Upshift over downshift for small equal steps, where the law is linear."""
 
@@ -73,10 +72,10 @@ def rad(rpm: float) -> float:
 
 @dataclass(frozen=True)
 class Gains:
-    """Runs at all places, forces and speeds, and the law's ds/dt read the same way."""
+    """Runs at all places, forces and speeds, and ds/dt of the law, evaluated in the same way."""
 
     runs: Mapping[Key, ShiftRun | None]
-    """None where there is no steady state."""
+    """Run at each key; None without a steady state."""
     law: Mapping[Key, float]
     """ds/dt per unit of ln F_P, 1/s."""
 
@@ -86,12 +85,12 @@ class Gains:
         return sorted({s for s, *_ in self.runs})
 
     def error(self, key: Key) -> float | None:
-        """Gain against the law's, relative."""
+        """Relative difference of the gain to the law's."""
         found = self.runs[key]
         return found.gain / self.law[key] - 1.0 if found else None
 
     def ratios(self, of: tuple[float, float], to: tuple[float, float]) -> list[tuple[str, float | None]]:
-        """Gain at a force (N) and speed (rpm) over that at another, at each place; none where one is missing."""
+        """Quotient of the gains at two pairs of force (N) and speed (rpm), at each place; None if one is missing."""
         pairs = [(s, self.runs[(s, *of)], self.runs[(s, *to)]) for s in self.places]
         return [(f"s {s:g}", one.gain / other.gain if one and other else None) for s, one, other in pairs]
 
@@ -102,7 +101,7 @@ def count(plan: Plan) -> int:
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Measures and judges."""
+    """Runs the shifts and evaluates the checks."""
     law = ShiftLaw(belt_of(bench), tuple(plan.thin(BETWEEN, 4)))
     gains = _gains(bench, plan, law)
     light_check = _doubling_of_a_light_shaft(bench, plan)
@@ -192,7 +191,7 @@ def _gain_checks(gains: Gains) -> list[Check]:
 
 
 def _doubling_of_a_light_shaft(bench: Bench, plan: Plan) -> Check:
-    """The driven shaft's acceleration, which grows with the square of the speed, hardly takes torque here."""
+    """Runs in which the driven shaft's acceleration, which grows with the square of the speed, requires little torque."""
     light = {"secondary.inertia": LIGHT * bench.given("secondary.inertia")}
     found = []
     for s in plan.thin(PLACES):
@@ -252,7 +251,7 @@ def _tilts(bench: Bench, plan: Plan) -> tuple[Table, Check]:
 
 
 def _deviation_from_a_line(x: list[float], y: list[float]) -> float:
-    """Largest distance from the best line, over the span of y."""
+    """Largest distance from the best line, relative to the range of y."""
     line = np.polynomial.Polynomial.fit(x, y, 1)
     return float(np.abs(np.array(y) - line(np.array(x))).max() / np.ptp(y))
 
@@ -352,9 +351,9 @@ def _step(bench: Bench, plan: Plan, law: ShiftLaw) -> tuple[Table, Check]:
 
 
 def _symmetry(bench: Bench) -> tuple[Table, list[Check]]:
-    """Small steps up and down where damping would show: 5000 rpm, overdrive, half load.
+    """Small steps up and down in a state that is sensitive to damping: 5000 rpm, overdrive, half load.
 
-    An upshift accelerates the driven shaft, and that takes torque: with a light shaft the load stays what it was.
+    An upshift accelerates the driven shaft, which requires torque. With a light shaft the load remains the same.
     """
     ratio, rpm, force = 0.5, 5000.0, 10e3
     load = -0.5 * bench.capacity(ratio, force) * ratio

@@ -33,18 +33,18 @@ FORCES = (10e3, 20e3, 30e3)
 SPEEDS = (1000.0, 2000.0, 4000.0)
 SLIPS = (0.001, 0.002, 0.004, 0.007, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1)
 PEAKS_APART = 0.05
-"""Peak traction over force and speed: how much is "can be ignored"."""
+"""Tolerance of the peak traction over force and speed, for the statement that they "can be ignored"."""
 AT_SLIPS = (0.02, 0.04)
-"""Slips at which traction is compared over force and speed."""
+"""Slips at which traction is compared for different forces and speeds."""
 APART = 0.1
 LARGEST_FALL = 0.15
-"""Of the traction from its peak to 10 % slip: what is slight."""
+"""Largest fall of the traction from its peak to 10 % slip that counts as slight."""
 
 BEST_RATIOS = (2.25, 1.5, 1.0, 0.67, 0.44)
 BEST_TORQUE, BEST_SPEED = 50.0, 2000.0
 SAFETIES = tuple(float(x) for x in np.round(np.concatenate([np.linspace(0.98, 1.3, 17), np.linspace(1.35, 2.0, 8)]), 3))
 PUMP = {"area": 0.01, "displacement": 1e-5, "efficiency": 0.8}
-"""A pump that feeds both cylinders: piston area, m²; oil per turn of the primary shaft, m³; its own efficiency."""
+"""A pump that feeds both cylinders: piston area, m²; oil per turn of the primary shaft, m³; efficiency of the pump."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Traction:
 
     @property
     def name(self) -> str:
-        """In words."""
+        """Description of the force and the speed."""
         return f"{self.force / 1e3:g} kN, {self.rpm:g} rpm"
 
     def at(self, slip: float) -> float:
@@ -73,12 +73,12 @@ class Traction:
 
     @property
     def fall(self) -> float:
-        """From the peak to the largest slip, relative."""
+        """Relative fall of the traction from its peak to the largest slip."""
         return 1.0 - self.utilisations[-1] / self.peak
 
     @property
     def rise(self) -> float:
-        """Slip at which 80 % of the peak are there."""
+        """Slip at which 80 % of the peak are reached."""
         return float(np.interp(0.8 * self.peak, self.utilisations, self.slips))
 
 
@@ -195,7 +195,7 @@ def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
             values = driven_by_torque(bench.parameters, ratio, BEST_SPEED * math.pi / 30.0, BEST_TORQUE, force)
             out = bench.steady(values, f"ratio {ratio:g}, safety {safety:g}")
             if not out or out["macroSlip"]:
-                # Less force carries no more.
+                # A smaller force does not carry the torque either.
                 break
             pump = PUMP["displacement"] * BEST_SPEED / 60.0 * max(force, force * out["thrustRatio"]) / PUMP["area"]
             points.append((out["efficiency"], out["slip"], safety, pump / PUMP["efficiency"] / out["primary.power"]))

@@ -1,4 +1,4 @@
-"""Thrust ratio over torque ratio: one curve a ratio, whatever force and speed."""
+"""Thrust ratio over torque ratio: one curve per ratio, independent of force and speed."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _solve(bench: Bench, plan: Plan) -> dict[Key, dict[Key, float]]:
                 values, f"ratio {ratio:g}, torque ratio {torque_ratio:g}, {force / 1e3:g} kN, {rpm:g} rpm"
             )
             if not out or out["macroSlip"]:
-                # More torque isn't carried either.
+                # A larger torque is not carried either.
                 break
             found[ratio, torque_ratio][force, rpm] = out["thrustRatio"]
     return found

@@ -1,4 +1,4 @@
-"""Two variators side by side: what belongs to the law, and what to the geometry."""
+"""Comparison of two variators, which separates effects of the law from those of the geometry."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def count(plan: Plan) -> int:
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves both at the same ratio, force and share of their own torque of full slip."""
+    """Solves both at the same ratio, force and share of their torque of full slip."""
     rows, errors = [], []
     for name in NAMES:
         with Bench(bench.archive, name, bench.solved, bench.failures) as own:
