@@ -69,12 +69,12 @@ class Beside:
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 41 if plan.short else 2 * 117 + 18 + 3 + 18
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves and judges."""
+    """Solves the points and evaluates the checks."""
     beside = _beside(bench, plan)
     bands, band_checks = _bands(bench, plan)
     drag, drag_checks = _drag(bench, plan)
@@ -83,15 +83,15 @@ def run(bench: Bench, plan: Plan) -> Section:
     return Section(
         "efficiency",
         "Efficiency",
-        "A measured map of a whole transmission (variator, final drive, pump), where clamping forces aren't given: "
-        "the variator alone "
-        "must lie above each of its points, controlled at a safety of 1.3 and over-clamped at 2.",
+        "Comparison with a measured map of a whole transmission (variator, final drive, pump) without published clamping "
+        "forces. The efficiency of the variator alone "
+        "must be above each of its points, with safety factors of 1.3 (controlled) and 2 (over-clamped).",
         (*_map_checks(beside), *_trend_checks(trends), *band_checks, *drag_checks, *bound_checks),
         (trends, _rest_table(beside), bands, drag, bounds, _map_table(beside)),
         (_picture(beside),),
         (
-            "Efficiency is of the shafts: bearings and seals of both are in it, pump, final drive and clutch are not.",
-            "What the rest of the transmission would have to lose is the difference to the FMU at a safety of 1.3, "
+            "Efficiency is that between the shafts: it includes their bearings and seals, but not pump, final drive and clutch.",
+            "The loss of the rest of the transmission is the difference to the FMU at a safety factor of 1.3, "
             "fitted by "
             "c₀ + c₁ n + c₂ T over all points.",
         ),
@@ -125,7 +125,7 @@ def _beside(bench: Bench, plan: Plan) -> list[Beside]:
 def _map_checks(beside: Sequence[Beside]) -> list[Check]:
     checks = [
         within(
-            f"The variator at a safety of {safety:g} lies above the transmission at each measured point",
+            f"The efficiency of the variator at a safety factor of {safety:g} is above the transmission's at each measured point",
             source("transmissionMap"),
             [
                 (f"ratio {b.measured.ratio:g}, {b.measured.rpm:g} rpm, {b.measured.torque:g} N·m",
@@ -143,7 +143,7 @@ def _map_checks(beside: Sequence[Beside]) -> list[Check]:
     constant, per_speed, per_torque = _rest(beside)
     checks.append(
         reported(
-            "What the rest of the transmission would have to lose",
+            "Loss of the rest of the transmission",
             source("transmissionMap"),
             "not published",
             f"{NEWTON_METRES.text(*rest)} on the primary shaft; fitted by {constant:.2f} N·m, {1e3 * per_speed:+.2f} "
@@ -230,8 +230,8 @@ def _rest_table(beside: Sequence[Beside]) -> Table:
         Column("most", "N·m", 2),
         Column("mean power", "W", 0),
     )
-    note = "The least margin is over both safety factors; the rest is at a safety of 1.3."
-    return table("efficiency-rest", "What the rest of the transmission would lose", columns, rows, note)
+    note = "The least margin is that of both safety factors; other values are at a safety factor of 1.3."
+    return table("efficiency-rest", "Loss of the rest of the transmission", columns, rows, note)
 
 
 def _map_table(beside: Sequence[Beside]) -> Table:

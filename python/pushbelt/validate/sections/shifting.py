@@ -96,7 +96,7 @@ class Gains:
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 26 if plan.short else 12 + 36 + 6 + 18 + 9 + 4
 
 
@@ -112,9 +112,9 @@ def run(bench: Bench, plan: Plan) -> Section:
     return Section(
         "shift-law",
         "Speed of ratio change",
-        "The law fitted to a rig's shifts (the laboratory variator bench168): its opening Δ(F) was read in a later "
-        "text, its g(s) is "
-        "the continuum theory's. At 10 kN it is an extrapolation.",
+        "The law fitted to a rig's shifts (the laboratory variator bench168). Its opening Δ(F) is from a later "
+        "text, and g(s) is from "
+        "the continuum theory. At 10 kN it is an extrapolation.",
         (
             tilt_check,
             *_gain_checks(gains),
@@ -127,8 +127,8 @@ def run(bench: Bench, plan: Plan) -> Section:
         (_gain_table(gains), tilts, lines, step, symmetry),
         (_picture(gains, line_curves),),
         (
-            "The law is read as the FMU is, over the same 60 ms, so the change of g while the ratio moves is in both. "
-            "The FMU has two things more that slow fast shifts: the driven shaft's inertia takes torque, and the "
+            "The law is evaluated over the same 60 ms as the FMU, so both include the change of g with the ratio. "
+            "The FMU has two additional effects that slow fast shifts: the driven shaft's inertia requires torque, and the "
             "movable sheaves are damped.",
         ),
     )
@@ -162,7 +162,7 @@ def _gain_checks(gains: Gains) -> list[Check]:
     def absolute(forces: tuple[float, ...], where: Source, what: str) -> Check:
         errors = [(_name(key), gains.error(key)) for key in gains.runs if key[1] in forces]
         return within(
-            f"Speed of ratio change per unit of ln F_P is the law's, {what}",
+            f"Speed of ratio change per unit of ln F_P agrees with the law, {what}",
             where, errors, -GAIN_TOLERANCE, GAIN_TOLERANCE, PERCENT,
         )  # fmt: skip
 
@@ -200,7 +200,7 @@ def _doubling_of_a_light_shaft(bench: Bench, plan: Plan) -> Check:
         found.append((f"s {s:g}", fast.gain / slow.gain if slow and fast else None))
     return within(
         "The same at 20 kN with a tenth of the inertia on the driven shaft",
-        Source(source("shiftLaw").text, f"{source('shiftLaw').certainty}; the rig's inertia isn't known"),
+        Source(source("shiftLaw").text, f"{source('shiftLaw').certainty}; the rig's inertia is unknown"),
         found,
         2.0 - DOUBLING_TOLERANCE,
         2.0 + DOUBLING_TOLERANCE,
@@ -337,8 +337,8 @@ def _step(bench: Bench, plan: Plan, law: ShiftLaw) -> tuple[Table, Check]:
     check = reported(
         "The force ratio at rest has a step at s = 1",
         source("shiftLaw"),
-        "a step that the source doesn't explain; its size can't be read",
-        f"{jump:+.4f} in ln(F_P/F_S) (theory {theirs:+.4f}): the ring's drag changes pulley there".replace("-", "−"),
+        "a step without explanation in the source; its size is not readable",
+        f"{jump:+.4f} in ln(F_P/F_S) (theory {theirs:+.4f}): the drag of the ring changes to the other pulley there".replace("-", "−"),
     )
     columns = (
         Column("s = r_P/r_S"),
@@ -367,18 +367,18 @@ def _symmetry(bench: Bench) -> tuple[Table, list[Check]]:
         up, down = (run.rate if run else math.nan for run in runs)
         rows.append([what, up, down, -up / down])
         statement = (
-            f"Up- and downshift after ±5\N{NO-BREAK SPACE}% of F_P are alike at 5000 rpm, overdrive, half load; {what}"
+            f"Up- and downshift after ±5\N{NO-BREAK SPACE}% of F_P are equal at 5000 rpm, overdrive, half load; {what}"
         )
         if share_of_inertia < 1.0:
             checks.append(within(statement, where, [("up over down", -up / down)], *SYMMETRY))
         else:
             checks.append(
-                reported(statement, where, "the law leaves the shaft's acceleration out", PLAIN.text(-up / down))
+                reported(statement, where, "the law neglects the shaft's acceleration", PLAIN.text(-up / down))
             )
     columns = (Column("Driven shaft"), Column("Up", "1/s"), Column("Down", "1/s"), Column("Up over down", digits=2))
     note = (
-        "r_S/r_P = 0.5, 10 kN, half of full slip's torque. Where an upshift accelerates a heavy shaft, the torque "
-        "comes nearer to capacity, the force ratio at rest falls, and the shift speeds up."
+        "r_S/r_P = 0.5, 10 kN, half of full slip's torque. When an upshift accelerates a heavy shaft, the torque "
+        "approaches capacity, the force ratio at rest falls, and the shift becomes faster."
     )
     return table("shift-symmetry", "ds/dt after small steps at 5000 rpm", columns, rows, note), checks
 
@@ -396,5 +396,5 @@ def _picture(gains: Gains, lines: tuple[Curve, ...]) -> Picture:
             Panel("Shift gain at 1000 rpm (1/s)", "s = r_P/r_S", tuple(curves), log_y=True),
             Panel("ds/dt at 20 kN, 1000 rpm (1/s)", "step of ln(F_P/F_S)", lines),
         ),
-        "Left: points are the FMU's, lines the law with the theory's g(s). Right: the FMU's rates over the step.",
+        "Left: FMU (points), and the law with the theory's g(s) (lines). Right: the FMU's rates over the step.",
     )

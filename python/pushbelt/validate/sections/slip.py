@@ -83,32 +83,32 @@ class Traction:
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 90 if plan.short else 3 * 9 * 12 + 5 * 25
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves and judges."""
+    """Solves the points and evaluates the checks."""
     curves = _curves(bench, plan)
     best, best_check = _best(bench, plan)
     return Section(
         "slip",
         "Slip",
-        "Traction as torque over that of full slip at peak friction, both shafts held at speeds with a slip between "
-        "them; and the slip at "
+        "Traction is the torque divided by that of full slip at peak friction, with both shafts held at speeds with a slip "
+        "between them. The section also shows the slip at "
         "which the losses are least at a given torque.",
         (*_traction_checks(curves), *best_check),
         (_traction_table(curves), best),
         (_picture(curves),),
         (
-            "The measured slips of best efficiency are the system's: pump loss included, ratios not given. A pump's "
-            "power grows with the "
-            "clamping force, so it moves the optimum to less force and more slip. The table shows the FMU's optimum "
+            "The measured slips of best efficiency are those of the system: they include the pump loss, and the ratios are not "
+            "published. A pump's power grows with the "
+            "clamping force, which moves the optimum to less force and more slip. The table shows the FMU's optimum "
             "without a pump and "
-            f"with one of {1e6 * PUMP['displacement']:g} cm³ a turn, cylinders of {1e4 * PUMP['area']:g} cm² and an "
+            f"with one of {1e6 * PUMP['displacement']:g} cm³ per turn, cylinders of {1e4 * PUMP['area']:g} cm² and an "
             "efficiency of "
-            f"{PUMP['efficiency']:g} (engineering values). The rig's geometry and ratios differ too, so the two "
-            "stand beside each other.",
+            f"{PUMP['efficiency']:g} (engineering values). The rig's geometry and ratios differ too, so the values "
+            "are reported for comparison only.",
         ),
     )
 
@@ -162,7 +162,7 @@ def _traction_checks(curves: list[Traction]) -> list[Check]:
         ),
         reported(
             "A smaller speed ratio gives a larger traction",
-            Source(where.text, f"{where.certainty}; it doesn't say which ratio that is, nor at which slip"),
+            Source(where.text, f"{where.certainty}; it specifies neither the ratio nor the slip"),
             "ordered by ratio",
             "at 2 % slip " + ", ".join(f"{means[ratio]:.3f} at r_S/r_P {ratio:g}" for ratio in ratios),
         ),
@@ -182,7 +182,7 @@ def _traction_table(curves: list[Traction]) -> Table:
         share("Fall to 10 %", signed=False),
     )
     rows = [[c.ratio, c.force, c.rpm, c.rise, c.at(0.01), c.at(0.02), c.at(0.04), c.peak, c.fall] for c in curves]
-    return table("traction", "Torque over that of full slip", columns, rows)
+    return table("traction", "Torque / torque of full slip", columns, rows)
 
 
 def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
@@ -239,7 +239,7 @@ def _picture(curves: list[Traction]) -> Picture:
         styles = dict(zip(dict.fromkeys(c.rpm for c in group), ("-", "--", ":"), strict=False))
         panels.append(
             Panel(
-                f"Ratio {ratio:g}: torque over that of full slip",
+                f"Ratio {ratio:g}: torque / torque of full slip",
                 "slip (%)",
                 tuple(
                     Curve(tuple(100.0 * s for s in c.slips), c.utilisations, c.name, colours[c.force], styles[c.rpm])

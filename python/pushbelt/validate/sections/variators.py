@@ -19,7 +19,7 @@ SPEED = 2000.0 * math.pi / 30.0
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 2 if plan.short else 12
 
 
@@ -51,7 +51,7 @@ def run(bench: Bench, plan: Plan) -> Section:
                         )
                         errors.append(found.thrust_error)
     check = reported(
-        "Thrust ratio of both variators beside the theory of each",
+        "Thrust ratio of both variators, and theory for each",
         THEORY,
         "the theory's at the same traction",
         PERCENT.text(*errors),

@@ -32,7 +32,7 @@ TENSION = "ring.tensionMax"
 
 
 def count(_plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 18
 
 
@@ -62,14 +62,14 @@ def _force_of_equal_tension(bench: Bench, old: float, new: float, load: float) -
 
 
 def run(bench: Bench, _plan: Plan) -> Section:
-    """Solves and judges."""
+    """Solves the points and evaluates the checks."""
     measured = data()["wedgeAngle"]
     old, new = (math.radians(measured[key]) for key in ("fromDeg", "toDeg"))
     before = _capacity(bench, old, FORCE)
     torque = before / SAFETY
     states = {
         "11°": _state(bench, old, FORCE, torque),
-        "9°, the same torque": _state(bench, new, FORCE * before / _capacity(bench, new, FORCE), torque),
+        "9°, same torque": _state(bench, new, FORCE * before / _capacity(bench, new, FORCE), torque),
     }
     efficiencies = [out and out["efficiency"] for out in states.values()]
     gains: dict[str, float | None] = {}
@@ -96,7 +96,7 @@ def run(bench: Bench, _plan: Plan) -> Section:
     return Section(
         "wedge-angle",
         "Wedge angle",
-        "A published change of the half wedge angle. All else is that of bench168; the measured unit was another one.",
+        "A published change of the half wedge angle. All other parameters are those of bench168; the measured unit was a different one.",
         _checks(gains, None if None in efficiencies else efficiencies[1] - efficiencies[0]),  # type: ignore[operator]
         (table("wedge-angle", "9° against 11° in overdrive", columns, rows, note),),
     )
@@ -104,7 +104,7 @@ def run(bench: Bench, _plan: Plan) -> Section:
 
 def _checks(gains: dict[str, float | None], efficiency: float | None) -> tuple[Check, ...]:
     measured, where = data()["wedgeAngle"], source("wedgeAngle")
-    unclear = Source(where.text, f"{where.certainty}; it doesn't say at which load the tensions are equal")
+    unclear = Source(where.text, f"{where.certainty}; it does not state the load at which the tensions are equal")
     gain = measured["torqueCapacityGain"]
     capacities = [
         within(
