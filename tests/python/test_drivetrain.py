@@ -114,7 +114,7 @@ def test_section_starts_at_zero_and_at_standstill() -> None:
     section = cycle.section(1478.0, 1598.0)
     assert (section.time[0], section.start, section.duration) == (0.0, 1478.0, 120.0)
     assert section.at(60.5) == pytest.approx(cycle.at(1538.5))
-    with pytest.raises(ValueError, match="starts at standstill"):
+    with pytest.raises(ValueError, match="must start at standstill"):
         cycle.section(100.0 + 1478.0, 1700.0)
     with pytest.raises(ValueError, match="no part"):
         cycle.section(0.0, 2000.0)
@@ -401,7 +401,7 @@ def test_strategies_are_known_by_name() -> None:
     kinds = {"safety": SafetyFactor, "slip": SlipControl}
     for name, kind in kinds.items():
         assert isinstance(transmission.strategy_of(name, FRICTION, MAP, 0.2), kind)
-    with pytest.raises(ValueError, match="'Slip' is no clamping strategy: safety or slip"):
+    with pytest.raises(ValueError, match="'Slip' is not a clamping strategy: use safety or slip"):
         transmission.strategy_of("Slip", FRICTION, MAP, 0.2)
 
 

@@ -91,7 +91,7 @@ def test_a_point_sets_its_utilisation() -> None:
     [
         ({"belt.colour": 1.0}, "no parameter belt.colour"),
         ({"thrustRatio": 1.0}, "no parameter thrustRatio"),
-        ({"initial.ratio": 2.0}, "set these themselves: initial.ratio"),
+        ({"initial.ratio": 2.0}, "set by the points of the study: initial.ratio"),
         ({"mesh.strand": 4.5}, "mesh.strand = 4.5"),
         ({"belt.play": math.nan}, "belt.play"),
     ],
@@ -242,7 +242,7 @@ def test_checks_pass_what_is_right(study: Study) -> None:
         ({"slip": 0.05}, "Slip grows"),
         ({"efficiency": 0.9}, "Efficiency has one peak"),
         ({"loss__total": 500.0}, "Losses of the belt sum"),
-        ({"drift": 0.01}, "Steady states stay"),
+        ({"drift": 0.01}, "Steady states are stationary"),
     ],
 )
 def test_checks_find_a_spot(study: Study, values: dict, statement: str) -> None:
@@ -258,7 +258,7 @@ def test_checks_find_a_hole(study: Study) -> None:
     rows[4] = failure(4, "none found")
     results = maps.Results(study.grid, table(study, rows))
     failed = [check for check in checks.evaluate(results) if not check.passed]
-    assert [check.statement for check in failed] == ["Every utilisation below one that can be carried can be carried"]
+    assert [check.statement for check in failed] == ["If a utilisation has a steady state, all smaller ones have one"]
     assert checks.name_of(results, np.unravel_index(4, GRID.shape)) in failed[0].found
 
 
@@ -416,11 +416,11 @@ def test_the_report_shows_maps_cuts_and_what_failed(study: Study, solved: list[R
 
 @pytest.mark.slow
 def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path: Path) -> None:
-    heard: list[Progress] = []
+    reports: list[Progress] = []
     with cluster_of_processes(tmp_path) as (address, workers):
 
         def listen(progress: Progress) -> None:
-            heard.append(progress)
+            reports.append(progress)
             if progress.workers == 2 and 4 <= progress.done < 16 and workers[0].poll() is None:
                 workers[0].send_signal(signal.SIGKILL)
                 workers[0].wait()
@@ -428,7 +428,7 @@ def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path
         found = sweep(study, tmp_path / "out", scheduler=address, chunk=2, progress=listen)
         assert workers[0].poll() == -signal.SIGKILL
         assert workers[1].poll() is None
-    assert heard[-1] == Progress(points=24, done=24, failed=6, workers=1)
+    assert reports[-1] == Progress(points=24, done=24, failed=6, workers=1)
     assert found["point"].to_pylist() == list(range(24))
     kept = [row for path in (tmp_path / "out").rglob("points-*") for row in pq.read_table(path)["point"].to_pylist()]
     assert sorted(kept) == list(range(24))
@@ -456,7 +456,7 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
     assert 3 <= len(kept) < 24
     second = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600, check=False)
     assert second.returncode == 0, second.stderr
-    assert f"{len(kept)} of 24 points are there already" in second.stdout
+    assert f"{len(kept)} of 24 points are already stored" in second.stdout
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
     found = pq.read_table(tmp_path / "results.parquet")
     assert found.drop_columns("time").equals(table(study, solved).drop_columns("time"))
