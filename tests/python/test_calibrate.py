@@ -267,7 +267,7 @@ def test_the_step_of_the_differences_stands_on_a_plateau(
 
 
 @pytest.mark.parametrize("jumped", ["above", "here", "below"])
-def test_a_jump_of_a_state_is_no_slope(jumped: str) -> None:
+def test_a_jump_of_a_state_is_not_a_slope(jumped: str) -> None:
     """One of three states lies on another branch, far from the others."""
     friction = parameters.Parameter("friction.pulley", ("friction.pulley",), "1", "", 0.09, 0.0, 0.19)
     sides = {"below": friction.value(1.0 - model.STEP), "here": 0.09, "above": friction.value(1.0 + model.STEP)}
@@ -376,7 +376,7 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
 
 
 @pytest.mark.slow
-def test_a_parameter_that_moves_nothing_is_said(solver: InProcess, variables: Mapping[str, Any]) -> None:
+def test_a_parameter_without_influence_is_reported(solver: InProcess, variables: Mapping[str, Any]) -> None:
     """A damper has no influence in a steady state: its value is unchanged, and the others are fitted without it."""
     points = solver.measure([STEADY[1], STEADY[4], STEADY[6]], seed=None)
     chosen = choose(

@@ -58,7 +58,7 @@ def test_folders_are_paired_by_the_names_of_their_runs(tmp_path: Path) -> None:
         ("time,slip\n0,1\n1,2,3\n", "not a table of numbers"),
     ],
 )
-def test_what_is_no_run_is_said(tmp_path: Path, text: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_that_is_not_a_run_is_an_error(tmp_path: Path, text: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text(text, encoding="utf-8")
     good = write(tmp_path / "good.csv")
@@ -66,7 +66,7 @@ def test_what_is_no_run_is_said(tmp_path: Path, text: str, message: str, capsys:
     assert message in capsys.readouterr().err
 
 
-def test_what_is_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missing_file_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     good = write(tmp_path / "run" / "good.csv")
     for other in (tmp_path / "none.csv", good.parent):
         assert __main__.main([str(good), str(other), "--output", str(tmp_path / "out")]) == 1

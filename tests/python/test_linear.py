@@ -60,7 +60,7 @@ def grid(belt: Variator) -> LinearGrid:
 # Models
 
 
-def test_a_model_is_about_the_point_that_is_asked_for(belt: Variator) -> None:
+def test_a_model_is_about_the_requested_point(belt: Variator) -> None:
     model = belt.linearize(0.7, 60.0, speed=150.0, force=9e3)
     assert model.values[RATIO] == pytest.approx(0.7, abs=1e-9)
     assert model.values["primary.speed"] == pytest.approx(150.0, rel=1e-9)
@@ -264,7 +264,7 @@ def test_json_has_all_points(grid: LinearGrid, tmp_path: Path) -> None:
     assert refused["torque"] == 900.0 and "no steady state" in refused["reason"]
 
 
-def test_what_is_no_file_of_models_is_said(grid: LinearGrid, tmp_path: Path) -> None:
+def test_a_file_without_models_is_an_error(grid: LinearGrid, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"models.txt: the extension must be one of .npz, .mat, .json"):
         grid.save(tmp_path / "models.txt")
     nothing = LinearGrid({}, np.full((), None, dtype=object), np.full((), "no", dtype=object))
@@ -314,7 +314,7 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
         (["--variator", "bench169"], "bench169"),
     ],
 )
-def test_what_is_wrong_is_said_once(
+def test_a_wrong_argument_gives_one_error(
     words: list[str], why: str, fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert linearize.main([*words, "--fmu", str(fmu), "--output", str(tmp_path / "out")]) == 1

@@ -1,4 +1,4 @@
-"""Parameter studies: their parts as pure functions, then the FMU on clusters that lose workers and clients."""
+"""Parameter studies: their parts as pure functions, then the FMU on clusters in which workers and clients are killed."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
 
 
 def made_up(study: Study) -> list[Row]:
-    """Steady states as one would wish them, the largest utilisation without."""
+    """Ideal steady states; the largest utilisation has none."""
     rows = []
     for point in study.grid.points():
         if point.utilisation > 1.0:
@@ -299,7 +299,7 @@ def without_times(rows: list[Row]) -> dict[int, Row]:
 
 
 def torque_of_the_shaft(outputs: Mapping[str, float]) -> float:
-    """What drives the primary shaft, N·m: the belt takes it less the shaft's drag, so from the definition of the efficiency.
+    """Torque that drives the primary shaft, N·m, from the definition of the efficiency. The belt torque is smaller by the shaft's drag.
 
     P₁ + P₂ is the power of the belt and loss.shafts, and −P₂/P₁ the efficiency.
     """
@@ -396,7 +396,7 @@ def cluster_of_processes(folder: Path) -> Iterator[tuple[str, list[subprocess.Po
         wait_until(lambda: file.is_file() and file.read_text().rstrip().endswith("}"))
         workers = [process(stack, folder, "dask_worker", *local, *own) for _ in range(2)]
         address = json.loads(file.read_text())["address"]
-        # On a busy machine one worker may have done all before the other comes.
+        # On a busy machine one worker may solve all points before the other one joins.
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(len(workers), timeout=600)
         yield address, workers
@@ -437,7 +437,7 @@ def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path
 
 @pytest.mark.slow
 def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path: Path) -> None:
-    """Client and workers of a local cluster are killed; the same command goes on and ends."""
+    """Client and workers of a local cluster are killed; the same command continues the study and completes it."""
     settings = [f"--set={name}={value}" for name, value in COARSE.items()]
     axes = [f"--{name}={','.join(map(str, getattr(GRID, name)))}" for name in AXES]
     command = [sys.executable, "-m", "pushbelt.sweep", f"--fmu={study.fmu}", f"--output={tmp_path}", "--workers=2"]
@@ -465,7 +465,7 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
     assert "18 of 24" in text
 
 
-def test_a_point_that_kills_its_worker_is_told_from_its_neighbours() -> None:
+def test_a_point_that_crashes_its_worker_is_identified() -> None:
     def solve(chunk: list) -> list[Row]:
         for index, _ in chunk:
             if index == 3:

@@ -143,7 +143,7 @@ def test_wrong_steps_are_refused_and_change_nothing(belt: variator.Variator) -> 
     assert len(belt.outputs) == 3 and belt["friction.pulley"] == 0.08
 
 
-def test_a_start_that_was_not_asked_for_is_warned_of(fmu: Path) -> None:
+def test_another_start_than_requested_gives_a_warning(fmu: Path) -> None:
     over = {**COARSE, "primary.torque": 400.0, "secondary.torque": -400.0}
     with (
         variator.Variator("bench168", over, fmu=fmu) as belt,
@@ -228,7 +228,7 @@ def test_parameters_come_from_a_file_too(tmp_path: Path, fmu: Path) -> None:
         variator.Variator(tmp_path / "other.json", fmu=fmu)
 
 
-def test_what_is_no_fmu_is_refused(tmp_path: Path, own_cache: Path) -> None:
+def test_a_file_that_is_not_an_fmu_is_rejected(tmp_path: Path, own_cache: Path) -> None:
     for name, content in (("text.fmu", b"text"), ("empty.fmu", b"")):
         (tmp_path / name).write_bytes(content)
         with pytest.raises(ValueError, match=f"{name} is not a (readable|usable) FMU"):
