@@ -171,7 +171,7 @@ def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any])
         ({"friction.pulley": 0.3}, {}, "not within its bounds"),
         ({"belt.play": 0.0}, {}, "starts at 0"),
         ({"belt.play": None}, {"friction.ring": (0.0, 1.0)}, "friction.ring, which is not fitted"),
-        ({"tiltStiffness": None, "primary.tiltStiffness": None}, {}, "fitted twice"),
+        ({"tiltStiffness": None, "primary.tiltStiffness": None}, {}, "appears twice"),
     ],
 )
 def test_parameters_that_cannot_be_fitted_say_why(

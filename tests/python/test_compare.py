@@ -54,7 +54,7 @@ def test_folders_are_paired_by_the_names_of_their_runs(tmp_path: Path) -> None:
     [
         ("case,slip\nfirst,1\n", "no column `time`"),
         ("time,slip\n", "no rows"),
-        ("time,slip\n0,1\n0,2\n", "don't rise"),
+        ("time,slip\n0,1\n0,2\n", "do not ascend"),
         ("time,slip\n0,1\n1,2,3\n", "not a table of numbers"),
     ],
 )

@@ -135,10 +135,10 @@ def test_a_model_description_that_is_none_is_refused(tmp_path: Path, xml: bytes)
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("", "no JSON"),
-        ("[1, 2", "no JSON"),
+        ("", "not readable JSON"),
+        ("[1, 2", "not readable JSON"),
         ("[" * 100_000, "nested too deeply"),
-        ("\xff", "no JSON"),
+        ("\xff", "not readable JSON"),
         ("[]", 'an object with an object "parameters"'),
         ("3", 'an object with an object "parameters"'),
         ('{"parameters": []}', 'an object with an object "parameters"'),
