@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .linear import Array, LinearModel
 
-ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it"
+ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; `held` contains the inputs that hold it"
 
 
 @dataclass(frozen=True)

@@ -299,7 +299,7 @@ def test_python_control_has_the_same_system(grid: LinearGrid) -> None:
         (["initial.ratio"], "`initial.ratio` is not of the form NAME=VALUE"),
         (["initial.ratio=one"], "initial.ratio = 'one' is not a number"),
         (["initial.ratio=nan"], "initial.ratio = nan is not finite"),
-        (["initial.ratio=1", "initial.ratio=2"], "initial.ratio is given twice"),
+        (["initial.ratio=1", "initial.ratio=2"], "initial.ratio appears twice"),
         (["initial.ratio=1:2:0"], "the last number is the count"),
         (["secondary.torque=-1,-2"], "secondary.torque follows from the point"),
         (["ring.model=ALE9"], "ring.model = 'ALE9' is not one of ALE0"),

@@ -37,9 +37,9 @@ def why_undetermined(estimate: Estimate) -> str:
     reason = estimate.undetermined
     assert reason is not None
     half = "any size" if reason.half > 1e3 else f"±{100.0 * reason.half:.0f} %"
-    text = f"can't be identified from this table (its interval would be {half}), so it stays at its start value"
+    text = f"cannot be identified from this table (its interval would be {half}), so it remains at its start value"
     if reason.partner is not None:
-        text += f"; the table can't separate it from {reason.partner} (correlation {reason.correlation:.2f})"
+        text += f"; the table cannot separate it from {reason.partner} (correlation {reason.correlation:.2f})"
     return text
 
 

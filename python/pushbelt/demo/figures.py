@@ -37,7 +37,7 @@ GROUP = "manoeuvre"
 
 
 def load_cases(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoint]) -> Chart:
-    """Thrust ratio, efficiency with the measured transmission beside it, and shares of the loss."""
+    """Thrust ratio, efficiency including that of the measured transmission, and shares of the loss."""
     torques = sorted({result.case.torque for result in results})
     thrust, efficiency = [], []
     for name, colour in RATIO_COLOURS.items():

@@ -18,7 +18,7 @@ TIME = "time in the cycle (s)"
 LOSS_COLOURS = (BLUE, ORANGE, GREEN, VIOLET, MUTED)
 """Colours of `LOSSES`."""
 DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", INK, MUTED)
-"""Colours of `LOSSES` beside the other parts of the engine's work."""
+"""Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
 GROUP = "drive"
 """Group name of charts and belt that share a cursor."""

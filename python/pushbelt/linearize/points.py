@@ -86,7 +86,7 @@ def read(settings: Sequence[str], safety: float | None = None) -> Asked:
         if not (separator and name and text):
             raise PointError(f"`{setting}` is not of the form NAME=VALUE")
         if name in points or name in loads or name in parameters or name in changes:
-            raise PointError(f"{name} is given twice")
+            raise PointError(f"{name} appears twice")
         words = _words(name, text)
         if name in AXES:
             points[name] = [_number(name, word) for word in words]

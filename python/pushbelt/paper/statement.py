@@ -14,7 +14,7 @@ THIN = "\N{NARROW NO-BREAK SPACE}"
 
 
 class Verdict(Enum):
-    """Whether a statement was reproduced."""
+    """Verdict on a statement."""
 
     YES = "reproduced"
     PARTLY = "in part"

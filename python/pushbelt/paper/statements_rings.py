@@ -13,7 +13,7 @@ REFERENCE_DIRECTIONS = "ALE, overlay along t and n"
 
 
 def short_name(model: str) -> str:
-    """A model's name as a statement gives it."""
+    """Name of a model in statements."""
     return {REFERENCE_DIRECTIONS: "ALE [t, n]"}.get(model, model.replace("evenly spaced mesh", "even mesh"))
 
 

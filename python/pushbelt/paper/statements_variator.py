@@ -202,7 +202,7 @@ def _ancf_integration(results: PaperResults) -> Statement:
         "5.4",
         claim,
         outcome,
-        "efficiency from sampled powers less that from sampled losses, at most: "
+        "efficiency from sampled powers minus that from sampled losses, at most: "
         + ", ".join(f"{model} {100 * value:.2f} points" for model, value in gap.items()),
         "Each passage of an element makes powers and losses oscillate, so a mean of samples depends on their times."
         if outcome is not Verdict.NO

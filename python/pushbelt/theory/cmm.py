@@ -16,7 +16,7 @@ beta    half wedge angle;  mu  coefficient of friction between flank and sheave
 Delta   amplitude of the groove: half opening angle beta + (Delta/2) cos(theta - theta_c). Together with the local
         groove width it lets the belt run at R (1 - a Delta cos(theta - theta_c)), a = (1 + cos^2 beta)/sin 2beta
 theta_c centre of the opening, where the belt runs deepest
-F       net strand force, N. For a pushbelt F = T - Q, ring tension less push force
+F       net strand force, N. For a pushbelt F = T - Q, ring tension minus push force
 sigma   belt mass per length, V belt speed; only the reduced force F' = F - sigma V^2 enters
 p       normal force per flank and belt length, N/m;  S  axial force on one sheave, N
 v_r, v_t radial and tangential sliding speed of the belt against the pulley, in units of omega R a Delta
@@ -289,7 +289,7 @@ def arc_capacity(wrap: float, beta: float, mu: float) -> tuple[float, float]:
 def arc_at_creep(
     wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, points: int = 181, refinement: int = 1
 ) -> Arc:
-    """Arc with given creep B and speed of ratio change A; fields at `points` evenly spaced places."""
+    """Arc for a creep B and a speed of ratio change A; fields at `points` evenly spaced places."""
     _check(wrap, beta, mu)
     centre = _centre(wrap, beta, mu, creep, shift, refinement)
     whole = _integrate(wrap, beta, mu, creep, centre, shift, refinement)

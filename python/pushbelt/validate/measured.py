@@ -32,7 +32,7 @@ def bound(index: int) -> Source:
 
 
 THEORY = Source(
-    "Carbone, Mangialardi, Mantriota, J. Mech. Des. 127 (2005) 103-113, solved on its own",
+    "Carbone, Mangialardi, Mantriota, J. Mech. Des. 127 (2005) 103-113, solved independently",
     "theory of a continuous belt; computed",
 )
 """The continuum theory."""

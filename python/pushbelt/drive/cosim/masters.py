@@ -33,7 +33,7 @@ def with_ecos(ssp: Path, step: float, count: int, names: Sequence[str], progress
     rows = []
     with EcosSimulation(step_size=step, ssp_path=str(ssp)) as simulation:
         if not simulation.init(parameter_set=PARAMETER_SET):
-            raise UnitError(f"ecos can't initialise {ssp.name}")
+            raise UnitError(f"ecos cannot initialise {ssp.name}")
         for _ in range(count):
             simulation.step(1)
             rows.append([simulation.get_real(f"variator::{name}") for name in names])
@@ -59,7 +59,7 @@ def with_libcosim(ssp: Path, step: float, count: int, names: Sequence[str], prog
     rows = []
     for _ in range(count):
         if not execution.step():
-            raise UnitError(f"libcosim can't step {ssp.name}")
+            raise UnitError(f"libcosim cannot advance {ssp.name}")
         rows.append(observer.last_real_values(variator, references))
         progress(step)
     return np.array(rows)

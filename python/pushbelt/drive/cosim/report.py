@@ -31,7 +31,7 @@ def text(result: Coupling) -> str:
         ]
         lines += [f"{name:>44}  " + "  ".join(f"{value:21.3g}" for value in values) for name, values in rows]
         largest = result.against_parallel(master)
-        lines.append(f"{master + ' against the loop side by side':>44}  {largest:.3g} at most")
+        lines.append(f"{master + ' against the parallel loop':>44}  {largest:.3g} at most")
     return "\n".join(lines)
 
 

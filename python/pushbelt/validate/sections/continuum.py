@@ -221,5 +221,5 @@ def _picture(default: Table) -> Picture:
         places=tuple(str(name) for name in names),
     )
     return Picture(
-        (panel,), "Thrust ratio of the load cases at default parameters beside the theory at the same traction."
+        (panel,), "Thrust ratio of the load cases at default parameters, and of the theory at the same traction."
     )

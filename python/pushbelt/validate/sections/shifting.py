@@ -360,7 +360,7 @@ def _symmetry(bench: Bench) -> tuple[Table, list[Check]]:
     inertia = bench.given("secondary.inertia")
     where = Source(source("shiftLaw").text, "extrapolation of its linearity to load and speed")
     rows, checks = [], []
-    for share_of_inertia, what in ((LIGHT, "a tenth of the inertia on the driven shaft"), (1.0, "its own inertia")):
+    for share_of_inertia, what in ((LIGHT, "a tenth of the inertia on the driven shaft"), (1.0, "default inertia of the driven shaft")):
         parameters = {**bench.parameters, "secondary.inertia": share_of_inertia * inertia}
         start = driven_at_speed(parameters, ratio, rad(rpm), load, force)
         runs = [bench.shift(start, math.log(factor), f"{rpm:g} rpm, F_P × {factor:g}") for factor in (1.05, 0.95)]
