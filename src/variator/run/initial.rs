@@ -42,7 +42,7 @@ const USUAL_RADIUS: f64 = 0.3;
 const STANDSTILL: f64 = 1.0e-3;
 
 /// Speed of the primary pulley, rad/s, and friction velocity, m/s, of the belt that creeps into a standstill. The axial force is
-/// within 1 % of the limit in which both vanish, their quotient growing: sliding speeds are then far above the one, and a centrifugal
+/// within 2 % of the limit in which both vanish, their quotient growing: sliding speeds are then far above the one, and a centrifugal
 /// tension of some 2 N is far below the ring's.
 const CREEP_SPEED: f64 = 20.0;
 const CREEP_FRICTION_VELOCITY: f64 = 5.0e-5;
