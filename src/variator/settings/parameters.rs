@@ -220,6 +220,12 @@ impl Parameters {
         }
     }
 
+    /// Whether a sheave does not move.
+    #[must_use]
+    pub fn holds_a_sheave(&self) -> bool {
+        self.primary.axial == Axial::Held || self.secondary.axial == Axial::Held
+    }
+
     /// Whether no sheave moves.
     #[must_use]
     pub fn holds_both_sheaves(&self) -> bool {
