@@ -13,7 +13,7 @@ use std::time::Duration;
 use clap::{Parser, ValueEnum};
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::RingModel;
-use pushbelt_lab::loads::{Driven, LOADS, Load};
+use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_lab::variators::variator;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -29,7 +29,7 @@ enum Model {
 struct Arguments {
     /// Letter of the load.
     #[arg(long, default_value = "b", value_parser = load)]
-    load: Load,
+    load: LoadHistory,
     #[arg(long, default_value = "ale")]
     model: Model,
     /// Sliding speed at which friction is nearly full, m/s, if not the default.
@@ -49,7 +49,7 @@ struct Arguments {
     csv: Option<PathBuf>,
 }
 
-fn load(letter: &str) -> Result<Load, String> {
+fn load(letter: &str) -> Result<LoadHistory, String> {
     LOADS
         .into_iter()
         .find(|load| letter == load.letter().to_string())

@@ -10,7 +10,7 @@ fn main() -> Result<(), String> {
         None | Some("modelDescription.xml") => model_description(),
         Some("modelDescription3.xml") => model_description3(),
         Some("terminalsAndIcons.xml") => terminals(),
-        Some("exports.def") => exports(),
+        Some("exports.def") => exports::definition(),
         Some(other) => return Err(format!("{other} is not generated")),
     };
     print!("{text}");

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use pushbelt::reference_curve::{ReferencePoint, TwoPulley};
 use pushbelt::ring::Ring;
-use pushbelt::ring::kinematics::{Load, ReferenceMotion, RingPoint};
+use pushbelt::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use pushbelt::scalar::Real;
 use pushbelt::variator::belt_ring::{
     Action, Ale, Assembly, Belt, BeltMesh, BeltRing, CellDivision, CellRing, Deflecting, Directions, EulerianRing,
@@ -50,7 +50,7 @@ impl<T: Real> CellRing<T> for StiffeningRing<'_, T> {
     }
 
     /// Adds δV = ∫ EA c γ² δγ dξ + energy of the length dξ that Θ adds, with δγ = t·δr'.
-    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut Load<T>) -> T {
+    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
         let tension = point.strain() * point.strain() * self.stiffening;
         load.slope += point.t * tension;
         load.theta += self.energy(point) * self.ale.growth;

@@ -41,7 +41,7 @@ use nalgebra::SVector;
 
 /// Parameters of the push elements.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Belt {
+pub struct PushElements {
     /// Distance e of the rocking edge (pitch line) inside the ring centre line, m.
     pub pitch_offset: f64,
     /// End play: pitch-line length of the unstretched ring less the stacked thickness of all elements, m.
@@ -72,7 +72,7 @@ pub struct Belt {
     pub squeeze_damping: f64,
 }
 
-impl Belt {
+impl PushElements {
     /// Strain of the stack over which neighbouring elements come into contact.
     #[must_use]
     pub fn contact_strain(&self) -> f64 {
@@ -346,7 +346,7 @@ impl<T: Real> Stack<T> {
     /// Forces of a cell of density `nu`, material rate `nu_rate`, 1/s, mean flow `flow`, m/s, and `difference` of V across
     /// it, m/s.
     #[inline(always)]
-    pub fn new(belt: &Belt, [nu, nu_rate, flow, difference]: [T; 4]) -> Self {
+    pub fn new(belt: &PushElements, [nu, nu_rate, flow, difference]: [T; 4]) -> Self {
         let push = push_force(belt, nu, nu_rate);
         let upwinding = upwinding(flow, difference);
         Self {
@@ -370,7 +370,7 @@ pub struct Push<T> {
 
 /// Push force from element density `nu` and its material rate `nu_rate`, 1/s.
 #[inline(always)]
-pub fn push_force<T: Real>(belt: &Belt, nu: T, nu_rate: T) -> Push<T> {
+pub fn push_force<T: Real>(belt: &PushElements, nu: T, nu_rate: T) -> Push<T> {
     let touch = Touch::new(belt, nu);
     let [strain, contact] = touch.stack(belt);
     let (squeeze, squeezing) = (touch.squeeze(belt), squeezing(nu_rate));
@@ -393,7 +393,7 @@ struct Touch<T> {
 
 impl<T: Real> Touch<T> {
     #[inline(always)]
-    fn new(belt: &Belt, nu: T) -> Self {
+    fn new(belt: &PushElements, nu: T) -> Self {
         let strain = nu - 1.0;
         let [near, slope, _] = strain.soft_plus(belt.contact_strain());
         Self {
@@ -404,7 +404,7 @@ impl<T: Real> Touch<T> {
 
     /// ⟨ν−1⟩₊, the film included, and its derivative H.
     #[inline(always)]
-    fn stack(&self, belt: &Belt) -> [T; 2] {
+    fn stack(&self, belt: &PushElements) -> [T; 2] {
         let far = self.strain.soft_plus(belt.film_strain());
         let share = belt.film_stiffness() / belt.push_stiffness;
         std::array::from_fn(|k| self.near[k] + far[k] * share)
@@ -415,7 +415,7 @@ impl<T: Real> Touch<T> {
     /// Between flat faces it decreases with the cube of their distance (Reynolds): oil of 10 mPa·s that fills a gap of
     /// 4.5 µm between faces of 8 by 24 mm has 2 kN·s. Zero gap stands for the distance of two rough faces in contact.
     #[inline(always)]
-    fn squeeze(&self, belt: &Belt) -> T {
+    fn squeeze(&self, belt: &PushElements) -> T {
         let [closed, _] = self.near;
         let per_gap = belt.film_strain().recip();
         let share = ((closed - self.strain) * per_gap + 1.0).recip();
@@ -454,7 +454,7 @@ pub fn upwinding<T: Real>(flow: T, difference: T) -> T {
 /// that of inelastic collisions; it vanishes with the square of the cell length in a smooth field. Separating elements
 /// do not touch, so no force opposes them.
 #[inline(always)]
-pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwinding: T) -> T {
+pub fn collision_force<T: Real>(belt: &PushElements, nu: T, flow: T, difference: T, upwinding: T) -> T {
     let size = (flow * flow + SQUEEZE_SPEED * SQUEEZE_SPEED).sqrt();
     nu * size * difference * upwinding * (0.5 * belt.mass_per_length)
 }
@@ -462,7 +462,7 @@ pub fn collision_force<T: Real>(belt: &Belt, nu: T, flow: T, difference: T, upwi
 /// Elastic energy of the stack per pitch-line length at density `nu`, J/m: N ε(ν) with ε' = k_e⟨ν−1⟩₊/ν².
 #[inline(always)]
 #[must_use]
-pub fn energy_density<T: Real>(belt: &Belt, nu: T) -> T {
+pub fn energy_density<T: Real>(belt: &PushElements, nu: T) -> T {
     // 1/ν² is expanded about contact: ν − 1 is below 1e-2 wherever force acts.
     let strain = nu - 1.0;
     soft_plus_energy(strain, belt.contact_strain()) * belt.push_stiffness

@@ -279,7 +279,7 @@ fn a_remark_names_the_difference_from_the_specified_point() {
     assert!(model.inputs.primary.torque < 200.0);
     let remarks = model.remarks.join("\n");
     assert!(
-        remarks.contains("primary.torque = ") && remarks.contains("400 N.m is given"),
+        remarks.contains("primary.torque = ") && remarks.contains("400 N.m is specified"),
         "{remarks}"
     );
 }

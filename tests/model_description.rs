@@ -14,7 +14,7 @@ fn the_checked_in_files_are_generated_from_the_table() {
         ("modelDescription.xml", model_description()),
         ("modelDescription3.xml", model_description3()),
         ("terminalsAndIcons.xml", terminals()),
-        ("fmu-build/exports.def", exports()),
+        ("fmu-build/exports.def", exports::definition()),
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name);
         let checked_in = std::fs::read_to_string(&path).unwrap_or_default();

@@ -4,7 +4,7 @@ use pushbelt::tape::Tape;
 use pushbelt::variator::run::{Message, Variator};
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};
 use pushbelt_lab::checks::{assert_close, assert_pinned};
-use pushbelt_lab::loads::{Driven, LOADS, Load};
+use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_lab::run::Run;
 use pushbelt_lab::variators::{coarse, inputs, variator};
 
@@ -117,7 +117,7 @@ fn copies_and_stored_states_continue_alike_while_inputs_change() {
 /// a state was stored and restored.
 #[test]
 fn a_remark_on_too_much_work_depends_on_the_inputs_alone() {
-    let mut driven = Driven::new(Load::Hunting, variator(RingModel::Ale), 2.2);
+    let mut driven = Driven::new(LoadHistory::Hunting, variator(RingModel::Ale), 2.2);
     let mut restored = None;
     let (start, mut remarks) = (driven.variator.counts(), Vec::new());
     while driven.until() < 1.0 - 1e-9 {

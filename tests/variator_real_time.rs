@@ -5,7 +5,7 @@ use pushbelt::tape::Tape;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Mode, Parameters, RingModel};
 use pushbelt_lab::checks::assert_close;
-use pushbelt_lab::loads::{Driven, LOADS, Load};
+use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_lab::noise;
 use pushbelt_lab::tracking::{Trace, trace};
 use pushbelt_lab::variators::{MODELS, coarse, inputs, one_cell, variator};
@@ -55,7 +55,11 @@ fn work_of(model: RingModel, effort: i32, seconds: f64, unaccounted: f64) {
                 found.rows.iter().flatten().all(|x| x.is_finite()),
                 "{load:?} at ratio {ratio}"
             );
-            let allowed = if load == Load::Launch { IN_A_LAUNCH } else { unaccounted };
+            let allowed = if load == LoadHistory::Launch {
+                IN_A_LAUNCH
+            } else {
+                unaccounted
+            };
             assert!(
                 found.unaccounted.abs() < allowed,
                 "{load:?} at ratio {ratio}: {}",
@@ -81,12 +85,12 @@ fn work_of_ale0_is_the_same_in_every_tick() {
     work_of(RingModel::Ale0, 1, 0.1, WITH_LEAST_EFFORT);
 }
 
-fn beside_accurate(load: Load, model: RingModel, ratio: f64, seconds: f64) -> (Trace, Trace) {
+fn beside_accurate(load: LoadHistory, model: RingModel, ratio: f64, seconds: f64) -> (Trace, Trace) {
     beside(&one_cell(model), (load, model, ratio), seconds)
 }
 
 /// Compared with an accurate run of these parameters.
-fn beside(accurate: &Parameters, (load, model, ratio): (Load, RingModel, f64), seconds: f64) -> (Trace, Trace) {
+fn beside(accurate: &Parameters, (load, model, ratio): (LoadHistory, RingModel, f64), seconds: f64) -> (Trace, Trace) {
     let exact = trace(load, accurate, ratio, seconds, |_| ());
     let found = trace(load, &in_real_time(one_cell(model)), ratio, seconds, |_| ());
     println!(
@@ -101,7 +105,7 @@ fn beside(accurate: &Parameters, (load, model, ratio): (Load, RingModel, f64), s
 #[test]
 fn a_slam_is_followed() {
     for model in MODELS {
-        let (found, exact) = beside_accurate(Load::Slam, model, 1.0, 0.4);
+        let (found, exact) = beside_accurate(LoadHistory::Slam, model, 1.0, 0.4);
         let (off, ranges) = (found.off(&exact), exact.ranges());
         for k in [0, 1, 3] {
             assert!(off[k] < 0.02 * ranges[k], "{model:?} {k}: {} of {}", off[k], ranges[k]);
@@ -116,9 +120,9 @@ fn a_slam_is_followed() {
 #[test]
 fn macro_slip_is_reported_within_5_ms() {
     for parameters in meshes() {
-        for &ratio in Load::Slam.ratios() {
+        for &ratio in LoadHistory::Slam.ratios() {
             let first = |parameters: &Parameters| {
-                let found = trace(Load::Slam, parameters, ratio, 0.03, |_| ());
+                let found = trace(LoadHistory::Slam, parameters, ratio, 0.03, |_| ());
                 found.first_slip().expect("it slips") as f64
             };
             let (exact, found) = (first(&parameters), first(&in_real_time(parameters.clone())));
@@ -131,7 +135,7 @@ fn macro_slip_is_reported_within_5_ms() {
 #[test]
 fn smooth_and_rippling_loads_are_followed() {
     for model in MODELS {
-        for load in [Load::Smooth, Load::Ripple, Load::Noise] {
+        for load in [LoadHistory::Smooth, LoadHistory::Ripple, LoadHistory::Noise] {
             let (found, exact) = beside_accurate(load, model, 1.0, 0.3);
             let [primary, secondary, ratio, slip, thrust] = found.off(&exact);
             assert!(
@@ -151,7 +155,7 @@ fn ripple_is_followed_in_divided_ticks() {
         for ratio in [2.2, 0.5] {
             let mut sharp = one_cell(model);
             sharp.solver.tolerance = 1e-6;
-            let (found, exact) = beside(&sharp, (Load::Ripple, model, ratio), 0.5);
+            let (found, exact) = beside(&sharp, (LoadHistory::Ripple, model, ratio), 0.5);
             let (off, ranges) = (found.off(&exact), exact.ranges());
             for (k, share) in [0.02, 0.02, 0.02, 0.02, 0.03].into_iter().enumerate() {
                 let (off, range) = (off[k], ranges[k]);
@@ -162,7 +166,7 @@ fn ripple_is_followed_in_divided_ticks() {
 }
 
 /// Speeds, ratio and slip have errors within a share of their ranges, the thrust ratio within its own bound.
-fn assert_followed((load, model, ratio): (Load, RingModel, f64), share: f64, thrust_ratio: f64) {
+fn assert_followed((load, model, ratio): (LoadHistory, RingModel, f64), share: f64, thrust_ratio: f64) {
     let (found, exact) = beside_accurate(load, model, ratio, 0.3);
     let (off, ranges) = (found.off(&exact), exact.ranges());
     for k in 0..4 {
@@ -176,11 +180,11 @@ fn assert_followed((load, model, ratio): (Load, RingModel, f64), share: f64, thr
 #[test]
 fn firing_is_followed() {
     for model in MODELS {
-        for &ratio in Load::Firing.ratios() {
-            assert_followed((Load::Firing, model, ratio), 0.03, 5e-3);
+        for &ratio in LoadHistory::Firing.ratios() {
+            assert_followed((LoadHistory::Firing, model, ratio), 0.03, 5e-3);
         }
         let share = if model == RingModel::Ale { 0.04 } else { 0.03 };
-        assert_followed((Load::FiringAndNoise, model, 2.2), share, 5e-3);
+        assert_followed((LoadHistory::FiringAndNoise, model, 2.2), share, 5e-3);
     }
 }
 
@@ -188,19 +192,23 @@ fn firing_is_followed() {
 #[test]
 fn flips_and_hunting_are_followed() {
     for ratio in [2.2, 1.0, 0.5] {
-        assert_followed((Load::Flips, RingModel::Ale0, ratio), 0.05, 5e-3);
+        assert_followed((LoadHistory::Flips, RingModel::Ale0, ratio), 0.05, 5e-3);
     }
     for ratio in [1.0, 0.5] {
-        assert_followed((Load::Flips, RingModel::Ale, ratio), 0.05, 2e-2);
+        assert_followed((LoadHistory::Flips, RingModel::Ale, ratio), 0.05, 2e-2);
     }
-    assert_followed((Load::Hunting, RingModel::Ale0, 2.2), 0.03, 2e-2);
+    assert_followed((LoadHistory::Hunting, RingModel::Ale0, 2.2), 0.03, 2e-2);
 }
 
 /// With more work `ALE` follows them too. Where gaps close all along the belt, Newton steps are hundreds of times too large, and
 /// smaller ones follow.
 #[test]
 fn with_more_effort_ale_follows_a_clutch_that_hunts() {
-    for (load, ratio) in [(Load::Hunting, 2.2), (Load::Hunting, 1.0), (Load::Flips, 2.2)] {
+    for (load, ratio) in [
+        (LoadHistory::Hunting, 2.2),
+        (LoadHistory::Hunting, 1.0),
+        (LoadHistory::Flips, 2.2),
+    ] {
         let accurate = one_cell(RingModel::Ale);
         let mut parameters = in_real_time(accurate.clone());
         parameters.solver.effort = 8;
@@ -272,7 +280,11 @@ fn ticks_are_never_longer_than_a_millisecond() {
 fn a_run_continues_after_rejected_ticks() {
     let mut rollbacks = 0;
     for model in MODELS {
-        for (load, ratio) in [(Load::Flips, 2.2), (Load::Flips, 0.5), (Load::Slam, 0.5)] {
+        for (load, ratio) in [
+            (LoadHistory::Flips, 2.2),
+            (LoadHistory::Flips, 0.5),
+            (LoadHistory::Slam, 0.5),
+        ] {
             let ended = [Mode::Accurate, Mode::RealTime].map(|mode| {
                 let mut parameters = variator(model);
                 parameters.solver.mode = mode;
@@ -436,20 +448,20 @@ fn continue_alike(variator: &mut Variator, mut given: impl FnMut(&Variator) -> (
 #[test]
 fn copies_and_stored_states_continue_alike() {
     for (load, parameters) in [
-        (Load::Slam, coarse(RingModel::Ale0)),
-        (Load::Slam, coarse(RingModel::Ale)),
-        (Load::Firing, one_cell(RingModel::Ale)),
-        (Load::Ripple, coarse(RingModel::Ale0)),
+        (LoadHistory::Slam, coarse(RingModel::Ale0)),
+        (LoadHistory::Slam, coarse(RingModel::Ale)),
+        (LoadHistory::Firing, one_cell(RingModel::Ale)),
+        (LoadHistory::Ripple, coarse(RingModel::Ale0)),
     ] {
         let mut parameters = in_real_time(parameters);
-        if load == Load::Firing {
+        if load == LoadHistory::Firing {
             parameters.solver.effort = 1;
         }
         let mut driven = Driven::new(load, parameters, 1.0);
         for step in 0.. {
             let over = match load {
-                Load::Slam => step == 40,
-                Load::Ripple => step == 15,
+                LoadHistory::Slam => step == 40,
+                LoadHistory::Ripple => step == 15,
                 _ => driven.variator.outputs().work.behind > 0.0,
             };
             if over {
@@ -490,7 +502,7 @@ fn a_tick_allocates_nothing() {
     for model in MODELS {
         let mut parameters = in_real_time(variator(model));
         parameters.solver.effort = 1;
-        let mut driven = Driven::new(Load::Flips, parameters, 2.2);
+        let mut driven = Driven::new(LoadHistory::Flips, parameters, 2.2);
         let own = driven.variator.parameters().friction.velocity;
         let (mut snapshot, mut rounded) = (driven.variator.clone(), false);
         let mut first_rounded = 0;
@@ -537,6 +549,6 @@ fn a_rollback_is_counted_and_does_not_change_the_defect() {
 
 #[test]
 fn accurate_steps_report_their_defect() {
-    let found = trace(Load::Firing, &coarse(RingModel::Ale0), 1.0, 0.05, |_| ());
+    let found = trace(LoadHistory::Firing, &coarse(RingModel::Ale0), 1.0, 0.05, |_| ());
     assert!(found.defect > 0.0 && found.defect < 1.0, "{}", found.defect);
 }

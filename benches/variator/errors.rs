@@ -5,11 +5,12 @@
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::RingModel;
 use pushbelt::variator::settings::{Inputs, Outputs, Parameters};
+use pushbelt_lab::bench::STEP;
 use pushbelt_lab::manoeuvre::Manoeuvre;
 use pushbelt_lab::variators::{one_cell, variator};
 use serde_json::json;
 
-use crate::{STEP, Table, nine_steady_states};
+use crate::{Table, nine_steady_states};
 
 const FINER: i32 = 10;
 const FINER_IN_THE_MANOEUVRE: i32 = 2;

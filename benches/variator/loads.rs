@@ -2,11 +2,12 @@
 
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::loads::{Driven, LOADS, Load};
+use pushbelt_lab::bench::text;
+use pushbelt_lab::loads::{Driven, LOADS, LoadHistory};
 use pushbelt_lab::variators::{one_cell, variator};
 use serde_json::json;
 
-use crate::{Table, numbers, quantiles, text};
+use crate::{Table, numbers, quantiles};
 
 /// A step that takes longer than this is counted, s.
 const LONG: f64 = 1e-3;
@@ -35,7 +36,7 @@ fn rings() -> [(&'static str, Parameters); 3] {
     ]
 }
 
-fn row(table: &mut Table, (load, ratio): (Load, f64), (ring, parameters): (&str, Parameters), seconds: f64) {
+fn row(table: &mut Table, (load, ratio): (LoadHistory, f64), (ring, parameters): (&str, Parameters), seconds: f64) {
     let shape = if parameters.solver.input_ramp == 0.0 {
         "jumping"
     } else {

@@ -30,9 +30,8 @@ use cpu_time::ThreadTime;
 use pushbelt::contact::full_slip_torque;
 use pushbelt::pulley::Pulley;
 use pushbelt::scalar::LANES;
-use pushbelt::solver::arrow::{Arrow, ArrowLu};
+use pushbelt::solver::State;
 use pushbelt::solver::newton::{Counts, Newton};
-use pushbelt::solver::{State, System};
 use pushbelt::variator::pulleys::loads::ShaftMode;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
@@ -40,6 +39,7 @@ use pushbelt::variator::settings::{Parameters, RingModel};
 use pushbelt::variator::steady::solve::{SteadyTask, solve};
 use pushbelt::variator::steady::start::{Start, kinematic_state};
 use pushbelt::variator::system::VariatorSystem;
+use pushbelt_lab::bench::{STEP, manoeuvre, manoeuvre_row, print_row, step_parts, step_parts_row, text};
 use pushbelt_lab::inside::thrust_ratio;
 use pushbelt_lab::load_cases::{LoadCase, given, pair};
 use pushbelt_lab::manoeuvre::Manoeuvre;
@@ -51,9 +51,6 @@ const MAP_RATIOS: usize = 21;
 const MAP_TORQUES: usize = 11;
 /// F_S there, N.
 const MAP_FORCE: f64 = 10e3;
-
-/// Communication step of the manoeuvre, s.
-const STEP: f64 = 1e-3;
 
 #[derive(Parser)]
 struct Options {
@@ -95,7 +92,7 @@ struct Table(Vec<Value>);
 
 impl Table {
     fn row(&mut self, name: &str, figure: String, data: Value) {
-        println!("{name:<58} {figure}");
+        print_row(name, &figure);
         self.0.push(json!({"name": name, "figure": figure, "data": data}));
     }
 }
@@ -151,17 +148,23 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
     let costs = MODELS.map(|model| {
         let runs = if options.quick { 1 } else { 5 };
         // A look at the clock takes 4 % of a step of ALE0.
-        let (time, counts) = best(runs, || manoeuvre(variator(model), trace, |advance| advance()));
+        let run = best(runs, || {
+            manoeuvre(|| manoeuvre_variator(variator(model)), trace, |advance| advance())
+        });
         let (_, each) = best(runs, || {
             let mut each = Vec::with_capacity(trace.len());
-            let (time, _) = manoeuvre(variator(model), trace, |advance| {
-                let start = ThreadTime::now();
-                advance();
-                each.push(start.elapsed().as_secs_f64());
-            });
+            let (time, _) = manoeuvre(
+                || manoeuvre_variator(variator(model)),
+                trace,
+                |advance| {
+                    let start = ThreadTime::now();
+                    advance();
+                    each.push(start.elapsed().as_secs_f64());
+                },
+            );
             (time, each)
         });
-        manoeuvre_row(table, &format!("{model:?}"), trace, time, &counts);
+        add_manoeuvre(table, &format!("{model:?}"), trace, run);
         let slowest = quantiles(&each, [0.5, 0.999, 1.0]);
         table.row(
             &format!("  its communication steps, {model:?}: median, 99.9 %, longest"),
@@ -172,8 +175,8 @@ fn manoeuvres(table: &mut Table, trace: &[Inputs], options: &Options) -> [Vec<f6
             errors::of_manoeuvre(table, model, trace);
             let mut parameters = variator(model);
             parameters.friction.fall = 0.0;
-            let (time, counts) = manoeuvre(parameters, trace, |advance| advance());
-            manoeuvre_row(table, &format!("{model:?}, friction.fall = 0"), trace, time, &counts);
+            let run = manoeuvre(|| manoeuvre_variator(parameters), trace, |advance| advance());
+            add_manoeuvre(table, &format!("{model:?}, friction.fall = 0"), trace, run);
         }
         each
     });
@@ -242,7 +245,7 @@ fn pieces_and_memory(table: &mut Table, trace: &[Inputs]) -> [[Pieces; 3]; 2] {
     MODELS.map(|model| {
         let pieces = [1, 2, 4].map(|factor| pieces(variator(model), factor));
         for p in &pieces {
-            pieces_row(table, &format!("{model:?}"), p);
+            add_pieces(table, &format!("{model:?}"), p);
         }
         let growth = pieces[2].whole() / pieces[0].whole();
         table.row(
@@ -268,13 +271,6 @@ fn best<A>(runs: usize, mut run: impl FnMut() -> (f64, A)) -> (f64, A) {
         .fold(first, |a, b| if b.0 < a.0 { b } else { a })
 }
 
-fn text(counts: &Counts) -> String {
-    format!(
-        "{} steps, {} residuals, {} factorizations",
-        counts.steps, counts.residuals, counts.factorizations
-    )
-}
-
 fn numbers(counts: &Counts) -> Value {
     json!({
         "steps": counts.steps,
@@ -285,38 +281,25 @@ fn numbers(counts: &Counts) -> Value {
     })
 }
 
-fn manoeuvre_row(table: &mut Table, name: &str, trace: &[Inputs], time: f64, counts: &Counts) {
-    let span = trace.len() as f64 * STEP;
+fn add_manoeuvre(table: &mut Table, name: &str, trace: &[Inputs], (time, counts): (f64, Counts)) {
+    let (name, figure) = manoeuvre_row(name, trace, time, &counts);
+    let factor = trace.len() as f64 * STEP / time;
     table.row(
-        &format!("manoeuvre of {span:.0} s in steps of 1 ms, {name}"),
-        format!("{time:.2} s, {:.1} x real time, {}", span / time, text(counts)),
-        json!({"seconds": time, "real_time_factor": span / time, "counts": numbers(counts)}),
+        &name,
+        figure,
+        json!({"seconds": time, "real_time_factor": factor, "counts": numbers(&counts)}),
     );
 }
 
-fn pieces_row(table: &mut Table, name: &str, pieces: &Pieces) {
-    table.row(
-        &format!(
-            "{name}, {} elements: residual, Jacobian, factors, solve",
-            pieces.elements
-        ),
-        pieces.seconds.map(|t| format!("{:.1} us", 1e6 * t)).join(", "),
-        json!({"elements": pieces.elements, "seconds": pieces.seconds}),
-    );
+fn add_pieces(table: &mut Table, name: &str, pieces: &Pieces) {
+    let Pieces { elements, seconds } = *pieces;
+    let (name, figure) = step_parts_row(&format!("{name}, {elements} elements"), seconds);
+    table.row(&name, figure, json!({"elements": elements, "seconds": seconds}));
 }
 
-/// Time and work; `around` is called with each communication step.
-fn manoeuvre(parameters: Parameters, trace: &[Inputs], mut around: impl FnMut(&mut dyn FnMut())) -> (f64, Counts) {
-    let start = ThreadTime::now();
-    let mut variator = Variator::new(Manoeuvre::variator(parameters)).expect("valid parameters");
-    variator.initialise(0.0, &trace[0]).expect("a start");
-    for (k, inputs) in trace.iter().enumerate() {
-        around(&mut || {
-            variator.advance((k + 1) as f64 * STEP, inputs).expect("a step");
-            black_box(variator.outputs());
-        });
-    }
-    (start.elapsed().as_secs_f64(), variator.counts())
+/// The variator of the manoeuvre with these parameters.
+fn manoeuvre_variator(parameters: Parameters) -> Variator {
+    Variator::new(Manoeuvre::variator(parameters)).expect("valid parameters")
 }
 
 /// Steady states of the nine load cases on a mesh with so many times the elements: ratio held on P, primary speed
@@ -438,50 +421,17 @@ impl Pieces {
 fn pieces(mut parameters: Parameters, factor: i32) -> Pieces {
     parameters.mesh = parameters.mesh.refined(factor);
     let mut system = VariatorSystem::new(&parameters);
-    let state = kinematic_state(
-        &system.belt,
-        &Start {
-            ratio: 1.0,
-            primary_speed: SPEED,
-            clamping: pair(1e4, 1.3e4),
-        },
-    )
-    .expect("a start");
-    let mut matrix = Arrow::new(system.shape());
-    let mut factors = ArrowLu::new(system.shape());
-    let mut residual = vec![0.0; state.y.len()];
-    system.jacobian(0.0, state.view(), 1e4, 1e-4, &mut matrix);
-    let seconds = [
-        least(|| system.residual(0.0, state.view(), black_box(&mut residual))),
-        least(|| system.jacobian(0.0, state.view(), 1e4, 1e-4, black_box(&mut matrix))),
-        least(|| factors.factor(black_box(&matrix)).expect("a regular matrix")),
-        least(|| factors.solve(black_box(&mut residual))),
-    ];
     Pieces {
         elements: system.belt.mesh.elements.len(),
-        seconds,
+        seconds: step_parts(&mut system),
     }
-}
-
-/// Least time of a call, from batches of about a millisecond.
-fn least(mut call: impl FnMut()) -> f64 {
-    let start = ThreadTime::now();
-    call();
-    let batch = (1e-3 / start.elapsed().as_secs_f64()).ceil().max(1.0) as usize;
-    (0..50)
-        .map(|_| {
-            let start = ThreadTime::now();
-            (0..batch).for_each(|_| call());
-            start.elapsed().as_secs_f64() / batch as f64
-        })
-        .fold(f64::INFINITY, f64::min)
 }
 
 /// Allocations in 100 communication steps of the launch, and the bytes that an instance holds.
 fn memory(model: RingModel, trace: &[Inputs]) -> (u64, u64) {
     let mut instance = None;
     let held = allocation_counter::measure(|| {
-        let mut variator = Variator::new(Manoeuvre::variator(variator(model))).expect("valid parameters");
+        let mut variator = manoeuvre_variator(variator(model));
         variator.initialise(0.0, &trace[0]).expect("a start");
         instance = Some(variator);
     });

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
-use crate::{Pieces, STEP};
+use pushbelt_lab::bench::STEP;
+
+use crate::Pieces;
 
 /// Communication steps that a point of the speed stands for.
 const WINDOW: usize = 50;

@@ -7,6 +7,7 @@ use pushbelt::solver::sdirk::GAMMA;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::Inputs;
 use pushbelt::variator::settings::RingModel;
+use pushbelt_lab::bench::STEP;
 use pushbelt_lab::inside::{overlay, stations};
 use pushbelt_lab::load_cases::LoadCase;
 use pushbelt_lab::manoeuvre::Manoeuvre;
@@ -14,7 +15,7 @@ use pushbelt_lab::steady::load_case;
 use pushbelt_lab::variators::variator;
 use serde_json::json;
 
-use crate::{STEP, Table, quantiles};
+use crate::{Table, quantiles};
 
 /// Both measurements, of `ALE`.
 pub fn measure(table: &mut Table, trace: &[Inputs]) {

@@ -2,7 +2,7 @@
 
 use cpu_time::ThreadTime;
 use pushbelt::variator::settings::{Mode, Parameters, RingModel};
-use pushbelt_lab::loads::{LOADS, Load};
+use pushbelt_lab::loads::{LOADS, LoadHistory};
 use pushbelt_lab::tracking::trace;
 use pushbelt_lab::variators::{one_cell, variator};
 use serde_json::json;
@@ -39,7 +39,7 @@ pub fn measure(table: &mut Table, letters: &str, effort: i32, seconds: f64) {
 /// Returns how many outputs are within their limits.
 fn row(
     table: &mut Table,
-    (load, ratio): (Load, f64),
+    (load, ratio): (LoadHistory, f64),
     (ring, mut parameters): (&str, Parameters),
     seconds: f64,
 ) -> usize {

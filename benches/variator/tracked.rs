@@ -1,7 +1,7 @@
 //! How far outputs are off under a load, beside a run of a tight tolerance.
 
 use pushbelt::variator::settings::{Parameters, RingModel};
-use pushbelt_lab::loads::{LOADS, Load};
+use pushbelt_lab::loads::{LOADS, LoadHistory};
 use pushbelt_lab::tracking::{TRACKED, Trace, trace};
 use pushbelt_lab::variators::variator;
 use serde_json::{Value, json};
@@ -15,7 +15,7 @@ const EXACT: f64 = 1e-6;
 const CHOSEN: [f64; 2] = [1e-4, 1e-3];
 
 /// The run with that tolerance.
-pub fn exact((load, ratio): (Load, f64), parameters: &Parameters, seconds: f64) -> Trace {
+pub fn exact((load, ratio): (LoadHistory, f64), parameters: &Parameters, seconds: f64) -> Trace {
     let mut exact = parameters.clone();
     exact.solver.tolerance = EXACT;
     trace(load, &exact, ratio, seconds, |_| ())

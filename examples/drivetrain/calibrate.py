@@ -1,4 +1,4 @@
-"""Which parameter moves what, at one steady working point: the table of docs/drivetrain-calibration.md."""
+"""Sensitivity of outputs to parameters at one steady working point: the table of docs/drivetrain-calibration.md."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ CHANGES = {
     "belt.squeezeDamping": 2.0,
     "ring.axialStiffness": 0.8,
 }
-"""Parameters and the factors by which they are off; a name without a pulley means both."""
+"""Parameters and factors of their change. A name without a pulley means both pulleys."""
 SHOWN = ("thrustRatio", "slip", "loss.sheaves", "loss.ring", "loss.layers", "loss.shafts", "spiral.primary")
 
 
@@ -38,7 +38,7 @@ def steady(archive: Archive, parameters: dict[str, float]) -> dict[str, float]:
 
 
 def main() -> None:
-    """Prints a line a parameter: relative change of each output, %."""
+    """Prints one line per parameter: relative change of each output, %."""
     base = parameter_set("bench168")
     with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
         with Variator(archive, {}) as unit:

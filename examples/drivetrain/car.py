@@ -1,7 +1,7 @@
 """A car around the variator: launch, shift, tip-out, tip-in, braking to standstill.
 
 It needs `pushbelt`, numpy and matplotlib, and writes car.png. With `--naive` it drives 6 s with a clutch whose law is too
-steep for the step: that chatters.
+steep for the step, so that it chatters.
 """
 
 import sys
@@ -39,7 +39,7 @@ class Engine:
     acceleration: float = 0.0
 
     def clutch(self, pulley: float) -> float:
-        """A centrifugal clutch: up to its capacity it carries the torque that is predicted to keep both sides together.
+        """A centrifugal clutch. Up to its capacity its torque is the predicted one that keeps both speeds equal.
 
         The law's slope over speed is d = J/τ. It is stable while d h is well below the inertia of the pulley: here they are
         0.0125 and 0.03 kg·m².
@@ -48,7 +48,7 @@ class Engine:
         return np.clip(together, -self.capacity(pulley), self.capacity(pulley))
 
     def capacity(self, pulley: float) -> float:
-        """It grows with the square of the speed above idle, N·m."""
+        """Capacity, which grows with the square of the speed above idle, N·m."""
         return min(0.02 * max(max(self.speed, pulley) - IDLE - 5.0, 0.0) ** 2, 200.0)
 
     def advance(self, throttle: float, pulley: float, naive: bool) -> float:
@@ -81,15 +81,15 @@ def main(naive: bool = False, end: float = END) -> np.ndarray:
             ratio, speed, car = state["ratio.geometric"], state["primary.speed"], LEVER * state["secondary.speed"]
             torque = engine.advance(throttle, speed, naive)
             road = 0.39 * car * abs(car) + 130.0 * np.tanh(car / 0.1)
-            # The brake's slope over speed times the step is a quarter of the car's mass: it holds and does not ring.
+            # The brake's slope over speed times the step is a quarter of the car's mass: it holds the car without oscillation.
             road += brake * np.clip(car / max(0.05, 4.0 * brake * STEP / MASS), -1.0, 1.0)
-            # Least clamping force: it carries the torque now and the one to come, and so does that on the primary pulley.
+            # The least clamping force of each pulley carries the present torque and the demanded one.
             ahead = max(abs(torque), throttle * 150.0)
             least = variator.least_force(ratio, ahead + 8.0)
             share = np.copysign(min(abs(torque) / variator.torque_capacity(ratio, least), 0.75), torque)
             kappa = np.interp(ratio, RATIOS, [np.interp(share, SHARES, row) for row in table])
             secondary = max(least, least / kappa)
-            # The engine's wanted speed gives the ratio. PI with anti-windup on its logarithm; κ of the map leads.
+            # The engine's set-point speed determines the ratio. PI controller with anti-windup on ln i; κ of the map is the feed-forward.
             wish = 131.0 + 270.0 * throttle
             wanted = np.clip(wish / max(state["secondary.speed"], 1.0), RATIOS[0], RATIOS[-1])
             target *= np.exp(np.clip(np.log(wanted / target), -0.8 * STEP, 0.8 * STEP))

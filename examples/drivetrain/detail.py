@@ -11,7 +11,7 @@ LEVELS = (("ALE0", "coarse"), ("ALE", "coarse"), ("ALE", "default"))
 
 
 def main() -> None:
-    """Drives with the fixed safety factor and prints a line a level."""
+    """Drives with the fixed safety factor and prints one line per level."""
     fmu = Path("target/PushbeltVariator.fmu")
     car, cycle = demo_car(), wltc_class_3b().section(10.0, 30.0)
     print("| ring | mesh | shift gain 1e-6/(N·rad) | thrust ratio at the end | variator loss J | ratio error % | s/s |")

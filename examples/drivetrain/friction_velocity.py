@@ -1,4 +1,4 @@
-"""What the friction velocity does where the belt stands or nearly stands: the figures of docs/drivetrain.md and
+"""Influence of the friction velocity at and near standstill of the belt: the figures of docs/drivetrain.md and
 docs/drivetrain-calibration.md."""
 
 from collections.abc import Iterator
@@ -11,15 +11,15 @@ from pushbelt.fmu.unit import Archive, Variator
 
 STEP = 1e-2
 VELOCITIES = (5e-4, 2.5e-4, 5e-5)
-"""m/s; the first is the default."""
+"""Friction velocities, m/s; the first is the default."""
 RATIO = 2.2
 LAUNCH_TORQUE, LAUNCH_TIME, LAUNCH_READ = 80.0, 0.5, 0.6
-"""Primary torque, N·m, the time over which it rises, s, and when the slip is read, s."""
+"""Primary torque, N·m, its rise time, s, and the time at which the slip is read, s."""
 
 
 @contextmanager
 def at_rest(archive: Archive, velocity: float, start: dict[str, float]) -> Iterator[Variator]:
-    """The variator at a standstill in underdrive, initialised."""
+    """An initialised variator at standstill in underdrive."""
     values = {"friction.velocity": velocity, "initial.ratio": RATIO, "initial.primarySpeed": 0.0, **start}
     with Variator(archive, {**parameter_set("bench168"), **values}) as unit:
         unit.initialise()
@@ -27,7 +27,7 @@ def at_rest(archive: Archive, velocity: float, start: dict[str, float]) -> Itera
 
 
 def launch_slip(archive: Archive, velocity: float) -> float:
-    """Slip soon after a torque has risen; 100 kg·m² on the secondary shaft."""
+    """Slip shortly after a rise of the torque, with 100 kg·m² on the secondary shaft."""
     start = {"secondary.inertia": 100.0, "primary.torque": 0.0, "secondary.torque": 0.0}
     start |= {"primary.clampingForce": 20e3, "secondary.clampingForce": 20e3}
     with at_rest(archive, velocity, start) as unit:
@@ -41,7 +41,7 @@ def launch_slip(archive: Archive, velocity: float) -> float:
 
 
 def crept_ratio(archive: Archive, velocity: float) -> float:
-    """Ratio after a minute at a standstill under forces out of balance; both shafts are held."""
+    """Ratio after one minute at standstill under unbalanced clamping forces, with both shafts held."""
     start = {"primary.clampingForce": 4e3, "secondary.clampingForce": 7e3}
     start |= {"primary.drive": Drive.SPEED, "primary.speedSetpoint": 0.0}
     start |= {"secondary.drive": Drive.SPEED, "secondary.speedSetpoint": 0.0}
@@ -52,7 +52,7 @@ def crept_ratio(archive: Archive, velocity: float) -> float:
 
 
 def main() -> None:
-    """Prints a line a friction velocity."""
+    """Prints one line per friction velocity."""
     with Archive.unpack(Path("target/PushbeltVariator.fmu")) as archive:
         for velocity in VELOCITIES:
             slip, ratio = launch_slip(archive, velocity), crept_ratio(archive, velocity)

@@ -1,7 +1,7 @@
 """A gain-scheduled ratio controller from linear models, tried on the nonlinear variator.
 
-The loop's bandwidth is the same at every ratio, though a newton shifts the belt 26 times as fast at 2.2 as at 0.5. Prints how
-close the nonlinear steps come to the linear loop, and draws a shift through the whole range in linear-control.png.
+The loop's bandwidth is the same at every ratio, although the shift rate per newton is 26 times as large at 2.2 as at 0.5. Prints
+the differences between nonlinear steps and the linear loop, and draws a shift through the whole range in linear-control.png.
 """
 
 import matplotlib.pyplot as plt
@@ -38,7 +38,7 @@ def primary_force(wanted, ratio, integral):
 
 
 def run(ratio, wanted, control=primary_force):
-    """Ratio over time in the nonlinear variator: from a steady state at a ratio, `wanted` at each step."""
+    """Ratio over time in the nonlinear variator, from a steady state at a ratio; `wanted` is the set point at each step."""
     start = {"initial.ratio": ratio, LOAD: np.interp(ratio, ratios, holding)}
     with pushbelt.Variator("bench168", {**BELT, **start}) as belt:
         state, integral, found = belt.start(), 0.0, []
@@ -50,7 +50,7 @@ def run(ratio, wanted, control=primary_force):
 
 
 def predicted(model, gain, size, count):
-    """The same loop around a linear model, as deviations; `size` is wanted from the start."""
+    """The same loop with a linear model, as deviations; the set point is `size` from the start."""
     a, b, c, d, _ = cont2discrete((model.a, model.b, model.c, model.d), STEP)
     state, force, integral, found = np.zeros(len(a)), 0.0, 0.0, []
     for _ in range(count):

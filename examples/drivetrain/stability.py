@@ -1,7 +1,7 @@
-"""How fast small swings of the ratio grow: the linear belt with the controllers of `cargo fmu drive` around it.
+"""Growth rates of small oscillations of the ratio: the linear belt with the controllers of `cargo fmu drive`.
 
-The belt is the linear model of `pushbelt.Variator.linearize`; flywheel, clutch, controllers and hydraulics are the drive's own code. A small
-change of the target ratio sets it off. Prints the tables of docs/drivetrain.md: `stability.py coarse`, the mesh of the drive, and
+The belt is the linear model of `pushbelt.Variator.linearize`; flywheel, clutch, controllers and hydraulics are those of the drive. A small
+change of the target ratio excites the oscillation. Prints the tables of docs/drivetrain.md: `stability.py coarse`, the mesh of the drive, and
 `stability.py default`.
 """
 
@@ -22,7 +22,7 @@ from pushbelt.fmu.data import torque_capacity
 POINTS = ((0.46, 0.6), (0.46, 0.77), (0.46, 0.9), (0.6, 0.77), (0.6, 0.9), (1.0, 0.9))
 """Ratio and torque utilisation."""
 SPEEDS, FORCE, FREQUENCY = (140.0, 210.0, 280.0), 9e3, 100.0
-"""Of the primary pulley, rad/s; secondary clamping force, N; modes below it are in the linear model, Hz."""
+"""Speeds of the primary pulley, rad/s; secondary clamping force, N; frequency below which modes are in the linear model, Hz."""
 STEP, DURATION = simulate.STEP, 4.0
 INPUTS = ("primary.clampingForce", "secondary.clampingForce", "primary.torque")
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip", "primary.radius")
@@ -31,7 +31,7 @@ PARAMETERS = simulate.unit_parameters(CAR, "ALE", "default" if "default" in sys.
 
 
 class Belt:
-    """The linear model, a control step at a time; inputs run linearly within it. Deviations from the working point."""
+    """The linear model with steps of the control, in deviations from the working point. Inputs are linear within a step."""
 
     def __init__(self, model: pushbelt.LinearModel) -> None:
         model = model.select(OUTPUTS, INPUTS)
@@ -45,17 +45,17 @@ class Belt:
         self.state, self.inputs = np.zeros(n), np.zeros(k)
 
     def read(self) -> np.ndarray:
-        """Outputs now, as deviations."""
+        """Present outputs, as deviations."""
         return self.c @ self.state + self.d @ self.inputs
 
     def advance(self, inputs: np.ndarray) -> None:
-        """A step with inputs that reach these values at its end."""
+        """Advances by a step with inputs that reach these values at its end."""
         self.state = self.step_matrix @ np.concatenate([self.state, self.inputs, inputs - self.inputs])
         self.inputs = inputs
 
 
 def linear_model(variator: pushbelt.Variator, ratio: float, torque: float, speed: float) -> pushbelt.LinearModel | None:
-    """The linear model at a point; none where there is no steady working point or no mode as slow as that."""
+    """The linear model at a point; None without a steady working point or without a mode below the frequency."""
     try:
         return variator.linearize(ratio, torque, speed=speed, force=FORCE, frequency=FREQUENCY)
     except (pushbelt.SteadyStateError, pushbelt.LinearPointError) as error:
@@ -64,7 +64,7 @@ def linear_model(variator: pushbelt.Variator, ratio: float, torque: float, speed
 
 
 def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: float) -> float:
-    """Growth rate of the shift speed, 1/s; `steered` says whether the controllers act, `lag` is that of the pressures, s."""
+    """Growth rate of the shift speed, 1/s; `steered`: whether the controllers act; `lag`: time constant of the pressures, s."""
     ratio, speed, slip, radius = belt.at
     friction = Friction(PARAMETERS["friction.pulley"], PARAMETERS["geometry.wedgeAngle"])
     clamping = SlipControl(friction, table, CAR.engine_inertia)
@@ -75,7 +75,7 @@ def growth(belt: Belt, table: ThrustMap, torque: float, steered: bool, lag: floa
     engine = Powertrain(CAR)
     engine.speed, engine.torque, engine.locked = speed, torque, True
     measured = Measured(speed, ratio, slip, False, radius, torque)
-    # The slip is told so that the integral rests at the working point.
+    # Offset of the measured slip with which the integral is constant at the working point.
     at_rest = clamping.set_point(ratio, min(clamping.utilisation, clamping.stable_utilisation(measured))) - slip
     base = np.zeros(2)
     logs = []
@@ -106,7 +106,7 @@ def main() -> None:
     """Prints the growth rates."""
     table = ThrustMap.read(Path("target/drive/thrust-ratio-map-ALE.csv"))
     if table is None:
-        raise SystemExit("run `cargo fmu drive --short` first: it leaves the thrust-ratio map")
+        raise SystemExit("run `cargo fmu drive --short` first: it writes the thrust-ratio map")
     print("| ratio | utilisation | primary speed rad/s | forces held | pressures at 50 ms | at 12.5 ms |")
     print("|---" * 6 + "|")
     variator = pushbelt.Variator(PARAMETERS)

@@ -1,14 +1,14 @@
-"""A belt on two pulleys in Exudyn beside the variator, under an engine's firing and under slams into macro-slip; the free ring beside it.
+"""Comparison with Exudyn: a belt on two pulleys under engine firing and under impacts into macro-slip, and the free ring.
 
 pip install exudyn==1.11.0
 python examples/peers/exudyn_belt_drive.py
 
-Takes some minutes. Times are processor time of one thread, the least of `--runs`; both programs take turns. The variator runs through
-`examples/belt_drive.rs`, which cargo builds first, under the loads b and e of `cargo fmu bench -- --loads` at ratio 1.
+It takes some minutes. Times are processor times of one thread, the least of `--runs`, measured alternately for both programs. The
+variator runs in `examples/belt_drive.rs`, which cargo builds first, under the loads b and e of `cargo fmu bench -- --loads` at ratio 1.
 
-The belt of Exudyn is flat: cables of absolute nodal coordinates in the Eulerian view (`--cable ale`), or ones that travel (`--cable ancf`), with the
-mass of ring and elements, the stiffness of the ring and the mesh of the variator. It pulls where a pushbelt pushes. Friction is that of the wedge,
-μ/sin β. Pretension is such that by Euler and Eytelwein it slips at the torque at which the variator's clamping force lets it slip.
+The belt of Exudyn is flat: cables of absolute nodal coordinates in the Eulerian view (`--cable ale`), or travelling ones (`--cable ancf`), with the
+mass of ring and elements, the stiffness of the ring and the mesh of the variator. It transmits tension instead of pressure. Friction is that of the wedge,
+μ/sin β. By the Euler-Eytelwein equation, the pretension gives the same slip torque as the variator's clamping force.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import sys
 import time
 from dataclasses import dataclass
 
-sys.exudynFast = True  # Without range checks. Exudyn reads it when it is imported.
+sys.exudynFast = True  # Disables range checks. Exudyn reads this variable when it is imported.
 import exudyn
 import numpy as np
 from exudyn.utilities import (
@@ -48,22 +48,22 @@ import exudyn_ring
 DISTANCE, LENGTH = 0.168, 0.703
 RADIUS = (LENGTH - 2.0 * DISTANCE) / math.tau
 ARC, STRAND = 16, 10
-"""Elements on an arc and on a strand."""
+"""Number of elements on an arc and on a strand."""
 AXIAL_STIFFNESS, BENDING_STIFFNESS, DAMPING = 5.57e6, 0.0159, 2.0e-5
 MASS = 0.24 + 1.33
-"""Of ring and elements, kg/m."""
+"""Mass of ring and elements, kg/m."""
 FRICTION = 0.09 / math.sin(math.radians(11.0))
 INERTIAS = (0.03, 4.0)
 OF_SPEED = 2.0
-"""How the vehicle's speed is held, N·m·s/rad."""
+"""Gain of the speed control of the vehicle, N·m·s/rad."""
 SPEED = 209.44
-# What the penalties of Exudyn are chosen for.
+# Assumptions for the penalty parameters of Exudyn.
 SEGMENTS = 2
-"""Lines of contact in each element."""
+"""Number of contact segments per element."""
 PENETRATION = 8.0e-5
-"""Under the pretension, m: about as far as tilting sheaves let the belt in."""
+"""Contact penetration under the pretension, m, similar to the radial displacement due to tilting sheaves."""
 SETTLING, RISE, SETTLING_STEP = 0.2, 0.05, 5.0e-5
-"""Before the load starts, s: the mean torque rises, the belt takes its speed."""
+"""Time before the load starts, s, in which the mean torque rises and the belt reaches its speed."""
 SAMPLE = 1.0e-3
 
 
@@ -72,7 +72,7 @@ def firing(t, sym):
 
 
 def slam(t, sym):
-    """Rises and falls over 1 ms, as the variator's inputs do."""
+    """Load that rises and falls over 1 ms, like the variator's inputs."""
     within = sym.mod(t, 1.0)
     up, down = (sym.max(0.0, sym.min((within - start) / 1.0e-3, 1.0)) for start in (0.0, 0.15))
     return 50.0 + 100.0 * (up - down)
@@ -80,15 +80,15 @@ def slam(t, sym):
 
 @dataclass(frozen=True)
 class Load:
-    """Torque on the first pulley, its mean, and what the belt can carry, N·m."""
+    """Torque on the first pulley, its mean, and the capacity of the belt, N·m."""
 
     torque: object
     mean: float
     capacity: float
 
 
-# The variator is clamped for 100 N·m in `e`. This belt carries a ninth more than by Euler and Eytelwein, for its contacts
-# yield.
+# In `e` the variator is clamped for 100 N·m. Because of its compliant contacts this belt carries one ninth more than by the
+# Euler-Eytelwein equation.
 LOADS = {"b": Load(firing, 80.0, 1.3 * 110.0), "e": Load(slam, 50.0, 90.0)}
 
 
@@ -109,7 +109,7 @@ def on_curve(s: float) -> tuple[np.ndarray, np.ndarray, float]:
 
 
 def stations(ale: bool) -> np.ndarray:
-    """Where elements begin: from the middle of a strand along the variator's mesh, or evenly for a belt that travels."""
+    """Start points of the elements: those of the variator's mesh from the middle of a strand, or evenly spaced for a travelling belt."""
     if not ale:
         elements = 2 * (ARC + STRAND)
         return LENGTH * np.arange(elements) / elements
@@ -120,10 +120,10 @@ def stations(ale: bool) -> np.ndarray:
 
 
 class Drive:
-    """A belt on two pulleys that has settled under the mean torque of a load."""
+    """A belt on two pulleys in steady motion under the mean torque of a load."""
 
     def __init__(self, load: Load, ale: bool, creep: float, radius: float = 0.9):
-        """`creep`: sliding speed at which friction is full, m/s. `radius`: spectral radius of generalised-α."""
+        """`creep`: regularisation velocity of the friction, m/s. `radius`: spectral radius of generalised-α."""
         self.load, self.ale, self.creep, self.damped = load, ale, creep, radius
         self.container = exudyn.SystemContainer()
         self.system = self.container.AddSystem()
@@ -172,7 +172,7 @@ class Drive:
                     initialCoordinates_t=[0],
                 )
             )
-            # The first node stays held along the strand: the belt flows through the mesh.
+            # The first node remains fixed along the strand, because the belt flows through the mesh.
             shared, self.until_start = [self.flow], [self.hold(self.flow, 0)]
             law["physicsAddALEvariation"] = False
         ends = self.nodes[1:] + self.nodes[:1]
@@ -211,7 +211,7 @@ class Drive:
             contactStiffness=stiffness,
             contactDamping=DAMPING * stiffness,
             frictionVelocityPenalty=FRICTION * force / self.creep,
-            # The middles of the lines touch it when the belt lies on the pitch line under its pretension.
+            # The midpoints of the segments touch it when the belt is on the pitch line under its pretension.
             circleRadius=RADIUS * math.cos(0.5 * length / RADIUS) + PENETRATION,
             useSegmentNormals=False,
         )
@@ -230,7 +230,7 @@ class Drive:
         def driven(system, t, value):
             return OF_SPEED * SPEED - rise(t)
 
-        # Exudyn evaluates the expressions itself: no Python runs in a step. They have to outlive the run.
+        # Exudyn evaluates the expressions without calling Python in a step. They must exist during the whole run.
         self.functions = []
         for marker, law in ((first, driving), (second, driven)):
             law = CreateSymbolicUserFunction(self.system, law, "loadUserFunction", itemTypeName="LoadCoordinate")
@@ -283,7 +283,7 @@ class Drive:
         return settings
 
     def tighten(self) -> None:
-        """Shortens the belt until its strands pull on a bearing with twice the pretension; friction is off."""
+        """Shortens the belt without friction until the force on a bearing is twice the pretension."""
         self.system.Assemble()
         strain, found = 0.0, 0.0
         for _ in range(10):
@@ -315,7 +315,7 @@ class Drive:
         self.system.systemData.SetODE2Coordinates_t(rates, exudyn.ConfigurationType.Initial)
 
     def run(self, step: float, start: float, seconds: float) -> float:
-        """Processor time, s. `RuntimeError` where the solver gives up."""
+        """Processor time, s. Raises RuntimeError if the solver fails."""
         settings = self.settings()
         integration = settings.timeIntegration
         integration.startTime, integration.endTime = start, start + seconds
@@ -335,10 +335,10 @@ class Drive:
 
 @dataclass
 class Found:
-    """What a run of a drive found.
+    """Results of a run of a drive.
 
-    Processor time, s; over time the speeds of both pulleys, rad/s, and the tensions of the upper and the lower strand, N (none
-    of a belt that travels); counts; what the belt did.
+    Processor time, s; over time the speeds of both pulleys, rad/s, and the tensions of the upper and the lower strand, N (None
+    for a travelling belt); counts; description of the motion.
     """
 
     spent: float
@@ -348,11 +348,11 @@ class Found:
     belt: str
 
     def error(self, finer: "Found") -> float:
-        """Largest difference of a speed, as a share of it."""
+        """Largest relative difference of a speed."""
         return float(np.max(np.abs(self.speeds / finer.speeds - 1.0)))
 
     def error_of_tension(self, finer: "Found") -> float:
-        """Root of the mean square, as a share of the range of both strands."""
+        """Root mean square of the difference of tensions, relative to the range of both strands."""
         return float(np.sqrt(np.mean((self.strands - finer.strands) ** 2)) / np.ptp(finer.strands))
 
 
@@ -368,7 +368,7 @@ def drive(load: Load, cable: str, creep: float, step: float, seconds: float) -> 
 
 
 def described(found: Drive, speeds: np.ndarray, strands: np.ndarray) -> str:
-    """The belt after half of the run, where a slam is over: means over the second half."""
+    """Motion of the belt after an impact: means over the second half of the run."""
     half = speeds.shape[1] // 2
     first, second = speeds[:, half:].mean(axis=1)
     slip, fastest = 1.0 - second / first, speeds[0].max()
@@ -392,7 +392,7 @@ def cargo(example: str, *arguments: str) -> str:
 
 
 def value(text: str, before: str) -> float:
-    """The number behind `before`."""
+    """Parses the number after `before` in a text."""
     return float(text.split(before)[1].split()[0])
 
 
@@ -420,9 +420,9 @@ def belt_drives(letter: str, arguments: argparse.Namespace) -> None:
             chosen = step
     print(f"  {finest.belt}")
     if chosen is None:
-        print("  no step is good enough: give smaller --steps")
+        print("  no step is accurate enough: specify smaller --steps")
         return
-    soft = f"friction full from {arguments.creep:g} m/s"
+    soft = f"regularisation velocity {arguments.creep:g} m/s"
     kinds = {
         f"{model}, {name}": ["--model", model, *more]
         for model in ("ale", "ale0")
@@ -464,17 +464,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--loads", default="be", help="letters of the loads")
     parser.add_argument(
-        "--cable", choices=("ale", "ancf"), default="ale", help="belt that flows through a mesh, or travels with it"
+        "--cable", choices=("ale", "ancf"), default="ale", help="belt that flows through a fixed mesh, or travels with its mesh"
     )
     parser.add_argument(
-        "--creep", type=float, default=0.02, help="sliding speed at which friction is full in Exudyn, m/s"
+        "--creep", type=float, default=0.02, help="regularisation velocity of the friction in Exudyn, m/s"
     )
     parser.add_argument(
-        "--steps", type=float, nargs="+", default=[1e-3, 5e-4, 2e-4, 1e-4], help="steps of Exudyn, s, the longest first"
+        "--steps", type=float, nargs="+", default=[1e-3, 5e-4, 2e-4, 1e-4], help="steps of Exudyn, s, in descending order"
     )
     parser.add_argument("--seconds", type=float, default=1.0, help="time to simulate, s")
-    parser.add_argument("--runs", type=int, default=3, help="runs of which the fastest counts")
-    parser.add_argument("--no-rings", action="store_true", help="leave the free ring out")
+    parser.add_argument("--runs", type=int, default=3, help="number of runs, of which the fastest is used")
+    parser.add_argument("--no-rings", action="store_true", help="skip the free ring")
     arguments = parser.parse_args()
     exudyn.config.suppressWarnings = True
     sys.stdout.reconfigure(line_buffering=True)

@@ -3,15 +3,15 @@
 pip install exudyn==1.11.0
 python examples/peers/exudyn_ring.py
 
-Prints frequency and processor time over the step size. Steps are fixed: with its automatic step size the solver halves them without end
-where its Newton method meets its tolerance slowly.
+Prints frequency and processor time over the step size. Steps are fixed: with automatic step size the solver keeps halving the step where Newton's method
+converges slowly.
 """
 
 import math
 import sys
 import time
 
-sys.exudynFast = True  # Without range checks. Exudyn reads it when it is imported.
+sys.exudynFast = True  # Disables range checks. Exudyn reads this variable when it is imported.
 import exudyn
 import numpy as np
 from exudyn.utilities import Cable2D, NodePoint2DSlope1
@@ -24,7 +24,7 @@ ANALYTIC = 9.534
 
 
 def velocity(angle: float) -> np.ndarray:
-    """Inextensible: radial a cos 2θ, along -½ a sin 2θ, with a deflection of 1e-3 R."""
+    """Initial velocity of the inextensible mode: radial a cos 2θ, tangential -½ a sin 2θ, with a deflection of 1e-3 R."""
     radial = np.array([math.cos(angle), math.sin(angle)])
     along = np.array([-math.sin(angle), math.cos(angle)])
     speed = 1e-3 * RADIUS * math.tau * ANALYTIC

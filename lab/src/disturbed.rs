@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pushbelt::pulley::{PerPulley, Pulley};
 use pushbelt::solver::arrow::Arrow;
 use pushbelt::solver::differences::compare;
-use pushbelt::solver::sdirk::Geometry;
+use pushbelt::solver::sdirk::GeometryUpdate;
 use pushbelt::solver::{State, System, View};
 use pushbelt::variator::belt_ring::{BeltRing, InForce};
 use pushbelt::variator::pulleys::loads::{Boundary, Loads, ShaftMode, SheaveMode};
@@ -149,8 +149,8 @@ fn assert_updated(
     let mut form = |geometry, out: &mut Arrow| {
         system.form_jacobian(Some(geometry), TIME, states[1].view(), slopes, out);
     };
-    form(Geometry::Kept, &mut found);
-    form(Geometry::All, &mut exact);
+    form(GeometryUpdate::None, &mut found);
+    form(GeometryUpdate::All, &mut exact);
     let [first, found, exact] = [&first, &found, &exact].map(product);
     let largest = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     let (changed, off) = (largest(&first, &exact), largest(&found, &exact));

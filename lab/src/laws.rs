@@ -1,6 +1,6 @@
 //! For tests of the laws: the default parameters of each law, and an integral.
 
-pub use pushbelt::chain::Belt;
+pub use pushbelt::chain::PushElements;
 pub use pushbelt::contact::{Contact, Friction};
 pub use pushbelt::pulley::Travel;
 
@@ -9,7 +9,7 @@ use pushbelt::variator::settings::Parameters;
 
 /// The push elements of the default variator.
 #[must_use]
-pub fn belt() -> Belt {
+pub fn belt() -> PushElements {
     Parameters::default().belt
 }
 

@@ -10,9 +10,9 @@ use crate::load_cases::clamping;
 use crate::noise;
 use crate::variators::{SPEED, inputs};
 
-/// A load on the variator.
+/// Load on the variator as a function of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Load {
+pub enum LoadHistory {
     /// Torque that oscillates slowly.
     Smooth,
     /// 80 ± 30 N·m at 70 Hz on the primary shaft: an engine's firing.
@@ -36,23 +36,23 @@ pub enum Load {
 }
 
 /// All loads, in the order of their letters.
-pub const LOADS: [Load; 10] = [
-    Load::Smooth,
-    Load::Firing,
-    Load::Ripple,
-    Load::Noise,
-    Load::Slam,
-    Load::Launch,
-    Load::Flips,
-    Load::Stairs,
-    Load::FiringAndNoise,
-    Load::Hunting,
+pub const LOADS: [LoadHistory; 10] = [
+    LoadHistory::Smooth,
+    LoadHistory::Firing,
+    LoadHistory::Ripple,
+    LoadHistory::Noise,
+    LoadHistory::Slam,
+    LoadHistory::Launch,
+    LoadHistory::Flips,
+    LoadHistory::Stairs,
+    LoadHistory::FiringAndNoise,
+    LoadHistory::Hunting,
 ];
 
 /// Geometric ratios at which they are run.
 pub const RATIOS: [f64; 3] = [2.2, 1.0, 0.5];
 
-impl Load {
+impl LoadHistory {
     /// Its letter.
     pub fn letter(self) -> char {
         let at = LOADS.iter().position(|&load| load == self).expect("listed");
@@ -117,7 +117,7 @@ const OF_SPEED: f64 = 2.0;
 pub struct Driven {
     /// The variator.
     pub variator: Variator,
-    load: Load,
+    load: LoadHistory,
     ratio: f64,
     /// Mean clamping forces, N: S, and P when the controller is at rest.
     middle: [f64; 2],
@@ -130,7 +130,7 @@ pub struct Driven {
 
 impl Driven {
     /// A variator in its start state, with a vehicle on its secondary shaft.
-    pub fn new(load: Load, mut parameters: Parameters, ratio: f64) -> Self {
+    pub fn new(load: LoadHistory, mut parameters: Parameters, ratio: f64) -> Self {
         parameters.secondary.inertia = 4.0;
         parameters.initial.ratio = ratio;
         parameters.initial.primary_speed = load.start_speed();
@@ -174,19 +174,21 @@ impl Driven {
         let cruising = |torque: f64| -torque * self.ratio - OF_SPEED * (s - self.cruise);
         let sign = if self.steps.is_multiple_of(2) { 1.0 } else { -1.0 };
         match self.load {
-            Load::Smooth => {
+            LoadHistory::Smooth => {
                 let torque = mean + 30.0 * (TAU * 0.2 * time).sin();
                 [torque, cruising(torque)]
             }
-            Load::Firing | Load::FiringAndNoise => [mean + 30.0 * (TAU * 70.0 * time).sin(), cruising(mean)],
-            Load::Ripple | Load::Noise | Load::Stairs => [mean, cruising(mean)],
-            Load::Slam => [if time % 1.0 < 0.15 { 150.0 } else { mean }, cruising(mean)],
-            Load::Launch => match time % 10.0 {
+            LoadHistory::Firing | LoadHistory::FiringAndNoise => {
+                [mean + 30.0 * (TAU * 70.0 * time).sin(), cruising(mean)]
+            }
+            LoadHistory::Ripple | LoadHistory::Noise | LoadHistory::Stairs => [mean, cruising(mean)],
+            LoadHistory::Slam => [if time % 1.0 < 0.15 { 150.0 } else { mean }, cruising(mean)],
+            LoadHistory::Launch => match time % 10.0 {
                 t if t < 6.0 => [60.0 * t.min(1.0) * ((150.0 - p) / 10.0).tanh(), -5.0],
                 _ => [0.0, -100.0 * (s / 2.0).tanh()],
             },
-            Load::Flips => [50.0 * sign, cruising(mean)],
-            Load::Hunting => [if p < 22.0 { 60.0 } else { -60.0 }, cruising(mean)],
+            LoadHistory::Flips => [50.0 * sign, cruising(mean)],
+            LoadHistory::Hunting => [if p < 22.0 { 60.0 } else { -60.0 }, cruising(mean)],
         }
     }
 
@@ -198,9 +200,9 @@ impl Driven {
         let control = (PROPORTIONAL * error + INTEGRAL * self.integral).clamp(-most, most);
         let forces = [self.middle[0], self.middle[1] + control];
         match self.load {
-            Load::Ripple => forces.map(|force| force * (1.0 + 0.05 * (TAU * 100.0 * time).sin())),
-            Load::Noise | Load::FiringAndNoise => forces.map(|force| force + 30.0 * self.normal()),
-            Load::Stairs => forces.map(|force| 200.0 * ((force + 150.0 * self.normal()) / 200.0).round()),
+            LoadHistory::Ripple => forces.map(|force| force * (1.0 + 0.05 * (TAU * 100.0 * time).sin())),
+            LoadHistory::Noise | LoadHistory::FiringAndNoise => forces.map(|force| force + 30.0 * self.normal()),
+            LoadHistory::Stairs => forces.map(|force| 200.0 * ((force + 150.0 * self.normal()) / 200.0).round()),
             _ => forces,
         }
     }

@@ -2,7 +2,7 @@
 
 use pushbelt::variator::settings::{Outputs, Parameters};
 
-use crate::loads::{Driven, Load};
+use crate::loads::{Driven, LoadHistory};
 
 /// An output with its name.
 pub type Tracked = (&'static str, fn(&Outputs) -> f64);
@@ -33,7 +33,13 @@ pub struct Trace {
 ///
 /// # Panics
 /// If a step fails.
-pub fn trace(load: Load, parameters: &Parameters, ratio: f64, seconds: f64, mut see: impl FnMut(&mut Driven)) -> Trace {
+pub fn trace(
+    load: LoadHistory,
+    parameters: &Parameters,
+    ratio: f64,
+    seconds: f64,
+    mut see: impl FnMut(&mut Driven),
+) -> Trace {
     let mut driven = Driven::new(load, parameters.clone(), ratio);
     let mut trace = Trace::default();
     for _ in 0..(seconds / load.step()).round() as usize {

@@ -2,10 +2,10 @@
 
 - `Variator`: a variator over time, its steady states and linear models (`linear`, `linear_grid`); `cli`: the command `pushbelt`.
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
-- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: what the reports share.
-- `theory`: what theories say, independent of the FMU.
-- `calibrate`, `compare`, `demo`, `drive`, `linearize`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. None of them
-  imports another.
+- `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports.
+- `theory`: results of theories, independent of the FMU.
+- `calibrate`, `compare`, `demo`, `drive`, `linearize`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. They do
+  not import each other.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ _MODULES = {
     "load_linear": "linear_grid",
     "parameter_set": "fmu.data",
 }
-"""Loaded when they are asked for: processes of the programs import this package, but need not wait for all of it."""
+"""Names that are imported on first use, so that the processes of the programs start quickly."""
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""The belt on its pulleys as the reader moves a time slider: push force in colour, gaps and spiral running magnified."""
+"""Animation of the belt on its pulleys with a time slider: push force in colour, gaps and spiral running magnified."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from .fmu.results import BeltState
 from .style import COLOUR_SCALE
 
 ELEMENTS_TOGETHER = 3
-"""Elements of the belt that one drawn element stands for."""
+"""Number of elements of the belt per drawn element."""
 TURNS_A_SECOND = 0.35
-"""How fast the faster pulley turns in the picture while it plays."""
+"""Speed of the faster pulley in the animation, turns per second."""
 LONGEST = 60.0
-"""A run plays no longer than this, s."""
+"""Longest duration of the animation, s."""
 STEADY_TIME = 20.0
-"""Time that the slider of a steady state spans, s of the picture."""
+"""Duration of the animation of a steady state, s."""
 STEPS = 1000
-"""Of the slider."""
+"""Number of steps of the slider."""
 ROUND = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 """Magnifications to choose from."""
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What is shown over time. A row a moment; along the belt the places of the profile."""
+    """States of the belt over time. Arrays have one row per time, and one column per place of the profile for fields."""
 
     time: Array
     push: Array
@@ -42,17 +42,17 @@ class Motion:
     gap: Array
     """Gap between neighbouring elements, m."""
     radii: Array
-    """Of the reference curve on S and P, m."""
+    """Radii of the reference curve on S and P, m."""
     angles: Array
-    """By which S and P have turned, rad."""
+    """Angles of rotation of S and P, rad."""
     way: Array
-    """By which the belt has moved, m."""
+    """Displacement of the belt, m."""
 
 
 def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) -> Array:
     """Distance of the belt from its reference curve at the points of the profile, outward positive, m.
 
-    On an arc the profile counts from the arc's mean radius, which is not quite that of the reference curve.
+    On an arc the profile is relative to the arc's mean radius, which differs slightly from the radius of the reference curve.
     """
     offset = state.profile.radial_deviation
     for pulley in ("primary", "secondary"):
@@ -69,11 +69,11 @@ GAP_PARAMETERS = {
     "belt.filmForce": 100.0,
     "belt.filmThickness": 1.5e-6,
 }
-"""What the gap follows from, with the FMU's defaults: parameter sets name only what differs."""
+"""Parameters of the gap, with the FMU's defaults. Parameter sets contain only values that differ."""
 
 
 def gaps(push_force: Array, parameters: Mapping[str, float]) -> Array:
-    """Gap between neighbouring elements that goes with a push force, m: the static law of the stack, inverted.
+    """Gap between neighbouring elements at a push force, m: the inverse of the static law of the stack.
 
     Q = k δ ln(1 + exp(ε/δ)) + q/ln 2 · ln(1 + exp(ε/δ_f)), δ and δ_f the roughness and the film over the thickness of an element.
     """
@@ -87,7 +87,7 @@ def gaps(push_force: Array, parameters: Mapping[str, float]) -> Array:
 
 
 def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], turned: Sequence[Array]) -> Motion:
-    """Moments of a run; `turned` has the angles of P and S and the way of the belt at each."""
+    """States of a run. `turned` has the angles of P and S and the displacement of the belt at each time."""
     rows = [(time, states[time]) for time in sorted(states)]
     pitch = parameters["belt.pitchOffset"]
     curves = [curve_of(parameters, state["reference.theta"]) for _, state in rows]
@@ -105,20 +105,20 @@ def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], t
 
 
 def steady(state: BeltState, parameters: Mapping[str, float]) -> Motion:
-    """A steady state, which only turns."""
+    """A steady state, in which only the pulleys and the belt move."""
     names = ("primary.speed", "secondary.speed", "belt.speed")
     ends = np.array([0.0, STEADY_TIME])
     return motion({0.0: state, STEADY_TIME: state}, parameters, [state[name] * ends for name in names])
 
 
 def integrated(time: Array, values: Array, moments: Array) -> Array:
-    """The integral of a column from the first time on, at some moments: how far a speed has led."""
+    """Integral of a column (a speed) from the first time to each of some later times."""
     sums = np.append(0.0, np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time)))
     return np.interp(moments, time, sums)
 
 
 def magnification_for(offset: Array, least_radius: float) -> float:
-    """A round magnification that shows the largest offset at about a third of the smaller radius."""
+    """A round magnification at which the largest offset is about a third of the smaller radius."""
     largest = float(np.abs(offset).max())
     if largest == 0.0:
         return 1.0
@@ -128,7 +128,7 @@ def magnification_for(offset: Array, least_radius: float) -> float:
 def belt_view(
     shown: Motion, parameters: Mapping[str, float], label: str, group: str = "", start: float | None = None
 ) -> Markup:
-    """The animation as a piece of a page; with `group` it shares the cursor of charts over time."""
+    """The animation as an HTML fragment. With `group` it shares the cursor of charts over time."""
     distance, length, pitch = (
         parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset")
     )
@@ -154,7 +154,7 @@ def belt_view(
     }  # fmt: skip
     begin = shown.time[0] if start is None else start
     value = round(STEPS * float((begin - shown.time[0]) / (shown.time[-1] - shown.time[0])))
-    playing = f" Plays {pace:.0f} times as fast as it was." if pace > 1.5 else ""
+    playing = f" The animation is {pace:.0f} times as fast as the run." if pace > 1.5 else ""
     bar = f"linear-gradient(90deg, {', '.join(COLOUR_SCALE)})"
     return Markup(
         f'<div class="belt" role="group" aria-label="{escape(label)}"><svg role="img" aria-label="{escape(label)}"></svg>'
@@ -163,12 +163,12 @@ def belt_view(
         "<output></output></div>"
         f'<div class="scale">0<i style="background: {bar}"></i>{most:.0f} N push force</div>'
         f'<p class="source">Distance from the reference curve magnified {magnification:.0f} times, gaps between elements {gap_scale} times.'
-        f" A turn in the picture stands for {slow:.0f}, a drawn element for {ELEMENTS_TOGETHER}.{playing}</p>"
+        f" One turn in the animation represents {slow:.0f} turns, one drawn element {ELEMENTS_TOGETHER} elements.{playing}</p>"
         f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'
     )
 
 
 def _whole(values: Array) -> dict[str, object]:
-    """Values to 1/32767 of the largest, two bytes each."""
+    """Values as 16-bit integers, relative to the largest magnitude."""
     unit = max(float(np.abs(values).max()), 1e-12) / 32767.0
     return {"unit": unit, "data": base64.b64encode(np.round(values / unit).astype("<i2").tobytes()).decode()}

@@ -1,7 +1,7 @@
-"""Figures that answer: lines, points, bars and maps with hover, zoom and a legend that switches them.
+"""Interactive figures: lines, points, bars and maps with hover text, zoom and a legend that shows and hides them.
 
-Plain data in, a piece of HTML out. A `Chart` is a group of panels that the page lays out beside each other as there is room. `plotly.js`
-draws each; `charts.js.j2` adds the legend, the cursor and the keys. Panels of a linked chart share cursor and zoom along x.
+The input is plain data, the output an HTML fragment. A `Chart` is a group of panels in a responsive grid. `plotly.js`
+draws each panel; `charts.js.j2` adds the legend, the cursor and the keys. Panels of a linked chart share cursor and zoom along x.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from .fmu.geometry import Array
 from .style import COLOUR_SCALE, GRID, INK, MUTED
 
 BUCKETS = 900
-"""A long line keeps the first, least, greatest and last value in each of so many parts of its length."""
+"""Number of parts of a long line. In each part only the first, least, greatest and last value remain."""
 SYMLOG_SHARE = 1.5
-"""Height of the linear part of an axis that is logarithmic beyond, in decades."""
+"""Height of the linear part of a symlog axis, in decades."""
 DASHES = {"": "solid", "solid": "solid", "dash": "dash", "dot": "dot"}
 
 Tick = tuple[float, str]
@@ -30,25 +30,25 @@ Tick = tuple[float, str]
 
 @dataclass(frozen=True)
 class Series:
-    """Something of a panel with a name in its legend."""
+    """An item of a panel with a name in the legend."""
 
     name: str
     x: ArrayLike
     y: ArrayLike
     colour: str = INK
     kind: str = "line"
-    """`line`, `points`, `bars`, `rows` (bars that lie) or `band` (between `y` and `upper`)."""
+    """`line`, `points`, `bars`, `rows` (horizontal bars) or `band` (between `y` and `upper`)."""
     dash: str = ""
     marker: str = ""
-    """Of plotly: `circle`, `circle-open`, `x-thin-open` and so on; for a line none."""
+    """Marker by its name in plotly: `circle`, `circle-open`, `x-thin-open` and so on; empty for a line."""
     size: float = 6.0
     width: float = 1.5
     opacity: float = 1.0
     upper: ArrayLike | None = None
     errors: tuple[ArrayLike, ArrayLike] | None = None
-    """Of bars: lengths below and above."""
+    """Error bars: lengths below and above."""
     hatched: Sequence[bool] | None = None
-    """Of bars: which are hatched."""
+    """Which bars are hatched."""
     labels: Sequence[str] | None = None
     """Hover text of each point, before the values."""
     bar_width: float | None = None
@@ -56,19 +56,19 @@ class Series:
 
 @dataclass(frozen=True)
 class Field:
-    """Values over a grid, as filled contours or as lines with their levels written on them."""
+    """Values over a grid, as filled contours or as labelled contour lines."""
 
     name: str
     x: ArrayLike
     y: ArrayLike
     values: ArrayLike
-    """Of shape (len(y), len(x)); NaN leaves a hole."""
+    """Values, shape (len(y), len(x)); NaN leaves a gap."""
     levels: tuple[float, float, float] | None = None
-    """First, last and distance of the contours."""
+    """First level, last level and spacing of the contours."""
     ticks: tuple[Tick, ...] = ()
-    """Of the colour bar."""
+    """Ticks of the colour bar."""
     shown: ArrayLike | None = None
-    """Hover text in place of the values, where these are places on a scale."""
+    """Hover text instead of the values, if these are positions on a scale."""
     lines_only: bool = False
     bar: bool = True
 
@@ -111,7 +111,7 @@ class Panel:
     y_label: str = ""
     fields: Sequence[Field] = ()
     scale: str = "linear"
-    """Of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`."""
+    """Scale of y: `linear`, `log`, or `symlog`, which is linear up to `linear_to`."""
     x_scale: str = "linear"
     linear_to: float = 1.0
     x_range: tuple[float, float] | None = None
@@ -122,7 +122,7 @@ class Panel:
     marks: Sequence[Mark] = ()
     levels: Sequence[Level] = ()
     equal: bool = False
-    """One unit is as long in y as in x."""
+    """Whether x and y have the same scale."""
     stacked: bool = False
     height: int = 230
     note: str = ""
@@ -134,24 +134,24 @@ class Chart:
 
     panels: Sequence[Panel]
     label: str
-    """What it shows, for those who cannot see it."""
+    """Description of the chart for screen readers."""
     columns: int = 1
-    """How many lie side by side where there is room."""
+    """Largest number of panels per row."""
     linked: bool = False
-    """Whether they share cursor and zoom along x."""
+    """Whether the panels share cursor and zoom along x."""
     group: str = ""
-    """Charts and belts with the same name share the cursor too."""
+    """Charts and belts of the same group share the cursor."""
     common_legend: bool = False
-    """One legend for all panels."""
+    """Whether all panels share one legend."""
     least_width: int = 260
-    """Below this width of a panel, px, fewer lie side by side."""
+    """Least width of a panel, px. Narrow pages have fewer panels per row."""
 
     def __html__(self) -> str:
         return str(html(self))
 
 
 def html(chart: Chart) -> Markup:
-    """The chart as a piece of a page."""
+    """The chart as an HTML fragment."""
     specification = {
         "linked": chart.linked,
         "group": chart.group,
@@ -178,7 +178,7 @@ def html(chart: Chart) -> Markup:
 
 
 def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:
-    """What plotly draws of a panel, and what the page's script needs beside it."""
+    """Data and layout of a panel for plotly, and data for the page's script."""
     traces = [_field(panel, one) for one in panel.fields]
     for one in panel.series:
         traces += _traces(panel, one, linked)
@@ -192,7 +192,7 @@ def panel_data(panel: Panel, linked: bool = False) -> dict[str, Any]:
 
 
 def encoded(values: ArrayLike) -> Any:
-    """Numbers as plotly reads them: short ones as a list, long ones as the bytes of 32-bit floats."""
+    """Numbers in a form that plotly reads: short arrays as a list, long ones as the bytes of 32-bit floats."""
     array = np.asarray(values, dtype=float)
     if array.ndim == 1 and array.size <= 12 and np.isfinite(array).all():
         return [float(f"{value:.7g}") for value in array]
@@ -203,7 +203,7 @@ def encoded(values: ArrayLike) -> Any:
 
 
 def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
-    """The first, least, greatest and last value of each part of a long line: it loses no peak and no jump."""
+    """The first, least, greatest and last value of each part of a long line. Peaks and jumps remain."""
     if len(x) <= 4 * buckets:
         return x, y
     edges = np.linspace(0, len(x), buckets + 1).astype(int)
@@ -216,14 +216,14 @@ def thinned(x: Array, y: Array, buckets: int = BUCKETS) -> tuple[Array, Array]:
         keep |= {start, end - 1, start + int(np.nanargmin(part)), start + int(np.nanargmax(part))}
         keep |= {start + int(k) for k in np.flatnonzero(np.diff(np.isnan(part)))}
     order = np.array(sorted(keep))
-    # A point that lies on the line between its neighbours, as a reader sees it, is left out.
+    # A point that is visually on the line between its neighbours is left out.
     finite = y[np.isfinite(y)]
     eye = 2e-4 * float(np.ptp(finite)) if finite.size else 0.0
     return _without_straight(x[order], y[order], eye)
 
 
 def _without_straight(x: Array, y: Array, eye: float) -> tuple[Array, Array]:
-    """Leaves out every other point that its neighbours give to within `eye`, again and again."""
+    """Repeatedly removes every other point that linear interpolation of its neighbours reproduces within `eye`."""
     while len(x) > 4:
         middle = np.arange(1, len(x) - 1, 2)
         share = (x[middle] - x[middle - 1]) / (x[middle + 1] - x[middle - 1])
@@ -238,7 +238,7 @@ def _without_straight(x: Array, y: Array, eye: float) -> tuple[Array, Array]:
 
 
 def symlog(values: ArrayLike, linear_to: float) -> Array:
-    """Places on an axis that is linear up to `linear_to` and logarithmic beyond."""
+    """Positions on an axis that is linear up to `linear_to` and logarithmic beyond."""
     y = np.asarray(values, dtype=float)
     size = np.maximum(np.abs(y), linear_to)
     return np.where(
@@ -383,7 +383,7 @@ def _layout(panel: Panel, linked: bool) -> dict[str, Any]:
         "annotations": _annotations(panel),
     }
     if linked:
-        layout["margin"]["l"], layout["yaxis"]["automargin"] = 52, False  # All panels begin at the same place.
+        layout["margin"]["l"], layout["yaxis"]["automargin"] = 52, False  # The plot areas of all panels have the same left edge.
     if any(mark.label for mark in panel.marks) or any(shade.label for shade in panel.shades):
         layout["margin"]["t"] = 24
     if panel.equal:

@@ -1,4 +1,4 @@
-"""A statement that results must bear out, as all reports print it."""
+"""A statement about results and its verdict, as the reports show it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Check:
-    """A statement and whether the results bear it out."""
+    """A statement, and whether the results confirm it."""
 
     statement: str
     passed: bool

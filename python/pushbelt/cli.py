@@ -1,4 +1,4 @@
-"""The command `pushbelt`: the programs with the FMU of the package, FMUs with a user's start values, and the cache."""
+"""The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values, and shows the cache."""
 
 from __future__ import annotations
 
@@ -14,41 +14,41 @@ PROGRAMS = {
     "demo": ("load cases, a published steady state and a manoeuvre of 10 s, and a report", "reports"),
     "drive": ("a car on the WLTC or the NEDC, and a report", "reports"),
     "sweep": ("maps of steady states over ratio, torque, friction and speed, and a report", "sweep"),
-    "validate": ("the FMU beside theory and measurements, and a report", "reports"),
+    "validate": ("comparison of the FMU with theory and measurements, and a report", "reports"),
     "linearize": ("linear models about steady working points, for controller design, and a report", "reports"),
     "compare": ("comparison of two runs, and a report", "reports"),
     "calibrate": ("parameters from a table of measured points, and a report", "reports"),
 }
-"""What each does, and the extra that has the packages it needs."""
+"""Description of each program, and the extra that installs the packages it needs."""
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line, without the options of the programs."""
+    """The parser of the command line, without the options of the programs."""
     found = argparse.ArgumentParser(
         prog="pushbelt",
         description="A pushbelt CVT variator as an FMU. `pushbelt COMMAND --help` lists the options of a command.",
-        epilog="Programs run the FMU of this package unless --fmu names another, and write to pushbelt-COMMAND unless "
-        "--output names another folder.",
+        epilog="Programs run the FMU of this package by default (see --fmu) and write to the folder pushbelt-COMMAND "
+        "(see --output).",
     )
     found.add_argument("--version", action="version", version=f"pushbelt {__version__}")
     commands = found.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (text, _) in PROGRAMS.items():
         commands.add_parser(name, help=text, add_help=False)
-    text = "write the FMU to a file, with start values of your own"
+    text = "write a copy of the FMU with other start values"
     fmu = commands.add_parser("fmu", help=text, description=f"{text.capitalize()}.")
-    fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="the file that is written")
+    fmu.add_argument("copy", type=Path, metavar="OUT.fmu", help="output file")
     fmu.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help="start value of a parameter or an input, in SI units; enumerations by name; may be given again",
+        help="start value of a parameter or an input, in SI units; enumerations by name; can be repeated",
     )
     fmu.add_argument(
-        "--variator", metavar="NAME", help="parameter set that goes before, bench168 or belt155, or its file, ….json"
+        "--variator", metavar="NAME", help="parameter set that is applied first: bench168, belt155 or a file ….json"
     )
-    fmu.add_argument("--fmu", type=Path, help="the FMU that is copied, instead of that of the package")
-    text = "show where unpacked FMUs are kept, and how much it is"
+    fmu.add_argument("--fmu", type=Path, help="FMU to copy [default: the FMU of the package]")
+    text = "show the folder of unpacked FMUs and its size"
     cache = commands.add_parser("cache", help=text, description=f"{text.capitalize()}.")
     cache.add_argument("--clear", action="store_true", help="remove them")
     return found
@@ -68,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def run_program(name: str, arguments: list[str]) -> int:
-    """Runs a program with the FMU of the package and a folder of its own, unless the arguments name others."""
+    """Runs a program. By default it uses the FMU of the package and a separate output folder."""
     from .fmu.files import default_fmu
 
     extra = PROGRAMS[name][1]
@@ -92,7 +92,7 @@ def write_fmu(options: argparse.Namespace) -> int:
     from .fmu.unit import UnitError, Variator
 
     if options.copy.suffix != ".fmu":
-        raise ValueError(f"{options.copy} does not end in .fmu: importers would not take it")
+        raise ValueError(f"{options.copy} does not end in .fmu: importers would not accept it")
     fmu = options.fmu or default_fmu()
     archive = cache.unpacked(fmu)
     variables = {variable.name: variable for variable in archive.description.modelVariables}
@@ -108,10 +108,10 @@ def write_fmu(options: argparse.Namespace) -> int:
             unit.initialise()
             remarks = unit.warnings
     except UnitError as error:
-        raise ValueError(f"the FMU refuses these values: {error}") from error
+        raise ValueError(f"the FMU rejects these values: {error}") from error
     start_values.write_copy(fmu, options.copy, values)
     for remark in remarks:
-        print(f"  the FMU warns: {remark}", file=sys.stderr)
+        print(f"  warning of the FMU: {remark}", file=sys.stderr)
     print(f"{options.copy.resolve()} ({len(values)} start values)")
     return 0
 
@@ -124,7 +124,7 @@ def show_cache(options: argparse.Namespace) -> int:
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else 0
     if options.clear:
         cache.clear()
-        print(f"{folder} is removed ({size / 1e6:.1f} MB)")
+        print(f"removed {folder} ({size / 1e6:.1f} MB)")
     else:
         print(f"{folder} ({size / 1e6:.1f} MB)")
     return 0

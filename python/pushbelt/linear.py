@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 class LinearPointError(RuntimeError):
-    """There is no linear model at a working point, or the point is not the one that was asked for."""
+    """There is no linear model at a working point, or the point differs from the requested one."""
 
 
 @dataclass(frozen=True)
@@ -33,34 +33,34 @@ class LinearModel:
     c: Array
     """(outputs, states)."""
     d: Array
-    """(outputs, inputs): what modes that are not in A do at once."""
+    """Shape (outputs, inputs): direct feedthrough, including the quasi-static response of modes that are not in A."""
     inputs: tuple[str, ...]
-    """Loads, names of FMU variables: clamping forces (N), torques (N·m), or set points of speeds (rad/s)."""
+    """Inputs, by names of FMU variables: clamping forces (N), torques (N·m), or set points of speeds (rad/s)."""
     outputs: tuple[str, ...]
-    """Names of FMU variables."""
+    """Outputs, by names of FMU variables."""
     states: tuple[str, ...]
-    """`mode1` is the slowest. A mode that swings has two states, `mode2.re` and `mode2.im`."""
+    """Names of the states; `mode1` is the slowest. An oscillatory mode has two states, such as `mode2.re` and `mode2.im`."""
     poles: NDArray[np.complex128]
     """Eigenvalues of A in the order of the states, 1/s."""
     held: Mapping[str, float]
-    """Inputs that hold the point."""
+    """Values of the inputs that hold the point."""
     values: Mapping[str, float]
     """Outputs at the point."""
     units: Mapping[str, str]
     """Units of inputs and outputs."""
     frequency: float
-    """Modes below it are states, Hz."""
+    """Frequency, Hz, below which modes are states."""
     slip: float
     macro_slip: bool
     """Whether the belt slips through at the point."""
     given: Mapping[str, float]
-    """Inputs that were set at the instance."""
+    """Values of the inputs that were set at the instance."""
     remarks: tuple[str, ...]
-    """In what the point is not the one that was given."""
+    """Differences of the point from the specified one."""
 
     @classmethod
     def of(cls, document: Mapping[str, Any]) -> LinearModel:
-        """Of the object that the FMU's `pushbeltLinearize` answers."""
+        """Creates a model from the object that the FMU's `pushbeltLinearize` returns."""
         states, loads, readings = document["states"], document["inputs"], document["outputs"]
         shapes = {
             "A": (len(states), len(states)),
@@ -90,7 +90,7 @@ class LinearModel:
         )
 
     def document(self) -> dict[str, Any]:
-        """The object that `of` reads."""
+        """The object from which `of` creates a model."""
         return {
             "frequency": {"unit": "Hz", "value": self.frequency},
             "inputs": [
@@ -107,7 +107,7 @@ class LinearModel:
         }
 
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
-        """The model with these outputs and inputs only, in this order. Raises KeyError for a name that it doesn't have."""
+        """The model with a selection of outputs and inputs, in the given order. Raises KeyError for an unknown name."""
         outputs = self.outputs if outputs is None else tuple(outputs)
         inputs = self.inputs if inputs is None else tuple(inputs)
         rows, columns = _places(outputs, self.outputs, "output"), _places(inputs, self.inputs, "input")
@@ -139,14 +139,14 @@ class LinearModel:
         return np.einsum("on,tn,ni->toi", self.c @ modes, grown, driven).real + self.d
 
     def to_control(self) -> control.StateSpace:
-        """The model for python-control, with the names of inputs, outputs and states. Needs `pushbelt[control]`."""
+        """The model as a `StateSpace` of python-control, with the names of inputs, outputs and states. Needs `pushbelt[control]`."""
         try:
             import control
         except ModuleNotFoundError as error:
             raise ModuleNotFoundError(
                 "to_control needs python-control: pip install 'pushbelt[control]'", name=error.name
             ) from error
-        # A dot in a name separates a system from its signal there.
+        # In python-control a dot in a name separates the system from its signal.
         plain = {
             key: [name.replace(".", "_") for name in getattr(self, key)] for key in ("inputs", "outputs", "states")
         }

@@ -1,4 +1,4 @@
-"""Linear models over a grid of working points, and their files: `.npz` for numpy, `.mat` for MATLAB, `.json` for all others."""
+"""Linear models over a grid of working points, and their files: `.npz` for numpy, `.mat` for MATLAB, `.json` for other tools."""
 
 from __future__ import annotations
 
@@ -14,47 +14,47 @@ from numpy.typing import NDArray
 
 from .linear import Array, LinearModel
 
-ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; the inputs held keep it"
+ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; `held` contains the inputs that hold it"
 
 
 @dataclass(frozen=True)
 class LinearGrid:
-    """Linear models over a grid of working points; without axes it is a single one."""
+    """Linear models over a grid of working points. A grid without axes has a single point."""
 
     axes: Mapping[str, Array]
     """Values along each axis: `ratio` (1), `torque` (N·m), `speed` (rad/s), `force` (N), or names of parameters."""
     models: NDArray[np.object_]
-    """A `LinearModel` a point; None where there is none."""
+    """One `LinearModel` per point, or None."""
     reasons: NDArray[np.object_]
-    """Why there is none; empty where there is one."""
+    """Reason for each missing model; empty where there is a model."""
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Points along each axis."""
+        """Number of points along each axis."""
         return self.models.shape
 
     def __getitem__(self, place: Any) -> Any:
-        """The model at a place, by the numbers of the points along the axes."""
+        """The model at a point, by its index along each axis."""
         return self.models[place]
 
     def points(self) -> Iterator[tuple[dict[str, float], LinearModel]]:
-        """Points that have a model: values by axis, and the model."""
+        """Points with a model: values by axis, and the model."""
         for place in np.ndindex(self.shape):
             if self.models[place] is not None:
                 yield self.point(place), self.models[place]
 
     def refused(self) -> Iterator[tuple[dict[str, float], str]]:
-        """Points that have none: values by axis, and the reason."""
+        """Points without a model: values by axis, and the reason."""
         for place in np.ndindex(self.shape):
             if self.models[place] is None:
                 yield self.point(place), self.reasons[place]
 
     def point(self, place: tuple[int, ...]) -> dict[str, float]:
-        """Values by axis at a place."""
+        """Values by axis at a point."""
         return {name: float(values[k]) for (name, values), k in zip(self.axes.items(), place, strict=True)}
 
     def to_control(self) -> NDArray[np.object_]:
-        """A `control.StateSpace` a point, of python-control; None where there is no model."""
+        """One `control.StateSpace` of python-control per point, or None where there is no model."""
         systems = np.full(self.shape, None, dtype=object)
         for place in np.ndindex(self.shape):
             if self.models[place] is not None:
@@ -62,23 +62,23 @@ class LinearGrid:
         return systems
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a file by its ending: `.npz`, `.mat` (needs scipy) or `.json`; `load_linear` reads the first.
+        """Writes a file. The extension selects the format: `.npz`, `.mat` (needs scipy) or `.json`. `load_linear` reads `.npz`.
 
-        Raises ValueError for another ending, or where no point has a model.
+        Raises ValueError for another extension, or if no point has a model.
         """
         path = Path(path)
         writers: dict[str, Callable[[LinearGrid, Path], None]] = {".npz": _npz, ".mat": _mat, ".json": _json}
         if path.suffix not in writers:
-            raise ValueError(f"{path} ends in none of {', '.join(writers)}")
+            raise ValueError(f"{path}: the extension must be one of {', '.join(writers)}")
         if all(model is None for model in self.models.flat):
-            raise ValueError(f"{path} is not written: there is no linear model at any point")
+            raise ValueError(f"{path} was not written: there is no linear model at any point")
         writers[path.suffix](self, path)
 
 
 def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
-    """The linear models of a `.npz` that `LinearGrid.save` or `pushbelt linearize` has written.
+    """Reads the linear models of a `.npz` file of `LinearGrid.save` or `pushbelt linearize`.
 
-    Raises ValueError for a file that is none.
+    Raises ValueError for any other file.
     """
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -90,7 +90,7 @@ def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
             if found["order"][place]:
                 models[place] = _model(found, place)
     except (KeyError, ValueError, EOFError) as error:
-        raise ValueError(f"{os.fspath(path)} holds no linear models: {error}") from error
+        raise ValueError(f"{os.fspath(path)} does not contain linear models: {error}") from error
     return LinearGrid(axes, models, found["reasons"].astype(object))
 
 
@@ -119,7 +119,7 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
 
 
 def _npz(grid: LinearGrid, path: Path) -> None:
-    """Arrays over the grid: the axes of the grid come first. What a point doesn't have is NaN."""
+    """Arrays over the grid, with the axes of the grid first. Missing values are NaN."""
     models = grid.models
     first = next(model for model in models.flat if model is not None)
     order = np.array([0 if model is None else len(model.a) for model in models.flat])
@@ -160,7 +160,7 @@ def _npz(grid: LinearGrid, path: Path) -> None:
 
 
 def _mat(grid: LinearGrid, path: Path) -> None:
-    """A cell array of structures, one a point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
+    """A cell array of structures, one per point: `ss(models{2,3}.A, models{2,3}.B, models{2,3}.C, models{2,3}.D)`."""
     from scipy.io import savemat
 
     first = next(model for model in grid.models.flat if model is not None)

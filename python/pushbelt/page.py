@@ -1,4 +1,4 @@
-"""What all reports share: numbers as in print, templates, the library of the figures inside the page, tables as CSV."""
+"""Common parts of the reports: number formats, templates, the embedded library of the figures, tables as CSV."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ MINUS = "\N{MINUS SIGN}"
 
 
 def number(value: float, digits: int = 0) -> str:
-    """A number with a fixed count of decimals, thin spaces between thousands and a real minus."""
+    """A number with fixed decimals, thin spaces between thousands and a typographic minus sign."""
     text = f"{value:,.{digits}f}".replace(",", "\N{NARROW NO-BREAK SPACE}")
     negative_zero = float(f"{value:.{digits}f}") == 0.0
     return text.removeprefix("-") if negative_zero else text.replace("-", MINUS)
 
 
 def percent(value: float, digits: int = 1) -> str:
-    """A share as per cent, without the sign."""
+    """A share in per cent, without the per cent sign."""
     return number(100.0 * value, digits)
 
 
@@ -42,14 +42,14 @@ def _environment(**filters: Any) -> jinja2.Environment:
 
 
 def write_html(template: str, context: Mapping[str, Any], path: Path, **filters: Any) -> None:
-    """Writes a page from a template, named by its path inside this package."""
+    """Writes a page from a template. `template` is its path inside this package."""
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
     text = _environment(**filters).get_template(template).render(context, machine=machine)
     path.write_text(with_scripts(text), encoding="utf-8")
 
 
 def with_scripts(text: str) -> str:
-    """A page with what its figures need at the end, once; one without figures as it is."""
+    """Appends the scripts of the figures to a page that has figures."""
     if 'class="chart"' not in text and 'class="belt"' not in text:
         return text
     scripts = _environment().get_template("scripts.html.j2").render(plotly=packed_plotly(), notices=plotly_notices())
@@ -63,19 +63,19 @@ def _plotly() -> str:
 
 @functools.cache
 def packed_plotly() -> str:
-    """The figures' library as it stands in a page: compressed to a third, and free of addresses that a search would find."""
+    """The library of the figures for embedding in a page, compressed to a third. Compression also hides its web addresses from searches."""
     return base64.b64encode(gzip.compress(_plotly().encode(), mtime=0)).decode()
 
 
 def plotly_notices() -> str:
-    """Notices of the library and of the parts inside it."""
+    """Licence notices of the library and its parts."""
     script = _plotly()
     parts = script[script.rindex("/*! Bundled license information:") :]
     return script[: script.index("*/")].strip("/* \n") + "\n\n" + parts[3 : parts.index("\n*/")]
 
 
 def write_table(path: Path, header: Iterable[str], rows: Iterable[Iterable[Any]], digits: int = 9) -> None:
-    """Writes a table as CSV; floating-point numbers with so many significant digits."""
+    """Writes a table as CSV. `digits` is the number of significant digits of floating-point numbers."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(header)

@@ -8,7 +8,7 @@ from tqdm import tqdm
 
 
 def progress_bar(total: float, description: str, done: int = 0) -> Any:
-    """A bar with the time left, on a terminal only; `done` of `total` were there before."""
+    """A bar with the remaining time, on a terminal only. `done` of `total` were finished before."""
     return tqdm(
         total=total,
         initial=done,

@@ -1,4 +1,4 @@
-"""Simulations side by side in processes of their own, with one progress bar for all."""
+"""Simulations in parallel processes with a common progress bar."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from typing import Any
 from .progress import progress_bar
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
-"""A function of a module and its arguments."""
+"""A module-level function and its arguments."""
 
 BATCH = 0.5
-"""Least progress that a worker reports at once."""
+"""Least progress per report of a worker."""
 
 _ticks: Any = None
-"""In a worker: where it reports progress."""
+"""In a worker: queue for reports of progress."""
 _pending = 0.0
-"""In a worker: what it has not reported yet."""
+"""In a worker: progress that is not yet reported."""
 
 
 def _prepare_worker(ticks: Any) -> None:
@@ -29,7 +29,7 @@ def _prepare_worker(ticks: Any) -> None:
 
 
 def tick(amount: float) -> None:
-    """Called in a worker: so much is done. Reported a few at once."""
+    """Adds progress in a worker. Small amounts are reported together."""
     global _pending
     _pending += amount
     if _pending >= BATCH:
@@ -38,23 +38,23 @@ def tick(amount: float) -> None:
 
 
 def run_all(calls: Sequence[Call], total: float, title: str, workers: int = 4) -> list[Any]:
-    """Results of the calls, in their order; they start in this order too. The first failure is raised at once.
+    """Results of the calls, in the order of the calls, which is also the order of their start. The first failure is raised at once.
 
-    `total` is what all calls of `tick` add up to; at most `workers` processes and one a processor work at a time.
+    `total` is the sum of all calls of `tick`. At most `workers` processes run at a time, and at most one per processor.
     """
     with progress_bar(total, title) as bar:
         return run_in_workers(calls, bar.update, max(1, min(os.cpu_count() or 1, workers)))
 
 
 def run_in_workers(calls: Sequence[Call], update: Callable[[float], object], workers: int) -> list[Any]:
-    """Results of the calls, in their order; `update` gets what they `tick`. The first failure is raised at once."""
+    """Results of the calls, in their order. `update` is called with the amounts of `tick`. The first failure is raised at once."""
     with worker_pool(workers) as run:
         return run(calls, update)
 
 
 @contextmanager
 def worker_pool(workers: int) -> Iterator[Callable[[Sequence[Call], Callable[[float], object]], list[Any]]]:
-    """Processes that stay for one round of calls after the other; gives the function that runs a round."""
+    """Pool of processes for several rounds of calls. Yields the function that runs a round."""
     context = multiprocessing.get_context("spawn")
     ticks = context.Queue()
     with ProcessPoolExecutor(workers, context, _prepare_worker, (ticks,)) as pool:
@@ -72,7 +72,7 @@ def worker_pool(workers: int) -> Iterator[Callable[[Sequence[Call], Callable[[fl
 
 
 def _follow(futures: list[Future[Any]], ticks: Any, update: Callable[[float], object]) -> None:
-    """Waits for all, passing progress on; the first failure is raised at once."""
+    """Waits for all calls and forwards their progress. The first failure is raised at once."""
     waiting = set(futures)
     while waiting:
         finished, waiting = wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED)

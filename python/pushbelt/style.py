@@ -1,14 +1,14 @@
-"""Colours of all figures, and the style of those that are pictures."""
+"""Colours of all figures, and the style of figures that are images."""
 
 from __future__ import annotations
 
 INK, MUTED, GRID = "#1d2733", "#6b7785", "#e3e7ec"
 
 BLUE, ORANGE, GREEN, RED, VIOLET = "#1874dc", "#be840b", "#05a75d", "#8e0c1a", "#830196"
-"""Any two of these, of `INK` and of `MUTED` differ for the colour-blind too: a test computes how they see them."""
+"""Any two of these, `INK` and `MUTED` are distinguishable for colour-blind readers. A test simulates their colour vision."""
 
 COLOUR_SCALE = ("#dbe5ee", "#8fbfe0", "#2f7fc1", "#5b2d91", "#2b0a3d")
-"""From little to much: ever darker, so that it holds in grey too."""
+"""Colours from small to large values. They become darker, so that the scale also works in grey."""
 
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -34,4 +34,4 @@ STYLE = {
     "legend.fontsize": 8.5,
     "lines.linewidth": 1.4,
 }
-"""Of matplotlib."""
+"""Settings of matplotlib."""

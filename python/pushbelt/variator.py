@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     import xarray
 
 SPEED = 200.0
-"""Primary speed of a steady state unless another is given, rad/s."""
+"""Default primary speed of a steady state, rad/s."""
 SAFETY = 1.3
-"""Safety factor of the clamping force of a steady state unless a force is given."""
+"""Default safety factor of the clamping force of a steady state."""
 LEAST_FORCE = 4e3
-"""Least such force, N."""
+"""Least clamping force of a steady state with `SAFETY`, N."""
 FREQUENCY = 50.0
-"""Modes below it are states of a linear model unless another is given, Hz."""
+"""Default frequency, Hz, below which modes are states of a linear model."""
 
 Read = TypeVar("Read")
 
@@ -45,7 +45,7 @@ Parameters = str | os.PathLike[str] | Values
 
 
 class VariatorWarning(UserWarning):
-    """What the FMU warns of: a start that is not the one that was asked for, say."""
+    """A warning of the FMU, for example that a run does not start from the requested state."""
 
 
 class SteadyStateError(RuntimeError):
@@ -65,31 +65,31 @@ class Point(NamedTuple):
 
 
 def start_values(parameters: Parameters) -> dict[str, Any]:
-    """Values of a published variator by name, of a parameter set by its file (`….json`), or those that are given."""
+    """Parameters of a published variator by name, of a parameter file (`….json`), or of a mapping."""
     return dict(parameters) if isinstance(parameters, Mapping) else parameter_set(os.fspath(parameters))
 
 
 class Variator:
-    """A variator that is stepped through time. A context manager: `close` is called at its end.
+    """A variator that is advanced in time by `step`. It is a context manager, which calls `close` at its end.
 
         with pushbelt.Variator("bench168", {"initial.ratio": 1.5}) as variator:
             state = variator.step(0.01, {"primary.torque": 60.0, "secondary.torque": -85.0})
 
     Names are those of the FMU's variables (`docs/variables.md`), units are SI: N·m, N, rad/s, m, W, s. Torques are
-    external torques on the shafts, positive in the direction of positive speed: an engine's is above 0, a load's below.
+    external torques on the shafts, positive in the direction of positive speed: that of an engine is positive, that of a load negative.
     """
 
     def __init__(
         self, parameters: Parameters = "bench168", changes: Values | None = None, *, fmu: Path | None = None
     ) -> None:
-        """Makes a variator.
+        """Creates a variator.
 
         `parameters` is a published variator (`bench168`, `belt155`), the file of a parameter set, or a mapping of start
-        values; `changes` go over them. Start values of inputs hold until `step` sets others. Without `fmu`, the FMU is
-        that of the package.
+        values. `changes` override them. Start values of inputs hold until `step` sets others. The default of `fmu` is
+        the FMU of the package.
 
-        Raises StartValueError for a name or a value that the FMU doesn't take, OSError and ValueError for files that
-        can't be read.
+        Raises StartValueError for a name or a value that the FMU does not accept, and OSError or ValueError for files
+        that cannot be read.
         """
         self._unit = self._solver = None
         self._archive = cache.unpacked(Path(fmu) if fmu is not None else default_fmu())
@@ -113,7 +113,7 @@ class Variator:
         self.close()
 
     def close(self) -> None:
-        """Frees the instance; what was recorded can still be read."""
+        """Frees the instance. Recorded outputs can still be read."""
         for instance in (self._unit, self._solver):
             if instance is not None:
                 instance.free()
@@ -127,10 +127,10 @@ class Variator:
         return self._open.time
 
     def start(self) -> dict[str, float]:
-        """Finds the state to start from and returns its outputs; the first `step` does it too.
+        """Computes the initial state and returns its outputs. The first `step` calls it if necessary.
 
-        By default that is the steady state at `initial.ratio` and `initial.primarySpeed`. Where it is another one,
-        a VariatorWarning says so.
+        By default this is the steady state at `initial.ratio` and `initial.primarySpeed`. If the run starts from another
+        state, a VariatorWarning is issued.
         """
         if not self._rows:
             self._open.initialise()
@@ -138,15 +138,15 @@ class Variator:
         return self._last()
 
     def step(self, duration: float, inputs: Values | None = None) -> dict[str, float]:
-        """Advances by a duration, s, with inputs as given or as last set; returns the outputs at its end.
+        """Advances by a duration, s, with the given inputs and the last values of the others; returns the outputs at its end.
 
-        An input that changes reaches its value within `inputs.ramp` (1 ms by default; with −1 at the end of the step).
-        A tunable parameter may be among the inputs.
+        An input that changes reaches its value within `inputs.ramp` (1 ms by default; −1 means at the end of the step).
+        The inputs may include tunable parameters.
 
-        Raises StartValueError for a wrong name or value, and UnitError where the FMU can't do the step.
+        Raises StartValueError for a wrong name or value, and UnitError if the FMU cannot complete the step.
         """
         if not (math.isfinite(duration) and duration > 0.0):
-            raise ValueError(f"a step takes a time above 0 s, not {duration!r} s")
+            raise ValueError(f"the duration of a step must be above 0 s, not {duration!r} s")
         self.start()
         if inputs:
             self.set(inputs)
@@ -161,12 +161,12 @@ class Variator:
             for name in found:
                 variable = self.variables[name]
                 if variable.causality == "parameter" and variable.variability != "tunable":
-                    raise StartValueError(f"{name} can be set before the start only")
+                    raise StartValueError(f"{name} can only be set before the start")
         self._open.set(found)
         self._values |= found
 
     def __getitem__(self, name: str) -> float:
-        """Value of a variable now; `variables` has its unit."""
+        """Present value of a variable; `variables` has its unit."""
         if name in self._values:
             return self._values[name]
         if name not in self.variables:
@@ -175,7 +175,7 @@ class Variator:
         return self._open.get(name)
 
     def profile(self) -> Profile:
-        """Fields along the belt now: position (m), push force and ring tension (N), normal force (N/m) and more."""
+        """Present fields along the belt: position (m), push force and ring tension (N), normal force (N/m) and more."""
         self.start()
         return self._open.profile()
 
@@ -183,8 +183,8 @@ class Variator:
     def outputs(self) -> NDArray[Any]:
         """All communication points so far as a record array: `outputs["time"]` in s, `outputs["primary.speed"]` in rad/s.
 
-        Columns are the real inputs and outputs, stored and residual energy, and `macroSlip` as 0 or 1. A value of an
-        input is that at the end of the step before.
+        Columns are the real inputs and outputs, stored and residual energy, and `macroSlip` as 0 or 1. The value of an
+        input is that at the end of the previous step.
         """
         names = ["time", *self._recorded.names, "macroSlip"]
         rows = np.array(self._rows) if self._rows else np.empty((0, len(names)))
@@ -202,7 +202,7 @@ class Variator:
         self._warn(stacklevel=5)
 
     def _warn(self, stacklevel: int) -> None:
-        """Passes on what the FMU has warned of since the last time."""
+        """Issues the warnings of the FMU since the last call."""
         texts = self._open.warnings
         for text in texts[self._warned :]:
             warnings.warn(text, VariatorWarning, stacklevel=stacklevel)
@@ -216,13 +216,13 @@ class Variator:
     def steady(
         self, ratio: float, torque: float, *, speed: float = SPEED, force: float | None = None, safety: float = SAFETY
     ) -> SteadyState:
-        """The steady state at a geometric ratio r_S/r_P (1) and a primary torque (N·m). The run over time stays as it is.
+        """The steady state at a geometric ratio r_S/r_P (1) and a primary torque (N·m). The run over time is not affected.
 
         The primary pulley turns at `speed`, rad/s, less the slip; its sheave is held at the ratio. `force` is the
-        secondary clamping force, N: without it the one that carries the torque with a factor of `safety`, at least 4 kN.
-        The state has outputs by name, `profile`, and `load_torque`, the secondary torque that goes with it.
+        secondary clamping force, N. By default it carries the torque with a factor of `safety` and is at least 4 kN.
+        The state has outputs by name, `profile`, and `load_torque`, the secondary torque in the steady state.
 
-        Raises SteadyStateError where there is none, or where the belt slips through.
+        Raises SteadyStateError if there is no steady state, or if the belt slips through.
         """
         force = self.least_force(ratio, torque, safety) if force is None else force
         return self._steady(self._values, Point(ratio, torque, speed, force))
@@ -242,10 +242,10 @@ class Variator:
         return state
 
     def _solved(self, values: Values, point: Point, read: Callable[[calls.Variator], Read]) -> Read:
-        """What is read of an instance that starts in the steady state of these start values."""
+        """Result of `read` for an instance that starts in the steady state of these start values."""
         values = checked(self.variables, {**values, "initial.equilibrium": False})
         solver = self._solver or calls.Variator(self._archive, {})
-        # An instance that refused a call can't go on.
+        # An instance in which a call failed cannot be used any more.
         self._solver = None
         try:
             solver.restart(values)
@@ -287,9 +287,9 @@ class Variator:
     ) -> xarray.Dataset:
         """Steady states over geometric ratios (1) and primary torques (N·m), with speed and force as in `steady`.
 
-        A data set with the dimensions `ratio` and `torque`, a variable an output (`thrustRatio`, `slip`, `efficiency`, …;
-        its attributes `units` and `long_name` say what it is), `clampingForce` in N, and `reason`: why there is no steady
-        state, empty where there is one. Values are NaN there. Needs `pushbelt[maps]`.
+        Returns a data set with the dimensions `ratio` and `torque`. It has a variable for each output (`thrustRatio`, `slip`,
+        `efficiency`, … with the attributes `units` and `long_name`), `clampingForce` in N, and `reason`, which is empty at
+        points with a steady state. Points without one have the value NaN. Needs `pushbelt[maps]`.
         """
         try:
             import xarray
@@ -341,10 +341,10 @@ class Variator:
         The primary pulley turns at `speed`, rad/s. `force` is the secondary clamping force, N, with `safety` as in `steady`.
         The primary clamping force and the secondary torque are those that hold the point. Modes below `frequency`, Hz, become
         states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
-        clamping forces (N). The run over time stays as it is.
+        clamping forces (N). The run over time is not affected.
 
-        Raises SteadyStateError where there is no such point or the belt slips through, and LinearPointError where it has no
-        linear model or is held by other loads than those that are asked for.
+        Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
+        linear model or requires other loads than the specified ones.
         """
         force = self.least_force(ratio, torque, safety) if force is None else force
         return self._linearize(self._values, Point(ratio, torque, speed, force), frequency)
@@ -352,8 +352,8 @@ class Variator:
     def linearize_here(self, frequency: float = FREQUENCY) -> LinearModel:
         """The linear model about the present state of the run, which must be steady; modes below `frequency`, Hz, become states.
 
-        Where the belt slips through, or where other loads hold the state than the inputs that are set, a VariatorWarning says so,
-        and the model's `remarks`. Raises LinearPointError where the state is not steady.
+        If the belt slips through, or if the state requires other loads than the present inputs, a VariatorWarning is issued, and the
+        model's `remarks` contain the difference. Raises LinearPointError if the state is not steady.
         """
         self.start()
         try:
@@ -375,10 +375,10 @@ class Variator:
         changes: Mapping[str, Iterable[Any]] | None = None,
         after_each: Callable[[], object] = lambda: None,
     ) -> LinearGrid:
-        """Linear models over ratios (1) × primary torques (N·m), each as `linearize` gives it.
+        """Linear models over ratios (1) × primary torques (N·m), each as returned by `linearize`.
 
-        `speed` (rad/s) and `force` (N) are further axes where they are more than one number, and so is each parameter in `changes`,
-        by its name. `after_each` is called after each point. A point without a model has None there, and a reason.
+        `speed` (rad/s), `force` (N) and each parameter in `changes` are further axes if they have more than one value.
+        `after_each` is called after each point. A point without a model has None and a reason.
         """
         several = {"speed": speed, "force": force}
         given: dict[str, Iterable[Any]] = {"ratio": ratios, "torque": torques}

@@ -26,14 +26,14 @@
 //! runs through it, so damping with the pointwise γ' excites waves as short as an element (at 57 m/s they grew by a
 //! factor of four in a millisecond). The mean is second-order accurate and dissipative in every motion.
 
-use super::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
+use super::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
 use super::parameters::Ring;
 use crate::scalar::Real;
 use nalgebra::Vector2;
 
 /// Adds inertia as the force m_r Dv/Dt against δv.
 #[inline(always)]
-pub fn add_inertia<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>, load: &mut Load<T, D>) {
+pub fn add_inertia<T: Real, const D: usize>(ring: &Ring, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) {
     let force = point.acceleration() * T::from(ring.mass_per_length);
     load.position += force;
     load.drift += force.dot(&point.slope);
@@ -50,7 +50,7 @@ pub fn add_conservative_inertia<T: Real, const D: usize>(
     point: &RingPoint<T, D>,
     growth: T,
     theta_rate: T,
-    load: &mut Load<T, D>,
+    load: &mut LineLoad<T, D>,
 ) {
     let mass = ring.mass_per_length;
     let velocity = point.velocity();
@@ -107,7 +107,7 @@ pub fn add_elasticity<T: Real, const D: usize>(
     ring: &Ring,
     point: &RingPoint<T, D>,
     growth: T,
-    load: &mut Load<T, D>,
+    load: &mut LineLoad<T, D>,
 ) -> T {
     let reference = &point.reference;
     let kappa = curvature(point);
@@ -135,7 +135,7 @@ pub fn vary_inertia<T: Real, const D: usize>(
     ring: &Ring,
     point: &RingPoint<T, D>,
     by: &RingVariation<T, D>,
-    load: &mut Load<T, D>,
+    load: &mut LineLoad<T, D>,
 ) {
     let mass = T::from(ring.mass_per_length);
     let w = point.w;
@@ -158,7 +158,7 @@ pub fn vary_elasticity<T: Real, const D: usize>(
     point: &RingPoint<T, D>,
     by: &RingVariation<T, D>,
     growth: T,
-    load: &mut Load<T, D>,
+    load: &mut LineLoad<T, D>,
 ) -> T {
     let reference = &point.reference;
     let (t_ref, n_ref) = (&reference.t, &reference.n);

@@ -2,20 +2,7 @@
 //! outputs, the implementation of the unit, and the exported C functions.
 
 #[cfg(feature = "exports")]
-#[allow(unsafe_code, non_snake_case)]
-pub mod c_abi;
-#[cfg(feature = "exports")]
-#[allow(unsafe_code, non_snake_case)]
-pub mod c_abi3;
-#[cfg(feature = "exports")]
-#[forbid(unsafe_code)]
-mod exports;
-#[cfg(feature = "exports")]
-#[forbid(unsafe_code)]
-mod linear;
-#[cfg(feature = "exports")]
-#[allow(unsafe_code, non_snake_case)]
-pub mod linear_c;
+pub mod exports;
 #[forbid(unsafe_code)]
 mod rings;
 #[forbid(unsafe_code)]
@@ -31,8 +18,6 @@ mod types;
 #[forbid(unsafe_code)]
 mod variator_unit;
 
-#[cfg(feature = "exports")]
-pub use exports::exports;
 pub use rings::{CONTACT_STRAIN, Rings};
 pub use rows::Rows;
 pub use settings::{Settings, StandardRings};

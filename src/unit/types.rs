@@ -160,7 +160,7 @@ pub(super) static START_STATE: Enumeration = Enumeration {
         item(
             "Clamped",
             StartState::Clamped as i32,
-            "The belt at a standstill under its clamping forces, before torques act",
+            "The belt at a standstill under its clamping forces",
         ),
     ],
 };

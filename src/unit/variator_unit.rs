@@ -6,9 +6,11 @@ use super::table;
 use crate::fmi::Table;
 use crate::fmi::unit::{CommunicationStep, Experiment, Identity, Moment, Remark, StepFailure, Unit};
 use crate::tape::Tape;
+use crate::variator::belt_ring::BeltRing;
 use crate::variator::run::{self, Event, StepError, Variator};
-use crate::variator::settings::{Inputs, Parameters, Readings, range_of};
+use crate::variator::settings::{Inputs, ParameterError, Parameters, Readings, range_of};
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// The unit of the FMU, with the rings `ALE0` and `ALE`.
 pub type VariatorUnit = UnitWith<StandardRings>;
@@ -16,7 +18,7 @@ pub type VariatorUnit = UnitWith<StandardRings>;
 /// A variator with the rings `R` behind the FMI layer.
 #[derive(Clone, Debug)]
 pub struct UnitWith<R> {
-    variator: Variator,
+    pub(super) variator: Variator,
     rings: PhantomData<R>,
 }
 
@@ -38,19 +40,12 @@ impl<R: Rings> UnitWith<R> {
         if let Some(tolerance) = experiment.tolerance {
             parameters.solver.tolerance = choose_tolerance(parameters.solver.tolerance, tolerance, remarks);
         }
-        settings.rings.check().map_err(|error| error.to_string())?;
-        let ring = settings.rings.ring(&parameters);
+        let ring = ring_of(&settings.rings, &parameters).map_err(|error| error.to_string())?;
         let variator = Variator::with_ring(parameters, ring).map_err(|error| error.to_string())?;
         Ok(Self {
             variator,
             rings: PhantomData,
         })
-    }
-
-    /// The variator itself.
-    #[cfg(feature = "exports")]
-    pub(super) fn variator(&mut self) -> &mut Variator {
-        &mut self.variator
     }
 
     /// Applies the tunable parameters.
@@ -90,8 +85,7 @@ impl<R: Rings> Unit for UnitWith<R> {
 
     fn check(settings: &Settings<R>) -> Result<(), String> {
         let parameters = &settings.parameters;
-        let checked = parameters.validate().and_then(|()| settings.rings.check());
-        let checked = checked.and_then(|()| settings.rings.ring(parameters).check(parameters));
+        let checked = ring_of(&settings.rings, parameters).and_then(|ring| Variator::check(parameters, &*ring));
         let checked = checked.and_then(|()| settings.inputs.validate());
         checked.map_err(|error| error.to_string())
     }
@@ -176,6 +170,12 @@ impl<R: Rings> Unit for UnitWith<R> {
             span: moment.span,
         })
     }
+}
+
+/// The ring that is chosen, from a choice that is checked.
+fn ring_of<R: Rings>(rings: &R, parameters: &Parameters) -> Result<Arc<dyn BeltRing>, ParameterError> {
+    rings.check()?;
+    Ok(rings.ring(parameters))
 }
 
 fn failure(error: StepError) -> StepFailure {

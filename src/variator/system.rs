@@ -5,7 +5,7 @@ use crate::pulley::{PerPulley, Pulley};
 use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::Geometry;
+use crate::solver::sdirk::GeometryUpdate;
 use crate::solver::{System, View};
 use crate::tape::Tape;
 use crate::variator::belt::equations::{Assembly, InForce};
@@ -123,7 +123,7 @@ impl VariatorSystem {
     #[doc(hidden)]
     pub fn form_jacobian(
         &mut self,
-        geometry: Option<Geometry>,
+        geometry: Option<GeometryUpdate>,
         time: f64,
         view: View<'_>,
         factors: [f64; 2],

@@ -7,7 +7,7 @@ use pushbelt::fmi::Unit;
 use pushbelt::fmi::log::Status::{Error, Ok};
 use pushbelt::fmi::table::{Causality, Kind};
 use pushbelt::unit::VariatorUnit;
-use pushbelt::unit::c_abi::*;
+use pushbelt::unit::exports::c_abi::*;
 
 use crate::importer::*;
 

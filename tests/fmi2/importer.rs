@@ -8,7 +8,7 @@ use pushbelt::fmi::fmi2::{CallbackFunctions, Component, Logger};
 use pushbelt::fmi::log::Status::{self, Ok};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
-use pushbelt::unit::c_abi::*;
+use pushbelt::unit::exports::c_abi::*;
 pub use pushbelt_lab::shared_library::{real_outputs, reference};
 
 /// Messages that the logger received: instance, status, category, text.

@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use pushbelt::fmi::fmi2::CallbackFunctions;
 use pushbelt::fmi::log::Status::{self, Discard, Error, Ok};
-use pushbelt::unit::c_abi::*;
+use pushbelt::unit::exports::c_abi::*;
 use pushbelt::unit::model_description;
 use pushbelt::variator::run::Variator;
 use pushbelt::variator::settings::{Inputs, Parameters, RingModel};

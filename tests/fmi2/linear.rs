@@ -4,7 +4,7 @@ use std::ffi::CStr;
 use std::ptr::null_mut;
 
 use pushbelt::fmi::log::Status::{self, Error, Ok, Warning};
-use pushbelt::unit::linear_c::{pushbeltFreeText, pushbeltLinearize};
+use pushbelt::unit::exports::linear_c::{pushbeltFreeText, pushbeltLinearize};
 use serde_json::Value;
 
 use crate::importer::*;
@@ -123,7 +123,7 @@ fn a_difference_from_the_specified_point_is_a_warning() {
     let primary = &model["inputs"][0];
     assert_eq!(primary["given"].as_f64(), Some(400.0));
     assert!(primary["held"].as_f64().expect("a number") < 200.0);
-    assert_warned(&importer, "400 N.m is given");
+    assert_warned(&importer, "400 N.m is specified");
 }
 
 /// Between prescribed speeds the belt may slip through permanently.

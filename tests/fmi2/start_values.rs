@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use pushbelt::fmi::log::Status::Ok;
 use pushbelt::fmi::start_values::FILE;
-use pushbelt::unit::c_abi::*;
+use pushbelt::unit::exports::c_abi::*;
 
 use crate::importer::*;
 

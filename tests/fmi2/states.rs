@@ -3,7 +3,7 @@
 use std::ptr::{null, null_mut};
 
 use pushbelt::fmi::log::Status::{self, Error, Ok};
-use pushbelt::unit::c_abi::*;
+use pushbelt::unit::exports::c_abi::*;
 
 use crate::importer::*;
 

@@ -1,7 +1,7 @@
 //! Settings, bad values and the messages about them.
 
 use pushbelt::fmi::log::Status::{Discard, Error, Ok};
-use pushbelt::unit::c_abi::*;
+use pushbelt::unit::exports::c_abi::*;
 
 use crate::importer::*;
 

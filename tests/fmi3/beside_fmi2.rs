@@ -6,7 +6,7 @@ use std::ptr::null;
 use pushbelt::fmi::guid;
 use pushbelt::fmi::log::Status::Ok;
 use pushbelt::unit::VariatorUnit;
-use pushbelt::unit::c_abi::*;
+use pushbelt::unit::exports::c_abi::*;
 use pushbelt_lab::manoeuvre::Manoeuvre;
 
 use crate::importer::*;
@@ -58,7 +58,7 @@ fn by_fmi2(run: &Run) -> Vec<Vec<u64>> {
 }
 
 fn by_fmi3(run: &Run, handles: Handles<'_>) -> Vec<Vec<u64>> {
-    use pushbelt::unit::c_abi3::*;
+    use pushbelt::unit::exports::c_abi3::*;
     let outputs = real_outputs();
     let importer = Importer::new(handles);
     for (name, value) in &run.choices {

@@ -3,7 +3,7 @@
 use std::ptr::null_mut;
 
 use pushbelt::fmi::log::Status::{Error, Ok};
-use pushbelt::unit::c_abi3::*;
+use pushbelt::unit::exports::c_abi3::*;
 
 use crate::importer::*;
 

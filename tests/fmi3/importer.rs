@@ -9,7 +9,7 @@ use pushbelt::fmi::fmi3::{Boolean, Environment, Instance, Text, instantiation_to
 use pushbelt::fmi::log::Status::{self, Ok};
 use pushbelt::fmi::table::Kind;
 use pushbelt::unit::VariatorUnit;
-use pushbelt::unit::c_abi3::*;
+use pushbelt::unit::exports::c_abi3::*;
 pub use pushbelt_lab::shared_library::real_outputs;
 
 /// Arguments of the callback in intermediate update mode.

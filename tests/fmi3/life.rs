@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use pushbelt::fmi::fmi3::{Environment, Text};
 use pushbelt::fmi::log::Status::{self, Error, Ok};
-use pushbelt::unit::c_abi3::*;
+use pushbelt::unit::exports::c_abi3::*;
 use pushbelt::unit::model_description3;
 
 use crate::importer::*;

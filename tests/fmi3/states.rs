@@ -4,8 +4,8 @@ use std::ptr::{null, null_mut};
 
 use pushbelt::fmi::fmi2::{Component, FmuState};
 use pushbelt::fmi::log::Status::{Error, Ok};
-use pushbelt::unit::c_abi::*;
-use pushbelt::unit::c_abi3::*;
+use pushbelt::unit::exports::c_abi::*;
+use pushbelt::unit::exports::c_abi3::*;
 
 use crate::importer::*;
 

@@ -1,7 +1,7 @@
 //! Intermediate update mode: reading, setting and early return at the unit's own steps.
 
 use pushbelt::fmi::log::Status::{Discard, Error, Ok};
-use pushbelt::unit::c_abi3::*;
+use pushbelt::unit::exports::c_abi3::*;
 use std::cell::RefCell;
 use std::rc::Rc;
 

@@ -3,7 +3,7 @@
 use std::ptr::{null, null_mut};
 
 use pushbelt::fmi::log::Status::{Discard, Error, Ok};
-use pushbelt::unit::c_abi3::*;
+use pushbelt::unit::exports::c_abi3::*;
 
 use crate::importer::*;
 

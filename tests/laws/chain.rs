@@ -2,8 +2,8 @@
 
 use num_dual::Dual64;
 use pushbelt::chain::{
-    Belt, CLOSING_SMOOTHING, SQUEEZE_SMOOTHING, Transport, UPWIND_SMOOTHING, collision_force, energy_density, flux,
-    lag, push_force, upwinding,
+    CLOSING_SMOOTHING, PushElements, SQUEEZE_SMOOTHING, Transport, UPWIND_SMOOTHING, collision_force, energy_density,
+    flux, lag, push_force, upwinding,
 };
 use pushbelt_lab::laws::{belt, integral};
 use pushbelt_lab::noise;
@@ -89,7 +89,7 @@ fn damping_of_the_stack_acts_in_contact_and_that_of_the_film_everywhere() {
             1e-9,
             "the elastic rest",
         );
-        let dry = Belt {
+        let dry = PushElements {
             film_force: 0.0,
             film_damping: 0.0,
             squeeze_damping: 0.0,
@@ -112,7 +112,7 @@ fn squeezed(wide: f64, rate: f64) -> f64 {
 /// Oil that is squeezed out of a gap dissipates power at any rate and none at rest, and cavitates where the elements separate.
 #[test]
 fn squeezed_oil_dissipates_and_cavitates() {
-    let dry = Belt {
+    let dry = PushElements {
         damping: 0.0,
         film_damping: 0.0,
         ..belt()

@@ -6,7 +6,7 @@ use num_dual::Dual64;
 use pushbelt::reference_curve::{ReferenceCurve, ReferencePoint, TwoPulley};
 use pushbelt::ring::Ring;
 use pushbelt::ring::ale::{add_elasticity, dissipation_density, energy_density};
-use pushbelt::ring::kinematics::{Load, RingPoint, embed, inward_normal};
+use pushbelt::ring::kinematics::{LineLoad, RingPoint, embed, inward_normal};
 use pushbelt::scalar::{Real, zero_vector};
 use pushbelt_lab::noise;
 
@@ -86,7 +86,7 @@ fn deflected<const D: usize>(strain: f64) -> Shape<f64, D> {
 
 /// Power of the load in random directions against num-dual's derivative of the energy.
 fn assert_gradient<const D: usize>(ring: &Ring, shape: &Shape<f64, D>) {
-    let mut load = Load::zero();
+    let mut load = LineLoad::zero();
     add_elasticity(ring, &resting(shape), GROWTH, &mut load);
     let mut random = noise(8);
     for _ in 0..20 {
@@ -171,7 +171,7 @@ fn damping<const D: usize>(slope_dot: SVector<f64, D>, w: f64) -> (f64, f64) {
     };
     let point = point(&deflected(1e-3), slope_dot, w);
     let [with, without] = [&damped, &solid()].map(|ring| {
-        let mut load = Load::zero();
+        let mut load = LineLoad::zero();
         add_elasticity(ring, &point, GROWTH, &mut load);
         load
     });

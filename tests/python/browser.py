@@ -1,4 +1,4 @@
-"""The distribution's Chromium without a window, driven by its debugging protocol: pages, pictures of them, what they report."""
+"""The distribution's Chromium without a window, controlled by its debugging protocol: pages, screenshots, and reported errors."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ import websocket
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 ANSWER = 600.0
-"""Longest wait for an answer of the browser, s: it ends a test that hangs, and is no measure of speed."""
+"""Timeout for a reply of the browser, s. It only ends tests that hang."""
 PATIENCE = 600.0
-"""Longest wait until a condition holds, s."""
+"""Timeout for a condition, s."""
 KEY_CODES = {"Enter": 13, "End": 35, "ArrowLeft": 37, "ArrowRight": 39}
 
 
@@ -31,20 +31,20 @@ def find() -> str | None:
 
 
 class Page:
-    """One page, and all that it has reported."""
+    """One page with its reported errors and requests."""
 
     def __init__(self, address: str) -> None:
         self._socket = websocket.create_connection(address, timeout=ANSWER, suppress_origin=True)
         self._numbers = itertools.count(1)
         self.complaints: list[str] = []
-        """Errors and warnings of the console, and what failed to load."""
+        """Errors and warnings of the console, and failed requests."""
         self.requests: list[str] = []
-        """Addresses that were asked for."""
+        """Requested addresses."""
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
 
     def call(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """Calls a method of the protocol and waits for its answer."""
+        """Calls a method of the protocol and waits for the reply."""
         number = next(self._numbers)
         self._socket.send(json.dumps({"id": number, "method": method, "params": parameters}))
         while True:
@@ -77,7 +77,7 @@ class Page:
         self.run("pushbelt.ready.then(() => pushbelt.draw())")
 
     def run(self, script: str) -> Any:
-        """Value of an expression; a promise is waited for."""
+        """Value of an expression. Promises are awaited."""
         answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(answer["exceptionDetails"].get("exception", {}).get("description", script))
@@ -92,21 +92,21 @@ class Page:
             time.sleep(0.05)
 
     def key(self, name: str) -> None:
-        """Presses a key where the focus is."""
+        """Presses a key on the focused element."""
         text = {"text": {"Enter": "\r"}.get(name, name)} if len(name) == 1 or name == "Enter" else {}
         code = KEY_CODES.get(name, 0)
         self.call("Input.dispatchKeyEvent", type="keyDown", key=name, windowsVirtualKeyCode=code, **text)
         self.call("Input.dispatchKeyEvent", type="keyUp", key=name, windowsVirtualKeyCode=code)
 
     def picture(self, path: Path, whole: bool = True) -> None:
-        """Saves a picture of the page."""
+        """Saves a screenshot of the page."""
         data = self.call("Page.captureScreenshot", captureBeyondViewport=whole)["data"]
         path.write_bytes(base64.b64decode(data))
 
 
 @contextmanager
 def page(program: str) -> Iterator[Page]:
-    """A page of a browser that ends with the block."""
+    """A page of a browser that is closed at the end of the block."""
     with tempfile.TemporaryDirectory(prefix="pushbelt-browser-", ignore_cleanup_errors=True) as profile:
         options = [
             "--headless=new",

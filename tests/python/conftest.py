@@ -1,4 +1,4 @@
-"""What the tests of the FMU share: where it is, and instances of it."""
+"""Common fixtures of the tests: paths of the FMUs, and instances."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from pushbelt.fmu.unit import Archive, Variator  # noqa: E402
 
 STATUS = pytest.StashKey[int]()
 LEFT = pytest.StashKey[dict[str, int]]()
-"""Tests of the second tier in each file."""
+"""Number of tests of the second tier in each file."""
 SLOW_FIXTURES = {"coupling", "paper_fmu", "place", "short_validation", "wheel"}
-"""What takes most of a minute to make: tests that use one of these are in the second tier, as those marked as slow."""
+"""Fixtures that take about a minute. Tests that use one of them are in the second tier, like those marked as slow."""
 
 CHEAP = {
     "ring.model": RingModel.ALE0,
@@ -33,12 +33,12 @@ CHEAP = {
     "mesh.strand": 4,
     "initial.steady": False,
 }
-"""A coarse reference ring that starts unloaded, for tests of the interface."""
+"""A coarse ring model without load at the start, for tests of the interface."""
 
 
 @pytest.fixture(scope="session")
 def fmu() -> Path:
-    """The FMU under test: `PUSHBELT_FMU`, or what the build leaves in `target`."""
+    """The FMU under test: `PUSHBELT_FMU`, or the one in `target`."""
     path = Path(os.environ.get("PUSHBELT_FMU", ROOT / "target" / "PushbeltVariator.fmu"))
     assert path.is_file(), f"{path} is missing: build it by `cargo fmu build`, or set PUSHBELT_FMU"
     return path
@@ -46,7 +46,7 @@ def fmu() -> Path:
 
 @pytest.fixture(scope="session")
 def fmu3() -> Path:
-    """The same for FMI 3.0: `PUSHBELT_FMU3`, or what the build leaves in `target`."""
+    """The FMU for FMI 3.0: `PUSHBELT_FMU3`, or the one in `target`."""
     path = Path(os.environ.get("PUSHBELT_FMU3", ROOT / "target" / "PushbeltVariator3.fmu"))
     assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --fmi3`, or set PUSHBELT_FMU3"
     return path
@@ -54,7 +54,7 @@ def fmu3() -> Path:
 
 @pytest.fixture(scope="session")
 def paper_fmu() -> Path:
-    """The FMU of the paper's belts: `PUSHBELT_PAPER_FMU`, or what the build leaves in `target`."""
+    """The FMU of the paper's belts: `PUSHBELT_PAPER_FMU`, or the one in `target`."""
     path = Path(os.environ.get("PUSHBELT_PAPER_FMU", ROOT / "target" / "PushbeltPaper.fmu"))
     assert path.is_file(), f"{path} is missing: build it by `cargo fmu build --paper`, or set PUSHBELT_PAPER_FMU"
     return path
@@ -75,13 +75,13 @@ def description(fmu: Path) -> Any:
 
 @pytest.fixture(scope="session")
 def drive_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where drives keep their thrust-ratio map, so that it is solved for once."""
+    """Folder for the thrust-ratio map of the drives, so that it is solved once."""
     return tmp_path_factory.mktemp("drive")
 
 
 @pytest.fixture
 def variator(archive: Archive) -> Iterator[Callable[..., Variator]]:
-    """Makes instances, and frees them when the test is over."""
+    """Creates instances, and frees them at the end of the test."""
     with ExitStack() as instances:
         yield lambda values=CHEAP, name="variator": instances.enter_context(Variator(archive, values, name))
 
@@ -93,7 +93,7 @@ def readings(unit: Variator) -> list[float]:
 
 
 def run(unit: Variator, steps: range = range(20)) -> list[list[float]]:
-    """Steps of 1 ms by their numbers, with a load that grows; the readings after each."""
+    """Runs steps of 1 ms with a growing load; returns the readings after each."""
     rows = []
     for k in steps:
         unit.set({"secondary.torque": -49.0 - k})
@@ -112,7 +112,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leaves out the second tier, and counts what it leaves out in each file."""
+    """Removes the second tier, and counts the removed tests in each file."""
     if not config.getoption("--first-tier"):
         return
     second = [
@@ -130,12 +130,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any) -> None:
-    """Every process of pytest-xdist collects all tests: one answer is enough."""
+    """Every process of pytest-xdist collects all tests, so the counts of one process are used."""
     node.config.stash[LEFT] = getattr(node, "workeroutput", {}).get("left", {})
 
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
-    """Names what is left to the second tier."""
+    """Lists the files with tests of the second tier."""
     left = config.stash.get(LEFT, {})
     if left:
         files = ", ".join(f"{name} ({count})" for name, count in sorted(left.items()))
@@ -144,12 +144,12 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
-    """Keeps the status for the end."""
+    """Stores the exit status for the end."""
     session.config.stash[STATUS] = int(exitstatus)
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config: pytest.Config) -> None:
-    """Where units of PythonFMU ran, handlers of an exit may abort."""
+    """Ends without exit handlers, which may abort if units of PythonFMU have run."""
     if "ecospy" in sys.modules or "libcosimpy" in sys.modules:
         leave(config.stash.get(STATUS, 1))

@@ -1,4 +1,4 @@
-"""The same run by different masters: start values, then steps of 1 ms with inputs held, some outputs after each."""
+"""The same run in different masters: start values, then steps of 1 ms with constant inputs, and some outputs after each."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def with_libcosim(
         )
         assert execution.step()
         rows.append(observer.last_real_values(slave, references))
-    # libcosim shows nothing before its first step.
+    # libcosim has no outputs before its first step.
     return np.array([[np.nan] * len(outputs), *rows])
 
 

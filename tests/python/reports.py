@@ -1,4 +1,4 @@
-"""What every report has to be: whole in itself, drawn without complaint, usable by keys, readable on a telephone."""
+"""Common checks of reports: self-contained, drawn without errors, usable by keyboard, readable on a telephone."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import browser
 import pytest
 
 WIDTHS = (1280, 400)
-"""Of a desk and of a telephone, px."""
+"""Widths of a desktop and of a telephone screen, px."""
 
 
 def stands_alone(report: Path) -> str:
-    """The report's text, after a check that it loads nothing from elsewhere and has its library once."""
+    """The report's text, after checks that it has no external resources and contains its library once."""
     text = report.read_text(encoding="utf-8")
     packed = '<script type="application/gzip" id="plotly">'
     assert text.count(packed) == 1
@@ -24,20 +24,20 @@ def stands_alone(report: Path) -> str:
 
 
 def figures(text: str) -> int:
-    """How many panels a report has."""
+    """Number of panels in a report."""
     return text.count('<div class="panel">')
 
 
 def look_at(report: Path) -> None:
-    """Opens the report in a browser at both widths, moves what moves, and looks for what is missing.
+    """Opens the report in a browser at both widths, uses its controls, and checks for missing parts.
 
-    A test's last call: it skips the rest of the test where there is no browser, and fails there in CI.
+    This must be the last call of a test: without a browser it skips the rest of the test, or fails in CI.
     """
     program = browser.find()
     if program is None:
         if os.environ.get("CI"):
             pytest.fail("no Chromium on the search path: install the package chromium")
-        pytest.skip("no Chromium on the search path, so the report is not looked at")
+        pytest.skip("no Chromium on the search path, so the report is not checked")
     with browser.page(program) as page:
         for width in WIDTHS:
             page.open(report, width)
@@ -65,7 +65,7 @@ def _is_drawn(page: browser.Page) -> None:
 
 
 def _fits(page: browser.Page, width: int) -> None:
-    """The page itself does not scroll sideways: what is wide does so by itself. No card is smaller than what it holds."""
+    """Checks that the page does not scroll sideways (wide parts scroll separately), and that no card is smaller than its content."""
     assert page.run("document.documentElement.scrollWidth") <= width
     tight = "one.scrollHeight > one.clientHeight + 1 || one.scrollWidth > one.clientWidth + 1"
     assert (
@@ -78,7 +78,7 @@ def _sliders_move(page: browser.Page) -> None:
         shown = f"document.querySelectorAll('.belt')[{number}]"
         read = f"[...{shown}.querySelectorAll('.element, .belt g g')].map((one) => one.getAttribute('d')).join()"
         page.run(f"{shown}.querySelector('input').focus()")
-        # Pictures that share their time stand at its end by now.
+        # Animations with a common time are at its end now.
         page.key("Home")
         before = page.run(read)
         page.key("End")
@@ -88,7 +88,7 @@ def _sliders_move(page: browser.Page) -> None:
 
 
 def _keys_move(page: browser.Page) -> None:
-    """The cursor of the first linked chart by keys, its zoom, and a legend that switches a line off."""
+    """Tests the first linked chart by keyboard: its cursor, its zoom, and a legend that hides a line."""
     chart = "[...document.querySelectorAll('.chart')].find((one) => one.querySelector('script').textContent.includes('\"linked\":true'))"
     if page.run(f"Boolean({chart})"):
         plot = f"{chart}.querySelector('.plot')"

@@ -1,4 +1,4 @@
-"""What lies in the archive, and what its binaries ask of the machine that loads them."""
+"""Content of the archive, and requirements of its binaries."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_the_date_is_that_of_the_content(archive: zipfile.ZipFile) -> None:
 
 
 def test_the_licences_have_an_entry(archive: zipfile.ZipFile) -> None:
-    """FMI 2.0.4, section 2.3: documentation/licenses/license.txt leads to the others."""
+    """FMI 2.0.4, section 2.3: documentation/licenses/license.txt refers to the others."""
     entry = archive.read("documentation/licenses/license.txt").decode()
     for name in ("LICENSE-MIT.txt", "LICENSE-APACHE.txt", "third-party.txt"):
         assert name in entry and f"documentation/licenses/{name}" in archive.namelist()
@@ -165,7 +165,7 @@ def test_the_windows_binary_needs_windows_only(archive: zipfile.ZipFile, names: 
     assert library[:2] == b"MZ"
     needed = {name.decode().lower() for name in re.findall(rb"[A-Za-z0-9_-]+\.dll(?=\0)", library)}
     needed -= {"pushbelt.dll", "pushbeltvariator.dll"}
-    # Wine 8 lacks it: it is left out with the parts of Rust's standard library that nothing calls.
+    # Wine 8 does not have it. The linker removes it with unused parts of Rust's standard library.
     assert "bcryptprimitives.dll" not in needed
     assert "kernel32.dll" in needed
     assert all(WINDOWS.fullmatch(name) for name in needed), needed

@@ -1,4 +1,4 @@
-"""Calibration: tables and parameters as pure functions, then fits of tables that the FMU itself has made."""
+"""Calibration: tables and parameters as pure functions, then fits of tables with results of the FMU."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from pushbelt.fmu.unit import Archive
 
 BASE = {**parameter_set("bench168"), **__main__.COARSE}
 TRUTH = {"friction.pulley": 0.098, "friction.ring": 0.07, "belt.play": 6e-4}
-"""What the tables are made with; the fits start from `bench168`."""
+"""True values in the tables; the fits start from `bench168`."""
 NOISE = {"thrustRatio": 0.01, "slip": 2e-4, "efficiency": 2e-3, "ds/dt": 0.02}
 """Standard deviations of the tables."""
 SPEED, FORCE = 209.0, 10e3
@@ -65,7 +65,7 @@ def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift() -> None:
         ("", "the table is empty"),
         (f"{HEADER},slip\n", "nothing is measured"),
         (f"{HEADER}\n1,2000,50,10\n", "nothing is measured"),
-        (f"{HEADER},slip [%]\n1,2000,50,10,abc\n", r"line 2, column slip \[%\]: 'abc' is no number"),
+        (f"{HEADER},slip [%]\n1,2000,50,10,abc\n", r"line 2, column slip \[%\]: 'abc' is not a number"),
         (f"{HEADER};slip\n1;2000;50;10;0,5\n".replace(",p", ";p").replace(",s", ";s"), "'0,5' .* decimal point"),
         (f"{HEADER},slip\n1,2000,50,10,0.8\n", "line 2, column slip: 0.8 is not within -0.5 to 0.5"),
         (
@@ -75,18 +75,18 @@ def test_primary_force_gives_the_thrust_ratio_or_goes_with_a_shift() -> None:
         (f"{HEADER},efficiency\n1,2000,50,10,97\n", "line 2, column efficiency: 97 is not within 0.01 to 1"),
         (f"{HEADER},slip,slip.sd\n1,2000,50,10,0.01,0\n", "line 2, column slip.sd: 0 is not within above 0"),
         (f"{HEADER},slip\n1,,50,10,0.01\n", "line 2, column primary.speed: the cell is empty"),
-        (f"{HEADER},slip\n,2000,50,10,0.01\n", "line 2: one of ratio.geometric and ratio.speed"),
+        (f"{HEADER},slip\n,2000,50,10,0.01\n", "line 2: exactly one of ratio.geometric and ratio.speed"),
         (f"{HEADER},slip\n1,2000,50,10,0.01,2\n", "line 2 has 6 cells, but the header has 5"),
-        (f"{HEADER},slipp\n1,2000,50,10,1\n", "column slipp: no such column; slip is meant"),
+        (f"{HEADER},slipp\n1,2000,50,10,1\n", "column slipp: no such column; did you mean slip?"),
         (f"{HEADER},slip.sd\n1,2000,50,10,1\n", "there is no column slip"),
-        (f"{HEADER},slip,slip [%]\n1,2000,50,10,1,1\n", "column slip is there twice"),
+        (f"{HEADER},slip,slip [%]\n1,2000,50,10,1,1\n", "column slip appears twice"),
         (f"{HEADER},slip [mm]\n1,2000,50,10,1\n", "the unit is one of 1, %"),
         (f"{HEADER.replace(' [rpm]', '')},slip\n1,2000,50,10,0.01\n", r"no unit; write primary.speed \[rad/s\] or"),
         (
             f"{HEADER.replace('ratio.geometric,', '')},slip\n2000,50,10,0.01\n",
             "no column ratio.geometric or ratio.speed",
         ),
-        (f"{HEADER},ds/dt [1/s]\n1,2000,50,10,0.5\n", "primary.clampingForce: ds/dt needs it"),
+        (f"{HEADER},ds/dt [1/s]\n1,2000,50,10,0.5\n", "primary.clampingForce: ds/dt requires a value"),
         (f"{HEADER},ds/dt [1/s],slip\n1,2000,50,10,0.5,0.01\n", "the ratio moves"),
         (f"{HEADER},slip\n1,2000,50,10,nan\n", "nan is not within"),
     ],
@@ -114,8 +114,8 @@ def test_template_is_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     ("content", "why"),
     [
         (None, "No such file"),
-        (f"{HEADER},slip\n1,2000,50,10,x\n", "'x' is no number"),
-        (b"\xff\xfe", "no text in UTF-8"),
+        (f"{HEADER},slip\n1,2000,50,10,x\n", "'x' is not a number"),
+        (b"\xff\xfe", "not text in UTF-8"),
     ],
 )
 def test_the_program_says_what_is_wrong_in_a_line(
@@ -167,11 +167,11 @@ def test_start_values_and_bounds_come_from_the_fmu(variables: Mapping[str, Any])
         ({"belt.colour": None}, {}, "no real parameter belt.colour"),
         ({"ring.model": None}, {}, "no real parameter ring.model"),
         ({"thrustRatio": None}, {}, "no real parameter thrustRatio"),
-        ({"friction.pully": None}, {}, "friction.pulley is meant"),
+        ({"friction.pully": None}, {}, "did you mean friction.pulley?"),
         ({"friction.pulley": 0.3}, {}, "not within its bounds"),
         ({"belt.play": 0.0}, {}, "starts at 0"),
         ({"belt.play": None}, {"friction.ring": (0.0, 1.0)}, "friction.ring, which is not fitted"),
-        ({"tiltStiffness": None, "primary.tiltStiffness": None}, {}, "fitted twice"),
+        ({"tiltStiffness": None, "primary.tiltStiffness": None}, {}, "appears twice"),
     ],
 )
 def test_parameters_that_cannot_be_fitted_say_why(
@@ -185,7 +185,7 @@ def test_parameters_that_cannot_be_fitted_say_why(
 
 
 def planned(ratio: float, utilisation: float, *quantities: str, force: float = FORCE) -> Point:
-    """A point that nothing was measured at yet."""
+    """A point without measured values."""
     torque = utilisation * torque_capacity(BASE, ratio, force)
     measured = tuple(Measured(quantity, 0.0, NOISE[quantity], True) for quantity in quantities)
     return Point(0, f"{ratio:g} {utilisation:g}", ratio, None, SPEED, torque, force, None, measured)
@@ -205,7 +205,7 @@ SHIFTS = [shifting(1.0, 11e3), shifting(1.0, 19e3), shifting(1.6, 15e3)]
 
 
 class InProcess:
-    """Solves points in this process."""
+    """Solver of points in this process."""
 
     def __init__(self, fmu: Path, archive: Archive) -> None:
         self._fmu, self._archive = fmu, archive
@@ -222,7 +222,7 @@ class InProcess:
         found = []
         for line, point in enumerate(points, 2):
             measured = point
-            # A shift starts where it passes the point's ratio if it shifts as measured: the second round does.
+            # A shift starts at a ratio from which it passes the point's ratio if it shifts as measured, hence a second round.
             for _ in range(2 if point.shifting else 1):
                 (state,) = self([(TRUTH, measured)])
                 assert state.reason is None
@@ -267,7 +267,7 @@ def test_the_step_of_the_differences_stands_on_a_plateau(
 
 
 @pytest.mark.parametrize("jumped", ["above", "here", "below"])
-def test_a_jump_of_a_state_is_no_slope(jumped: str) -> None:
+def test_a_jump_of_a_state_is_not_a_slope(jumped: str) -> None:
     """One of three states lies on another branch, far from the others."""
     friction = parameters.Parameter("friction.pulley", ("friction.pulley",), "1", "", 0.09, 0.0, 0.19)
     sides = {"below": friction.value(1.0 - model.STEP), "here": 0.09, "above": friction.value(1.0 + model.STEP)}
@@ -376,8 +376,8 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
 
 
 @pytest.mark.slow
-def test_a_parameter_that_moves_nothing_is_said(solver: InProcess, variables: Mapping[str, Any]) -> None:
-    """A damper does nothing in a steady state: it keeps its value, and the others are fitted without it."""
+def test_a_parameter_without_influence_is_reported(solver: InProcess, variables: Mapping[str, Any]) -> None:
+    """A damper has no influence in a steady state: its value is unchanged, and the others are fitted without it."""
     points = solver.measure([STEADY[1], STEADY[4], STEADY[6]], seed=None)
     chosen = choose(
         {"friction.pulley": None, "sheaveDamping": None}, {}, variables, {**BASE, **TRUTH, "friction.pulley": 0.09}
@@ -394,7 +394,7 @@ def test_a_parameter_that_moves_nothing_is_said(solver: InProcess, variables: Ma
 
 @pytest.mark.slow
 def test_points_without_a_steady_state_do_not_break_the_fit(solver: InProcess, variables: Mapping[str, Any]) -> None:
-    """With the start's friction none of these is carried: it is raised first. One that never can be stays outside."""
+    """With the initial friction none of these points has a steady state, so it is raised first. A point beyond any capacity is excluded."""
     asked = [STEADY[2], STEADY[5], STEADY[8]]
     points = solver.measure(asked, seed=None)
     beyond = dataclasses.replace(points[0], line=9, torque=1.6 * torque_capacity({**BASE, **TRUTH}, 0.5, FORCE))

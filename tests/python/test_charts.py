@@ -1,4 +1,4 @@
-"""The figures of the reports: what is sent to the page, and the belt's animation."""
+"""The figures of the reports: data in the page, and the belt's animation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pushbelt.fmu.results import BeltState, Profile
 
 BENCH = data.parameter_set("bench168")
 
-# How they see colours who lack one kind of cone, in linear RGB (Machado, Oliveira, Fernandes 2009, severity 1).
+# Colour vision with one kind of cone missing, in linear RGB (Machado, Oliveira, Fernandes 2009, severity 1).
 SIGHT = {
     "all cones": np.eye(3),
     "no M cones": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
@@ -83,13 +83,13 @@ EVERYTHING = Panel(
 @pytest.mark.parametrize("linked", [False, True])
 @pytest.mark.parametrize("scale", ["linear", "log", "symlog"])
 def test_plotly_knows_every_setting(scale: str, linked: bool) -> None:
-    """Its Python part refuses what its schema does not have; the browser would pass over it in silence."""
+    """The Python package of plotly rejects properties that are not in its schema; the browser would ignore them."""
     panel = Panel(**{**EVERYTHING.__dict__, "scale": scale, "x_range": None})
     figure = charts.panel_data(panel, linked)
     assert len(go.Figure(data=figure["data"], layout=figure["layout"]).data) == 8
 
 
-def test_a_chart_says_what_it_shows_and_holds_no_markup_of_its_data() -> None:
+def test_a_chart_has_a_description_and_escapes_its_data() -> None:
     text = str(charts.html(Chart([Panel("a < b", [Series("</script>", [0, 1], [2, 3])])], 'with "quotes"')))
     assert 'aria-label="with &#34;quotes&#34;"' in text
     assert "a &lt; b" in text
@@ -128,11 +128,11 @@ def test_logarithmic_axes_go_through_zero() -> None:
 
 
 def test_gaps_are_those_of_the_stack() -> None:
-    """A few newtons of oil across micrometres; none where the elements press; more force, less gap."""
+    """A few newtons from oil in gaps of micrometres, no gap where the elements are in contact, and a smaller gap for a larger force."""
     force = np.array([0.5, 2.0, 5.0, 10.0, 100.0, 2000.0])
     gap = belt_view.gaps(force, BENCH)
     assert (np.diff(gap[:4]) < 0.0).all()
-    # Far from the roughness the film alone bears: q/ln 2 · ln(1 + exp(−g/h)).
+    # At gaps far above the roughness only the film carries the force: q/ln 2 · ln(1 + exp(−g/h)).
     film = 100.0 / np.log(2.0) * np.log1p(np.exp(-gap[:3] / 1.5e-6))
     assert film == pytest.approx(force[:3], rel=1e-2)
     assert gap[-1] == 0.0

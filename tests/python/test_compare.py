@@ -1,4 +1,4 @@
-"""Two runs over each other: which files belong together, how far they are apart, and the report."""
+"""Comparison of two runs: pairs of files, differences, and the report."""
 
 from __future__ import annotations
 
@@ -54,11 +54,11 @@ def test_folders_are_paired_by_the_names_of_their_runs(tmp_path: Path) -> None:
     [
         ("case,slip\nfirst,1\n", "no column `time`"),
         ("time,slip\n", "no rows"),
-        ("time,slip\n0,1\n0,2\n", "don't rise"),
-        ("time,slip\n0,1\n1,2,3\n", "no table of numbers"),
+        ("time,slip\n0,1\n0,2\n", "do not ascend"),
+        ("time,slip\n0,1\n1,2,3\n", "not a table of numbers"),
     ],
 )
-def test_what_is_no_run_is_said(tmp_path: Path, text: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_that_is_not_a_run_is_an_error(tmp_path: Path, text: str, message: str, capsys: pytest.CaptureFixture[str]) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text(text, encoding="utf-8")
     good = write(tmp_path / "good.csv")
@@ -66,13 +66,13 @@ def test_what_is_no_run_is_said(tmp_path: Path, text: str, message: str, capsys:
     assert message in capsys.readouterr().err
 
 
-def test_what_is_not_there_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missing_file_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     good = write(tmp_path / "run" / "good.csv")
     for other in (tmp_path / "none.csv", good.parent):
         assert __main__.main([str(good), str(other), "--output", str(tmp_path / "out")]) == 1
     assert __main__.main([str(good), str(good), "--output", str(tmp_path / "out"), "--variables", "sloop"]) == 1
     said = capsys.readouterr().err
-    assert "there is no" in said and "two of a kind" in said and "sloop" in said
+    assert "does not exist" in said and "two files or two folders" in said and "sloop" in said
 
 
 def test_the_belts_of_both_runs_are_shown(variator, fmu: Path, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The drive as a co-simulation of FMUs: the package, its units, and what masters of others make of it."""
+"""The drive as a co-simulation of FMUs: the package, its units, and runs in third-party masters."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_the_schema_finds_mistakes(ssp: Path) -> None:
 
 
 def test_wires_join_what_the_units_have(ssp: Path, tmp_path: Path) -> None:
-    """Outputs to inputs of the same type; each wired input once, and none of vehicle and control left open."""
+    """Connections are from outputs to inputs of the same type; each input is connected once, and all of vehicle and control are."""
     variables = {
         unit: {variable.name: variable for variable in fmpy.read_model_description(path).modelVariables}
         for unit, path in units(ssp, tmp_path).items()
@@ -92,7 +92,7 @@ def test_wires_join_what_the_units_have(ssp: Path, tmp_path: Path) -> None:
         assert inputs == {name for owner, name in reached if owner == unit}
 
 
-def test_parameters_are_known_to_their_units(ssp: Path, tmp_path: Path) -> None:
+def test_units_have_the_parameters_of_the_package(ssp: Path, tmp_path: Path) -> None:
     for unit, path in units(ssp, tmp_path).items():
         types = {variable.name: variable.type for variable in fmpy.read_model_description(path).modelVariables}
         values = document(ssp, f"resources/{unit}.ssv")
@@ -112,7 +112,7 @@ def test_units_hold_the_map_and_no_copy_of_the_laws(ssp: Path, tmp_path: Path) -
 
 
 def test_fmpy_runs_the_units(ssp: Path, tmp_path: Path) -> None:
-    """By themselves, unwired: at standstill the clutch is open, the primary force falls to its least and the secondary to what holds the ratio."""
+    """Unconnected units at standstill: the clutch is open, the primary force falls to its minimum and the secondary to the one that holds the ratio."""
     found = units(ssp, tmp_path)
     for path in (found["vehicle"], found["control"]):
         assert fmpy.validation.validate_fmu(str(path)) == []
@@ -153,7 +153,7 @@ def coupling(fmu: Path, drive_folder: Path) -> study.Coupling:
 
 
 def test_program_runs(coupling: study.Coupling, drive_folder: Path, tmp_path: Path) -> None:
-    """The one on the page; what it prints is what was found at 10 ms."""
+    """The example in the docs; its output equals the result at 10 ms."""
     if "ecos" not in coupling.masters:
         pytest.skip("ecospy has no wheel for this Python and machine")
     (tmp_path / "target" / "drive").mkdir(parents=True)
@@ -173,7 +173,7 @@ def test_program_runs(coupling: study.Coupling, drive_folder: Path, tmp_path: Pa
 
 @pytest.mark.parametrize("master", MASTERS)
 class TestCoupling:
-    """A launch at communication steps of 10, 5 and 2.5 ms: the control is made for 10 ms, its shift speed is filtered by as much."""
+    """A launch at communication steps of 10, 5 and 2.5 ms: the control is designed for 10 ms, and its shift speed is filtered with the same time constant."""
 
     @pytest.fixture(autouse=True)
     def there(self, master: str) -> None:
@@ -181,7 +181,7 @@ class TestCoupling:
             pytest.skip(f"{PACKAGES[master]} has no wheel for this Python and machine")
 
     def test_master_is_the_loop_with_its_parts_side_by_side(self, coupling: study.Coupling, master: str) -> None:
-        """So nothing but the order of the parts sets a master apart from the loop."""
+        """The only difference between a master and the loop is the order of the parts."""
         assert coupling.against_parallel(master) < 1e-9
 
     def test_coupling_is_of_first_order(self, coupling: study.Coupling, master: str) -> None:
@@ -190,7 +190,7 @@ class TestCoupling:
         assert mean == pytest.approx(1.0, abs=0.2), dict(zip(study.SIGNALS, mean, strict=True))
 
     def test_coupling_step_explains_the_difference(self, coupling: study.Coupling, master: str) -> None:
-        """Of first order, x_h is 2 (x_h − x_{h/2}) from its limit."""
+        """With first-order convergence the difference of x_h to its limit is 2 (x_h − x_{h/2})."""
         estimated = 2.0 * coupling.refinement(master)
         assert (coupling.against_loop(master)[:-1] < estimated).all()
         assert (estimated < 0.1).all()

@@ -62,7 +62,7 @@ def test_outline_lies_outside_by_the_deviation() -> None:
 
 
 def test_impossible_belts_are_refused() -> None:
-    with pytest.raises(ValueError, match="does not go round"):
+    with pytest.raises(ValueError, match="is too short for two axes"):
         primary_radius(0.0, 0.4, 0.7)
     with pytest.raises(ValueError, match="between"):
         primary_radius(1.0, 0.168, 0.703)
@@ -260,7 +260,7 @@ def test_rigid_sheaves_leave_contact_alone() -> None:
 
 
 def synthetic_manoeuvre() -> Trace:
-    """A launch, a shift, two torque steps, an over-torque and the recovery, drawn by hand; 1 ms steps."""
+    """A synthetic trace with a launch, a shift, two torque steps, an over-torque and the recovery, in 1 ms steps."""
     time = np.arange(0.0, 10.0005, 1e-3)
     torque = np.interp(
         time, [0, 0.5, 6.0, 6.01, 7.0, 7.01, 8.5, 8.51, 8.7, 8.71], [0, 60, 60, 30, 30, 80, 80, 300, 300, 40]
@@ -307,7 +307,7 @@ def test_events_that_fail_to_occur_say_why() -> None:
     assert "ratio stays" in next(event.evidence for event in found if event.name == "Shift to overdrive")
 
 
-def test_slip_that_stays_is_no_recovery() -> None:
+def test_persistent_slip_is_not_a_recovery() -> None:
     trace = synthetic_manoeuvre()
     slip = np.where(trace.time > 8.505, 0.5, 0.01)
     found = events.detect(Trace(trace.time, {**trace.columns, "slip": slip}))
@@ -333,7 +333,7 @@ def test_numbers_are_set_as_in_print() -> None:
 def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     assert __main__.main(["--fmu", str(fmu), "--output", str(tmp_path), "--short"]) == 0
     report = reports.stands_alone(tmp_path / "report.html")
-    # What runs comes first; what is looked up is folded, unless a check fails.
+    # Results come first; reference sections are collapsed, unless a check fails.
     sections = ["manoeuvre", "cases", "belt", "checks", "reference", "sources", "limits"]
     assert re.findall(r'<h2 id="(\w+)">', report) == sections
     assert report.index('<div class="belt"') < report.index('<div class="panel">') < report.index('id="cases"')

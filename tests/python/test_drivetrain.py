@@ -37,7 +37,7 @@ from pushbelt.fmu.unit import Archive, UnitError, Variator
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 600.0
-"""Longest wait for a program, s: it ends a test that hangs."""
+"""Timeout for a program, s. It only ends tests that hang."""
 CAR = demo_car()
 FRICTION = Friction(0.09, math.radians(11.0))
 MAP = ThrustMap(
@@ -114,9 +114,9 @@ def test_section_starts_at_zero_and_at_standstill() -> None:
     section = cycle.section(1478.0, 1598.0)
     assert (section.time[0], section.start, section.duration) == (0.0, 1478.0, 120.0)
     assert section.at(60.5) == pytest.approx(cycle.at(1538.5))
-    with pytest.raises(ValueError, match="starts at standstill"):
+    with pytest.raises(ValueError, match="must start at standstill"):
         cycle.section(100.0 + 1478.0, 1700.0)
-    with pytest.raises(ValueError, match="no part"):
+    with pytest.raises(ValueError, match="is not within the cycle"):
         cycle.section(0.0, 2000.0)
 
 
@@ -161,7 +161,7 @@ def test_locked_engine_follows_the_pulley() -> None:
         powertrain.advance(40.0, pulley, STEP)
     assert powertrain.locked
     assert powertrain.speed == pytest.approx(pulley, abs=1.0)
-    # Engine torque less what its own inertia takes.
+    # Engine torque minus the torque that accelerates its inertia.
     assert powertrain.advance(40.0, pulley, STEP) == pytest.approx(40.0 - 20.0 * CAR.engine_inertia, abs=1.5)
 
 
@@ -247,7 +247,7 @@ def test_a_clearance_shifts_at_little_force_too() -> None:
     assert clear.acting_force(0.5 * thrust_map.FORCE) == pytest.approx(0.75 * thrust_map.FORCE)
     assert clear.shift_gain(1.0, 0.0) == MAP.shift_gain(1.0, 0.0)
     assert clear.shift_gain(1.0, 0.0, secondary=6e3) == pytest.approx(1.5 * MAP.shift_gain(1.0, 0.0, secondary=6e3))
-    # So less excess serves for the same shift.
+    # Therefore a smaller excess gives the same shift.
     primary = [RatioControl(FRICTION, table, (2e3, 6e4)).forces(0.9, MEASURED, 6e3, STEP)[0] for table in (MAP, clear)]
     assert primary[1] < primary[0]
 
@@ -260,7 +260,7 @@ def test_gain_is_that_near_the_excess() -> None:
     )
     held, sliding = (creeping.shift_gain(1.0, 0.0, excess) for excess in (0.0, math.log(2.5)))
     assert sliding > 100.0 * held
-    # As near to sliding as the map may be wrong.
+    # The distance to sliding is within the error of the map.
     assert creeping.shift_gain(1.0, 0.0, math.log(1.9)) > 100.0 * held
 
 
@@ -311,7 +311,7 @@ def test_slip_controller_does_not_wind_up() -> None:
 
 
 def test_slip_controller_rests_while_it_is_overruled() -> None:
-    """A shift takes more force than it asks for: what slip then does says nothing about friction."""
+    """A shift requires a larger force than the strategy, so the slip then contains no information on friction."""
     control = SlipControl(FRICTION, MAP, 0.2)
     before = control.force(MEASURED, STEP, overruled=True)
     for _ in range(300):
@@ -397,11 +397,11 @@ def test_target_ratio_is_limited_in_range_and_rate() -> None:
     assert target == pytest.approx(transmission.RATIO_LIMITS[0])
 
 
-def test_strategies_are_known_by_name() -> None:
+def test_strategies_are_selected_by_name() -> None:
     kinds = {"safety": SafetyFactor, "slip": SlipControl}
     for name, kind in kinds.items():
         assert isinstance(transmission.strategy_of(name, FRICTION, MAP, 0.2), kind)
-    with pytest.raises(ValueError, match="'Slip' is no clamping strategy: safety or slip"):
+    with pytest.raises(ValueError, match="'Slip' is not a clamping strategy: use safety or slip"):
         transmission.strategy_of("Slip", FRICTION, MAP, 0.2)
 
 
@@ -502,7 +502,7 @@ def test_a_freed_instance_is_not_called(archive: Archive) -> None:
         unit.initialise()
         assert unit.not_steady is None
     for call in (lambda: unit.not_steady, unit.outputs, lambda: unit.step_to(0.1)):
-        with pytest.raises(UnitError, match="freed already"):
+        with pytest.raises(UnitError, match="has been freed"):
             call()
 
 
@@ -565,7 +565,7 @@ def test_shift_speed_grows_with_force_as_the_map_says(archive: Archive, table: T
 
 
 def ripple(values: np.ndarray) -> float:
-    """What a moving mean over 0.4 s leaves, root mean square, relative to the mean."""
+    """Root mean square of the difference to a moving mean over 0.4 s, relative to the mean."""
     window = np.ones(round(0.4 / STEP)) * STEP / 0.4
     smooth = np.convolve(values, window, mode="valid")
     left = (len(values) - len(smooth)) // 2
@@ -625,7 +625,7 @@ def in_fast_overdrive(archive: Archive, table: ThrustMap, what: str) -> tuple[si
 
 
 def test_fast_overdrive_is_held(archive: Archive, table: ThrustMap, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At 110 to 120 km/h the belt by itself runs away from its ratio; the controllers hold it, and calmly."""
+    """At 110 to 120 km/h the ratio of the belt is unstable; the controllers stabilise it without oscillation."""
     run, late, error = in_fast_overdrive(archive, table, "as it is")
     assert run["ratio.geometric"][late].max() < 0.6
     assert run["utilisation.signed"][late].mean() > 0.6
@@ -649,7 +649,7 @@ def test_fast_overdrive_is_held(archive: Archive, table: ThrustMap, monkeypatch:
 def test_pressure_feedback_counts_near_capacity(
     archive: Archive, table: ThrustMap, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With next to no reserve for the torque the belt slips through behind the valve's lag, and not behind that of the feedback."""
+    """With almost no torque reserve the belt slips through with the valve's lag, but not with pressure feedback."""
     monkeypatch.setattr(simulate, "Friction", lambda *belt: Friction(*belt, reserve=1.0))
     led, late, _ = in_fast_overdrive(archive, table, "1 N·m of reserve")
     assert led["utilisation.signed"][late].mean() > 0.85
@@ -661,7 +661,7 @@ def test_pressure_feedback_counts_near_capacity(
 
 @pytest.mark.slow
 def test_ratio_loop_makes_up_for_a_wrong_law_over_force(archive: Archive, table: ThrustMap) -> None:
-    """The controller inverts the shift law with F = F_S: it underrates what a small force shifts, and the loop corrects it."""
+    """The controller inverts the shift law with F = F_S. It underestimates the shift rate at a small force, and the loop corrects it."""
     section = wltc_class_3b().section(10.0, 130.0)
     wrong = dataclasses.replace(table, clearance_force=0.0)
     errors = []

@@ -1,4 +1,4 @@
-"""The FMU as importers meet it: loaded, checked and run by fmpy."""
+"""The FMU in an importer: loaded, checked and run by fmpy."""
 
 from __future__ import annotations
 
@@ -202,7 +202,7 @@ def test_initial_outputs_depend_on_settings_as_the_structure_says(variator: New,
 
 
 def test_no_output_moves_at_once_when_an_input_does(variator: New) -> None:
-    """What the empty dependencies of the model structure promise."""
+    """Consistency with the empty dependencies of the model structure."""
     unit = variator()
     unit.initialise()
     run(unit, range(3))
@@ -240,7 +240,7 @@ def test_a_bad_value_is_named_and_forgotten_after_reset(variator: New, name: str
     with pytest.raises(UnitError, match=re.escape(said)):
         unit.set({name: value})
         unit.initialise()
-    # A value that is out of its own range is discarded; one that doesn't fit the others is found when initialising.
+    # A value out of its range is discarded; an inconsistent combination is detected at initialisation.
     assert unit.log[-1][:2] in ((2, "logStatusDiscard"), (3, "logStatusError"))
     unit.restart(CHEAP)
     unit.initialise()
@@ -345,7 +345,7 @@ def test_the_structure_lists_all_outputs(xml: ElementTree.Element) -> None:
 
 
 def test_names_units_and_causalities_are_the_interface(xml: ElementTree.Element) -> None:
-    """A sample of what controllers and drivetrain models are wired to."""
+    """A sample of variables that controllers and drivetrain models use."""
     found = {}
     for variable in xml.iter("ScalarVariable"):
         (typed,) = variable

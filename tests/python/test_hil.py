@@ -1,4 +1,4 @@
-"""The program for rigs: it runs the FMU's library in real time, and a unit that is given no time to spare is not late."""
+"""The program for rigs: it runs the FMU's library in real time, and a unit without a time reserve is not late."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ RUNS = {
 
 @pytest.fixture(scope="module")
 def expected(fmu: Path) -> dict[str, np.ndarray]:
-    """What fmpy finds."""
+    """Problems found by fmpy."""
     return {
         name: masters.with_fmpy(fmu, start, inputs, steps, OUTPUTS) for name, (start, inputs, steps) in RUNS.items()
     }
@@ -58,7 +58,7 @@ def expected(fmu: Path) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("name", RUNS)
 @pytest.mark.parametrize(("package", "run"), OTHERS)
 def test_other_masters_find_the_same(fmu: Path, expected, package: str, run: masters.Run, name: str) -> None:
-    """To 1e-9 of each output's range; the rest is how they add up their steps."""
+    """Equal to 1e-9 of each output's range; the remaining difference is due to the summation of steps."""
     if importlib.util.find_spec(package) is None:
         pytest.skip(f"{package} has no wheel for this Python and machine")
     start, inputs, steps = RUNS[name]
@@ -73,7 +73,7 @@ OWN = {"ring.model": 1, "friction.pulley": 0.085, "initial.ratio": 1.4, "primary
 
 @pytest.fixture(scope="module")
 def own(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy with start values of a user's own."""
+    """A copy with user-defined start values."""
     copy = tmp_path_factory.mktemp("own") / "own.fmu"
     words = [word for name, value in OWN.items() for word in ("--set", f"{name}={value}")]
     assert cli.main(["fmu", str(copy), "--fmu", str(fmu), *words]) == 0
@@ -84,7 +84,7 @@ def own(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_start_values_of_a_copy_hold_in_masters_that_pass_none_on(
     fmu: Path, own: Path, package: str, run: masters.Run | None
 ) -> None:
-    """fmpy.simulate_fmu, libcosim and ecos leave the start values of the model description alone."""
+    """fmpy.simulate_fmu, libcosim and ecos do not set the start values of the model description."""
     if importlib.util.find_spec(package) is None:
         pytest.skip(f"{package} has no wheel for this Python and machine")
     expected = masters.with_fmpy(fmu, OWN, unwired, 20, OUTPUTS)

@@ -1,4 +1,4 @@
-"""The package: which part may import which, and its version."""
+"""The package: permitted imports between its parts, and its version."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MODULES = {
 
 
 def part_of(module: str) -> str:
-    """`fmu`, `theory`, a program, or `shared` for what lies beside them."""
+    """Part of a module: `fmu`, `theory`, a program, or `shared` for all others."""
     names = module.split(".")
     return names[1] if len(names) > 1 and names[1] in ("fmu", "theory", *PROGRAMS) else "shared"
 
@@ -49,7 +49,7 @@ def test_all_parts_are_there() -> None:
 
 @pytest.mark.parametrize("module", MODULES)
 def test_imports_go_one_way(module: str) -> None:
-    """From a program to what is shared, from there to the FMU, and never from one program to another."""
+    """Programs import shared modules, and these import the FMU's; programs do not import each other."""
     wrong = {other for other in imported(module) if part_of(other) not in MAY_IMPORT[part_of(module)]}
     # The version is read from the package itself.
     assert wrong - {"pushbelt"} == set()

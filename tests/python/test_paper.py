@@ -123,7 +123,7 @@ def test_an_evenly_spaced_mesh_gets_near_when_fine_and_balances_energy_less_well
     assert off["even, fine"] < 0.06
     assert off["even"] < 0.1
     assert tension["even"] < tension["aligned"]
-    # The jump of the force costs both meshes the same 0.1 J in the first step; what comes later is the mesh.
+    # The jump of the force causes the same error of 0.1 J on both meshes in the first step; later differences are due to the mesh.
     assert worst["aligned"] < 1e-3 < worst["even"]
     assert worst["even"] > 10.0 * worst["aligned"]
 

@@ -1,4 +1,4 @@
-"""A page of all that a report can hold: it works under the pointer too, and the look at reports finds what is broken."""
+"""A page with all elements of reports: it works with the pointer, and the checks of reports detect defects."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ needs_browser = pytest.mark.skipif(
 
 
 def belt() -> str:
-    """Two moments in which the push force wanders round the belt."""
+    """Two times, between which the push force moves around the belt."""
     curve = data.curve_of(BENCH, 0.2)
     position = curve.length * np.arange(72) / 72
     none = np.zeros(72)
@@ -85,7 +85,7 @@ def test_pointer_moves_one_cursor_through_panels_and_belt(tmp_path: Path) -> Non
         assert opened.run("document.querySelector('.belt input').value") == str(round(1000 * a))
         for kind in ("mousePressed", "mouseReleased"):
             opened.call("Input.dispatchMouseEvent", type=kind, x=x + 0.5 * width, y=y, button="left", clickCount=1)
-        # What a drag selects is zoomed into, in both panels; a double click shows all again.
+        # A drag zooms both panels into the selection; a double click shows all again.
         opened.call(
             "Input.dispatchMouseEvent", type="mousePressed", x=x + 0.25 * width, y=y, button="left", clickCount=1
         )
@@ -98,7 +98,7 @@ def test_pointer_moves_one_cursor_through_panels_and_belt(tmp_path: Path) -> Non
         )
         ranges = "[...document.querySelectorAll('.plot')].map((plot) => plot._fullLayout.xaxis.range)"
         opened.wait(f"{ranges}.every(([low, high]) => Math.abs(low - 0.25) < 0.02 && Math.abs(high - 0.75) < 0.02)")
-        # Two clicks are a double click however slow this machine is, and the drag before them is none of them.
+        # Two clicks count as a double click independent of the speed of the machine, and the preceding drag is not one of them.
         opened.run(
             "document.querySelectorAll('.plot').forEach((plot) => {"
             " plot._context.doubleClickDelay = 600000; plot._mouseDownTime = 0; })"

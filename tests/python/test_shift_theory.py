@@ -32,7 +32,7 @@ def test_an_idle_arc_takes_no_torque(wrap: float, shift: float) -> None:
 
 @pytest.mark.parametrize("wrap", WRAPS)
 def test_without_shifting_it_is_the_steady_arc(wrap: float) -> None:
-    """A → 0: the solution is that of the steady theory, and nears it in proportion to A."""
+    """A → 0: the solution converges to that of the steady theory, with a difference proportional to A."""
     steady = cmm.arc_at_traction(wrap, BETA, MU, 0.0)
     assert idle_arc(wrap, BETA, MU, 0.0).thrust == pytest.approx(steady.thrust, rel=1e-9)
     off = [idle_arc(wrap, BETA, MU, shift).thrust - steady.thrust for shift in (0.02, 0.01)]

@@ -1,4 +1,4 @@
-"""Parameter studies: their parts as pure functions, then the FMU on clusters that lose workers and clients."""
+"""Parameter studies: their parts as pure functions, then the FMU on clusters in which workers and clients are killed."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_a_point_sets_its_utilisation() -> None:
     [
         ({"belt.colour": 1.0}, "no parameter belt.colour"),
         ({"thrustRatio": 1.0}, "no parameter thrustRatio"),
-        ({"initial.ratio": 2.0}, "set these themselves: initial.ratio"),
+        ({"initial.ratio": 2.0}, "set by the points of the study: initial.ratio"),
         ({"mesh.strand": 4.5}, "mesh.strand = 4.5"),
         ({"belt.play": math.nan}, "belt.play"),
     ],
@@ -130,7 +130,7 @@ def test_chunks_are_what_is_missing(study: Study, size: int | None) -> None:
 
 
 def made_up(study: Study) -> list[Row]:
-    """Steady states as one would wish them, the largest utilisation without."""
+    """Ideal steady states; the largest utilisation has none."""
     rows = []
     for point in study.grid.points():
         if point.utilisation > 1.0:
@@ -242,7 +242,7 @@ def test_checks_pass_what_is_right(study: Study) -> None:
         ({"slip": 0.05}, "Slip grows"),
         ({"efficiency": 0.9}, "Efficiency has one peak"),
         ({"loss__total": 500.0}, "Losses of the belt sum"),
-        ({"drift": 0.01}, "Steady states stay"),
+        ({"drift": 0.01}, "Steady states are stationary"),
     ],
 )
 def test_checks_find_a_spot(study: Study, values: dict, statement: str) -> None:
@@ -258,7 +258,7 @@ def test_checks_find_a_hole(study: Study) -> None:
     rows[4] = failure(4, "none found")
     results = maps.Results(study.grid, table(study, rows))
     failed = [check for check in checks.evaluate(results) if not check.passed]
-    assert [check.statement for check in failed] == ["Every utilisation below one that can be carried can be carried"]
+    assert [check.statement for check in failed] == ["If a utilisation has a steady state, all smaller ones have one"]
     assert checks.name_of(results, np.unravel_index(4, GRID.shape)) in failed[0].found
 
 
@@ -299,7 +299,7 @@ def without_times(rows: list[Row]) -> dict[int, Row]:
 
 
 def torque_of_the_shaft(outputs: Mapping[str, float]) -> float:
-    """What drives the primary shaft, N·m: the belt takes it less the shaft's drag, so from the definition of the efficiency.
+    """Torque that drives the primary shaft, N·m, from the definition of the efficiency. The belt torque is smaller by the shaft's drag.
 
     P₁ + P₂ is the power of the belt and loss.shafts, and −P₂/P₁ the efficiency.
     """
@@ -396,7 +396,7 @@ def cluster_of_processes(folder: Path) -> Iterator[tuple[str, list[subprocess.Po
         wait_until(lambda: file.is_file() and file.read_text().rstrip().endswith("}"))
         workers = [process(stack, folder, "dask_worker", *local, *own) for _ in range(2)]
         address = json.loads(file.read_text())["address"]
-        # On a busy machine one worker may have done all before the other comes.
+        # On a busy machine one worker may solve all points before the other one joins.
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(len(workers), timeout=600)
         yield address, workers
@@ -416,11 +416,11 @@ def test_the_report_shows_maps_cuts_and_what_failed(study: Study, solved: list[R
 
 @pytest.mark.slow
 def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path: Path) -> None:
-    heard: list[Progress] = []
+    reports: list[Progress] = []
     with cluster_of_processes(tmp_path) as (address, workers):
 
         def listen(progress: Progress) -> None:
-            heard.append(progress)
+            reports.append(progress)
             if progress.workers == 2 and 4 <= progress.done < 16 and workers[0].poll() is None:
                 workers[0].send_signal(signal.SIGKILL)
                 workers[0].wait()
@@ -428,7 +428,7 @@ def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path
         found = sweep(study, tmp_path / "out", scheduler=address, chunk=2, progress=listen)
         assert workers[0].poll() == -signal.SIGKILL
         assert workers[1].poll() is None
-    assert heard[-1] == Progress(points=24, done=24, failed=6, workers=1)
+    assert reports[-1] == Progress(points=24, done=24, failed=6, workers=1)
     assert found["point"].to_pylist() == list(range(24))
     kept = [row for path in (tmp_path / "out").rglob("points-*") for row in pq.read_table(path)["point"].to_pylist()]
     assert sorted(kept) == list(range(24))
@@ -437,7 +437,7 @@ def test_a_killed_worker_loses_nothing(study: Study, solved: list[Row], tmp_path
 
 @pytest.mark.slow
 def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path: Path) -> None:
-    """Client and workers of a local cluster are killed; the same command goes on and ends."""
+    """Client and workers of a local cluster are killed; the same command continues the study and completes it."""
     settings = [f"--set={name}={value}" for name, value in COARSE.items()]
     axes = [f"--{name}={','.join(map(str, getattr(GRID, name)))}" for name in AXES]
     command = [sys.executable, "-m", "pushbelt.sweep", f"--fmu={study.fmu}", f"--output={tmp_path}", "--workers=2"]
@@ -456,7 +456,7 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
     assert 3 <= len(kept) < 24
     second = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600, check=False)
     assert second.returncode == 0, second.stderr
-    assert f"{len(kept)} of 24 points are there already" in second.stdout
+    assert f"{len(kept)} of 24 points are already stored" in second.stdout
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
     found = pq.read_table(tmp_path / "results.parquet")
     assert found.drop_columns("time").equals(table(study, solved).drop_columns("time"))
@@ -465,7 +465,7 @@ def test_an_interrupted_study_goes_on(study: Study, solved: list[Row], tmp_path:
     assert "18 of 24" in text
 
 
-def test_a_point_that_kills_its_worker_is_told_from_its_neighbours() -> None:
+def test_a_point_that_crashes_its_worker_is_identified() -> None:
     def solve(chunk: list) -> list[Row]:
         for index, _ in chunk:
             if index == 3:

@@ -1,4 +1,4 @@
-"""Tests of the oracle itself: limit cases, symmetry, convergence, published facts."""
+"""Tests of the continuum theory: limit cases, symmetry, convergence, published results."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def test_driving_and_driven_pulley(wrap: float) -> None:
 @pytest.mark.parametrize("wrap", WRAPS)
 @pytest.mark.parametrize("traction", (-0.45, -0.1, 0.0, 0.2, 0.45))
 def test_power_balance(wrap: float, traction: float) -> None:
-    """Friction power summed along the arc equals what the belt brings in less what the pulley takes."""
+    """Friction power integrated along the arc equals the power of the belt minus the power transmitted to the pulley."""
     arc = cmm.arc_at_traction(wrap, BETA, MU, traction, points=20_001)
     v_r, v_t = cmm.sliding(arc.theta, arc.centre, arc.creep)
     speed = np.sqrt(v_t**2 + (v_r / cos(BETA)) ** 2)

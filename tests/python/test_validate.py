@@ -1,4 +1,4 @@
-"""The report beside theory and measurements: judging, reading data, and all of it, short."""
+"""The comparison with theory and measurements: verdicts, data, and a short run."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_the_mean_rate_is_that_over_the_window() -> None:
     assert shift.mean_rate(time, moving) == pytest.approx(3.0)
 
 
-def test_a_line_is_told_from_a_curve() -> None:
+def test_a_line_is_distinguished_from_a_curve() -> None:
     x = [-2.0, -1.0, 1.0, 2.0]
     assert shifting._deviation_from_a_line(x, [3.0 * value + 1.0 for value in x]) == pytest.approx(0.0, abs=1e-12)
     # y = x²: the best line is its mean, 2.5.
@@ -147,7 +147,7 @@ def test_a_point_without_a_steady_state_leaves_its_reason(bench: Bench) -> None:
     force = bench.force(1.0, 50.0, safety=0.5)
     assert bench.steady(driven_by_torque(bench.parameters, 1.0, 200.0, 50.0, force), "too much") is None
     assert len(bench.failures) == before + 1 and bench.failures[-1].startswith("too much: ")
-    # The next point is none the worse.
+    # The next point is not affected.
     assert bench.steady(driven_by_torque(bench.parameters, 1.0, 200.0, 50.0, 4.0 * force), "enough")
     assert len(solved) == 2
 
@@ -195,10 +195,10 @@ def test_every_check_has_a_verdict_a_goal_and_a_source(short_validation: Path) -
 
 
 def test_the_theorys_limit_is_met(short_validation: Path) -> None:
-    """Of all goals this one can't depend on a parameter that is not measured."""
+    """This goal does not depend on any unmeasured parameter."""
     with (short_validation / "checks.csv").open(encoding="utf-8", newline="") as file:
         verdicts = {check["statement"]: check["verdict"] for check in csv.DictReader(file)}
-    assert verdicts["In the theory's limit the thrust ratio is the theory's"] == "meets"
+    assert verdicts["In the theory's limit the thrust ratio agrees with the theory"] == "meets"
 
 
 def test_tables_are_there_as_csv_and_markdown(short_validation: Path) -> None:
@@ -210,6 +210,6 @@ def test_tables_are_there_as_csv_and_markdown(short_validation: Path) -> None:
     assert text.count("\n## ") + text.startswith("## ") == len(SECTIONS)
 
 
-def test_a_wrong_fmu_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_fmu_is_an_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert __main__.main(["--fmu", str(tmp_path / "none.fmu"), "--output", str(tmp_path / "out"), "--short"]) == 1
     assert "The validation failed" in capsys.readouterr().err

@@ -26,7 +26,7 @@ def bench(archive: Archive) -> Iterator[Bench]:
 
 
 def limit_case(bench: Bench, *case: float | against_theory.Level) -> Deviation:
-    """A case in the limit, at a ratio, a traction and maybe a level."""
+    """A case in the limit, at a ratio, a traction and optionally a level."""
     result = against_theory.compare(bench, against_theory.limit_case(bench, *case), str(case))
     assert result, bench.failures[-1]
     return result
@@ -57,7 +57,7 @@ def ladder_errors(bench: Bench, ratio: float, traction: float) -> list[float]:
 @pytest.mark.slow
 @pytest.mark.parametrize(("ratio", "traction"), [(1.0, -0.35), (2.2, 0.35)])
 def test_every_step_of_the_ladder_comes_closer(bench: Bench, ratio: float, traction: float) -> None:
-    """And the last is less than half as far off as the first."""
+    """The last error is less than half of the first."""
     errors = ladder_errors(bench, ratio, traction)
     assert all(later < earlier for earlier, later in pairwise(errors)), errors
     assert errors[-1] < 0.5 * errors[0]

@@ -1,4 +1,4 @@
-"""The wheel: what is in it, and that an environment without Rust runs it and is clean again after it."""
+"""The wheel: its content, and its installation, use and removal in an environment without Rust."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ EXTRA_OF = {
     "validate": "reports",
 }
 BY_HAND = {"wltp", "pythonfmu", "ecospy", "libcosimpy", "tbb"}
-"""What docs/wheel.md has a line for: the WLTC's table, and the co-simulation of the source tree."""
+"""Packages that docs/wheel.md describes separately: the WLTC's table, and the co-simulation of the source tree."""
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def test_the_wheel_holds_fmu_data_types_and_licences(wheel: Path, fmu: Path) -> 
 
 
 def imported(paths: Iterable[Path]) -> set[str]:
-    """Packages that modules import, but for those of Python and of this project."""
+    """Packages that modules import, except those of Python and of this project."""
     found = set()
     for path in paths:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -85,7 +85,7 @@ def imported(paths: Iterable[Path]) -> set[str]:
 
 @pytest.fixture(scope="module")
 def declared() -> dict[str, set[str]]:
-    """What the package asks for, by extra, and without one as `base`. Extras of extras are resolved."""
+    """Requirements of the package by extra, and those without extra as `base`. Extras of extras are resolved."""
     tomllib = pytest.importorskip("tomllib", reason="Python 3.10 has no tomllib")
     project = tomllib.loads((ROOT / "python" / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     lists = {"base": project["dependencies"], **project["optional-dependencies"]}
@@ -150,7 +150,7 @@ def test_what_a_program_imports_is_in_its_extra(program: str, declared: dict[str
 
 @pytest.fixture(scope="module")
 def place(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with an environment that has the wheel and what it asks for, of the tested versions, and a home of its own."""
+    """A folder with an environment that has the wheel and its requirements in the tested versions, and a separate home."""
     folder = tmp_path_factory.mktemp("installed")
     subprocess.run([sys.executable, "-m", "venv", folder / "venv"], check=True)
     pip(folder, "install", str(wheel))
@@ -171,7 +171,7 @@ def pip(folder: Path, *arguments: str) -> None:
 
 
 def run(folder: Path, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Runs a program of the environment with an empty search path and a home of its own."""
+    """Runs a program of the environment with an empty search path and a separate home."""
     home = folder / "home"
     home.mkdir(exist_ok=True)
     keep = {name: os.environ[name] for name in ("SYSTEMROOT", "TEMP") if name in os.environ}

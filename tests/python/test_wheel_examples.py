@@ -41,7 +41,7 @@ def car() -> ModuleType:
 
 @pytest.fixture
 def outside(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to run an example in, with the FMU under test and a cache of its own."""
+    """A folder to run an example in, with the FMU under test and a separate cache."""
     monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setenv("MPLBACKEND", "Agg")
@@ -69,7 +69,7 @@ def test_the_car_launches_shifts_and_stops(car: ModuleType, outside: Path) -> No
 
 @pytest.mark.slow
 def test_a_clutch_with_too_steep_a_law_chatters(car: ModuleType, outside: Path) -> None:
-    """What the rule for inertias outside guards against; until the clutch locks both are calm."""
+    """The instability that the rule for external inertias prevents. Until the clutch locks both runs are smooth."""
     run = car.main(naive=True, end=3.0)
     changes = np.abs(np.diff(run["primary.torque"]))
     assert changes[run["time"][1:] < 2.0].max() < 10.0

@@ -22,10 +22,10 @@ SOURCE = ROOT / "tests" / "windows" / "host.c"
 OF_WINDOWS = "binaries/win64/PushbeltVariator.dll"
 OF_LINUX = "binaries/linux64/PushbeltVariator.so"
 ASKED = "PUSHBELT_ZIG" in os.environ
-"""Whether `cargo fmu test --windows` runs this: it names a Python with the package ziglang, and the library of this machine."""
+"""Set by `cargo fmu test --windows`: a Python with the package ziglang, and the library of this machine."""
 
 Host = Callable[[Path, "Path | None", str], tuple[np.ndarray, Path]]
-"""Library, stored state to start from, name: readings at both stops, and the state stored at the first."""
+"""Runs the program: library, stored state to start from, name → readings at both stops, and the state stored at the first."""
 
 
 def wine() -> str | None:
@@ -43,7 +43,7 @@ elif wine() is None:
 
 
 def readings_of(description) -> list:
-    """All real outputs and locals. What a step was left to change is rounding itself."""
+    """All real outputs and locals except those that consist of rounding errors."""
     real = (v for v in description.modelVariables if v.type == "Real" and v.causality in ("output", "local"))
     return [variable for variable in real if variable.name != "solver.defect"]
 
@@ -84,7 +84,7 @@ def host(place: Path, description) -> Host:
             [*program, library, description.guid, *paths], env=environment, capture_output=True, text=True, timeout=600
         )
         assert done.returncode == 0, done.stderr
-        assert re.search(r"^\d+ calls right$", done.stdout, re.MULTILINE), done.stdout
+        assert re.search(r"^\d+ calls passed$", done.stdout, re.MULTILINE), done.stdout
         words = readings.read_text().split()
         values = [struct.unpack(">d", bytes.fromhex(word))[0] for word in words]
         return np.array(values).reshape(2, len(real)), stored
@@ -116,11 +116,11 @@ def sizes(description) -> np.ndarray:
 
 BUILDS = ("windows", "linux", "this machine")
 SAME = 1e-12
-"""Systems have sines of their own; the portable builds are alike in all else."""
+"""Systems have different implementations of the sine; the portable builds agree in everything else."""
 ROUNDING = 1e-8
-"""What a state that is rounded otherwise makes of 20 ms, in one build."""
+"""Difference after 20 ms from a state with different rounding, in one build."""
 OTHER_LANES = 1e-3
-"""Packs of another width sum in another order, and Newton's method stops within what the error control leaves it."""
+"""Packs of another width sum in another order, and Newton's method stops within the tolerance of the error control."""
 
 
 def test_windows_and_linux_agree(first, sizes: np.ndarray) -> None:
@@ -138,7 +138,7 @@ def test_builds_with_and_without_avx2_agree(first, sizes: np.ndarray) -> None:
 def test_each_build_continues_from_the_states_of_the_others(
     host: Host, libraries: dict[str, Path], first, sizes: np.ndarray, writer: str, reader: str
 ) -> None:
-    """As from a state of its own."""
+    """The run continues as from a state of the same library."""
     found, again = host(libraries[reader], first[writer][1], f"{reader} after {writer}")
     expected = first[reader][0]
     assert np.max(np.abs(found - expected) / sizes) < ROUNDING

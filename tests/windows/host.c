@@ -1,11 +1,11 @@
 /* A program that loads a library of the FMU and calls every function of FMI 2.0 for co-simulation in it. It compiles for Linux and for
- * Windows, so it shows that a library works where it was built for, and that the states it stores are read elsewhere.
+ * Windows, so it shows that a library works on its platform, and that other platforms can read its stored states.
  *
  *     host LIBRARY GUID REFERENCES -        STATE_OUT READINGS    a run of 20 ms, its state, and 20 ms more
  *     host LIBRARY GUID REFERENCES STATE_IN STATE_OUT READINGS    the 20 ms from a stored state on
  *
- * REFERENCES holds value references of real variables, READINGS gets their values at each stop, as the bits of doubles in hexadecimal.
- * It ends with 1 at the first call that answers otherwise than it should, and prints which. */
+ * REFERENCES contains value references of real variables. READINGS gets their values at each stop, as the bits of doubles in hexadecimal.
+ * The program ends with 1 at the first call with an unexpected result, and prints the call. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -110,13 +110,13 @@ static void find_all(void) {
     GET(fmi2GetBooleanStatus) GET(fmi2GetStringStatus)
 }
 
-static int said;
+static int messages;
 
-/* The message comes as the argument of "%s". */
-static void hear(void *environment, const char *name, int status, const char *category, const char *format, ...) {
+/* The message is the argument of "%s". */
+static void log_message(void *environment, const char *name, int status, const char *category, const char *format, ...) {
     (void)environment, (void)name, (void)category;
-    if (!strcmp(format, "%s")) said++;
-    if (status > WARNING) said += 1000;
+    if (!strcmp(format, "%s")) messages++;
+    if (status > WARNING) messages += 1000;
 }
 
 static FILE *opened(const char *path, const char *how) {
@@ -184,7 +184,7 @@ static void write_state(component c, const char *path) {
     free(bytes);
 }
 
-/* The first 20 ms, by way of what a master may do before. */
+/* The first 20 ms, after other calls that a master may make. */
 static void first_run(component c) {
     double number = 55.0, nan = 0.0 / (double)(count == 0 ? 1 : 0), gradient = 100.0;
     int whole = 1, truth = 1, order = 1;
@@ -234,9 +234,9 @@ int main(int argc, char **argv) {
     find_all();
     check("fmi2GetVersion", strcmp(fmi2GetVersion(), "2.0"), 0);
     check("fmi2GetTypesPlatform", strcmp(fmi2GetTypesPlatform(), "default"), 0);
-    callbacks functions = {hear, calloc, free, NULL, NULL};
+    callbacks functions = {log_message, calloc, free, NULL, NULL};
     check("fmi2Instantiate with another GUID", !fmi2Instantiate("host", 1, "{0}", NULL, &functions, 0, 0), 1);
-    check("what it said", said, 1001);
+    check("the logged messages", messages, 1001);
     component c = fmi2Instantiate("host", 1, argv[2], NULL, &functions, 0, 0);
     check("fmi2Instantiate", c != NULL, 1);
     FILE *readings = opened(argv[6], "w");
@@ -257,6 +257,6 @@ int main(int argc, char **argv) {
     check("fmi2Terminate", fmi2Terminate(c), OK);
     fmi2FreeInstance(c);
     unload(library);
-    printf("%d calls right\n", calls);
+    printf("%d calls passed\n", calls);
     return 0;
 }

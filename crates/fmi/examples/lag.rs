@@ -13,27 +13,21 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        let (time_constant, start, input) = (2.0, 0.0, 1.0);
         Self {
-            time_constant,
-            start,
-            input,
+            time_constant: 2.0,
+            start: 0.0,
+            input: 1.0,
         }
     }
 }
 
-/// The state.
+/// The state y, which is the output.
 #[derive(Clone)]
-pub struct Lag {
-    time: f64,
-    output: f64,
-}
+pub struct Lag(f64);
 
-impl Unit for Lag {
+impl SimpleModel for Lag {
     type Settings = Settings;
-    /// The output.
     type Readings = f64;
-    type Progress = ();
 
     const IDENTITY: Identity = Identity::new("Lag", "A first-order lag");
 
@@ -50,36 +44,24 @@ impl Unit for Lag {
         Table::new(UNITS, &[], variables)
     }
 
-    fn start(settings: &Settings, experiment: &Experiment, _: &mut Vec<Remark>) -> Result<Self, String> {
-        let (time, output) = (experiment.start, settings.start);
-        Ok(Self { time, output })
+    fn start(settings: &Settings, _time: f64) -> Result<Self, String> {
+        Ok(Self(settings.start))
     }
 
-    fn time(&self) -> f64 {
-        self.time
-    }
-
-    fn readings(&mut self, _: bool) -> &f64 {
-        &self.output
+    fn readings(&mut self) -> &f64 {
+        &self.0
     }
 
     /// The exact solution for an input that is held.
-    fn advance(
-        &mut self,
-        step: &mut CommunicationStep<Self>,
-        settings: &Settings,
-        _: &mut Vec<Remark>,
-    ) -> Result<(), StepFailure> {
-        let decay = (-(step.to - self.time) / settings.time_constant).exp();
-        self.output = settings.input + (self.output - settings.input) * decay;
-        self.time = step.to;
+    fn advance(&mut self, settings: &Settings, from: f64, to: f64) -> Result<(), StepFailure> {
+        let decay = (-(to - from) / settings.time_constant).exp();
+        self.0 = settings.input + (self.0 - settings.input) * decay;
         Ok(())
     }
 
     fn serialize(&mut self, tape: &mut Tape<'_>) {
-        tape.real(&mut self.time);
-        tape.real(&mut self.output);
+        tape.real(&mut self.0);
     }
 }
 
-pushbelt_fmi::export!(Lag);
+pushbelt_fmi::export!(SimpleUnit<Lag>);

@@ -1,6 +1,6 @@
 //! Prints the model description of the first-order lag: of FMI 2.0, or with the argument 3 of FMI 3.0.
 
-use pushbelt_fmi::{fmi2, fmi3};
+use pushbelt_fmi::{SimpleUnit, fmi2, fmi3};
 
 #[path = "lag.rs"]
 mod lag;
@@ -8,9 +8,9 @@ mod lag;
 fn main() {
     let third = std::env::args().nth(1).is_some_and(|version| version == "3");
     let describe = if third {
-        fmi3::model_description::<lag::Lag>
+        fmi3::model_description::<SimpleUnit<lag::Lag>>
     } else {
-        fmi2::model_description::<lag::Lag>
+        fmi2::model_description::<SimpleUnit<lag::Lag>>
     };
     print!("{}", describe());
 }

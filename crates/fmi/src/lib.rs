@@ -3,12 +3,14 @@
 //!
 //! A model implements [`Unit`]: settings that the master writes (parameters and inputs), readings that it reads, a start and a
 //! step; and one [`Table`] that binds each variable's name to its field. The C functions and `modelDescription.xml` come from the
-//! table. [`export!`] exports the C functions. `examples/lag.rs` is a whole FMU.
+//! table. [`export!`] exports the C functions. [`SimpleModel`] is a shorter trait for a model without internal steps and events;
+//! `examples/lag.rs` is a whole FMU of one.
 //!
 //! | module | content |
 //! |---|---|
 //! | [`table`] | variables; the only place for facts about a variable |
 //! | [`mod@unit`] | the trait of a model |
+//! | [`simple`] | a shorter trait for a model without internal steps and events |
 //! | [`state`] | which function the standard allows in which state (its table 4.2.4) |
 //! | [`slave`] | one instance: its calls, for both versions |
 //! | `snapshot`, `bytes` | the whole state of an instance; its bytes, with version and checksum |
@@ -42,6 +44,8 @@ pub mod log;
 #[forbid(unsafe_code)]
 mod processor;
 #[forbid(unsafe_code)]
+pub mod simple;
+#[forbid(unsafe_code)]
 pub mod slave;
 #[forbid(unsafe_code)]
 mod snapshot;
@@ -58,6 +62,7 @@ mod xml;
 
 /// What the file of a unit imports.
 pub mod prelude {
+    pub use crate::simple::{SimpleModel, SimpleUnit};
     pub use crate::table::{Access, Causality, Range, Table, UnitDefinition, Variable};
     pub use crate::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure};
     pub use crate::{Tape, Unit, setting};
@@ -65,6 +70,7 @@ pub mod prelude {
 
 pub use fmi2::{guid, model_description};
 pub use pushbelt_tape::Tape;
+pub use simple::{SimpleModel, SimpleUnit};
 pub use slave::Slave;
 pub use snapshot::Snapshot;
 pub use table::Table;

@@ -117,7 +117,8 @@ pub struct CommunicationStep<U: Unit> {
 /// original would.
 ///
 /// A communication step is [`begin`](Unit::begin), then [`advance`](Unit::advance) until [`is_over`](Unit::is_over), then
-/// [`finish`](Unit::finish). A model without internal steps and events implements `advance` only: one call goes to the end.
+/// [`finish`](Unit::finish). A model without internal steps implements `advance` only: one call goes to the end. A
+/// [`SimpleModel`](super::SimpleModel) has neither internal steps nor events and is shorter to write.
 pub trait Unit: Clone + Sized {
     /// Parameters and inputs. The default holds the start values.
     type Settings: Clone + Default;

@@ -15,7 +15,7 @@ use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
 use pushbelt_paper::ring::rcm::Rcm;
 use pushbelt_paper_lab::RingSystem;
-use pushbelt_paper_lab::drive::{Drive, DriveError, DrivePulley, Tensioner};
+use pushbelt_paper_lab::drive::{BeltDrive, DriveError, DrivePulley, Tensioner};
 use std::error::Error;
 
 /// Belt speed, m/s.
@@ -26,8 +26,8 @@ fn pulley(x: f64, y: f64, radius: f64) -> DrivePulley {
 }
 
 /// Clockwise: driver, driven, idler on the back of the lower strand.
-fn drive() -> Result<Drive<3>, DriveError> {
-    Drive::new([
+fn drive() -> Result<BeltDrive<3>, DriveError> {
+    BeltDrive::new([
         pulley(0.0, 0.0, 0.04),
         pulley(0.25, 0.02, 0.06),
         pulley(0.12, -0.03, -0.02),
@@ -35,11 +35,13 @@ fn drive() -> Result<Drive<3>, DriveError> {
 }
 
 /// Driver, idler inside the upper strand on an upright arm, driven.
-fn tensioned() -> Result<Drive<3>, DriveError> {
-    Drive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])?.with_tensioner(Tensioner {
-        pulley: 1,
-        pivot: [0.13, -0.05],
-    })
+fn tensioned() -> Result<BeltDrive<3>, DriveError> {
+    BeltDrive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])?.with_tensioner(
+        Tensioner {
+            pulley: 1,
+            pivot: [0.13, -0.05],
+        },
+    )
 }
 
 /// Steel, 0.185 mm × 9.5 mm, without bending stiffness if `string`.
@@ -66,7 +68,7 @@ fn advance<M: RingFormulation>(
 }
 
 /// Runs a string through half the drive and prints the change of its shape.
-fn run<M: RingFormulation>(name: &str, model: M, drive: &Drive<3>) -> Result<(), Box<dyn Error>> {
+fn run<M: RingFormulation>(name: &str, model: M, drive: &BeltDrive<3>) -> Result<(), Box<dyn Error>> {
     let mut system = RingSystem::new(model);
     system.tolerance = 1.0e-7;
     let ring = system.model.ring().clone();
@@ -95,7 +97,7 @@ fn run<M: RingFormulation>(name: &str, model: M, drive: &Drive<3>) -> Result<(),
 }
 
 /// Prints the period of an oscillation of the arm.
-fn swing(drive: Drive<3>) -> Result<(), Box<dyn Error>> {
+fn swing(drive: BeltDrive<3>) -> Result<(), Box<dyn Error>> {
     let mesh = RingMesh::even(&[2, 3, 2, 3, 2, 4, 2], 3);
     let mut system = RingSystem::new(AleRing::rigid(belt(false), drive, mesh));
     system.tolerance = 1.0e-8;
@@ -131,8 +133,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let frame = drive.frame::<f64>(0.0);
     println!("belt {:.4} m", drive.length());
     for segment in 0..drive.segments() {
-        let point = Drive::<3>::point::<f64>(&frame, segment, 0.5);
-        let length = Drive::<3>::segment_length(&frame, segment).v;
+        let point = BeltDrive::<3>::point::<f64>(&frame, segment, 0.5);
+        let length = BeltDrive::<3>::segment_length(&frame, segment).v;
         let kind = if point.kappa == 0.0 { "strand" } else { "arc" };
         let turn = (point.kappa * length).to_degrees();
         println!("{kind:>6} {:7.2} mm, turns {turn:7.2}°", 1.0e3 * length);

@@ -2,7 +2,7 @@
 
 use crate::reference_curve::{self, Jet, ReferencePoint};
 use crate::ring::Ring;
-use crate::ring::kinematics::{Load, Motion, Node, ReferenceMotion, RingPoint};
+use crate::ring::kinematics::{LineLoad, Motion, Node, ReferenceMotion, RingPoint};
 use crate::ring::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::scalar::Real;
 use pushbelt::variator::belt_ring::{
@@ -59,7 +59,7 @@ impl<T: Real, const D: usize> CellRing<T, D> for Rotating<'_, T, D> {
     }
 
     #[inline(always)]
-    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T {
+    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T {
         self.ring.own_load(slot, point, load)
     }
 

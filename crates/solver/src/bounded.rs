@@ -1,6 +1,7 @@
-//! Time integration with bounded work, for real time. A millisecond has some Jacobians, most of them updates ([`Geometry`]), and a fixed
-//! number of residuals after each ([`Budget`]). A step that is not solved when the work is used up stays open. The next millisecond goes on
-//! from its best point, with a new Jacobian there. There are two schemes, both one-step and L-stable:
+//! Time integration with bounded work, for real time. A millisecond has some Jacobians, most with reused geometry
+//! ([`GeometryUpdate`]), and a fixed number of residuals after each ([`Budget`]). A step that is not solved when the work is used up
+//! stays open. The next millisecond goes on from its best point, with a new Jacobian there. There are two schemes, both one-step and
+//! L-stable:
 //!
 //! - [`Scheme::Sdirk`] is that of [`Sdirk`](super::sdirk::Sdirk): order two, two stages.
 //! - [`Scheme::Euler`] is implicit Euler: order one, one stage, more damping. In steps of 1 ms a swing of 70 Hz lags by 0.2 rad.
@@ -15,7 +16,7 @@
 
 use super::broyden::Broyden;
 use super::newton::Counts;
-use super::sdirk::{Evolution, GAMMA, Geometry, Interval, Quadrature, move_by};
+use super::sdirk::{Evolution, GAMMA, GeometryUpdate, Interval, Quadrature, move_by};
 use super::stage::{Chord, Stage};
 use super::{State, System};
 use pushbelt_tape::Tape;
@@ -23,7 +24,7 @@ use pushbelt_tape::Tape;
 /// Unit of the clock, s: a millisecond.
 pub const TICK: f64 = 1.0e-3;
 /// Residuals after each Jacobian. All Jacobians have new constitutive tangents. The first one of a millisecond has new geometry too
-/// ([`Geometry`]): in an SDIRK step that begins there of one of so many parts of the system, else of all.
+/// ([`GeometryUpdate`]): in an SDIRK step that begins there of one of so many parts of the system, else of all.
 pub const RESIDUALS: usize = 8;
 const PARTS: usize = 2;
 /// Share of them that the first stage of a step may take at once: the second one needs some.
@@ -366,13 +367,13 @@ impl Bounded {
             return;
         }
         let geometry = match scheme {
-            Scheme::Euler if length < SHORT * TICK => Geometry::All,
-            _ if budget.part > 1 => Geometry::Kept,
-            Scheme::Sdirk if !goes_on => Geometry::Part {
+            Scheme::Euler if length < SHORT * TICK => GeometryUpdate::All,
+            _ if budget.part > 1 => GeometryUpdate::None,
+            Scheme::Sdirk if !goes_on => GeometryUpdate::Part {
                 number: self.turn,
                 parts: PARTS,
             },
-            _ => Geometry::All,
+            _ => GeometryUpdate::All,
         };
         if budget.part == 1 {
             self.turn = (self.turn + 1) % PARTS;

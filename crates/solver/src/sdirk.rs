@@ -32,8 +32,15 @@ pub trait Evolution: System {
         f64::INFINITY
     }
 
-    /// The Jacobian with a geometry that is new or kept. [`System::jacobian`] if there is no other.
-    fn jacobian_with(&mut self, geometry: Geometry, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+    /// The Jacobian with such an update of its geometry. The default is [`System::jacobian`], which evaluates everything.
+    fn jacobian_with(
+        &mut self,
+        geometry: GeometryUpdate,
+        time: f64,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) {
         let _ = geometry;
         let [alpha, beta] = slopes;
         self.jacobian(time, view, alpha, beta, out);
@@ -43,9 +50,10 @@ pub trait Evolution: System {
     fn accumulate(&mut self, before: View<'_>, after: View<'_>, interval: Interval);
 }
 
-/// What of a Jacobian is evaluated anew beside the slopes of laws that change much, if there is an earlier one of a like step.
+/// Part of a Jacobian's geometry that is evaluated. The rest is reused from a Jacobian of a similar step, if there is one. The
+/// constitutive tangents are evaluated in any case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Geometry {
+pub enum GeometryUpdate {
     /// Everything.
     All,
     /// A part of it.
@@ -55,8 +63,8 @@ pub enum Geometry {
         /// Of how many.
         parts: usize,
     },
-    /// Nothing.
-    Kept,
+    /// Nothing: all geometry is reused.
+    None,
 }
 
 /// The time that an accepted step took.

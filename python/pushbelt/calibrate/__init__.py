@@ -1,5 +1,5 @@
 """Parameters of the pushbelt FMU from a table of measured steady points.
 
 table (CSV with units → points) ┐
-parameters (what is fitted)     ┴→ model (points and parameters → residuals; `worker` runs the FMU) → fit → report
+parameters (fitted ones)        ┴→ model (points and parameters → residuals; `worker` runs the FMU) → fit → report
 """

@@ -1,15 +1,15 @@
 """Fits parameters of the FMU to a table of measured steady points: `python -m pushbelt.calibrate TABLE.csv --fmu … --output …`.
 
-The table is CSV with a line a point. Columns, with the unit in the header, like `primary.speed [rpm]`:
+The table is CSV with one line per point. Columns have the unit in the header, like `primary.speed [rpm]`:
 
     ratio.geometric or ratio.speed, primary.speed [rad/s, rpm], primary.torque [N.m], secondary.clampingForce [N, kN]
     any of thrustRatio, slip [1, %], efficiency [1, %], di/dt or ds/dt [1/s] (these need primary.clampingForce)
     their standard deviations, like slip.sd [%]; name
 
-Cells may be empty. --template FILE writes such a table with what each column means.
+Cells may be empty. --template FILE writes such a table with the meaning of each column.
 
-It takes 0.02 to 0.03 s of processor time a point and solution, and some ten times one solution more than parameters: 60 points
-and six parameters take two minutes on two processors. Shift rates and speed ratios take about five times as long as others.
+A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about ten times as many solutions as parameters plus one:
+60 points and six parameters take two minutes on two processors. Shift rates and speed ratios take about five times as long.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from .results import Effort, Results
 from .table import TableError
 
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
-"""The mesh of a short run."""
+"""Mesh of a short run."""
 ITERATIONS = 8
-"""Of a fit as the progress bar expects it."""
+"""Number of iterations of a fit that the progress bar assumes."""
 
 
 def assignment(text: str) -> tuple[str, float]:
@@ -49,7 +49,7 @@ def assignment(text: str) -> tuple[str, float]:
 
 
 def wanted(text: str) -> dict[str, float | None]:
-    """Names between commas, each with or without `=value`."""
+    """Comma-separated names, each with or without `=value`."""
     return {name: float(value) if sign else None for name, sign, value in (p.partition("=") for p in text.split(","))}
 
 
@@ -72,13 +72,13 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument(
         "--output", type=Path, required=True, help="folder for report.html, parameters.json and residuals.csv"
     )
-    found.add_argument("--template", type=Path, metavar="FILE", help="write an example of a table instead")
+    found.add_argument("--template", type=Path, metavar="FILE", help="write an example table and exit")
     found.add_argument(
         "--fit",
         type=wanted,
         default=dict.fromkeys(parameters.DEFAULT),
         metavar="NAME[=START],…",
-        help="parameters that are fitted, any real ones of the FMU; tiltStiffness is that of both pulleys "
+        help="fitted parameters, any real ones of the FMU; tiltStiffness means that of both pulleys "
         f"[default: {','.join(parameters.DEFAULT)}]",
     )
     found.add_argument(
@@ -87,19 +87,19 @@ def parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="NAME=LOW:HIGH",
-        help="closer bounds than the FMU's",
+        help="narrower bounds than the FMU's",
     )
-    found.add_argument("--variator", default="bench168", help="parameter set that is started from, or its file, ….json")
+    found.add_argument("--variator", default="bench168", help="parameter set of the start values: a name, or a file ….json")
     found.add_argument(
-        "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter that stays"
+        "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="parameter with a fixed value"
     )
-    found.add_argument("--short", action="store_true", help="on a coarse mesh: half the time, for a first look")
+    found.add_argument("--short", action="store_true", help="fit on a coarse mesh in half the time, for a first estimate")
     found.add_argument("--workers", type=int, default=2, metavar="N", help="processes [default: 2]")
     return found
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Fits, writes report, parameters and residuals, and says where they are."""
+    """Fits, writes report, parameters and residuals, and prints their paths."""
     options = parser().parse_args(arguments)
     try:
         if options.template is not None:
@@ -107,7 +107,7 @@ def main(arguments: list[str] | None = None) -> int:
             print(options.template.resolve())
             return 0
         if options.table is None:
-            raise TableError("name a table; --template FILE writes one to start from")
+            raise TableError("a table is required; --template FILE writes an example")
         return _run(options)
     except (TableError, ParameterError, StartValueError, FitError, UnitError, InputFileError, OSError, json.JSONDecodeError) as error:
         print(f"The calibration failed: {error}", file=sys.stderr)
@@ -115,7 +115,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> dict[str, float]:
-    """Parameters of the FMU that all points share, before anything is fitted."""
+    """Parameters of the FMU that are common to all points, before the fit."""
     values = {**parameter_set(options.variator), **(COARSE if options.short else {}), **dict(options.set)}
     return checked(variables, values, {"parameter"})
 

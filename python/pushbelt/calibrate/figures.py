@@ -15,14 +15,14 @@ ACROSS: tuple[tuple[str, Callable[[Row], float]], ...] = (
     ("torque, N·m", lambda row: row.point.torque),
     ("ratio", lambda row: row.point.ratio or row.point.speed_ratio),
 )
-"""What residuals are drawn over."""
+"""Abscissas of the residuals."""
 NAMES = {"before": "start values", "after": "fitted"}
 LOOKS = {
     "before": {"colour": MUTED, "marker": "circle-open", "size": 6, "opacity": 0.8},
     "after": {"colour": BLUE, "size": 7},
 }
 SURE = 2.0
-"""Standard deviations that are shaded."""
+"""Half-width of the shaded band, in standard deviations."""
 
 
 def residuals(results: Results, quantity: str) -> Chart:
@@ -49,13 +49,13 @@ def _compared(rows: list[Row], quantity: str) -> Panel:
 def _over(rows: list[Row], label: str, across: Callable[[Row], float]) -> Panel:
     places = [across(row) for row in rows]
     values = {"before": [row.relative_before for row in rows], "after": [row.relative for row in rows]}
-    # The start may be far off: what is left after the fit decides the scale.
+    # The residuals after the fit determine the scale, since those at the start may be very large.
     reach = 1.3 * max(3.0, max(abs(value) for value in values["after"]))
     beyond = sum(value is not None and abs(value) > reach for value in values["before"])
     margin = 0.04 * (max(places) - min(places)) + 1e-3
     span = (min(places) - margin, max(places) + margin)
     sure = Series(f"within {SURE:g}", span, (-SURE, -SURE), BLUE, "band", upper=(SURE, SURE), opacity=0.1)
     series = [sure, *(_points(side, rows, places, values[side]) for side in NAMES)]
-    note = f"{beyond} of the start values lie beyond." if beyond else ""
+    note = f"{beyond} residuals at the start values are outside the figure." if beyond else ""
     title = "Residual, standard deviations"
     return Panel(title, series, label, x_range=span, y_range=(-reach, reach), height=270, note=note)

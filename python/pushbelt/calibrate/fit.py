@@ -1,4 +1,4 @@
-"""Bounded least squares, confidence intervals, and which parameters the table does not determine."""
+"""Bounded least squares, confidence intervals, and detection of parameters that the table does not determine."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ from .worker import Found
 
 CONFIDENCE = 0.95
 UNDETERMINED = 1.0
-"""A parameter whose interval reaches farther than this to either side, in its coordinate, is not determined: as far as its start
-value, or as a factor of e."""
+"""Largest half-width of the interval of a determined parameter, in its coordinate: the start value itself, or a factor of e."""
 TOLERANCE = 1e-7, 1e-5
-"""Relative change of the sum of squares, and of the coordinates, at which a fit ends."""
+"""Relative changes of the sum of squares and of the coordinates at which a fit ends."""
 MOST_EVALUATIONS = 40
 AT_BOUND = 1e-3
-"""A coordinate this near to a bound is at it."""
+"""Distance within which a coordinate counts as at its bound."""
 RAISE = 1.1
-"""Factor by which the friction is raised while points lack a steady state at the start."""
+"""Factor by which the friction is raised while points have no steady state at the start values."""
 PARTNER = 0.9
-"""Correlation from which on two parameters can hardly be separated."""
+"""Correlation above which two parameters can hardly be separated."""
 
 
 class FitError(RuntimeError):
@@ -36,12 +35,12 @@ class FitError(RuntimeError):
 
 @dataclass(frozen=True)
 class Undetermined:
-    """Why a parameter was put back to its start value."""
+    """Reason why a parameter was reset to its start value."""
 
     half: float
-    """Half of its interval, in its coordinate; infinite if it moves nothing."""
+    """Half-width of its interval in its coordinate; infinite if it has no influence."""
     partner: str | None
-    """Parameter that it can't be separated from."""
+    """Parameter from which it cannot be separated."""
     correlation: float
 
 
@@ -52,7 +51,7 @@ class Estimate:
     parameter: Parameter
     coordinate: float
     half: float | None
-    """Half of its confidence interval in its coordinate; none where it is at a bound or not determined."""
+    """Half-width of its confidence interval in its coordinate; None if it is at a bound or not determined."""
     undetermined: Undetermined | None
 
     @property
@@ -67,25 +66,25 @@ class Estimate:
 
     @property
     def at_bound(self) -> bool:
-        """Whether it has come to a bound."""
+        """Whether it is at a bound."""
         return self.half is None and self.undetermined is None
 
 
 @dataclass(frozen=True)
 class Fit:
-    """What was found."""
+    """Result of the fit."""
 
     estimates: tuple[Estimate, ...]
     correlations: Array
-    """Between the parameters that have an interval, in their order."""
+    """Correlations between the parameters that have an interval, in their order."""
     singular_values: Array
-    """Of the slopes of the residuals by the same parameters: what a coordinate moves, in standard deviations."""
+    """Singular values of the Jacobian of the residuals for the same parameters, in standard deviations per unit of coordinate."""
     chi_squared: tuple[float, float]
     """Sum of squares before and after, of the points with a steady state."""
     freedom: int
-    """Values that were used less parameters."""
+    """Degrees of freedom: values used minus parameters."""
     factor: float
-    """By which the standard deviations were multiplied for the intervals."""
+    """Factor of the standard deviations in the intervals."""
     before: tuple[Found, ...]
     after: tuple[Found, ...]
     evaluations: int
@@ -93,7 +92,7 @@ class Fit:
 
     @property
     def determined(self) -> list[Estimate]:
-        """Those with an interval."""
+        """Estimates with an interval."""
         return [estimate for estimate in self.estimates if estimate.half is not None]
 
 
@@ -108,7 +107,7 @@ class _Spread:
 
 
 def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
-    """Fits parameters. Those that the table does not determine are put back to their start values, one after the other."""
+    """Fits parameters. Those that the table does not determine are reset to their start values one by one."""
     count = len(model.values)
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
@@ -154,7 +153,7 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
 def _carrying(
     model: Model, parameters: Sequence[Parameter], start: Array, states: list[Found]
 ) -> tuple[Array, list[Found]]:
-    """Coordinates and states to begin at: with more friction as long as that brings the model nearer to what was measured."""
+    """Initial coordinates and states. The friction is raised as long as this brings the model closer to the measurements."""
     place = start
     friction = next((k for k, parameter in enumerate(parameters) if parameter.name == "friction.pulley"), None)
     while friction is not None and any(found.reason is not None for found in states):
@@ -176,7 +175,7 @@ def _why(parameters: Sequence[Parameter], given_up: Mapping[int, Undetermined]) 
 def _least_squares(
     model: Model, parameters: Sequence[Parameter], start: Array, free: Sequence[int], states: list[Found]
 ) -> tuple[Array, list[Found], bool, int]:
-    """Where the sum of squares is least: coordinates, states, whether it ended by itself, evaluations."""
+    """Minimises the sum of squares. Returns coordinates, states, whether it converged, and the number of evaluations."""
     chosen = [parameters[k] for k in free]
     known: dict[bytes, list[Found]] = {start[free].tobytes(): states}
 
@@ -237,7 +236,7 @@ def _spread(
     slopes = model.slopes(chosen, assign(parameters, place), place[list(inner)], states, central=True)
     used = np.array([states[value.point].reason is None for value in model.values])
     _, singular, turned = np.linalg.svd(slopes[used], full_matrices=False)
-    # What is below rounding moves nothing: its interval is as good as infinite.
+    # Singular values below rounding correspond to directions without influence, with an infinite interval.
     floored = np.maximum(singular, 1e-12 * max(float(singular[0]), 1.0))
     covariance = turned.T @ np.diag(floored**-2.0) @ turned
     deviations = np.sqrt(np.diag(covariance))

@@ -1,4 +1,4 @@
-"""Points and parameters to residuals and their derivatives, by steady states of the FMU in several processes."""
+"""Residuals and their derivatives from points and parameters, by steady states of the FMU in several processes."""
 
 from __future__ import annotations
 
@@ -19,32 +19,32 @@ from .table import Measured, Point
 from .worker import Found, Job, solve_all
 
 STEP = 1e-3
-"""Step of the differences, in a parameter's coordinate, where its start value is 1. Between 1e-4 and 3e-3 central differences
-agree within some 1e-3; shift rates are solved less exactly and set the lower end."""
+"""Step of the finite differences in a parameter's coordinate, in which the start value is 1. For steps between 1e-4 and 3e-3
+central differences agree within about 1e-3. The limited accuracy of shift rates sets the lower end."""
 LOST = 100.0
-"""Residual of a point without a steady state, in standard deviations: so much that no fit gains by losing a point that the belt
-does carry. It is a constant and has no slope: what is never carried does not pull."""
+"""Residual of a point without a steady state, in standard deviations. It is so large that no fit improves by losing a point that
+the belt can carry. It is constant, so a lost point has no slope and does not influence the fit."""
 FAR = 10.0
-"""Residual from which on a start is as far off as it can be, in standard deviations."""
+"""Upper limit of a residual in the comparison of start points, in standard deviations."""
 OUTSTANDING = 3.0
-"""A slope so many times the upper quartile of its quantity is looked at from the other side too."""
+"""A one-sided slope above this multiple of the upper quartile of its quantity is checked by a step to the other side."""
 CONTRADICTION = 0.5
-"""Slopes to two sides that differ by more than this share of the larger one contradict each other."""
+"""One-sided slopes contradict each other if they differ by more than this share of the larger one."""
 CHUNK = 6
-"""Points that a process takes at once."""
+"""Number of points per job of a process."""
 
 
 @dataclass(frozen=True)
 class Value:
-    """A measured value and where it was measured."""
+    """A measured value and its point."""
 
     point: int
-    """Place of the point among all."""
+    """Index of the point."""
     measured: Measured
 
 
 class Model:
-    """Residuals over parameters."""
+    """Residuals as functions of the parameters."""
 
     def __init__(self, points: Sequence[Point], solve: Callable[[Sequence[Job]], list[Found]]) -> None:
         self.points = tuple(points)
@@ -52,7 +52,7 @@ class Model:
             Value(place, measured) for place, point in enumerate(self.points) for measured in point.measured
         )
         self.solves = 0
-        """Points solved so far."""
+        """Number of points solved so far."""
         self._solve = solve
 
     def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
@@ -63,7 +63,7 @@ class Model:
         return [found[k * count : (k + 1) * count] for k in range(len(assignments))]
 
     def column(self, states: Sequence[Found]) -> Array:
-        """Model values, one for each measured one; not a number where a point is lost."""
+        """Model values, one for each measured one; NaN where a point has no steady state."""
         return np.array([states[v.point].values.get(v.measured.quantity, np.nan) for v in self.values])
 
     @property
@@ -73,17 +73,17 @@ class Model:
 
     @property
     def deviations(self) -> Array:
-        """Their standard deviations."""
+        """Standard deviations of the measured values."""
         return np.array([value.measured.deviation for value in self.values])
 
     def residuals(self, states: Sequence[Found]) -> Array:
-        """Model less measurement in standard deviations; of lost points `LOST`."""
+        """Model minus measurement in standard deviations; `LOST` at points without a steady state."""
         found = (self.column(states) - self.measured) / self.deviations
         return np.where(np.isnan(found), LOST, found)
 
     def distance(self, states: Sequence[Found]) -> float:
-        """How far a start is off: a sum of squares in which no residual counts more than `FAR`, and a lost point as much and
-        the share of its torque that the belt does not carry."""
+        """Merit of a start point: a sum of squares in which each residual is limited to `FAR`. The residual of a lost point is
+        `FAR` times one plus the share of its torque that the belt does not carry."""
         found = np.abs(self.column(states) - self.measured) / self.deviations
         missing = np.array([states[value.point].missing for value in self.values])
         return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
@@ -96,11 +96,11 @@ class Model:
         base: Sequence[Found],
         central: bool,
     ) -> Array:
-        """Derivatives of the residuals by coordinates, one column a parameter: differences to both sides, or, if not
-        `central`, to one side and to the other only for points that stand out.
+        """Derivatives of the residuals with respect to the coordinates, one column per parameter: central differences, or, if not
+        `central`, one-sided ones, with steps to the other side only for outstanding points.
 
-        A steady state may jump to another one between two values of a parameter. That is no slope, so where two sides
-        contradict each other the smallest of both and their mean counts. A lost point has no slope.
+        A steady state may jump to another branch between two values of a parameter. Such a jump is not a slope. If the two
+        one-sided slopes contradict each other, the smallest of both and their mean is used. A lost point has no slope.
         """
         steps = [self._steps(parameter, float(at[k])) for k, parameter in enumerate(parameters)]
         carried = [place for place, found in enumerate(base) if found.reason is None]
@@ -112,7 +112,7 @@ class Model:
 
     @staticmethod
     def _steps(parameter: Parameter, place: float) -> tuple[float, float | None]:
-        """Steps to both sides; none where it would leave the bounds."""
+        """Steps to both sides; None where a step would leave the bounds."""
         low, high = parameter.bounds
         inside = [step for step in (STEP, -STEP) if low <= place + step <= high]
         return inside[0], inside[1] if len(inside) > 1 else None
@@ -126,7 +126,7 @@ class Model:
         steps: Sequence[float | None],
         places: Sequence[Sequence[int]],
     ) -> Array:
-        """Slopes of the model values to one side, one column a parameter; not a number where nothing was solved for."""
+        """One-sided slopes of the model values, one column per parameter; NaN where nothing was solved."""
         keys, jobs = [], []
         for k, (step, some) in enumerate(zip(steps, places, strict=True)):
             if step is not None:
@@ -146,7 +146,7 @@ class Model:
         return found
 
     def _outstanding(self, slopes: Array, carried: Sequence[int]) -> list[int]:
-        """Places among those carried of points at which a slope is much larger than at others, or is not known."""
+        """Indices, among the points with a steady state, of points whose slope is much larger than that of others, or is missing."""
         found = ~np.isfinite(slopes)
         for quantity in {value.measured.quantity for value in self.values}:
             own = np.array([value.measured.quantity == quantity for value in self.values])
@@ -157,8 +157,8 @@ class Model:
 
 
 def _agreed(one: Array, other: Array) -> Array:
-    """Mean of slopes to two sides, or the one that is known, else 0. Where they contradict each other a state has jumped: if it
-    is one of the outer ones, the smaller slope is right; if it is the middle one, their mean is. So the smallest counts."""
+    """Mean of the slopes to both sides, or the available one, else 0. If they contradict each other, one state is on another branch.
+    If it is an outer one, the smaller slope is correct; if it is the middle one, their mean is. So the smallest is used."""
     one, other = np.where(np.isfinite(one), one, other), np.where(np.isfinite(other), other, one)
     mean = 0.5 * (one + other)
     smallest = np.where(np.abs(one) < np.abs(other), one, other)
@@ -171,7 +171,7 @@ def _agreed(one: Array, other: Array) -> Array:
 def opened(
     fmu: Path, parameters: Mapping[str, float], points: Sequence[Point], workers: int, update: Callable[[float], object]
 ) -> Iterator[Model]:
-    """A model whose points are solved in so many processes; `update` gets the count of points as they are solved."""
+    """A model whose points are solved in parallel processes. `update` is called with the number of points solved."""
     with Archive.unpack(fmu) as archive, worker_pool(workers) as run:
 
         def solve(jobs: Sequence[Job]) -> list[Found]:

@@ -1,4 +1,4 @@
-"""What is fitted: parameters of the FMU with start value, bounds and the coordinate they are fitted in."""
+"""The fitted parameters of the FMU, with start value, bounds and the coordinate of the fit."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from dataclasses import dataclass
 from typing import Any
 
 DEFAULT = ("friction.pulley", "friction.ring", "belt.play")
-"""Fitted if nothing else is asked for."""
+"""Parameters that are fitted by default."""
 
 PULLEYS = ("primary", "secondary")
 
 
 class ParameterError(ValueError):
-    """A parameter can't be fitted; the text says why."""
+    """A parameter cannot be fitted. The message contains the reason."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter, or the same one of both pulleys, which then has one value.
+    """A parameter, or a common parameter of both pulleys with one value.
 
-    Fitted is a coordinate: ln(value/start) where the least value is above 0, else value/start.
+    The fitted coordinate is ln(value/start) if the lower bound is above 0, else value/start.
     """
 
     name: str
-    """As it was asked for."""
+    """Name as specified."""
     variables: tuple[str, ...]
-    """Variables of the FMU that get the value."""
+    """Variables of the FMU that are set to the value."""
     unit: str
     meaning: str
     start: float
@@ -51,7 +51,7 @@ class Parameter:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Bounds of the coordinate, the lower first."""
+        """Lower and upper bound of the coordinate."""
         ends = [
             self.coordinate(value) if math.isfinite(value) else value * self._sign for value in (self.low, self.high)
         ]
@@ -62,7 +62,7 @@ class Parameter:
         return math.copysign(1.0, self.start)
 
     def interval(self, coordinate: float, half: float) -> tuple[float, float]:
-        """Values at the ends of an interval of the coordinate, the lower first."""
+        """Lower and upper value of an interval of the coordinate."""
         ends = self.value(coordinate - half), self.value(coordinate + half)
         return min(ends), max(ends)
 
@@ -73,18 +73,18 @@ def choose(
     variables: Mapping[str, Any],
     values: Mapping[str, float],
 ) -> list[Parameter]:
-    """Parameters by name; start values as wanted, else from `values`, else the FMU's; bounds as in `limits`, else the FMU's.
+    """Parameters by name. Start values are the specified ones, else those of `values`, else the FMU's. Bounds are `limits`, else the FMU's.
 
-    A name without its pulley, such as `tiltStiffness`, is that of both.
+    A name without its pulley, such as `tiltStiffness`, means both pulleys.
     """
     unknown = [name for name in limits if name not in wanted]
     if unknown:
-        raise ParameterError(f"bounds are given for {', '.join(unknown)}, which is not fitted")
+        raise ParameterError(f"bounds are specified for {', '.join(unknown)}, which is not fitted")
     found = [_parameter(name, start, limits.get(name), variables, values) for name, start in wanted.items()]
     taken = [variable for parameter in found for variable in parameter.variables]
     twice = sorted({variable for variable in taken if taken.count(variable) > 1})
     if twice:
-        raise ParameterError(f"{', '.join(twice)} is to be fitted twice")
+        raise ParameterError(f"{', '.join(twice)} appears twice in --fit")
     return found
 
 
@@ -100,14 +100,14 @@ def _parameter(
     if any(one is None or one.causality != "parameter" or one.type != "Real" for one in described):
         known = [full for full, one in variables.items() if one.causality == "parameter" and one.type == "Real"]
         near = difflib.get_close_matches(name, known, 1, 0.5)
-        raise ParameterError(f"the FMU has no real parameter {name}" + (f"; {near[0]} is meant?" if near else ""))
+        raise ParameterError(f"the FMU has no real parameter {name}" + (f"; did you mean {near[0]}?" if near else ""))
     first = described[0]
     if start is None:
         start = values.get(names[0], float(first.start))
     low = -math.inf if first.min is None else float(first.min)
     high = math.inf if first.max is None else float(first.max)
     if name == "friction.pulley":
-        # The FMU takes no belt that its friction locks in the groove.
+        # The FMU rejects a friction coefficient at which the belt is self-locking in the groove.
         high = min(
             high, 0.999 * math.tan(values.get("geometry.wedgeAngle", float(variables["geometry.wedgeAngle"].start)))
         )
@@ -116,7 +116,7 @@ def _parameter(
     if not low < high or not low <= start <= high:
         raise ParameterError(f"{name}: the start value {start:g} is not within its bounds, {low:g} to {high:g}")
     if start == 0.0:
-        raise ParameterError(f"{name} starts at 0, which gives no scale: give it a start value, --fit {name}=VALUE")
+        raise ParameterError(f"{name} starts at 0, which defines no scale: specify a start value by --fit {name}=VALUE")
     return Parameter(name, names, first.unit or "1", first.description or "", start, low, high)
 
 

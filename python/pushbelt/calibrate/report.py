@@ -18,11 +18,11 @@ from .results import Results, Row
 from .table import QUANTITIES
 
 WORST = 10
-"""Values with the largest residuals that are listed."""
+"""Number of values with the largest residuals in the list."""
 
 
 def sentence(estimate: Estimate) -> str:
-    """What was found of a parameter, in a line."""
+    """Result for a parameter, in one line."""
     parameter, interval = estimate.parameter, estimate.interval
     value = f"{parameter.name} = {estimate.value:.5g} {parameter.unit}"
     if interval is not None:
@@ -33,13 +33,13 @@ def sentence(estimate: Estimate) -> str:
 
 
 def why_undetermined(estimate: Estimate) -> str:
-    """Why a parameter can't be identified from the table."""
+    """Reason why a parameter cannot be identified from the table."""
     reason = estimate.undetermined
     assert reason is not None
     half = "any size" if reason.half > 1e3 else f"±{100.0 * reason.half:.0f} %"
-    text = f"can't be identified from this table (its interval would be {half}), so it stays at its start value"
+    text = f"cannot be identified from this table (its interval would be {half}), so it remains at its start value"
     if reason.partner is not None:
-        text += f"; the table can't separate it from {reason.partner} (correlation {reason.correlation:.2f})"
+        text += f"; the table cannot separate it from {reason.partner} (correlation {reason.correlation:.2f})"
     return text
 
 
@@ -93,7 +93,7 @@ def plain(value: float | None) -> str:
 
 
 def context(results: Results) -> dict[str, Any]:
-    """What the template shows."""
+    """Values for the template."""
     found = results.fit
     used = [row for row in results.rows if row.relative is not None]
     return {
@@ -135,7 +135,7 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
 
 
 def _correlated(results: Results) -> list[tuple[str, str, float]]:
-    """Pairs of parameters that can hardly be separated."""
+    """Pairs of parameters with a high correlation."""
     names = [estimate.parameter.name for estimate in results.fit.determined]
     matrix = results.fit.correlations
     return [

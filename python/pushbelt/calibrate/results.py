@@ -1,4 +1,4 @@
-"""What a calibration gives: the fit with the table it belongs to."""
+"""Results of a calibration: the fit and its table."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .table import QUANTITIES, Measured, Point
 
 @dataclass(frozen=True)
 class Effort:
-    """What it took."""
+    """Computing effort."""
 
     solves: int
     """Points solved."""
@@ -28,39 +28,39 @@ class Row:
     point: Point
     measured: Measured
     before: float | None
-    """At the start values; none without a steady state."""
+    """Model value at the start values; None without a steady state."""
     after: float | None
     reason: str | None
-    """Why there is none after the fit."""
+    """Reason for a missing steady state after the fit."""
 
     @property
     def residual(self) -> float | None:
-        """Model less measurement after the fit."""
+        """Model minus measurement after the fit."""
         return None if self.after is None else self.after - self.measured.value
 
     @property
     def relative(self) -> float | None:
-        """The same in standard deviations."""
+        """Model minus measurement after the fit, in standard deviations."""
         return None if self.residual is None else self.residual / self.measured.deviation
 
     @property
     def relative_before(self) -> float | None:
-        """Model less measurement at the start values in standard deviations."""
+        """Model minus measurement at the start values, in standard deviations."""
         return None if self.before is None else (self.before - self.measured.value) / self.measured.deviation
 
 
 @dataclass(frozen=True)
 class Results:
-    """All that report and files show."""
+    """Data for report and files."""
 
     table: str
     """Name of the table's file."""
     version: str
-    """Of the FMU."""
+    """Version of the FMU."""
     variator: str
-    """Parameter set that was started from."""
+    """Parameter set of the start values."""
     base: Mapping[str, float]
-    """Its values, with what was set beside."""
+    """Values of the parameter set, with the additional settings."""
     short: bool
     """Whether the mesh was coarse."""
     points: tuple[Point, ...]
@@ -84,7 +84,7 @@ class Results:
 
     @property
     def lost(self) -> list[Row]:
-        """A row of each point that has no steady state after the fit."""
+        """One row for each point without a steady state after the fit."""
         return list({row.point.line: row for row in self.rows if row.reason is not None}.values())
 
     def of(self, quantity: str) -> list[Row]:
@@ -93,6 +93,6 @@ class Results:
 
     @property
     def quantities(self) -> list[str]:
-        """Those that were measured, in the order of the table of quantities."""
+        """Measured quantities, in the order of the table of quantities."""
         there = {value.measured.quantity for value in self.values}
         return [quantity for quantity in QUANTITIES if quantity in there]

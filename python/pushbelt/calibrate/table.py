@@ -1,4 +1,4 @@
-"""The user's table: CSV with a unit in each header, one point a line, one clear error if something is wrong."""
+"""The user's table: CSV with a unit in each header and one point per line. Errors are reported by line and column."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ RPM = math.pi / 30.0
 
 
 class TableError(ValueError):
-    """The table can't be used; the text says which line, column and value."""
+    """The table cannot be used. The message contains line, column and value."""
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class Column:
     """A column that a table may have."""
 
     units: Mapping[str, float]
-    """Units by name and what one of them is in SI."""
+    """Factor to SI by unit name."""
     low: float
-    """Least value that is believed, SI."""
+    """Least plausible value, SI."""
     high: float
     """Largest, SI."""
     meaning: str
@@ -35,12 +35,12 @@ class Quantity(Column):
     """A column that is measured and compared with the model."""
 
     absolute: float
-    """Standard deviation where the table has none, SI: the root of the sum of squares of this one …"""
+    """Default standard deviation, SI: the root of the sum of squares of this value …"""
     relative: float
-    """… and this share of the value."""
+    """… and this share of the measured value."""
 
     def assumed(self, value: float) -> float:
-        """Standard deviation where the table has none, SI."""
+        """Default standard deviation, SI."""
         return math.hypot(self.absolute, self.relative * value)
 
 
@@ -68,10 +68,10 @@ QUANTITIES: Mapping[str, Quantity] = {
     "ds/dt": Quantity(RATE, -100.0, 100.0, "shift rate, s = 1/ratio.geometric", 0.01, 0.05),
 }
 SHIFTS = ("di/dt", "ds/dt")
-"""Quantities of a point whose ratio moves."""
+"""Quantities of a point whose ratio changes."""
 REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
 NAME, DEVIATION = "name", ".sd"
-"""The column with names of points, and the ending of a column with standard deviations."""
+"""Name of the column with names of points, and suffix of a column with standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -84,19 +84,19 @@ class Measured:
     deviation: float
     """Standard deviation, SI."""
     given: bool
-    """Whether the table has the standard deviation."""
+    """Whether the standard deviation is from the table."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """A line of the table, SI."""
+    """A line of the table in SI units."""
 
     line: int
     name: str
     ratio: float | None
     """Geometric ratio r_S/r_P."""
     speed_ratio: float | None
-    """Speed ratio; one of the two ratios is given."""
+    """Speed ratio; exactly one of the two ratios is specified."""
     speed: float
     """Primary speed, rad/s."""
     torque: float
@@ -109,7 +109,7 @@ class Point:
 
     @property
     def shifting(self) -> bool:
-        """Whether a shift rate was measured: the ratio moves."""
+        """Whether a shift rate was measured, so that the ratio changes."""
         return self.primary_force is not None
 
 
@@ -128,7 +128,7 @@ class _Head:
             value = float(text)
         except ValueError:
             hint = "; a number has a decimal point" if "," in text else ""
-            raise TableError(f"line {line}, column {self.title}: '{text}' is no number{hint}") from None
+            raise TableError(f"line {line}, column {self.title}: '{text}' is not a number{hint}") from None
         column = {**CONDITIONS, **QUANTITIES}[self.name]
         low, high = (0.0, column.high - column.low) if self.deviation else (column.low, column.high)
         found = value * self.factor
@@ -140,7 +140,7 @@ class _Head:
 
 
 def _head(title: str) -> _Head | None:
-    """A header; none for a name or a remark."""
+    """Parses a header. Returns None for the column of names and for remarks."""
     match = re.fullmatch(r"([^\[\]]*?)\s*(?:\[\s*([^\]]*?)\s*\])?", title)
     if match is None:
         raise TableError(f"line 1, column {title}: a header is a name and a unit, like primary.speed [rpm]")
@@ -153,7 +153,7 @@ def _head(title: str) -> _Head | None:
     if name not in columns:
         known = [NAME, *CONDITIONS, *QUANTITIES, *(name + DEVIATION for name in QUANTITIES)]
         near = difflib.get_close_matches(written, known, 1, 0.5)
-        hint = f"; {near[0]} is meant?" if near else ""
+        hint = f"; did you mean {near[0]}?" if near else ""
         raise TableError(
             f"column {title}: no such column{hint} There are {', '.join(known)}; a column whose header starts with # is "
             "left out"
@@ -173,7 +173,7 @@ def _heads(titles: list[str]) -> list[_Head | None]:
     keys = [(head.name, head.deviation) for head in heads if head is not None]
     for key in keys:
         if keys.count(key) > 1:
-            raise TableError(f"column {key[0]}{DEVIATION if key[1] else ''} is there twice")
+            raise TableError(f"column {key[0]}{DEVIATION if key[1] else ''} appears twice")
     names = {name for name, deviation in keys if not deviation}
     missing = [name for name in REQUIRED if name not in names]
     if not names & {"ratio.geometric", "ratio.speed"}:
@@ -187,7 +187,7 @@ def _heads(titles: list[str]) -> list[_Head | None]:
 
 
 def _point(line: int, name: str, values: Mapping[tuple[str, bool], float]) -> Point | None:
-    """A line's point; none if nothing was measured there."""
+    """The point of a line; None if the line has no measured value."""
 
     def given(column: str) -> float | None:
         return values.get((column, False))
@@ -204,13 +204,13 @@ def _point(line: int, name: str, values: Mapping[tuple[str, bool], float]) -> Po
         if given(column) is None:
             raise TableError(f"line {line}, column {column}: the cell is empty")
     if (given("ratio.geometric") is None) == (given("ratio.speed") is None):
-        raise TableError(f"line {line}: one of ratio.geometric and ratio.speed must be there, not both")
+        raise TableError(f"line {line}: exactly one of ratio.geometric and ratio.speed is required")
     if shifting:
         if len(found) > 1:
-            raise TableError(f"line {line}: where {shifting[0]} is given the ratio moves, so nothing else may be")
+            raise TableError(f"line {line}: with {shifting[0]} the ratio moves, so no other quantity is allowed")
         for column in ("primary.clampingForce", "ratio.geometric"):
             if given(column) is None:
-                raise TableError(f"line {line}, column {column}: {shifting[0]} needs it, but the cell is empty")
+                raise TableError(f"line {line}, column {column}: {shifting[0]} requires a value, but the cell is empty")
     return Point(
         line,
         name or f"line {line}",
@@ -231,7 +231,7 @@ def _point(line: int, name: str, values: Mapping[tuple[str, bool], float]) -> Po
 
 
 def parse(text: str) -> list[Point]:
-    """Points of a table; lines that are empty or start with # are left out, as are points where nothing was measured."""
+    """Points of a table. Empty lines, lines that start with #, and points without a measured value are skipped."""
     lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip(" ,;\t") and line.strip()[0] != "#"]
     if not lines:
         raise TableError("the table is empty")
@@ -262,7 +262,7 @@ def read(path: Path) -> list[Point]:
     try:
         return parse(path.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError as error:
-        raise TableError(f"{path}: the file is no text in UTF-8") from error
+        raise TableError(f"{path}: the file is not text in UTF-8") from error
     except (TableError, OSError) as error:
         raise TableError(f"{path}: {error.strerror if isinstance(error, OSError) else error}") from error
 
@@ -273,22 +273,22 @@ EXAMPLES = (
     ("overdrive", 0.5, 2000, 40, 10, 18.1, "", 0.3, 0.05, "", ""),
     ("upshift", 1, 1000, 0, 20, 26, "", "", "", "", 0.45),
 )
-"""Lines of the template."""
+"""Template of a table."""
 
 
 def template() -> str:
-    """A table to start from: every column with its meaning, then lines as an example."""
+    """Text of the template: every column with its meaning, and example lines."""
     header = (
         "name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],"
         "primary.clampingForce [kN],thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]"
     )
     return "\n".join(
         (
-            "# Table for `cargo fmu calibrate`: one steady point a line. Replace the lines below the header.",
-            "# Empty cells are allowed. Columns that you don't have can be removed, and their order is free.",
+            "# Table for `cargo fmu calibrate`: one steady point per line. Replace the lines below the header.",
+            "# Empty cells are allowed. Unused columns can be removed, and their order is free.",
             *_described("Conditions", CONDITIONS),
-            *_described("Measured, any of", QUANTITIES),
-            f"# {' ' * 4}….sd: standard deviation of a measured column; where it is missing, an assumed one is taken",
+            *_described("Measured quantities, any of", QUANTITIES),
+            f"# {' ' * 4}….sd: standard deviation of a measured column; the default is an assumed one",
             header,
             *(",".join(map(str, line)) for line in EXAMPLES),
             "",

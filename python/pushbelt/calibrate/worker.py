@@ -1,4 +1,4 @@
-"""What runs in a process: the FMU, loaded once, and one point of the table after the other."""
+"""The worker process: loads the FMU once and solves points of the table in sequence."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from .table import Point
 SETTLING, WINDOW = 1.0, 1.0
 """Revolutions of the primary pulley after which a shift is steady, and over which its rate is taken."""
 SHIFT_INERTIA = 1e-3
-"""Moment of inertia of the primary pulley in a shift, kg·m²: so small that the belt gets the point's torque."""
+"""Moment of inertia of the primary pulley in a shift, kg·m². It is so small that the belt torque equals the point's torque."""
 SHIFT_TOLERANCE = 1e-7
-"""Tolerance of the integration in a shift: with 1e-6 differences over a third of `model.STEP` scatter by 4 %, with this
-by 0.6 %."""
+"""Tolerance of the integration in a shift. Differences over a third of `model.STEP` scatter by 0.6 %; with a tolerance of 1e-6
+they scatter by 4 %."""
 RATIO_TOLERANCE, MOST_SOLVES = 1e-8, 10
-"""Speed ratio met within this, relative, and steady states after which the search ends."""
+"""Relative tolerance of the speed ratio, and largest number of steady states in the search."""
 
 Job = tuple[Mapping[str, float], Point]
 """Values of the fitted variables, and a point."""
@@ -34,24 +34,24 @@ class Found:
     """Results of the model at a point."""
 
     values: Mapping[str, float]
-    """Model values by quantity; none where there is no steady state."""
+    """Model values by quantity; empty without a steady state."""
     reason: str | None = None
-    """Why there is none."""
+    """Reason why there is no steady state."""
     share: float = 1.0
-    """Where there is none: share of the torque that the belt carries."""
+    """Share of the torque that the belt carries, if there is no steady state."""
 
     @property
     def missing(self) -> float:
-        """0 with a steady state, else 1 and the share of the torque that is not carried."""
+        """0 with a steady state, else 1 plus the share of the torque that the belt does not carry."""
         return 0.0 if self.reason is None else 2.0 - self.share
 
 
 _open: dict[Path, Variator] = {}
-"""In a process: the instance of an unpacked FMU."""
+"""Instances in this process, by unpacked FMU."""
 
 
 def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs: Sequence[Job]) -> list[Found]:
-    """Solves for points. The FMU is unpacked in a directory already."""
+    """Solves for points with an FMU that is already unpacked in a directory."""
     found = []
     for values, point in jobs:
         found.append(solve_or_say_why(fmu, directory, {**parameters, **values}, point))
@@ -60,7 +60,7 @@ def solve_all(fmu: Path, directory: Path, parameters: Mapping[str, float], jobs:
 
 
 def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float], point: Point) -> Found:
-    """Results of the model at a point; what the FMU refuses is a reason too."""
+    """Results of the model at a point. An error of the FMU becomes the reason."""
     if directory not in _open:
         _open[directory] = Variator(Archive(directory, fmpy.read_model_description(str(fmu))), {})
     try:
@@ -71,7 +71,7 @@ def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float]
 
 
 def solve(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
-    """Results of the model at a point. Raises UnitError where the FMU refuses a call."""
+    """Results of the model at a point. Raises UnitError if a call of the FMU fails."""
     if point.shifting:
         return _shift(unit, parameters, point)
     if point.ratio is not None:
@@ -98,7 +98,7 @@ def _start_values(point: Point, ratio: float, speed_ratio: float) -> dict[str, f
 
 
 def _initialise(unit: Variator, values: Mapping[str, float], torque: float) -> Found | None:
-    """Starts in a steady state; if there is none, returns the reason."""
+    """Starts in a steady state. Returns the reason if there is none."""
     unit.restart(values)
     unit.initialise()
     if unit.not_steady is None:
@@ -116,7 +116,7 @@ def _steady(unit: Variator, parameters: Mapping[str, float], point: Point, ratio
 
 
 def _at_speed_ratio(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
-    """The geometric ratio that goes with a speed ratio: i = i_speed (1 − slip), and slip hardly depends on i."""
+    """The geometric ratio for a speed ratio: i = i_speed (1 − slip), where the slip hardly depends on i."""
     assert point.speed_ratio is not None
     ratio = point.speed_ratio
     for _ in range(MOST_SOLVES):
@@ -127,13 +127,13 @@ def _at_speed_ratio(unit: Variator, parameters: Mapping[str, float], point: Poin
         if abs(following / ratio - 1.0) < RATIO_TOLERANCE:
             return found
         ratio = following
-    return Found({}, f"no geometric ratio goes with the speed ratio {point.speed_ratio:g}")
+    return Found({}, f"no geometric ratio gives the speed ratio {point.speed_ratio:g}")
 
 
 def _shift(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
-    """The rate at which the ratio passes that of the point.
+    """The shift rate at the ratio of the point.
 
-    The run starts so far before that it is there in the middle of the window if it shifts as measured.
+    The run starts at a ratio from which it reaches the point's ratio in the middle of the window if it shifts as measured.
     """
     assert point.ratio is not None and point.primary_force is not None
     (measured,) = point.measured

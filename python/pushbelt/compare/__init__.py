@@ -1,4 +1,4 @@
-"""Two runs over each other: `python -m pushbelt.compare A B`, two result files or two folders that the programs wrote.
+"""Comparison of two runs: `python -m pushbelt.compare A B`, for two result files or two output folders of the programs.
 
-Data flows one way: files → runs (pairs, differences) → figures → report.
+Data flow: files → runs (pairs, differences) → figures → report.
 """

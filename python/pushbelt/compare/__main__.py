@@ -1,6 +1,6 @@
-"""Lays two runs over each other: `python -m pushbelt.compare A B --output target/compare`.
+"""Compares two runs: `python -m pushbelt.compare A B --output target/compare`.
 
-A and B are CSV files with a column `time`, or folders that hold such files, as demo and drive write them.
+A and B are CSV files with a column `time`, or folders with such files, as written by demo and drive.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from . import report, runs
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Compares, writes the report and says where it is. That the runs differ is a result, no failure."""
+    """Compares two runs, writes the report and prints its path. Runs that differ are not a failure of the program."""
     parser = argparse.ArgumentParser(prog="pushbelt.compare", description=__doc__)
-    parser.add_argument("a", type=Path, metavar="A", help="a result file, or a folder of them")
-    parser.add_argument("b", type=Path, metavar="B", help="what it is compared with")
+    parser.add_argument("a", type=Path, metavar="A", help="result file, or folder of result files")
+    parser.add_argument("b", type=Path, metavar="B", help="result file or folder to compare with A")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and differences.csv")
     parser.add_argument("--fmu", type=Path, help="the FMU, for the units of its variables")
     parser.add_argument(
-        "--variables", type=lambda text: tuple(text.split(",")), default=(), help="draw these, in this order"
+        "--variables", type=lambda text: tuple(text.split(",")), default=(), help="columns of the figures, in this order"
     )
     parser.add_argument(
         "--variator",
         default="bench168",
-        help="parameter set of the runs, or its file, ….json: for the belt, where both files have the columns profile.…",
+        help="parameter set of the runs, or its file, ….json; required to show the belt if both files have the columns profile.…",
     )
     options = parser.parse_args(arguments)
     try:

@@ -1,4 +1,4 @@
-"""The belt of a run, as far as its file has fields along the belt."""
+"""The belt of a run, from the fields along the belt in its file."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from pushbelt.fmu.results import BeltState, Profile, Trace
 from pushbelt.fmu.unit import PROFILE_FIELDS, PROFILE_POINTS
 
 FIELD = "profile."
-"""How the names of fields along the belt begin."""
+"""Prefix of the names of fields along the belt."""
 SPEEDS = ("primary.speed", "secondary.speed", "belt.speed")
 OUTPUTS = ("reference.theta", "primary.radius", "secondary.radius", *SPEEDS)
 MOMENTS = 300
-"""Moments that are shown of a run, at most."""
+"""Largest number of times of a run in the animation."""
 
 
 def places(field: str) -> list[str]:
@@ -24,11 +24,11 @@ def places(field: str) -> list[str]:
 
 
 NEEDED = ("position", "pushForce", "radialDeviation")
-"""Fields that the picture shows; the others may be missing."""
+"""Required fields of the animation. Other fields are optional."""
 
 
 def shows_belt(run: Trace) -> bool:
-    """Whether the file has all that the picture of its belt needs."""
+    """Whether the file has all columns that the animation of the belt requires."""
     return all(name in run.columns for name in (*OUTPUTS, *(name for field in NEEDED for name in places(field))))
 
 

@@ -1,4 +1,4 @@
-"""The report: one HTML file that needs nothing else, and the differences as CSV."""
+"""The report: one self-contained HTML file, and the differences as CSV."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .belts import FIELD, belt_of, shows_belt
 from .runs import Pair
 
 MOST = 24
-"""Columns that are drawn of a pair; the table has all."""
+"""Largest number of columns in the figures of a pair. The table has all columns."""
 
 
 def write(
@@ -27,8 +27,8 @@ def write(
     wanted: Sequence[str] = (),
     parameters: Mapping[str, float] | None = None,
 ) -> Path:
-    """Writes report and differences; returns where the report is. With `parameters` of the variator it shows both belts where both
-    files have their fields.
+    """Writes report and differences; returns the path of the report. With `parameters` of the variator it shows both belts if both
+    files have the fields along the belt.
     """
     folder.mkdir(parents=True, exist_ok=True)
     page.write_table(
@@ -60,7 +60,7 @@ def _context(
 
 
 def _belts(pair: Pair, group: str, parameters: Mapping[str, float] | None) -> list[tuple[str, Markup]]:
-    """The belt of each run; none unless both files have what it takes."""
+    """The belt of each run; empty unless both files have the required columns."""
     if parameters is None or not all(shows_belt(run) for run in pair.runs):
         return []
     return [
@@ -70,7 +70,7 @@ def _belts(pair: Pair, group: str, parameters: Mapping[str, float] | None) -> li
 
 
 def overlay(pair: Pair, units: Mapping[str, str], wanted: Sequence[str] = (), group: str = "") -> Chart:
-    """Both runs in each column; those that are apart most come first, unless some are wanted. Pictures of one group share their time."""
+    """Both runs in each column. By default the columns with the largest differences come first. Figures of one group share the cursor."""
     names = [name for name in wanted if name in pair.names] or [
         d.name for d in pair.differences if not d.name.startswith(FIELD)
     ][:MOST]

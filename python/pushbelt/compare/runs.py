@@ -1,4 +1,4 @@
-"""Result files, which of them belong together, and how far two runs are apart."""
+"""Result files, their pairs, and differences of two runs."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ from pushbelt.fmu.results import Trace
 
 TIME = "time"
 SAME = 1e-9
-"""Runs that are no further apart than this share of the range are the same: files have nine digits."""
+"""Tolerance relative to the range, within which runs are equal. Files have nine digits."""
 
 
 class CompareError(Exception):
-    """The runs can't be compared."""
+    """The runs cannot be compared."""
 
 
 @dataclass(frozen=True)
 class Difference:
-    """How far two runs are apart in one column."""
+    """Difference of two runs in one column."""
 
     name: str
     span: float
-    """Largest less least value of both runs."""
+    """Largest minus least value of both runs."""
     root_mean_square: float
     largest: float
     when: float
-    """Time of the largest, s."""
+    """Time of the largest difference, s."""
 
     @property
     def share(self) -> float:
-        """The largest over the range."""
+        """Largest difference relative to the range."""
         return self.largest / self.span if self.span > 0.0 else 0.0
 
 
@@ -50,12 +50,12 @@ class Pair:
 
     @cached_property
     def names(self) -> list[str]:
-        """Columns that both have."""
+        """Common columns."""
         return [name for name in self.runs[0].columns if name in self.runs[1].columns]
 
     @cached_property
     def differences(self) -> list[Difference]:
-        """Of all columns of both, the largest share of its range first; A's times as far as B reaches."""
+        """Differences in all common columns at the times of A within the range of B, largest relative difference first."""
         a, b = self.runs
         time = a.time[(a.time >= b.time[0]) & (a.time <= b.time[-1])]
         if not len(time):
@@ -65,7 +65,7 @@ class Pair:
 
     @property
     def differing(self) -> list[Difference]:
-        """Columns in which they are apart."""
+        """Columns in which the runs differ."""
         return [difference for difference in self.differences if difference.share > SAME]
 
 
@@ -82,14 +82,14 @@ def _difference(name: str, time: Array, a: Trace, b: Trace) -> Difference:
 
 
 def pairs(a: Path, b: Path) -> list[Pair]:
-    """Runs that belong together: two files, or files of one name in two folders."""
+    """Pairs of runs: two files, or files of the same name in two folders."""
     files = [_files(path) for path in (a, b)]
     if a.is_file() and b.is_file():
         both = {f"{a.stem} and {b.stem}" if a.stem != b.stem else a.stem: (a, b)}
     elif a.is_dir() and b.is_dir():
         both = {name: (path, files[1][name]) for name, path in files[0].items() if name in files[1]}
     else:
-        raise CompareError(f"{a} and {b} are a file and a folder: give two of a kind")
+        raise CompareError(f"{a} and {b} are a file and a folder: specify two files or two folders")
     if not both:
         names = [", ".join(sorted(found)) or "none" for found in files]
         raise CompareError(f"no run has the same name in both folders: {a} has {names[0]}, {b} has {names[1]}")
@@ -101,7 +101,7 @@ def _files(path: Path) -> Mapping[str, Path]:
     if path.is_dir():
         return {file.stem: file for file in sorted(path.glob("*.csv")) if _header(file)[:1] == [TIME]}
     if not path.is_file():
-        raise CompareError(f"there is no {path}")
+        raise CompareError(f"{path} does not exist")
     return {path.stem: path}
 
 
@@ -111,21 +111,21 @@ def _header(path: Path) -> list[str]:
 
 
 def read(path: Path) -> Trace:
-    """A result file. Columns of anything but numbers are left out."""
+    """Reads a result file. Columns that are not numeric are skipped."""
     header = _header(path)
     if TIME not in header:
-        raise CompareError(f"{path} has no column `{TIME}`: it holds no run")
+        raise CompareError(f"{path} is not a run: it has no column `{TIME}`")
     lines = path.read_text(encoding="utf-8").splitlines()[1:]
     if not lines:
         raise CompareError(f"{path} has no rows below its header")
     try:
         rows = np.genfromtxt(lines, delimiter=",", ndmin=2)
     except ValueError as error:
-        raise CompareError(f"{path} is no table of numbers: {str(error).splitlines()[0]}") from error
+        raise CompareError(f"{path} is not a table of numbers: {str(error).splitlines()[0]}") from error
     if rows.shape[1] != len(header):
         raise CompareError(f"{path} has {rows.shape[1]} columns below {len(header)} names")
     columns = {name: rows[:, k] for k, name in enumerate(header) if np.isfinite(rows[:, k]).any()}
     time = columns.pop(TIME, None)
     if time is None or not np.isfinite(time).all() or not (np.diff(time) > 0.0).all():
-        raise CompareError(f"the times of {path} don't rise from row to row")
+        raise CompareError(f"the times of {path} do not ascend")
     return Trace(time, columns)

@@ -1,8 +1,8 @@
-"""The pushbelt FMU at work: published data in, a report out.
+"""Demonstration of the pushbelt FMU: simulations of published data, and a report.
 
-Data flows one way:
+Data flow:
 
-    data → load cases, reference_case, manoeuvre (each drives the FMU) → results → events, spiral, checks → figures → report
+    data → load cases, reference_case, manoeuvre (each runs the FMU) → results → events, spiral, checks → figures → report
 
-`simulate` runs the simulations side by side; `python -m pushbelt.demo` does all of it.
+`simulate` runs the simulations in parallel; `python -m pushbelt.demo` runs all steps.
 """

@@ -15,12 +15,12 @@ from . import events, report, simulate
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Simulates, writes the report and says where it is."""
+    """Simulates, writes the report and prints its path."""
     parser = argparse.ArgumentParser(prog="pushbelt.demo", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html, results.csv and cases.csv")
-    parser.add_argument("--short", action="store_true", help="three load cases, and 1 s of the manoeuvre")
-    parser.add_argument("--variator", default=simulate.VARIATOR, help="parameter set, or its file, ….json")
+    parser.add_argument("--short", action="store_true", help="run three load cases and 1 s of the manoeuvre")
+    parser.add_argument("--variator", default=simulate.VARIATOR, help="name of a parameter set, or a file ….json")
     options = parser.parse_args(arguments)
     begin = time.perf_counter()
     try:

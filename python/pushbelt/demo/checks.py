@@ -1,4 +1,4 @@
-"""What the results must show, checked on every run and printed in the report."""
+"""Checks of the results of every run, shown in the report."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .spiral import SHAPE_TOLERANCE, TILT_TOLERANCE, TOLERANCE, TURN_TOLERANCE, 
 
 
 def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: float, high: float, unit: str) -> Check:
-    """All cases within limits."""
+    """Check that all cases are within limits."""
     pairs = list(values)
     numbers = [value for _, value in pairs]
     outside = [result.case.name for result, value in pairs if not low <= value <= high]
@@ -28,12 +28,12 @@ def _cases(statement: str, values: Iterable[tuple[LoadCaseResult, float]], low: 
 
 
 def shaft_power(state: BeltState, pulley: str) -> float:
-    """Power of the external torque, W: what the belt takes and the drag of the shaft, in a steady state."""
+    """Power of the external torque in a steady state, W: power of the belt plus drag of the shaft."""
     return state[f"{pulley}.externalTorque"] * state[f"{pulley}.speed"]
 
 
 def power_imbalance(result: LoadCaseResult) -> float:
-    """Power into both shafts less all losses, relative to the driving power."""
+    """Power into both shafts minus all losses, relative to the driving power."""
     state = result.steady
     powers = [shaft_power(state, pulley) for pulley in ("primary", "secondary")]
     return (sum(powers) - state["loss.total"]) / max(powers)
@@ -105,7 +105,7 @@ def _spiral(cases: tuple[LoadCaseResult, ...], parameters: Mapping[str, float]) 
     turns = [abs(np.degrees(run.turn)) for run in runs]
     shapes = [100.0 * run.shape / run.found for run in runs]
     return Check(
-        f"Spiral running is that of tilt and contact: spread within {100.0 * TOLERANCE:.0f} %, tilt within "
+        f"Spiral running agrees with the law of tilt and contact: spread within {100.0 * TOLERANCE:.0f} %, tilt within "
         f"{100.0 * TILT_TOLERANCE:.0f} %, its direction within {np.degrees(TURN_TOLERANCE):.0f}°, shape within "
         f"{100.0 * SHAPE_TOLERANCE:.0f} %",
         all(run.follows for run in runs),
@@ -157,7 +157,7 @@ def evaluate(results: DemoResults) -> list[Check]:
             " %",
         ),
         _cases(
-            "Steady states stay where they are when stepped on",
+            "Steady states persist when the simulation continues",
             [(r, 100 * abs(r.drift)) for r in cases],
             0.0,
             0.1,

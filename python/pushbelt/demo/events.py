@@ -11,21 +11,21 @@ from pushbelt.fmu.intervals import intervals
 from pushbelt.fmu.results import Trace
 
 OVERLOAD = "Over-torque with macro-slip"
-"""Name of the event that the manoeuvre's excess of torque is to cause."""
+"""Name of the event that the over-torque of the manoeuvre causes."""
 
 
 @dataclass(frozen=True)
 class Event:
-    """Something that was expected of the manoeuvre."""
+    """An expected event of the manoeuvre."""
 
     name: str
     occurred: bool
     start: float
-    """Start, s; NaN if it did not occur."""
+    """Start time, s; NaN if the event did not occur."""
     end: float
-    """End, s; NaN if it did not occur or has none."""
+    """End time, s; NaN if the event did not occur or has no end."""
     evidence: str
-    """From the outputs, in words."""
+    """Description of the event by its outputs."""
 
 
 def _missing(name: str, why: str) -> Event:
@@ -50,14 +50,14 @@ def _runs(mask: Array) -> list[tuple[int, int]]:
 
 
 def launch(trace: Trace) -> Event:
-    """From standstill to running, in underdrive."""
+    """Launch from standstill in underdrive."""
     name = "Launch in underdrive"
     speed, ratio, time = trace["secondary.speed"], trace["ratio.geometric"], trace.time
     if abs(speed[0]) > 0.1 or ratio[0] <= 1.0:
         return _missing(name, f"it starts at {speed[0]:.1f} rad/s and a ratio of {ratio[0]:.2f}")
     moving = np.flatnonzero(speed > 1.0)
     if not moving.size:
-        return _missing(name, f"the secondary pulley gets no faster than {speed.max():.2f} rad/s")
+        return _missing(name, f"the largest speed of the secondary pulley is {speed.max():.2f} rad/s")
     shifting = np.flatnonzero((ratio < 1.0) & (time > time[moving[0]]))
     end = shifting[0] if shifting.size else len(time) - 1
     driving = np.flatnonzero(ratio[:end] > 0.9 * np.median(ratio[moving[0] : max(end, moving[0] + 1)]))
@@ -73,14 +73,14 @@ def launch(trace: Trace) -> Event:
 
 
 def shift(trace: Trace) -> Event:
-    """From underdrive to overdrive by clamping forces."""
+    """Shift from underdrive to overdrive by clamping forces."""
     name = "Shift to overdrive"
     ratio, time = trace["ratio.geometric"], trace.time
     through_one = np.flatnonzero((ratio[:-1] > 1.0) & (ratio[1:] <= 1.0))
     if not through_one.size:
         return _missing(name, f"the ratio stays between {ratio.min():.2f} and {ratio.max():.2f}")
     crossing = through_one[0]
-    # Medians, because clamping forces that change or a belt that slips move the ratio too.
+    # Medians are used, because changes of the clamping forces and macro-slip also affect the ratio.
     high, low = np.median(ratio[:crossing]), np.median(ratio[crossing:])
     start = np.flatnonzero(ratio[:crossing] > high - 0.05 * (high - low))[-1]
     end = crossing + np.flatnonzero(ratio[crossing:] < low + 0.05 * (high - low))[0]
@@ -126,7 +126,7 @@ def torque_steps(trace: Trace) -> list[Event]:
 def over_torque(trace: Trace) -> list[Event]:
     """Macro-slip under too much torque, and the recovery from it.
 
-    Of several intervals of macro-slip the one with the largest external torque counts; the others are events besides.
+    Of several intervals of macro-slip, the one with the largest external torque is used; the others are additional events.
     """
     slipping = [
         (start, end) for start, end in intervals(trace.time, trace["macroSlip"], gap=0.02) if end - start >= 0.02
@@ -134,14 +134,14 @@ def over_torque(trace: Trace) -> list[Event]:
     if not slipping:
         utilisation = trace["torqueUtilisation"].max()
         return [
-            _missing(OVERLOAD, f"macroSlip never stays up for 20 ms; utilisation {utilisation:.2f}"),
-            _missing("Recovery", "there was nothing to recover from"),
+            _missing(OVERLOAD, f"macroSlip is never true for 20 ms; utilisation {utilisation:.2f}"),
+            _missing("Recovery", "no recovery, since there was no macro-slip"),
         ]
     overload = max(
         slipping, key=lambda interval: np.abs(trace["primary.externalTorque"][_within(trace, *interval)]).max()
     )
     events = [
-        _slipping(OVERLOAD if interval == overload else "Macro-slip besides", trace, *interval) for interval in slipping
+        _slipping(OVERLOAD if interval == overload else "Additional macro-slip", trace, *interval) for interval in slipping
     ]
     return [*events, _recovery(trace, overload[1])]
 
@@ -178,12 +178,12 @@ def _recovery(trace: Trace, overload_end: float) -> Event:
         True,
         overload_end,
         settled,
-        f"slip below 3 % for good {1e3 * (settled - overload_end):.0f} ms after macro-slip has ended; "
+        f"slip below 3 % permanently {1e3 * (settled - overload_end):.0f} ms after macro-slip has ended; "
         f"at the end slip {100 * trace['slip'][-1]:.2f} %, utilisation {trace['torqueUtilisation'][-1]:.2f}",
     )
 
 
 def detect(trace: Trace) -> list[Event]:
-    """All events; those that occurred come first, in the order of time."""
+    """All events. Those that occurred come first, in the order of time."""
     events = [launch(trace), shift(trace), *torque_steps(trace), *over_torque(trace)]
     return sorted(events, key=lambda event: (not event.occurred, event.start))

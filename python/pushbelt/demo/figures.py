@@ -29,15 +29,15 @@ LOSSES = (
 """Output, name and colour of each loss."""
 
 STANDSTILL = 1.0
-"""Below this secondary speed quotients of speeds are left out, rad/s."""
+"""Least secondary speed for quotients of speeds, rad/s."""
 
 TIME = "time (s)"
 GROUP = "manoeuvre"
-"""Charts and belt that share a cursor."""
+"""Group name of charts and belt that share a cursor."""
 
 
 def load_cases(results: Sequence[LoadCaseResult], measured: Sequence[MeasuredPoint]) -> Chart:
-    """Thrust ratio, efficiency with the measured transmission beside it, and shares of the loss."""
+    """Thrust ratio, efficiency including that of the measured transmission, and shares of the loss."""
     torques = sorted({result.case.torque for result in results})
     thrust, efficiency = [], []
     for name, colour in RATIO_COLOURS.items():
@@ -73,7 +73,7 @@ def _measured(measured: Sequence[MeasuredPoint], results: Sequence[LoadCaseResul
 
 
 def nearest_case(point: MeasuredPoint, results: Sequence[LoadCaseResult]) -> str:
-    """Which of the load cases' ratios a measured point is nearest to."""
+    """The ratio of the load cases that is closest to a measured point."""
 
     def distance(result: LoadCaseResult) -> float:
         return abs(np.log(point.measured.ratio / result.steady["ratio.geometric"]))
@@ -155,7 +155,7 @@ def manoeuvre(trace: Trace, events: Sequence[Event]) -> Chart:
             },
         ),
         (
-            "Energy: supplied less lost less stored (J)",
+            "Energy residual: supplied minus lost minus stored (J)",
             [
                 line("residual", trace["energy.residual"], VIOLET),
                 line("bound", bound, MUTED, "dash"),
@@ -197,7 +197,7 @@ def _macro_slip(time: Array, flag: Array) -> list[Shade]:
 
 
 def overload(trace: Trace, start: float, end: float) -> Chart:
-    """Torques, speeds and loss between two times, for a closer look at macro-slip."""
+    """Torques, speeds and loss between two times, as a close-up of macro-slip."""
     inside = (trace.time >= start) & (trace.time <= end)
     time = trace.time[inside]
 
@@ -237,7 +237,7 @@ def belt_over_time(run: ManoeuvreResult, parameters: dict[str, float]) -> Motion
 
 
 def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
-    """Fields along the belt, arcs shaded."""
+    """Fields along the belt, with shaded arcs."""
     order = np.append(np.arange(len(profile.position)), 0)
     xi = 1e3 * np.append(profile.position, curve.length)
     rows = (
@@ -267,7 +267,7 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
 
 
 def shaded_arcs(curve: TwoPulleyCurve, named: bool = False) -> list[Shade]:
-    """Segments of the belt, the arcs in the colour of their pulley."""
+    """Segments of the belt, with the arcs in the colour of their pulley."""
     borders = 1e3 * np.array(curve.borders)
     labels = ("S arc", "upper strand", "P arc", "push strand", "S arc")
     colours = (ORANGE, INK, BLUE, INK, ORANGE)

@@ -1,4 +1,4 @@
-"""The manoeuvre: launch from standstill, shift, torque steps, over-torque and recovery, driven by its inputs alone."""
+"""The manoeuvre: launch from standstill, shift, torque steps, over-torque and recovery, defined by its inputs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ START_VALUES: Mapping[str, float] = {
     "initial.ratio": 2.2,
     "initial.primarySpeed": 0.0,
 }
-"""The vehicle as an inertia on the secondary shaft; standstill in underdrive."""
+"""Start values: the vehicle as an inertia on the secondary shaft, at standstill in underdrive."""
 
 SNAPSHOT_STEP = 0.025
 """Time between records of the fields along the belt, s."""
@@ -34,9 +34,9 @@ def run(
     progress: Callable[[float], None] = lambda _: None,
     duration: float | None = None,
 ) -> ManoeuvreResult:
-    """Runs the inputs from their first to their last row (or for `duration` seconds).
+    """Simulates the inputs from their first to their last row (or for `duration` seconds).
 
-    `progress` gets simulated seconds as they pass.
+    `progress` is called with the simulated time of each step, s.
     """
     stop = float(inputs.time[-1]) if duration is None else duration
     steps = round(stop / STEP)

@@ -1,4 +1,4 @@
-"""The FMU at the points of a measured transmission: a variator alone must lose less than the whole of it."""
+"""The FMU at the points of a measured transmission. The loss of the variator alone must be below that of the transmission."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pushbelt.fmu.unit import Archive, Variator
 from .results import MeasuredPoint
 
 SAFETY = 1.3
-"""Of the clamping force, as of the load cases."""
+"""Safety factor of the clamping force, equal to that of the load cases."""
 
 LEAST_FORCE = 4e3
 """Least clamping force, N."""

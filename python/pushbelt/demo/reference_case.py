@@ -1,4 +1,4 @@
-"""The published steady state of `belt155`: computed by the FMU under the assumptions of its theory, and explained."""
+"""The published steady state of `belt155`: computed by the FMU under the assumptions of its theory, with variants that explain the difference."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ASSUMPTIONS: Mapping[str, float] = {
 """Rigid sheaves, Coulomb friction, a ring without friction, no play, and the pitch line on the ring."""
 
 MESH: Mapping[str, float] = {"mesh.primaryArc": 24, "mesh.secondaryArc": 24, "mesh.strand": 12}
-"""With rigid sheaves the pressure begins more abruptly than the default mesh resolves."""
+"""Finer mesh, because with rigid sheaves the pressure rises more abruptly than the default mesh resolves."""
 
 VARIANTS: Mapping[str, Mapping[str, float]] = {
     "sheaves that tilt as measured": {"primary.tiltStiffness": 1.79e6, "secondary.tiltStiffness": 1.79e6},
@@ -40,14 +40,14 @@ VARIANTS: Mapping[str, Mapping[str, float]] = {
     "pitch line 1 mm inside the ring": {"belt.pitchOffset": 1e-3},
     "mesh twice as fine": {"mesh.primaryArc": 48, "mesh.secondaryArc": 48, "mesh.strand": 24},
 }
-"""One change at a time, to find what the difference to the theory depends on."""
+"""Single changes that show the dependence of the difference to the theory."""
 
 SOLVES = 1 + len(VARIANTS)
-"""Steady states that are solved for."""
+"""Number of steady states to solve."""
 
 
 def strand_forces(state: SteadyState, curve: TwoPulleyCurve) -> StrandForces:
-    """Net forces (ring tension less push force) in the middle halves of the strands, N."""
+    """Net forces (ring tension minus push force) in the middle halves of the strands, N."""
     net = state.profile.ring_tension - state.profile.push_force
 
     def middle(start: float, stop: float) -> float:

@@ -1,4 +1,4 @@
-"""The report: one HTML file that needs nothing else."""
+"""The report: one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .spiral import TOLERANCE, TURN_TOLERANCE, spiral_rows
 CHOSEN_CASE = "overdrive-100"
 """The load case whose fields along the belt are shown."""
 SHOWN_TIME = 4.0
-"""Time of the manoeuvre at which its belt is shown first, s."""
+"""Initial time of the belt animation in the manoeuvre, s."""
 
 
 @dataclass(frozen=True)
@@ -145,14 +145,14 @@ def _context(results: DemoResults) -> dict[str, Any]:
 
 
 def write_trace(results: DemoResults, path: Path) -> None:
-    """Writes the manoeuvre's outputs over time, one column an FMU variable."""
+    """Writes the manoeuvre's outputs over time, one column per FMU variable."""
     trace = results.manoeuvre.trace
     table = np.column_stack([trace.time, *trace.columns.values()])
     page.write_table(path, ["time", *trace.columns], table.tolist())
 
 
 def write_cases(results: DemoResults, path: Path) -> None:
-    """Writes the outputs of the load cases and of the reference case, one row a case."""
+    """Writes the outputs of the load cases and of the reference case, one row per case."""
     states = [(result.case.name, result.steady) for result in results.cases]
     states.append(("belt155-reference", results.reference.steady))
     names = list(states[0][1].outputs)

@@ -1,4 +1,4 @@
-"""What the simulations of the demo give, as plain data. SI units; names of FMU variables where a mapping is keyed by name."""
+"""Results of the demo's simulations as plain data, in SI units. Keys of mappings are names of FMU variables."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pushbelt.fmu.results import LoadCaseResult, Profile, SteadyState, Trace
 
 @dataclass(frozen=True)
 class StrandForces:
-    """Net forces of the strands (ring tension less push force), means over the middle half, N."""
+    """Net forces of the strands (ring tension minus push force), means over the middle half, N."""
 
     upper: float
     lower: float
@@ -19,7 +19,7 @@ class StrandForces:
 
 @dataclass(frozen=True)
 class Variant:
-    """The reference case with one thing changed."""
+    """The reference case with one change."""
 
     name: str
     thrust_ratio: float
@@ -29,14 +29,14 @@ class Variant:
 
 @dataclass(frozen=True)
 class ReferenceResult:
-    """The published reference case: what was published, what its theory says, and what the FMU gives."""
+    """The published reference case: published values, its theory, and results of the FMU."""
 
     published: Mapping[str, float]
     theory: Mapping[str, float]
-    """The published theory, evaluated here in closed form."""
+    """The published theory, evaluated in closed form."""
     computed: Mapping[str, float]
     without_flank_friction: Mapping[str, float]
-    """Axial forces that the FMU's strand forces would need without friction along the flanks, by pulley, N."""
+    """Axial forces that the FMU's strand forces would require without friction along the flanks, by pulley, N."""
     steady: SteadyState
     variants: tuple[Variant, ...] = ()
 
@@ -47,13 +47,13 @@ class MeasuredPoint:
 
     measured: EfficiencyPoint
     clamping_force: float
-    """Secondary clamping force, N; the measured one is unknown."""
+    """Secondary clamping force, N; that of the measurement is unknown."""
     efficiency: float
-    """Of the FMU's shafts."""
+    """Efficiency of the FMU between the shafts."""
 
     @property
     def margin(self) -> float:
-        """Efficiency of the FMU less the measured one."""
+        """Efficiency of the FMU minus the measured one."""
         return self.efficiency - self.measured.efficiency
 
 
@@ -63,7 +63,7 @@ class ManoeuvreResult:
 
     trace: Trace
     wall_time: float
-    """Time the run took, reading all outputs at every step included, s."""
+    """Wall-clock time of the run, including reading all outputs at every step, s."""
     step: float
     """Communication step, s."""
     snapshots: Mapping[float, Profile]
@@ -74,7 +74,7 @@ class ManoeuvreResult:
 
 @dataclass(frozen=True)
 class DemoResults:
-    """All of it."""
+    """All results of the demo."""
 
     fmu_version: str
     """Version in the model description."""
@@ -86,4 +86,4 @@ class DemoResults:
     parameters: Mapping[str, float]
     """Parameters of the variator in the load cases and the manoeuvre."""
     variator: str
-    """Parameter set of the load cases and the manoeuvre, or its file."""
+    """Name or file of the parameter set of the load cases and the manoeuvre."""

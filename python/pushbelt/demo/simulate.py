@@ -1,4 +1,4 @@
-"""Runs all simulations of the demo, side by side in processes, with a progress bar."""
+"""Runs all simulations of the demo in parallel processes, with a progress bar."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ VARIATOR = "bench168"
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is run."""
+    """Extent of the run."""
 
     torques: tuple[float, ...] | None = None
     """Torques of the load cases, N·m; None for all."""
     duration: float | None = None
-    """Of the manoeuvre, s; None for all of it."""
+    """Duration of the manoeuvre, s; None for all of it."""
 
 
 FULL = Plan()
@@ -73,7 +73,7 @@ def _run_all(archive: Archive, plan: Plan, variator: str) -> DemoResults:
     duration = float(manoeuvre_inputs().time[-1]) if plan.duration is None else plan.duration
     run, reference, points, *states = run_side_by_side(
         [
-            # The manoeuvre takes longest and can't be divided: it starts first.
+            # The manoeuvre starts first, because it takes longest and cannot be divided.
             (_run_manoeuvre, (archive, variator, duration)),
             (_run_reference, (archive,)),
             (_run_measured, (archive, variator)),

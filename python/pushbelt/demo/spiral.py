@@ -1,4 +1,4 @@
-"""Spiral running: how far elements move in and out along an arc, by the law of tilt and contact.
+"""Spiral running: radial motion of elements along an arc, by the law of tilt and contact.
 
 The axial pressure p_ax of the belt tilts a sheave by ψ under the moment ∫p_ax ϱ (cos θ, sin θ), first by its clearance, then by
 bending, and so opens the groove by w = ϱ (ψ_x cos θ + ψ_y sin θ). A flank under the normal force p per length is pressed in by g = p/(k_c cos β). An element
@@ -6,16 +6,16 @@ runs further in by the sum of both over the slope of the groove,
 
     Δϱ = −(w + g)/tan β.
 
-The points of the profile hold Δϱ and p, so the tilt that opens the groove is found from them: two unknowns and the arc's mean, by least
-squares. The remainder shows whether the groove opens as that of a tilted cone.
+The points of the profile contain Δϱ and p. A least-squares fit determines from them the tilt that opens the groove (two unknowns) and the
+arc's mean. The remainder shows whether the groove opens like that of a tilted cone.
 
-The moment is taken from the normal force at the points, scaled so that it gives the axial force. Its amount gives |ψ| by the law of the
-tilt. Its direction is less sure: the pressure has peaks of some millimetres at the borders of the arc, the points are 10 mm apart, and
-friction along the flank has an axial share that the normal force does not show. So the direction is compared on its own, and the spread
-is predicted with |ψ| by the law in the direction found. On a small arc 4° of direction are 10 % of the spread.
+The moment is computed from the normal force at the points, scaled to the axial force. Its magnitude gives |ψ| by the law of the
+tilt. Its direction is less accurate: the pressure has peaks of some millimetres at the borders of the arc, the points are 10 mm apart, and
+friction along the flank has an axial share that the normal force does not include. The direction is therefore compared separately, and the
+spread is predicted with |ψ| by the law in the fitted direction. On a small arc 4° of direction change the spread by 10 %.
 
-With a uniform pressure and no g the spread over an arc of angle α would be (ϱ ψ/tan β) (1 − cos(α/2)), ψ the tilt under
-F ϱ sin(α/2)/(α/2). That is no measure: the pressure rises towards the exit and turns the tilt by up to 45°.
+With a uniform pressure and no g the spread over an arc of angle α would be (ϱ ψ/tan β) (1 − cos(α/2)), with the tilt ψ under
+F ϱ sin(α/2)/(α/2). This is not a good estimate, because the pressure rises towards the exit and turns the tilt by up to 45°.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ from pushbelt.fmu.results import BeltState, LoadCaseResult
 from pushbelt.fmu.tilt import tilt_under
 
 TOLERANCE = 0.05
-"""Of the predicted spread, upwards and downwards: the axial force that the normal forces at the points miss."""
+"""Relative tolerance of the predicted spread. The normal forces at the points do not represent the whole axial force."""
 
 TILT_TOLERANCE = 0.02
-"""Of the tilt that the FMU reports: the law under the moment of the points, and the groove that is found. Beyond the clearance little of
-an error of the force comes through, since most of the tilt is the clearance."""
+"""Relative tolerance of the tilt that the FMU reports, compared with the law under the moment of the points and with the fitted groove.
+An error of the force has little influence beyond the clearance, since most of the tilt is the clearance."""
 
 TURN_TOLERANCE = 5.0 * np.pi / 180.0
-"""Between the direction of the tilt and that of the moment of the points, rad. 5 % of the axial force missed at the border of an arc turn
-a moment with a lever of 0.65 ϱ by 4.4°, and friction's axial share μ tan β by up to another 1°."""
+"""Largest angle between the direction of the tilt and that of the moment of the points, rad. If 5 % of the axial force are missing at
+the border of an arc, a moment with a lever of 0.65 ϱ turns by 4.4°. The axial share of friction, μ tan β, adds up to 1°."""
 
 SHAPE_TOLERANCE = 0.02
-"""Of the spread: what no tilt explains."""
+"""Largest remainder of the fit, relative to the spread."""
 
 
 @dataclass(frozen=True)
@@ -59,38 +59,38 @@ class SpiralRunning:
     tilt: float
     """|ψ| by the law under the moment of the points, rad."""
     tilt_reported: float
-    """|ψ| as the FMU reports it, rad."""
+    """|ψ| reported by the FMU, rad."""
     tilt_found: float
-    """|ψ| of the groove that the profile shows, rad."""
+    """|ψ| of the groove fitted to the profile, rad."""
     turn: float
-    """Direction of that tilt less that of the moment of the points, rad."""
+    """Direction of the fitted tilt minus that of the moment of the points, rad."""
     shape: float
-    """Largest distance of the profile from the groove of that tilt, m."""
+    """Largest distance of the profile from the groove of the fitted tilt, m."""
     uniform: float
-    """Spread under a uniform pressure, by tilt alone, m."""
+    """Spread due to tilt under a uniform pressure, m."""
     predicted: float
-    """Spread by the law, in the direction found, m."""
+    """Spread by the law in the fitted direction, m."""
     found: float
     """Spread in the profile, m."""
 
     @property
     def left_out(self) -> float:
-        """Share of the axial force that the normal forces at the points miss, either way."""
+        """Magnitude of the relative difference between the axial force and the sum of the normal forces at the points."""
         return abs(self.axial_force_at_points / self.axial_force - 1.0)
 
     @property
     def error(self) -> float:
-        """Of the predicted spread, relative."""
+        """Relative error of the predicted spread."""
         return self.found / self.predicted - 1.0
 
     @property
     def tilts(self) -> bool:
-        """Whether the sheave tilts at all: a rigid one has no direction."""
+        """Whether the sheave tilts. The tilt of a rigid one has no direction."""
         return self.tilt > 1e-6
 
     @property
     def follows(self) -> bool:
-        """Whether spread, tilt, direction and shape are those of the law."""
+        """Whether spread, tilt, direction and shape agree with the law."""
         tilts = not self.tilts or (
             abs(self.tilt / self.tilt_reported - 1.0) <= TILT_TOLERANCE
             and abs(self.tilt_found / self.tilt_reported - 1.0) <= TILT_TOLERANCE
@@ -100,7 +100,7 @@ class SpiralRunning:
 
 
 def spiral_running(state: BeltState, parameters: Mapping[str, float], pulley: str) -> SpiralRunning:
-    """Spread on the arc of a pulley, found and predicted."""
+    """Spread on the arc of a pulley, simulated and predicted."""
     curve, profile = curve_at(parameters, state), state.profile
     beta = parameters["geometry.wedgeAngle"]
     sheave = parameters[f"{pulley}.tiltStiffness"], parameters[f"{pulley}.tiltClearance"]

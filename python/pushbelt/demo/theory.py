@@ -1,7 +1,7 @@
-"""The theory behind the published reference case, in closed form: what its numbers follow from.
+"""The theory of the published reference case in closed form.
 
-A continuous belt on rigid sheaves, friction along the belt only. On each pulley the net strand force F stays what it is
-at the entry (idle arc) and changes along a slip arc γ at the exit,
+A continuous belt runs on rigid sheaves with friction along the belt only. On each pulley the net strand force F is constant from
+the entry on (idle arc) and changes along a slip arc γ (active arc) at the exit,
 
     (F_u − σV²)/(F_l − σV²) = exp(μγ/sinβ),
 
@@ -9,7 +9,7 @@ and the axial force of a pulley is the radial balance without friction along the
 
     S = ∫ (F − σV²) dα / (2 tanβ).
 
-Here F_u and F_l are the net forces (ring tension less push force) of the upper and lower strand, σ the mass of the belt
+Here F_u and F_l are the net forces (ring tension minus push force) of the upper and lower strand, σ the mass of the belt
 per length and V its speed.
 """
 
@@ -44,7 +44,7 @@ class ContinuousBelt:
         return float(np.sin(self.wedge_angle) / self.friction * np.log(upper / lower))
 
     def axial_forces(self, strands: StrandForces) -> tuple[float, float]:
-        """Axial forces of P and S, N: P is entered by the upper strand, S by the lower one."""
+        """Axial forces of P and S, N. The upper strand enters P, the lower one S."""
         upper, lower = strands.upper - self.centrifugal, strands.lower - self.centrifugal
         arc = self.slip_arc(strands)
         mean = (upper - lower) / np.log(upper / lower)

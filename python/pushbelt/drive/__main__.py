@@ -18,20 +18,20 @@ SHORT = {"wltc": runs.SHORT, "nedc": runs.SHORT_NEDC}
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Simulates, writes the report and says where it is."""
+    """Simulates, writes the report and prints its path."""
     parser = argparse.ArgumentParser(prog="pushbelt.drive", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the results")
-    parser.add_argument("--short", action="store_true", help="30 s of the cycle, 10 s of close-up")
+    parser.add_argument("--short", action="store_true", help="simulate 30 s of the cycle and 10 s of close-up")
     parser.add_argument("--cycle", choices=list(FULL), default="wltc", help="which cycle")
-    parser.add_argument("--until", type=float, metavar="SECONDS", help="only the first seconds of the cycle")
+    parser.add_argument("--until", type=float, metavar="SECONDS", help="simulate only the first seconds of the cycle")
     parser.add_argument(
         "--ring",
         choices=list(RingModel.__members__),
         default="ALE",
         help="ring model of the whole cycle",
     )
-    parser.add_argument("--variator", default=simulate.VARIATOR, help="parameter set, or its file, ….json")
+    parser.add_argument("--variator", default=simulate.VARIATOR, help="name of a parameter set, or a file ….json")
     options = parser.parse_args(arguments)
     plan = dataclasses.replace(
         (SHORT if options.short else FULL)[options.cycle], ring=options.ring, variator=options.variator

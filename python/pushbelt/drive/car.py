@@ -1,8 +1,8 @@
 """The car around the variator: road load, engine, launch clutch. SI units.
 
-The vehicle itself is an inertia on the secondary shaft, part of the FMU: its speed is the FMU's secondary speed. What
-has a state here is the engine with its clutch, integrated with steps of 1 ms against the primary speed of the last
-communication point; the mean clutch torque over the communication step goes to the FMU, which conserves momentum.
+The vehicle is an inertia on the secondary shaft of the FMU, so its speed is the FMU's secondary speed. The engine with its
+clutch has states here. They are integrated with steps of 1 ms and the primary speed of the last communication point. The FMU
+gets the mean clutch torque over the communication step, which conserves momentum.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ class Car:
     wheel_radius: float
     """m."""
     final_drive: float
-    """Secondary speed / wheel speed."""
+    """Secondary speed divided by wheel speed."""
     engine_inertia: float
     """kg·m²."""
     max_torque: float
-    """Of the engine, N·m."""
+    """Largest torque of the engine, N·m."""
     max_power: float
-    """Of the engine, W."""
+    """Largest power of the engine, W."""
     idle_speed: float = 84.0
     """800 rpm, rad/s."""
     max_speed: float = 630.0
@@ -47,7 +47,7 @@ class Car:
 
     @property
     def lever(self) -> float:
-        """Force at the road to torque at the secondary shaft, v = lever · ω_S, m."""
+        """Torque at the secondary shaft per force at the road, m; v = lever · ω_S."""
         return self.wheel_radius / self.final_drive
 
     @property
@@ -56,14 +56,14 @@ class Car:
         return self.mass * self.lever**2
 
     def road_load(self, speed: float) -> float:
-        """Air drag and rolling resistance against a speed in m/s, N; the latter fades out below 0.1 m/s."""
+        """Air drag and rolling resistance at a speed in m/s, N. The rolling resistance tends to 0 below 0.1 m/s."""
         air = 0.5 * AIR_DENSITY * self.drag_area * speed * abs(speed)
         return air + self.mass * GRAVITY * self.rolling_resistance * math.tanh(speed / 0.1)
 
     def brake_force(self, demand: float, speed: float, step: float) -> float:
-        """Force of the brakes, N, for a demand in N; near standstill proportional to speed, so that it holds the car.
+        """Force of the brakes, N, for a demand in N. Near standstill it is proportional to speed, so that it holds the car.
 
-        The slope is at most half of what a communication step would let ring.
+        The slope is at most half of the limit at which the communication step would cause oscillation.
         """
         width = max(0.05, 2.0 * demand * step / self.mass)
         return min(demand, self.max_brake) * clip(speed / width, -1.0, 1.0)
@@ -76,11 +76,11 @@ class Car:
         return min(low_end, self.max_power / max(speed, 1.0))
 
     def drag_torque(self, speed: float) -> float:
-        """Torque of the engine with no fuel, negative, N·m."""
+        """Torque of the engine without fuel, N·m; negative."""
         return -(8.0 + 0.02 * speed) * clip(speed / 20.0, 0.0, 1.0)
 
     def engine_speed_for(self, power: float) -> float:
-        """Speed on the line of low consumption at a power in W, rad/s: about 110 N·m, at least 1250 rpm."""
+        """Engine speed of low consumption at a power in W, rad/s: the torque is about 110 N·m, the speed at least 1250 rpm."""
         return clip(power / 110.0, 131.0, 0.9 * self.max_speed)
 
 
@@ -102,22 +102,22 @@ def demo_car() -> Car:
 class Powertrain:
     """Engine and launch clutch.
 
-    While it slips, the clutch carries a torque that grows with the square of the speed above idle, as a centrifugal
-    one does. Locked, engine and primary pulley turn as one. The pulley's speed is the FMU's and known once a
-    communication step, so the torque that keeps them together is predicted,
+    While the clutch slips, its torque grows with the square of the speed above idle, as in a centrifugal clutch. When it is
+    locked, engine and primary pulley have the same speed. The pulley's speed comes from the FMU once per communication
+    step, so the torque that keeps both speeds equal is predicted,
 
         T_c = T_e − J_e α + (J_e/τ)(ω_e − ω_P),
 
-    with the acceleration α of the pulley low-passed by τ: the last term removes what the prediction gets wrong. It is
-    stable as long as J_e h/τ is below the inertia of the pulley alone, which it must be when the belt slips through.
+    with the acceleration α of the pulley, low-pass filtered with τ. The last term corrects errors of the prediction. The scheme is
+    stable if J_e h/τ is below the inertia of the pulley alone; this matters when the belt slips through.
     """
 
     SYNCHRONISATION = 0.12
     """τ, s."""
     TORQUE_LAG = 0.1
-    """Of the engine behind its demand, s."""
+    """Time constant of the engine torque, s."""
     LOCK_SPEED, OPEN_SPEED = 100.0, 90.0
-    """The clutch locks above the first and opens below the second, rad/s."""
+    """The clutch locks above the first speed and opens below the second, rad/s."""
     CLUTCH_LIMIT = 250.0
     """N·m."""
     SUBSTEP = 1e-3
@@ -126,12 +126,12 @@ class Powertrain:
     def __init__(self, car: Car) -> None:
         self.car = car
         self.speed = car.idle_speed
-        """Of the engine, rad/s."""
+        """Speed of the engine, rad/s."""
         self.torque = 0.0
         """Of the engine, N·m."""
         self.locked = False
         self.clutch_loss = 0.0
-        """Heat of the clutch over the last step, J."""
+        """Heat generated in the clutch over the last step, J."""
         self.engine_work = 0.0
         """Work of the engine over the last step, J."""
         self._last_pulley: float | None = None
@@ -140,7 +140,7 @@ class Powertrain:
     def advance(self, demand: float, pulley: float, step: float) -> float:
         """Advances by a communication step; returns the mean clutch torque, N·m.
 
-        `demand` is the wanted engine torque, N·m, `pulley` the primary speed, rad/s, held over the step.
+        `demand` is the demanded engine torque, N·m; `pulley` is the primary speed, rad/s, held constant over the step.
         """
         car = self.car
         self._follow(pulley, step)
@@ -161,7 +161,7 @@ class Powertrain:
         return impulse / step
 
     def _follow(self, pulley: float, step: float) -> None:
-        """Filters the pulley's acceleration, and locks or opens the clutch."""
+        """Filters the pulley's acceleration and locks or opens the clutch."""
         last = pulley if self._last_pulley is None else self._last_pulley
         share = step / (self.SYNCHRONISATION + step)
         self._acceleration += share * ((pulley - last) / step - self._acceleration)

@@ -1,7 +1,7 @@
-"""Controllers of the variator: clamping, slip, ratio. Discrete, one call a control step; SI units.
+"""Controllers of the variator: clamping, slip, ratio. They are discrete and called once per control step; SI units.
 
-They read what a transmission measures: speeds, the ratio (from a sheave position), the torque that the engine control
-estimates. Friction, geometry and the thrust-ratio map are all that they have of the variator.
+Their inputs are the measured values of a transmission: speeds, the ratio (from a sheave position), and the torque that the
+engine control estimates. Their model of the variator consists of friction, geometry and the thrust-ratio map.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .thrust_map import ThrustMap
 
 @dataclass(frozen=True)
 class Measured:
-    """What the controllers measure at a control step."""
+    """Measured values at a control step."""
 
     primary_speed: float
     """rad/s."""
@@ -31,11 +31,11 @@ class Measured:
     pitch_radius: float
     """Primary running radius, m."""
     torque: float
-    """Larger of the primary torques now and as demanded, with the sign of the torque now, N·m."""
+    """Larger of the present and the demanded primary torque, with the sign of the present one, N·m."""
 
     @classmethod
     def from_signals(cls, signals: Mapping[str, float], torque: float) -> Measured:
-        """From signals by the names of FMU variables, and the estimated torque, N·m."""
+        """Measured values from signals by the names of FMU variables and the estimated torque, N·m."""
         return cls(
             primary_speed=signals["primary.speed"],
             ratio=signals["ratio.geometric"],
@@ -55,7 +55,7 @@ class Friction:
     wedge_angle: float
     """β, rad."""
     reserve: float = 8.0
-    """Torque added for what the estimate leaves out (inertia of the pulley, drag of the shaft, errors), N·m."""
+    """Torque added for effects that the estimate neglects (inertia of the pulley, drag of the shaft, errors), N·m."""
 
     def clamping_force(self, measured: Measured, safety: float) -> float:
         """Secondary clamping force for the estimated torque, N."""
@@ -64,23 +64,23 @@ class Friction:
 
 
 class ClampingStrategy(Protocol):
-    """Gives the secondary clamping force."""
+    """Computes the secondary clamping force."""
 
     def force(self, measured: Measured, step: float, overruled: bool) -> float:
         """Secondary clamping force for the next step of `step` seconds, N.
 
-        `overruled`: the ratio control used a larger secondary force than this strategy asked for.
+        `overruled`: the ratio control used a larger secondary force than this strategy computed.
         """
         ...
 
     @property
     def intervening(self) -> bool:
-        """Whether it acts against macro-slip."""
+        """Whether it intervenes against macro-slip."""
         ...
 
 
 class SafetyFactor:
-    """Fixed safety factor: the force follows the estimated torque, blind to slip."""
+    """Fixed safety factor: the force follows the estimated torque and does not depend on slip."""
 
     intervening = False
 
@@ -93,37 +93,37 @@ class SafetyFactor:
 
 
 class SlipControl:
-    """PI on the secondary force to a slip set point, with intervention when macro-slip threatens.
+    """PI controller of the slip by the secondary force, with intervention against macro-slip.
 
-    The set point is the slip that the map has at a torque utilisation u; the feed-forward is the force of that
-    utilisation, and the PI scales it within limits:
+    The set point is the slip of the map at a torque utilisation u. The feed-forward is the force of that utilisation, and the
+    PI controller scales it within limits:
 
         F_S = F_ff · clip(1 + k_p e + k_i ∫e dt, low, high),   e = |slip| − set point
 
-    u is `utilisation`, or less where there is no steady state or the flywheel would let the belt run away. A shift turns
-    the engine and so loads the belt by J ω_P λ; where the thrust ratio falls with torque, that shifts it on, with the
-    share
+    u is `utilisation`, or less where there is no steady state or where the flywheel would make the ratio unstable. A shift
+    accelerates the engine and so loads the belt by J ω_P λ. Where the thrust ratio falls with torque, this load increases the
+    shift by the share
 
         Γ = −dκ/du · J g ω_P² cosβ/(2 μ r_P)
 
-    of the force that the shift came from. u is the most at which Γ stays below 1. It bounds the factor too: the force
-    never falls below that of this utilisation, whatever the slip is.
+    of the force that caused it. u is the largest value at which Γ is below 1. It also bounds the factor: the force is never
+    below that of this utilisation, whatever the slip is.
 
-    The integral stands still while the factor is at a limit in its direction, and while the ratio control clamps harder.
-    Slip beyond twice its set point and 1 % more, or macro-slip, makes the factor `rescue` at once; it is held for a
-    while, then comes down no faster than the integral brings it. Below a speed at which slip can't be measured well the
-    fixed safety factor holds.
+    The integrator stops while the factor is at a limit in its direction, and while the ratio control applies a larger force.
+    Slip beyond twice its set point plus 1 %, or macro-slip, sets the factor to `rescue` at once. The factor is held for a
+    while, and then falls only as fast as the integrator reduces it. At low speeds, where slip cannot be measured well, the
+    fixed safety factor is used.
     """
 
     PROPORTIONAL = 10.0
-    """Force per slip, relative."""
+    """Gain of the relative force over slip."""
     INTEGRAL = 25.0
-    """The same per second."""
+    """Integral gain of the relative force over slip, 1/s."""
     LOW, HIGH, RESCUE = 0.9, 1.6, 1.5
     HOLD = 0.3
-    """How long an intervention lasts at least, s."""
+    """Least duration of an intervention, s."""
     LEAST_SPEED = 60.0
-    """Of the primary pulley, rad/s."""
+    """Least speed of the primary pulley for slip control, rad/s."""
 
     def __init__(
         self,
@@ -142,11 +142,11 @@ class SlipControl:
 
     @property
     def intervening(self) -> bool:
-        """Whether an intervention is on."""
+        """Whether an intervention is in progress."""
         return self._rescue_left > 0.0
 
     def stable_utilisation(self, measured: Measured) -> float:
-        """Torque utilisation beyond which the flywheel lets the belt run away."""
+        """Torque utilisation beyond which the flywheel makes the ratio unstable."""
         belt = self.friction
         secondary = belt.clamping_force(measured, 1.0 / self.utilisation)
         gain = self.map.shift_gain(measured.ratio, self.utilisation, secondary=secondary)
@@ -155,7 +155,7 @@ class SlipControl:
         return self.map.stable_utilisation(measured.ratio, torque_per_force * force_per_torque)
 
     def set_point(self, ratio: float, utilisation: float) -> float:
-        """Magnitude of slip to hold, 1."""
+        """Set point of the magnitude of slip, 1."""
         return abs(self.map.slip(ratio, utilisation))
 
     def force(self, measured: Measured, step: float, overruled: bool = False) -> float:
@@ -187,20 +187,20 @@ class SlipControl:
 class RatioControl:
     """Primary clamping force from the thrust-ratio map and a PI controller on the shift speed.
 
-    The ratio error demands a shift speed, λ* = clip(k (ln i* − ln i), ±λ_max) with λ = d(ln i)/dt. The belt shifts with
-    the excess ε = ln(F_P/(κ F_S)) of the thrust ratio over the one that holds, λ = −ω_P F R(ε), so
+    The ratio error determines a demanded shift speed, λ* = clip(k (ln i* − ln i), ±λ_max) with λ = d(ln i)/dt. The belt shifts
+    according to the excess ε = ln(F_P/(κ F_S)) of the thrust ratio over the one that holds the ratio, λ = −ω_P F R(ε), so
 
         F_P = κ(i, u) F_S exp(R⁻¹(−λ*/(ω_P F))) − C (k_p e + k_i ∫e dt),   e = λ* − λ
 
-    κ is the thrust ratio of the map at the ratio and the torque utilisation u, R the map's shift rates; with R in
-    proportion to ε this is the law of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005). F grows with F_S as
-    the tilt of the sheaves does: less than in proportion, since a part of the tilt is their clearance. C = 1/(g ω_P) makes
-    the loop as fast as designed. g is the steepest gain near the excess that is asked for, because R may bend sharply: a
-    belt that shifts by creep hardly moves until its elements slide radially. Where g is small C stays at `MOST_FORCE`.
+    κ is the thrust ratio of the map at the ratio and the torque utilisation u, and R are the map's shift rates. With R
+    proportional to ε this is the law of Carbone, Mangialardi and Mantriota (J. Mech. Des. 127, 2005). F grows with F_S like
+    the tilt of the sheaves: less than proportionally, since a part of the tilt is their clearance. C = 1/(g ω_P) gives the
+    loop its design bandwidth. g is the largest gain near the demanded excess, because the slope of R may change sharply: a
+    belt that shifts by creep hardly moves until its elements slide radially. Where g is small, C is limited to `MOST_FORCE`.
 
-    k_p and a short filter damp what the flywheel does when a shift changes its speed (docs/drivetrain.md). The integral
-    is stored as a force and stands still while F_P is at a limit in its direction. A primary force below what carries the
-    torque is not allowed: to shift down faster the secondary force rises instead. A standing belt is held the same way.
+    k_p and a short filter damp the effect of the flywheel when a shift changes its speed (docs/drivetrain.md). The integral
+    is stored as a force and is constant while F_P is at a limit in its direction. The primary force is never below the one
+    that carries the torque: for a faster shift down the secondary force rises instead. A standing belt is held the same way.
     """
 
     APPROACH = 3.0
@@ -214,7 +214,7 @@ class RatioControl:
     RESERVE = 1.1
     """Safety of the primary force against slip."""
     LEAST_SPEED = 40.0
-    """Below it the belt hardly shifts: only the map acts, rad/s."""
+    """Below this speed, rad/s, the belt hardly shifts and only the map is used."""
     FILTER = 0.01
     """Time constant of the measured shift speed, s."""
 
@@ -255,18 +255,18 @@ class RatioControl:
         return min(primary, high), secondary
 
     def _utilisation(self, measured: Measured, secondary: float) -> float:
-        """Torque utilisation under a secondary force, N, with the sign of the torque."""
+        """Torque utilisation under a secondary force in N, with the sign of the torque."""
         belt = self.friction
         carried = clamping_force(measured.torque, measured.pitch_radius, belt.coefficient, belt.wedge_angle, 1.0)
         return math.copysign(min(carried / secondary, 1.0), measured.torque)
 
     def _excess(self, wanted: float, measured: Measured, secondary: float) -> float:
-        """ε that shifts at a wanted λ, 1/s, against a secondary force, N."""
+        """ε for a shift speed λ, 1/s, at a secondary force, N."""
         rate = -wanted / (max(measured.primary_speed, self.LEAST_SPEED) * self.map.acting_force(secondary))
         return self.map.excess(measured.ratio, self._utilisation(measured, secondary), rate)
 
     def _shifting(self, wanted: float, measured: Measured, secondary: float) -> float:
-        """Primary force that shifts at a wanted λ, 1/s, against a secondary force, N."""
+        """Primary force for a shift speed λ, 1/s, at a secondary force, N."""
         held = self.map.thrust_ratio(measured.ratio, self._utilisation(measured, secondary)) * secondary
         return held * math.exp(self._excess(wanted, measured, secondary))
 
@@ -277,7 +277,7 @@ class RatioControl:
         return min(1.0 / (gain * measured.primary_speed), self.MOST_FORCE)
 
     def _secondary_for(self, primary: float, wanted: float, measured: Measured, secondary: float) -> float:
-        """Secondary force, from the one given up to the limit, that shifts with a primary force; by bisection, N."""
+        """Secondary force between the given one and the limit that gives the shift speed at a primary force, N; by bisection."""
         below, above = secondary, self.limits[1]
         for _ in range(12):
             middle = 0.5 * (below + above)
@@ -289,9 +289,9 @@ class RatioControl:
 
 
 class PressureControl:
-    """Pressure feedback of one circuit: the valve's demand goes beyond the wanted pressure by as much as is missing.
+    """Pressure feedback of one circuit: the valve's demand exceeds the set point in proportion to the pressure error.
 
-    The circuit is a first-order lag τ, so F_v = F + (τ/τ_c)(F* − F) makes it one of τ_c, within the valve's limits.
+    The circuit is a first-order lag with time constant τ. F_v = F + (τ/τ_c)(F* − F) changes it to τ_c, within the valve's limits.
     """
 
     WANTED_LAG = 0.0125
@@ -301,5 +301,5 @@ class PressureControl:
         self.gain = max(lag / self.WANTED_LAG, 1.0)
 
     def demand(self, wanted: float, force: float) -> float:
-        """Demand on the valve for a wanted clamping force and the measured one, N."""
+        """Demand on the valve for a demanded and a measured clamping force, N."""
         return force + self.gain * (wanted - force)

@@ -1,4 +1,4 @@
-"""The speed to follow: WLTC class 3b (UN Global Technical Regulation No. 15), read from the package `wltp`, or NEDC."""
+"""The speed trace of a drive: WLTC class 3b (UN Global Technical Regulation No. 15), read from the package `wltp`, or NEDC."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ PARTS = {"low": (0, 589), "medium": (589, 1022), "high": (1022, 1477), "extra hi
 
 @dataclass(frozen=True)
 class Cycle:
-    """A speed trace; between its points speed runs linearly."""
+    """A speed trace. Speed is linear between its points."""
 
     time: Array
     """s, shape (n,), ascending."""
     speed: Array
     """m/s, shape (n,), at least 0."""
     start: float = 0.0
-    """Where it starts in the cycle that it is a section of, s."""
+    """Start time of this section within the whole cycle, s."""
 
     @property
     def duration(self) -> float:
@@ -42,18 +42,18 @@ class Cycle:
         return self.time.tolist(), self.speed.tolist()
 
     def at(self, time: float) -> float:
-        """Speed at a time, m/s; before the start and after the end that of the nearest point."""
+        """Speed at a time, m/s. Times outside the trace give the speed of the nearest end point."""
         return interpolate(time, *self._points)
 
     def section(self, start: float, stop: float) -> Cycle:
-        """A part of it, with time from 0 on.
+        """A section of the trace, with time starting at 0.
 
-        Raises ValueError unless it starts at standstill: the simulated belt starts at rest.
+        Raises ValueError if the section does not start at standstill: the simulated belt starts at rest.
         """
         if not self.time[0] <= start < stop <= self.time[-1]:
-            raise ValueError(f"{start:g} to {stop:g} s is no part of a cycle of {self.duration:g} s")
+            raise ValueError(f"{start:g} to {stop:g} s is not within the cycle of {self.duration:g} s")
         if self.at(start) > 0.0:
-            raise ValueError(f"the car moves at {start:g} s: a section starts at standstill")
+            raise ValueError(f"the car moves at {start:g} s: a section must start at standstill")
         inside = (self.time > start) & (self.time < stop)
         time = np.concatenate([[start], self.time[inside], [stop]])
         return Cycle(time - start, np.interp(time, self.time, self.speed), self.start + start)
@@ -66,9 +66,9 @@ class CycleMissingError(ValueError):
 def wltc_class_3b() -> Cycle:
     """The whole cycle, 1800 s in steps of 1 s.
 
-    Raises CycleMissingError where its table is not installed.
+    Raises CycleMissingError if its table is not installed.
     """
-    # Only the table is loaded. The package requires a `jsonschema` that is too old for others, hence --no-deps.
+    # Only the table is loaded. The package requires a version of `jsonschema` that is too old for other packages, hence --no-deps.
     try:
         from wltp.cycles import class3
     except ModuleNotFoundError as error:
@@ -86,7 +86,7 @@ URBAN = (
     (96, 0), (117, 0), (122, 15), (124, 15), (133, 35), (135, 35), (143, 50), (155, 50), (163, 35), (176, 35), (178, 32),
     (185, 10), (188, 0), (195, 0),
 )  # fmt: skip
-"""Elementary urban cycle of UN Regulation No. 83, Annex 4: where the slope of the speed changes, s and km/h."""
+"""Elementary urban cycle of UN Regulation No. 83, Annex 4: break points of the speed trace, s and km/h."""
 EXTRA_URBAN = (
     (0, 0), (20, 0), (25, 15), (27, 15), (36, 35), (38, 35), (46, 50), (48, 50), (61, 70), (111, 70), (119, 50), (188, 50),
     (201, 70), (251, 70), (286, 100), (316, 100), (336, 120), (346, 120), (362, 80), (370, 50), (380, 0), (400, 0),
@@ -105,4 +105,4 @@ CYCLES: Mapping[str, tuple[str, Callable[[], Cycle]]] = {
     "wltc": ("WLTC class 3b", wltc_class_3b),
     "nedc": ("NEDC", nedc),
 }
-"""By the name that a user gives: title and table."""
+"""Title and table by the name on the command line."""

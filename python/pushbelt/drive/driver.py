@@ -1,4 +1,4 @@
-"""The driver: follows a speed trace with pedal and brake."""
+"""The driver model: follows a speed trace with accelerator and brake."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ class Demand:
     """The driver's demands."""
 
     force: float
-    """At the road, N: driving above 0, braking below."""
+    """Force at the road, N: positive for driving, negative for braking."""
     power: float
-    """The same as power at the trace's speed, W, at least 0."""
+    """The force times the speed of the trace, W, at least 0."""
     waiting: bool
-    """Whether the car is to stand."""
+    """Whether the trace demands standstill."""
 
 
 class Driver:
-    """Feed-forward from the road load and the speed ahead, and a PI controller.
+    """Feed-forward from the road load and the future speed of the trace, plus a PI controller.
 
     F = m a_ref + F_road(v_ref) + m (k_p e + k_i ∫e dt), e = v_ref − v, with a_ref over the next half second. The
-    integral stands still while the force is at a limit, and at standstill.
+    integrator is stopped while the force is at a limit, and at standstill.
     """
 
     PREVIEW = 0.5
@@ -33,7 +33,7 @@ class Driver:
     PROPORTIONAL, INTEGRAL = 1.2, 0.3
     """1/s and 1/s²."""
     HOLD = 1500.0
-    """Brake that holds the standing car, N."""
+    """Brake force that holds the standing car, N."""
 
     def __init__(self, car: Car, cycle: Cycle) -> None:
         self.car, self.cycle = car, cycle

@@ -16,12 +16,12 @@ from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
 LOSS_COLOURS = (BLUE, ORANGE, GREEN, VIOLET, MUTED)
-"""Of `LOSSES`."""
+"""Colours of `LOSSES`."""
 DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", INK, MUTED)
-"""Of `LOSSES` beside where else the engine's work went."""
+"""Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
 GROUP = "drive"
-"""Charts and belt that share a cursor."""
+"""Group name of charts and belt that share a cursor."""
 
 
 def drive(run: Run, group: str = "") -> Chart:
@@ -94,7 +94,7 @@ def belt_over_time(run: Run, parameters: dict[str, float]) -> Motion:
 
 
 def savings(fixed: Run, slip: Run) -> Chart:
-    """Variator loss of the two clamping strategies as it adds up, and utilisation as a share of time."""
+    """Accumulated variator loss of the two clamping strategies, and the distribution of utilisation over time."""
     edges = np.arange(0.0, 1.15, 0.025)
     loss, share = [], []
     for run, colour, dash in ((fixed, ORANGE, "dash"), (slip, BLUE, "")):
@@ -115,7 +115,7 @@ def savings(fixed: Run, slip: Run) -> Chart:
 
 
 def energy_shares(fixed: Run, slip: Run) -> Chart:
-    """Where the engine's work went."""
+    """Distribution of the engine's work."""
     parts = (
         ("road load", BLUE),
         ("brakes", VIOLET),
@@ -164,7 +164,7 @@ def low_friction(fixed: Run, slip: Run) -> Chart:
 
 
 def operating_points(table: ThrustMap, run: Run) -> Chart:
-    """The thrust-ratio map, and where the car worked on it."""
+    """The thrust-ratio map and the operating points of the car on it."""
     some = slice(None, None, 50)
     moving = run["primary.speed"][some] > 60.0
     ratio, utilisation, thrust = (
@@ -177,7 +177,7 @@ def operating_points(table: ThrustMap, run: Run) -> Chart:
     return Chart(
         [
             Panel(
-                "Thrust ratio of the map, and the points worked at",
+                "Thrust ratio of the map, and operating points",
                 [Series("worked at", ratio, utilisation, **points)],
                 "ratio",
                 "torque utilisation",

@@ -14,7 +14,7 @@ class PressureCircuit:
 
         dp/dt = clip((p_demand − p)/τ, −rate, rate),   p_min ≤ p_demand ≤ p_max,   F = A p
 
-    Values are typical; no source fixes them.
+    Values are typical; they are not from a source.
     """
 
     pressure: float
@@ -43,11 +43,11 @@ class PressureCircuit:
         return self.area * self.lowest, self.area * self.highest
 
     def advance(self, demand: float, step: float) -> float:
-        """Advances by a communication step towards a clamping force, N; returns the mean force over it, N."""
+        """Advances by a communication step towards a demanded clamping force, N; returns the mean force over the step, N."""
         wanted = clip(demand / self.area, self.lowest, self.highest)
         count = max(round(step / self.substep), 1)
         dt = step / count
-        # Exact for a demand that is held, so that it doesn't ring however short the lag is.
+        # Exact for a constant demand, so that the solution does not oscillate for any time constant.
         share, most = -math.expm1(-dt / self.lag), self.rate * dt
         impulse = 0.0
         for _ in range(count):

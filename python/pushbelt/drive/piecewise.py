@@ -1,4 +1,4 @@
-"""Limits and linear interpolation of plain numbers: controllers need one at a time, where arrays are slow."""
+"""Limits and linear interpolation of single numbers. Controllers evaluate one value at a time, for which arrays are slow."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def clip(value: float, low: float, high: float) -> float:
 
 
 def interpolate(value: float, places: Sequence[float], values: Sequence[float]) -> float:
-    """Linear between points at ascending places, constant beyond them: `numpy.interp`, to the last bit."""
+    """Linear interpolation between points at ascending places, constant beyond them. Results equal those of `numpy.interp` bit for bit."""
     if value >= places[-1]:
         return values[-1]
     k = bisect_right(places, value) - 1
@@ -23,6 +23,6 @@ def interpolate(value: float, places: Sequence[float], values: Sequence[float]) 
 
 
 def interval(grid: Sequence[float], value: float) -> tuple[int, float]:
-    """Interval of an ascending grid that holds a value, and the share of the way through it, 0 to 1."""
+    """Index of the grid interval that contains a value, and the relative position in it, 0 to 1. The grid is ascending."""
     index = min(max(bisect_left(grid, value) - 1, 0), len(grid) - 2)
     return index, clip((value - grid[index]) / (grid[index + 1] - grid[index]), 0.0, 1.0)

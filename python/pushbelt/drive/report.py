@@ -1,4 +1,4 @@
-"""The drive report: one HTML file that needs nothing else."""
+"""The drive report: one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def ratio_error(run: Run) -> float:
 
 
 def balance_gap(run: Run) -> float:
-    """What the engine's net work leaves over when all losses and stored energies are taken off, J.
+    """Net work of the engine minus all losses and the change of stored energy, J.
 
-    The FMU's stored energy holds the car; the engine's flywheel is added. The work of the clamping forces is small and
-    inside the gap.
+    The FMU's stored energy includes the car; the engine's flywheel is added. The work of the clamping forces is small and not
+    subtracted.
     """
     energies, inertia = run.energies(), demo_car().engine_inertia
     stored = run["stored.energy"] + 0.5 * inertia * run["engine.speed"] ** 2
@@ -48,7 +48,7 @@ def balance_gap(run: Run) -> float:
 
 
 def write_trace(run: Run, path: Path) -> None:
-    """Writes a run over the cycle's time, one row every 0.1 s; SI units, FMU variables by their names."""
+    """Writes a run as CSV over the time of the cycle, one row every 0.1 s, in SI units and with the names of the FMU variables."""
     every = round(CSV_STEP / STEP)
     table = np.column_stack([run.time, *run.columns.values()])[::every]
     page.write_table(path, ["time", *run.columns], table.tolist(), digits=7)
@@ -60,7 +60,7 @@ def write_html(results: Results, path: Path) -> None:
 
 
 def context(results: Results) -> dict[str, Any]:
-    """What the template shows."""
+    """Values for the template."""
     parameters = parameter_set(results.plan.variator)
     fixed, slip = results.fixed, results.slip
     belt = belt_view(

@@ -1,4 +1,4 @@
-"""Which runs make up the report, and running them side by side in processes, with a progress bar."""
+"""The runs of the report. They run in parallel processes, with a progress bar."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .simulate import Run, Setup
 from .thrust_map import ThrustMap
 
 LOW_FRICTION = 0.7
-"""Friction in the runs with low friction, as a share of what the controllers assume."""
+"""Friction in the runs with low friction, relative to the coefficient that the controllers assume."""
 
 FRAMES = 600
-"""Moments of a drive at most at which the belt is recorded."""
+"""Largest number of times in a drive at which the belt is recorded."""
 
 
 def moments(start: float, stop: float) -> tuple[float, ...]:
@@ -33,21 +33,21 @@ class Plan:
     """The runs of a report."""
 
     cycle: tuple[float, float]
-    """Section that both clamping strategies drive, s."""
+    """Section of the cycle for both clamping strategies, s."""
     close_up: tuple[float, float]
-    """Section that is driven once more on the FMU's own mesh, s."""
+    """Section that is repeated on the FMU's default mesh, s."""
     ring: str = "ALE"
-    """Ring model of the first."""
+    """Ring model of the runs on the coarse mesh."""
     low_friction: tuple[float, float] = (10.0, 20.0)
-    """Section that both strategies drive with less friction than they assume, s."""
+    """Section for both strategies with less friction than they assume, s."""
     trace: str = "wltc"
     """The cycle, a name in `CYCLES`."""
     variator: str = simulate.VARIATOR
-    """Parameter set, or its file."""
+    """Name or file of the parameter set."""
 
     @property
     def title(self) -> str:
-        """Name of the cycle."""
+        """Title of the cycle."""
         return CYCLES[self.trace][0]
 
     def setups(self) -> tuple[Setup, ...]:
@@ -77,7 +77,7 @@ SHORT_NEDC = Plan((10.0, 40.0), (10.0, 20.0), trace="nedc")
 
 @dataclass(frozen=True)
 class Results:
-    """What the report shows."""
+    """Results for the report."""
 
     plan: Plan
     version: str
@@ -90,7 +90,7 @@ class Results:
 
     @property
     def runs(self) -> tuple[Run, ...]:
-        """All of them."""
+        """All runs."""
         return self.fixed, self.slip, self.close_up, self.fixed_low_friction, self.slip_low_friction
 
 

@@ -1,4 +1,4 @@
-"""The loop: driver, car, controllers and hydraulics around the FMU, a communication step at a time."""
+"""The simulation loop: driver, car, controllers and hydraulics around the FMU, advanced by communication steps."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from .transmission import RATIO_LIMITS, START_PRESSURE, ClampingSignals, Transmi
 from .vehicle import Vehicle, VehicleSignals
 
 STEP = 0.01
-"""Communication and control step unless a set-up has its own, s."""
+"""Default communication and control step, s."""
 MESHES: Mapping[str, Mapping[str, float]] = {
     "coarse": {"mesh.primaryArc": 12, "mesh.secondaryArc": 12, "mesh.strand": 6, "solver.tolerance": 1e-3},
     "default": {},
 }
-"""Start values by name: for long runs, and the FMU's own."""
+"""Start values by name of mesh: a coarse one for long runs, and the FMU's default."""
 
 LOSSES = ("sheaves", "ring", "layers", "shafts", "other")
-"""Parts of the variator's loss, by the names of the FMU's outputs without their `loss.`; together they are `loss.total`."""
+"""Parts of the variator's loss: names of the FMU's outputs without the prefix `loss.`. Their sum is `loss.total`."""
 
 OUTPUTS = (
     "primary.speed",
@@ -66,7 +66,7 @@ Outputs = Mapping[str, float]
 
 @dataclass(frozen=True)
 class Setup:
-    """What to run."""
+    """Configuration of a run."""
 
     name: str
     strategy: str
@@ -77,31 +77,31 @@ class Setup:
     snapshots: tuple[float, ...] = ()
     """Times of the whole cycle at which the fields along the belt are recorded, s."""
     friction: float = 1.0
-    """Friction of the belt as a share of what the controllers assume."""
+    """Friction coefficient of the belt relative to the one assumed by the controllers."""
     variator: str = VARIATOR
-    """Parameter set, or its file."""
+    """Name or file of the parameter set."""
     step: float = STEP
     """Communication and control step, s."""
     parallel: bool = False
-    """Whether vehicle, control and FMU step side by side, as units in a master do: each gets the others' signals of the
-    step before, and holds them. Otherwise they step one after the other, each with the latest signals, and torques and
-    forces reach their new values at the end of the step, in proportion to time."""
+    """Whether vehicle, control and FMU step in parallel (Jacobi scheme), as units in a master do: each uses the signals of the
+    previous step and holds them. Otherwise they step in sequence (Gauss-Seidel scheme), each with the latest signals, and torques
+    and forces vary linearly to their new values at the end of the step."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """What came out."""
+    """Results of a run."""
 
     setup: Setup
     time: Array
-    """Of the whole cycle, s, shape (n,)."""
+    """Time in the whole cycle, s, shape (n,)."""
     columns: Mapping[str, Array]
-    """By name, each of shape (n,), SI units."""
+    """Recorded signals by name, each of shape (n,), in SI units."""
     snapshots: Mapping[float, BeltState]
-    """By time of the whole cycle, s."""
+    """Fields along the belt by time in the whole cycle, s."""
     interventions: int
     processor_time: float
-    """Of the run, s."""
+    """Processor time of the run, s."""
     messages: tuple[str, ...] = field(default=())
     """Warnings of the FMU."""
 
@@ -109,7 +109,7 @@ class Run:
         return self.columns[name]
 
     def energies(self) -> dict[str, float]:
-        """Work and losses over the run, J: where the engine's work went."""
+        """Work and losses over the run, J."""
         step, speed = self.setup.step, self["speed.car"]
         engine = self["work.engine"]
         losses = {part: step * float(self[f"loss.{part}"].sum()) for part in LOSSES}
@@ -141,13 +141,13 @@ def unit_parameters(car: Car, ring: str, mesh: str, variator: str = VARIATOR) ->
     model = RingModel[ring]
     chosen = dict(MESHES[mesh])
     if model == RingModel.ALE0:
-        # One cell an element instead of two: the same cells.
+        # One cell per element instead of two, so that the number of cells is the same.
         chosen |= {name: 2 * count for name, count in chosen.items() if name.startswith("mesh.")}
     return {**parameters, "ring.model": model, **chosen}
 
 
 class Record:
-    """What is recorded of a run, a row a communication step."""
+    """Records a run, one row per communication step."""
 
     def __init__(self, setup: Setup, friction: Friction, count: int) -> None:
         self._friction = friction
@@ -158,7 +158,7 @@ class Record:
         self.snapshots: dict[float, BeltState] = {}
 
     def add(self, unit: Variator, outputs: Outputs, vehicle: VehicleSignals, clamping: ClampingSignals) -> None:
-        """Adds what holds at a communication point, and the signals over the step after it."""
+        """Adds the values at a communication point and the signals over the step that follows."""
         k = len(self._signals)
         self._outputs[k] = [outputs[name] for name in OUTPUTS]
         self._signals.append(
@@ -172,7 +172,7 @@ class Record:
             self.snapshots[self._moments[k]] = BeltState(unit.outputs(), unit.profile())
 
     def _utilisation(self, outputs: Outputs) -> float:
-        """Torque utilisation with the sign of the torque, by the friction that the controllers assume."""
+        """Torque utilisation with the sign of the torque, for the friction coefficient that the controllers assume."""
         belt = self._friction
         capacity = slip_torque(
             belt.coefficient, belt.wedge_angle, outputs["secondary.axialForce"], outputs["primary.radius"]
@@ -187,7 +187,7 @@ class Record:
 
 
 def _columns(vehicle: VehicleSignals, clamping: ClampingSignals) -> dict[str, float]:
-    """Signals as they are recorded; `work.` and `loss.` in J per step."""
+    """Signals in the form in which they are recorded; `work.` and `loss.` in J per step."""
     return {
         "speed.target": vehicle.target_speed,
         "speed.car": vehicle.speed,
@@ -213,9 +213,9 @@ def run(
     setup: Setup,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Run:
-    """Runs a set-up from standstill to the end of its cycle; `progress` gets simulated seconds as they pass.
+    """Runs a set-up from standstill to the end of its cycle. `progress` is called with the simulated time of each step, s.
 
-    Raises UnitError if the FMU refuses a step, with the time.
+    Raises UnitError with the time if the FMU rejects a step.
     """
     parameters = unit_parameters(car, setup.ring, setup.mesh, setup.variator)
     friction = Friction(parameters["friction.pulley"], parameters["geometry.wedgeAngle"])
@@ -267,7 +267,7 @@ def _advance(
         signals = driving, control.advance(known.power_demand, state["secondary.speed"], measured, step)
         record.add(unit, state, *signals)
 
-        # Ramps need one step of the FMU, jumps several with ten times the work.
+        # A ramp takes one internal step of the FMU. A jump takes several, with ten times the work.
         after = _input_values(*(earlier if setup.parallel else signals))
         course = after if setup.parallel else before
         unit.set_ramps(inputs, course, [(end - start) / step for start, end in zip(course, after, strict=True)])

@@ -1,4 +1,4 @@
-"""The thrust-ratio map: what holds the ratio, and how much slip goes with it, from the FMU's own steady states."""
+"""The thrust-ratio map: thrust ratio and slip over ratio and torque, from the FMU's steady states."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ from .piecewise import clip, interpolate, interval
 RATIOS = (0.45, 0.6, 0.8, 1.0, 1.3, 1.7, 2.2)
 UTILISATIONS = (-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.8, 0.9, 0.97)
 SPEED = 200.0
-"""Primary speed of the map, rad/s: it moves the thrust ratio by little."""
+"""Primary speed of the map, rad/s. The thrust ratio depends on it only weakly."""
 FORCE = 12e3
 """Secondary clamping force of the map, N."""
 SHIFT_SHARES = (0.3, 0.4, 0.55, 0.75, 1.3, 1.8, 2.4, 3.0)
-"""Primary forces at which the shift rate is measured, as shares of what holds the ratio."""
+"""Primary forces at which the shift rate is measured, relative to the force that holds the ratio."""
 SHIFT_UTILISATIONS = (-0.3, 0.3)
-"""Torque utilisations at which it is measured."""
+"""Torque utilisations at which the shift rate is measured."""
 OTHER_FORCE = 5e3
-"""Secondary clamping force at which it is measured once more, N: the difference is its growth with force."""
+"""Second secondary clamping force at which the shift rate is measured, N. It determines the dependence on force."""
 OTHER_SHARES, OTHER_UTILISATION = (0.75, 1.3), 0.3
-"""Primary forces, as shares of what holds the ratio, and torque utilisation there."""
+"""Primary forces, relative to the force that holds the ratio, and torque utilisation at `OTHER_FORCE`."""
 STILL = 1e-4
-"""Slip that a step of the utilisation moves by at least, where both of its ends are steady states."""
+"""Least change of slip over an interval of the utilisation whose ends are both steady states."""
 NEARBY = 0.2
-"""How far the excess may be from the expected place, for the shift gain."""
+"""Range of the excess about its expected value in which the shift gain is taken."""
 SHIFT_TIME, SHIFT_STEP, SHIFT_REACH = 0.1, 0.005, 0.05
-"""For how long, s, in which steps, s, and over which change of ln i at most."""
+"""Duration, s, step, s, and largest change of ln i of a shift measurement."""
 
 Parameters = Mapping[str, float]
 
@@ -59,7 +59,7 @@ class _Plain(NamedTuple):
 
 def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[float], list[float]]:
     """Utilisations up to the last steady state, and the steepest −dκ/du up to each of them, of a row of a map."""
-    # Where there is no steady state its neighbour was filled in: there slip stands still.
+    # Points without a steady state have the values of their neighbour, so the slip does not change there.
     steady = 1 + int(np.sum(np.diff(slips) > STILL))
     slopes = np.diff(thrust[:steady]) / np.diff(places[:steady])
     middles = 0.5 * (places[: steady - 1] + places[1:steady])
@@ -69,12 +69,12 @@ def _steepest_falls(places: Array, thrust: Array, slips: Array) -> tuple[list[fl
 
 @dataclass(frozen=True)
 class ThrustMap:
-    """Steady states over ratio × torque utilisation; between the points bilinear, beyond them constant."""
+    """Steady states over ratio × torque utilisation. Values are bilinear between the points and constant beyond them."""
 
     ratios: Array
     """Shape (m,), ascending."""
     utilisations: Array
-    """Shape (n,), ascending; positive where the primary pulley drives."""
+    """Torque utilisations, shape (n,), ascending; positive where the primary pulley drives."""
     thrust: Array
     """Thrust ratio, shape (m, n)."""
     slips: Array
@@ -85,8 +85,8 @@ class ThrustMap:
     """R of d(ln i)/dt = −ω_P F R(ε) at the utilisations `SHIFT_UTILISATIONS`, 1/(N·rad), shape (m, 2, k), ascending along
     ε, 0 at ε = 0. F is the acting force."""
     clearance_force: float = 0.0
-    """F_c, N. The belt shifts in proportion to the tilt of the sheaves: their clearance, and bending that grows with force.
-    F_c is the force at which bending is as large as the clearance; 0 is a belt that shifts in proportion to force."""
+    """F_c, N. The shift rate is proportional to the tilt of the sheaves, which is their clearance plus bending that grows with
+    force. At F_c bending is as large as the clearance. With F_c = 0 the shift rate is proportional to force."""
 
     @cached_property
     def _plain(self) -> _Plain:
@@ -95,7 +95,7 @@ class ThrustMap:
 
     @cached_property
     def _falls(self) -> list[tuple[list[float], list[float]]]:
-        """At each ratio utilisations, driving, and the steepest −dκ/du up to there."""
+        """For each ratio: positive utilisations, and the largest −dκ/du up to each of them."""
         driving = self.utilisations >= 0.0
         rows = zip(self.thrust[:, driving], self.slips[:, driving], strict=True)
         return [_steepest_falls(self.utilisations[driving], *row) for row in rows]
@@ -105,7 +105,7 @@ class ThrustMap:
         return FORCE * (secondary + self.clearance_force) / (FORCE + self.clearance_force)
 
     def excess(self, ratio: float, utilisation: float, rate: float) -> float:
-        """ε that shifts at a rate R, 1/(N·rad); linear between the points, constant beyond them."""
+        """ε for a shift rate R, 1/(N·rad); linear between the points, constant beyond them."""
         return interpolate(rate, self._rates(ratio, utilisation), self._plain.excesses)
 
     def shift_gain(self, ratio: float, utilisation: float, excess: float = 0.0, secondary: float = FORCE) -> float:
@@ -132,9 +132,9 @@ class ThrustMap:
         return [sum(map(mul, shares, corners)) for corners in zip(a, b, c, d, strict=True)]
 
     def stable_utilisation(self, ratio: float, flywheel: float) -> float:
-        """Largest torque utilisation, driving, that has a steady state and at which −dκ/du · `flywheel` ≥ 0 stays below 1.
+        """Largest positive torque utilisation that has a steady state and at which −dκ/du · `flywheel` ≥ 0 is below 1.
 
-        The thrust ratio falls towards capacity. Its slopes count at the middle of their intervals, linear in between.
+        The thrust ratio falls towards capacity. Its slopes are taken at the middle of their intervals and interpolated linearly.
         """
         m, p = interval(self._plain.ratios, ratio)
         low, high = (
@@ -157,7 +157,7 @@ class ThrustMap:
         return (1.0 - p) * low + p * high
 
     def write(self, path: Path, key: str) -> None:
-        """Writes it as CSV, to the last bit: a comment with key and shift rates, then one row a point."""
+        """Writes the map as CSV without loss of digits: a comment with key and shift rates, then one row per point."""
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w", encoding="utf-8", newline="") as file:
             shifting = {
@@ -174,7 +174,7 @@ class ThrustMap:
 
     @classmethod
     def read(cls, path: Path, key: str | None = None) -> ThrustMap | None:
-        """Reads what `write` wrote; none if there is none, it is damaged, or it was made with another key than the one given."""
+        """Reads a file of `write`. Returns None if it is missing or damaged, or if its key differs from the given one."""
         try:
             with path.open(encoding="utf-8", newline="") as file:
                 head = json.loads(file.readline().removeprefix("#"))
@@ -191,7 +191,7 @@ class ThrustMap:
 
 
 def map_key(fmu: Path, parameters: Parameters) -> str:
-    """What a cached map depends on: the FMU's bytes, the parameters and the grid."""
+    """Hash of everything that a cached map depends on: the FMU's bytes, the parameters and the grid."""
     text = json.dumps(
         [
             dict(parameters),
@@ -214,7 +214,7 @@ def map_key(fmu: Path, parameters: Parameters) -> str:
 
 
 def torque_at(parameters: Parameters, ratio: float, utilisation: float, force: float = FORCE) -> float:
-    """Primary torque of a utilisation under a secondary clamping force, N; N·m."""
+    """Primary torque for a utilisation under a secondary clamping force in N, N·m."""
     return utilisation * torque_capacity(parameters, ratio, force)
 
 
@@ -249,7 +249,7 @@ def _row(archive: Archive, parameters: Parameters, ratio: float) -> tuple[Array,
             share = -state["primary.shaftTorque"] / torque_at(parameters, ratio, 1.0)
             found.append((share, state["thrustRatio"], state["slip"]))
     if len(found) < 3:
-        raise UnitError(f"hardly a steady state at ratio {ratio:g}: {len(found)} of {len(UTILISATIONS)}")
+        raise UnitError(f"too few steady states at ratio {ratio:g}: {len(found)} of {len(UTILISATIONS)}")
     share, thrust, slip = np.array(sorted(found)).T
     return np.interp(UTILISATIONS, share, thrust), np.interp(UTILISATIONS, share, slip)
 
@@ -262,7 +262,7 @@ def measured_shift_rates(
     force: float = FORCE,
     shares: Sequence[float] = SHIFT_SHARES,
 ) -> Array:
-    """Shift speeds over ω_P and a secondary force, N, from the clamping forces of the steady state with a jump of the primary one."""
+    """Shift speeds over ω_P and a secondary force, N, after a jump of the primary force from its value in the steady state."""
     rates = []
     with (
         _start(archive, parameters, ratio, torque_at(parameters, ratio, utilisation, force), force) as unit,
@@ -277,14 +277,14 @@ def measured_shift_rates(
             while abs(logs[-1] - logs[0]) < SHIFT_REACH and len(logs) * SHIFT_STEP <= SHIFT_TIME:
                 unit.step_to(len(logs) * SHIFT_STEP)
                 logs.append(math.log(unit.get_reals(outputs)[1]))
-            # The first half belongs to what the jump itself does.
+            # The first half of the time contains the transient after the jump.
             half = (len(logs) - 1) // 2
             rates.append((logs[half] - logs[-1]) / ((len(logs) - 1 - half) * SHIFT_STEP * SPEED * force))
     return np.array(rates)
 
 
 def _clearance_force(archive: Archive, parameters: Parameters) -> float:
-    """F_c, N, from shift rates at the map's force and at another: the median over ratios and forces."""
+    """F_c, N, from shift rates at the map's force and at `OTHER_FORCE`: the median over ratios and forces."""
     at_map, at_other = (
         np.array(
             [
@@ -294,13 +294,13 @@ def _clearance_force(archive: Archive, parameters: Parameters) -> float:
         )
         for force in (FORCE, OTHER_FORCE)
     )
-    # 1 is a tilt of clearance alone, the forces' own ratio one of bending alone.
+    # The quotient is 1 for a tilt by clearance alone, and the quotient of the forces for a tilt by bending alone.
     share = clip(float(np.median(at_other / at_map)), OTHER_FORCE / FORCE, 0.98)
     return (share * FORCE - OTHER_FORCE) / (1.0 - share)
 
 
 def _ascending(rates: Array, excesses: Array) -> Array:
-    """Rates with their sign, made to rise with the excess: beyond what a step still shows, they stay where they are."""
+    """Signed rates, made monotone in the excess. Where a larger excess shows no larger rate, the rate is constant."""
     zero = int(np.argmin(np.abs(excesses)))
     least = 1e-6 * np.abs(rates).max() * np.abs(excesses)
     rising = np.maximum.accumulate(np.maximum(rates[zero:], least[zero:]))
@@ -309,7 +309,7 @@ def _ascending(rates: Array, excesses: Array) -> Array:
 
 
 def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
-    """Solves for the map. Points that slip through are left out and filled from their neighbour."""
+    """Solves for the map. Points at which the belt slips through get the values of their neighbour."""
     rows = [_row(archive, parameters, ratio) for ratio in RATIOS]
     thrust, slip = (np.array([row[k] for row in rows]) for k in (0, 1))
     below = sum(share < 1.0 for share in SHIFT_SHARES)
@@ -326,7 +326,7 @@ def compute(archive: Archive, parameters: Parameters) -> ThrustMap:
 
 
 def load(fmu: Path, archive: Archive, parameters: Parameters, cache: Path) -> ThrustMap:
-    """The map from its cache; if it is not there, it is solved for and written to it."""
+    """The map from its cache file. If the file is missing, the map is solved for and written."""
     key = map_key(fmu, parameters)
     found = ThrustMap.read(cache, key)
     if found is None:

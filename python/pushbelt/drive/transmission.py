@@ -1,4 +1,4 @@
-"""The transmission control: which ratio, which clamping forces, and the hydraulics. One call a control step."""
+"""The transmission control: target ratio, clamping forces and hydraulics. It is called once per control step."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .thrust_map import ThrustMap
 RATIO_LIMITS = 0.46, 2.2
 """Range of the target ratio; the car starts at the upper end."""
 START_PRESSURE = 8e5
-"""Of both circuits, Pa."""
+"""Initial pressure of both circuits, Pa."""
 
 
 @dataclass(frozen=True)
 class ClampingSignals:
-    """What the transmission control gives over a control step."""
+    """Outputs of the transmission control over a control step."""
 
     primary_force: float
     """Mean clamping force on the primary pulley, N."""
@@ -27,11 +27,11 @@ class ClampingSignals:
     """N."""
     target_ratio: float
     intervening: bool
-    """Whether the slip controller acts against macro-slip."""
+    """Whether the slip controller intervenes against macro-slip."""
 
 
 def ratio_target(engine_speed: float, secondary_speed: float, before: float, step: float) -> float:
-    """Target ratio that lets the engine run at a wanted speed; it moves by at most 120 % a second."""
+    """Target ratio at which the engine runs at its set-point speed. Its rate is limited to 120 % per second."""
     wanted = engine_speed / max(secondary_speed, 1.0)
     change = clip(math.log(clip(wanted, *RATIO_LIMITS) / before), -1.2 * step, 1.2 * step)
     return before * math.exp(change)
@@ -47,12 +47,12 @@ def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: 
         "slip": lambda: SlipControl(friction, thrust_map, flywheel),
     }
     if name not in strategies:
-        raise ValueError(f"{name!r} is no clamping strategy: {' or '.join(strategies)}")
+        raise ValueError(f"{name!r} is not a clamping strategy: use {' or '.join(strategies)}")
     return strategies[name]()
 
 
 class TransmissionControl:
-    """Ratio from the demanded power, clamping forces from strategy and ratio control, pressures from the hydraulics."""
+    """Computes the target ratio from the demanded power, the clamping forces by strategy and ratio control, and the pressures."""
 
     POWER_RISE, POWER_FALL = 0.3, 1.5
     """Time constants with which the ratio follows the demanded power, s."""
@@ -68,16 +68,16 @@ class TransmissionControl:
 
     @property
     def interventions(self) -> int:
-        """How often the slip controller has stepped in so far."""
+        """Number of interventions of the slip controller so far."""
         return getattr(self.clamping, "interventions", 0)
 
     @property
     def signals(self) -> ClampingSignals:
-        """Forces of the pressures now: what holds before the first step."""
+        """Forces at the present pressures, as they act before the first step."""
         return ClampingSignals(self.primary.force, self.secondary.force, self._target, self.clamping.intervening)
 
     def advance(self, power_demand: float, secondary_speed: float, measured: Measured, step: float) -> ClampingSignals:
-        """Decides on what was measured and advances the hydraulics by a step, s; power in W, speed in rad/s."""
+        """Computes the demands from the measured values and advances the hydraulics by a step, s. Power in W, speed in rad/s."""
         lag = self.POWER_RISE if power_demand > self._power else self.POWER_FALL
         self._power += (power_demand - self._power) * step / lag
         self._target = ratio_target(self.car.engine_speed_for(self._power), secondary_speed, self._target, step)
@@ -92,5 +92,5 @@ class TransmissionControl:
         )
 
     def _close(self, circuit: PressureCircuit, wanted: float, step: float) -> float:
-        """Mean force of a circuit over a step towards a wanted one, N."""
+        """Mean force of a circuit over a step towards a demanded force, N."""
         return circuit.advance(self.pressure.demand(wanted, circuit.force), step)

@@ -1,4 +1,4 @@
-"""The vehicle's side of the variator: driver, engine, launch clutch, brakes, road. One call a communication step."""
+"""The vehicle around the variator: driver, engine, launch clutch, brakes and road. It is called once per communication step."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from .driver import Driver
 
 @dataclass(frozen=True)
 class VehicleSignals:
-    """What the vehicle gives over a communication step. Its start values are those of the standing car."""
+    """Outputs of the vehicle over a communication step. The defaults are those of the standing car."""
 
     primary_torque: float = 0.0
     """Mean torque of the clutch on the primary shaft, N·m."""
     secondary_torque: float = 0.0
-    """Of road load and brakes on the secondary shaft, N·m."""
+    """Torque of road load and brakes on the secondary shaft, N·m."""
     estimated_torque: float = 0.0
-    """Torque that the engine control sends to the transmission: the larger of the primary torques now and as demanded, with the
-    sign of the torque now, N·m."""
+    """Torque that the engine control sends to the transmission: the larger of the present and the demanded primary torque, with
+    the sign of the present one, N·m."""
     power_demand: float = 0.0
-    """Of the driver, W."""
+    """Power demanded by the driver, W."""
     target_speed: float = 0.0
-    """Of the cycle, m/s."""
+    """Speed of the cycle, m/s."""
     speed: float = 0.0
-    """Of the car, m/s."""
+    """Speed of the car, m/s."""
     engine_speed: float = 0.0
     """rad/s."""
     engine_torque: float = 0.0
@@ -37,13 +37,13 @@ class VehicleSignals:
     road_load: float = 0.0
     """N."""
     engine_work: float = 0.0
-    """Over the step, J."""
+    """Work of the engine over the step, J."""
     clutch_loss: float = 0.0
-    """Over the step, J."""
+    """Energy lost in the clutch over the step, J."""
 
 
 class Vehicle:
-    """Driver and car, without the car's inertia: that is part of the variator FMU, on the secondary shaft."""
+    """Driver and car. The car's inertia is a parameter of the variator FMU (secondary shaft)."""
 
     def __init__(self, car: Car, cycle: Cycle) -> None:
         self.car = car
@@ -53,9 +53,9 @@ class Vehicle:
     def advance(
         self, time: float, primary_speed: float, secondary_speed: float, ratio: float, step: float
     ) -> VehicleSignals:
-        """Advances from a time, s, by a step, s, against the shaft speeds, rad/s, and the ratio at that time."""
+        """Advances from a time, s, by a step, s, with the shaft speeds, rad/s, and the ratio at that time."""
         car, powertrain = self.car, self.powertrain
-        # Masters add up their steps: without this the trace would be read a rounding error beside its kinks.
+        # Masters sum their steps. Without rounding, the trace would be read slightly before or after its break points.
         time = round(time, 9)
         speed = car.lever * secondary_speed
         demand = self.driver.demand(time, speed, step)

@@ -1,4 +1,4 @@
-"""The FMU and what is known of it.
+"""The FMU, and data for it.
 
 geometry → results → unit (the FMU, call by call), data (published parameters and inputs) → load_cases (steady states)
 starts (start values of steady states), shift (how fast the ratio changes)

@@ -1,4 +1,4 @@
-"""FMUs that stay unpacked, in this user's cache folder: an instance of one starts without unpacking it again."""
+"""Cache of unpacked FMUs in the user's cache folder, so that an instance starts without unpacking."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .unit import Archive
 
 
 def folder() -> Path:
-    """The cache's folder; it need not be there."""
+    """The folder of the cache. It may not exist."""
     return Path(platformdirs.user_cache_dir("pushbelt", appauthor=False))
 
 
@@ -26,10 +26,10 @@ def clear() -> None:
 
 
 def unpacked(fmu: Path) -> Archive:
-    """An FMU unpacked into the cache, unless it is there already. It stays there: don't remove the archive.
+    """An FMU that is unpacked in the cache; it is unpacked if necessary. Do not remove the archive: it remains in the cache.
 
-    Raises OSError if the FMU can't be read or the cache can't be written, ValueError if it is no FMU or none for this
-    machine.
+    Raises OSError if the FMU cannot be read or the cache cannot be written, ValueError if the file is not an FMU or has no
+    binary for this machine.
     """
     place = folder() / hashlib.sha256(fmu.read_bytes()).hexdigest()[:16]
     if not place.is_dir():
@@ -38,7 +38,7 @@ def unpacked(fmu: Path) -> Archive:
     binaries = sorted(path.name for path in (place / "binaries").glob("*"))
     if fmpy.platform not in binaries:
         raise ValueError(
-            f"{fmu} has no binary for {fmpy.platform}, as this machine needs, but for {', '.join(binaries)}"
+            f"{fmu} has no binary for this machine ({fmpy.platform}), only for {', '.join(binaries)}"
         )
     return archive
 
@@ -48,10 +48,10 @@ def _unpack(fmu: Path, place: Path) -> None:
     draft = Path(tempfile.mkdtemp(dir=place.parent, prefix="unpacking-"))
     try:
         untrusted.unpacked(fmu, draft)
-        # Renamed when it is whole: another process never sees a part of it.
+        # The folder is renamed when it is complete, so that other processes never read a part of it.
         draft.rename(place)
     except OSError:
-        # Another process was first.
+        # Another process has unpacked it first.
         if not place.is_dir():
             raise
     finally:

@@ -1,4 +1,4 @@
-"""The data that the demo runs on, read from `resources/`."""
+"""Data from `resources/`: published variators, parameter sets and the manoeuvre."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .untrusted import read_parameters
 def parameter_set(name: str) -> dict[str, float]:
     """Start values of the FMU for a published variator, `bench168` or `belt155`, or from a file of that form, `….json`.
 
-    Raises `ValueError` for one of an earlier version, whose numbers mean something else, and for what is no parameter set.
+    Raises `ValueError` if the file is not a parameter set, or if it is from an earlier version in which parameters have another meaning.
     """
     path = Path(name) if name.endswith(".json") else RESOURCES / "parameters" / f"{name}.json"
     values = read_parameters(path)
@@ -30,21 +30,21 @@ def parameter_set(name: str) -> dict[str, float]:
 
 
 def _refuse_old(path: Path, values: Mapping[str, float]) -> None:
-    """Refuses a parameter set of before the tilt had a clearance: its numbers mean something else now."""
+    """Rejects a parameter set of an earlier version, in which the tilt had no clearance and parameters had another meaning."""
     if "belt.contactStrain" in values:
         raise ValueError(
-            f"{path}: belt.contactStrain is gone; set belt.roughness, the same strain times belt.elementThickness (see docs/upgrade.md)"
+            f"{path}: belt.contactStrain has been removed; set belt.roughness to the same strain times belt.elementThickness (see docs/upgrade.md)"
         )
     for pulley in ("primary", "secondary"):
         if f"{pulley}.tiltStiffness" in values and f"{pulley}.tiltClearance" not in values:
             raise ValueError(
-                f"{path}: {pulley}.tiltStiffness without {pulley}.tiltClearance; the stiffness is that beyond a clearance now. "
-                "Set the clearance to 0 for the linear tilt of before (see docs/upgrade.md)"
+                f"{path}: {pulley}.tiltStiffness without {pulley}.tiltClearance; the stiffness now applies beyond a clearance. "
+                "Set the clearance to 0 for the linear tilt of earlier versions (see docs/upgrade.md)"
             )
 
 
 def published_data() -> dict[str, Any]:
-    """The whole of `variators.json`."""
+    """The content of `variators.json`."""
     return json.loads((RESOURCES / "variators.json").read_text(encoding="utf-8"))
 
 
@@ -54,7 +54,7 @@ def curve_of(parameters: Mapping[str, float], theta: float) -> TwoPulleyCurve:
 
 
 def curve_at(parameters: Mapping[str, float], state: BeltState) -> TwoPulleyCurve:
-    """Reference curve of a variator in a state that was found."""
+    """Reference curve of a variator in a computed state."""
     return curve_of(parameters, state["reference.theta"])
 
 
@@ -123,7 +123,7 @@ class EfficiencyPoint:
 
 
 def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
-    """All of these points."""
+    """All measured points of the transmission."""
     keys = {"ratio": "ratio", "rpm": "speed", "torque": "torque", "efficiency": "efficiency"}
     return tuple(
         EfficiencyPoint(**{field: float(point[key]) for key, field in keys.items()})
@@ -133,7 +133,7 @@ def measured_efficiencies() -> tuple[EfficiencyPoint, ...]:
 
 @dataclass(frozen=True)
 class InputTable:
-    """Inputs over time; between the rows they run linearly."""
+    """Inputs over time, linear between the rows."""
 
     time: Array
     columns: Mapping[str, Array]

@@ -13,21 +13,21 @@ class RingModel(IntEnum):
 
 
 class Drive(IntEnum):
-    """Values of `primary.drive` and `secondary.drive`: whether torque or speed of the shaft is given."""
+    """Values of `primary.drive` and `secondary.drive`: whether torque or speed of the shaft is prescribed."""
 
     TORQUE = 1
     SPEED = 2
 
 
 class Axial(IntEnum):
-    """Values of `primary.axial` and `secondary.axial`: whether the clamping force is given or the sheave is held."""
+    """Values of `primary.axial` and `secondary.axial`: whether the clamping force is prescribed or the sheave is held."""
 
     FORCE = 1
     HELD = 2
 
 
 class StartState(IntEnum):
-    """Values of `initial.found`: what a run started from."""
+    """Values of `initial.found`: the kind of state from which a run started."""
 
     UNLOADED = 1
     STEADY = 2

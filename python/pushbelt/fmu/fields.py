@@ -1,4 +1,4 @@
-"""Fields along the belt: means between places, push force gained over arcs."""
+"""Evaluation of fields along the belt: means between places, gain of push force over arcs."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from .geometry import Array, TwoPulleyCurve
 from .results import Profile
 
 EDGE = 0.012
-"""A strand's field is read this far from the arcs: pressure rises over some millimetres beside them, m."""
+"""Least distance from the arcs at which a field on a strand is read, m. Pressure extends some millimetres beyond the arcs."""
 
 
 def mean_between(profile: Profile, values: Array, start: float, stop: float) -> float:
-    """Mean of a field between two places, m; between the two nearest points if there is none inside."""
+    """Mean of a field between two places, m; interpolated between the two nearest points if none is inside."""
     inside = (profile.position >= start) & (profile.position <= stop)
     if inside.any():
         return float(values[inside].mean())

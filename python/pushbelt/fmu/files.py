@@ -1,4 +1,4 @@
-"""Where the FMU and the published data are: in the installed package, or in the source tree."""
+"""Paths of the FMU and the published data, in the installed package or in the source tree."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 DATA = PACKAGE / "data"
-"""What a wheel has beside the code: the FMU and the published data. The source tree has no such folder."""
+"""Folder of a wheel with the FMU and the published data. It does not exist in the source tree."""
 TREE = PACKAGE.parents[1]
 """Top level of the source tree."""
 RESOURCES = (DATA if DATA.is_dir() else TREE) / "resources"
@@ -18,15 +18,15 @@ NAME = "PushbeltVariator.fmu"
 def default_fmu() -> Path:
     """The FMU that the environment variable `PUSHBELT_FMU` names, or the one in the wheel, or that in `target`.
 
-    Raises FileNotFoundError where it is missing.
+    Raises FileNotFoundError if it is missing.
     """
     named = os.environ.get("PUSHBELT_FMU")
     path = Path(named) if named else DATA / NAME if DATA.is_dir() else TREE / "target" / NAME
     if not path.is_file():
         why = (
-            "the environment variable PUSHBELT_FMU names it"
+            "the path is from the environment variable PUSHBELT_FMU"
             if named
-            else "in the source tree `cargo fmu build` makes it"
+            else "in the source tree it is built by `cargo fmu build`"
         )
         raise FileNotFoundError(f"there is no FMU at {path}; {why}")
     return path

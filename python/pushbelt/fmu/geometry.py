@@ -1,7 +1,7 @@
 """Geometry of a belt on two pulleys: the curve of the ring's centre line at a ratio coordinate Θ.
 
-Signs and places as in the FMU: the secondary pulley S stands at the origin, the primary pulley P at (d, 0); ξ starts at
-the leftmost point of S, goes over the upper strand to P and back along the lower strand. SI units.
+Signs and places are those of the FMU: the secondary pulley S is at the origin, the primary pulley P at (d, 0). ξ starts at
+the leftmost point of S and runs over the upper strand to P and back along the lower strand. SI units.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ def primary_radius(theta: float, center_distance: float, length: float) -> float
     """
     ratio = ratio_of(theta)
     if not ratio > 0.0:
-        raise ValueError(f"a ratio coordinate of {theta} has no pulleys: it lies between −1 and 1")
+        raise ValueError(f"the ratio coordinate must be between −1 and 1, not {theta}")
     if not length > 2.0 * center_distance:
-        raise ValueError(f"a belt of {length} m does not go round two axes {center_distance} m apart")
+        raise ValueError(f"a belt of {length} m is too short for two axes {center_distance} m apart")
     largest = np.inf if ratio == 1.0 else center_distance / abs(1.0 - ratio)
     radius = min((length - 2.0 * center_distance) / (np.pi * (1.0 + ratio)), 0.999 * largest)
     for _ in range(50):
@@ -52,7 +52,7 @@ def primary_radius(theta: float, center_distance: float, length: float) -> float
 
 @dataclass(frozen=True)
 class TwoPulleyCurve:
-    """The reference curve at one ratio."""
+    """The reference curve of the ring's centre line at one ratio."""
 
     center_distance: float
     """Distance of the axes, m."""
@@ -126,6 +126,6 @@ class TwoPulleyCurve:
         return point, normal
 
     def outline(self, xi: ArrayLike, deviation: ArrayLike) -> Array:
-        """Points of a belt that lies `deviation` (m, outward positive) off the curve at the places ξ."""
+        """Points at a distance `deviation` (m, outward positive) from the curve at the places ξ."""
         point, normal = self.frame(xi)
         return point + np.asarray(deviation, dtype=float)[:, None] * normal

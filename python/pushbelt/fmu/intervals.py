@@ -1,4 +1,4 @@
-"""Intervals of time in which a flag is up."""
+"""Time intervals in which a flag is true."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .geometry import Array
 
 
 def intervals(time: Array, flag: Array, gap: float = 0.0) -> list[tuple[float, float]]:
-    """Intervals in which a flag is up; those that lie less than `gap` seconds apart are one."""
+    """Time intervals in which a flag is true. Intervals less than `gap` seconds apart are merged."""
     up = np.concatenate([[False], np.asarray(flag) > 0.5, [False]])
     edges = np.flatnonzero(up[1:] != up[:-1])
     found: list[tuple[float, float]] = []

@@ -1,7 +1,7 @@
-"""Steady states at a given belt torque: the nine load cases, each found through the FMU.
+"""Steady states at a specified belt torque: the nine load cases, computed with the FMU.
 
-The FMU starts in the steady state that its inputs call for; the belt torque on the primary pulley is an output.
-The secondary torque that goes with a wanted belt torque is found by the secant method.
+The FMU starts in the steady state for its inputs; the belt torque on the primary pulley is an output.
+The secondary torque for a specified belt torque is found by the secant method.
 """
 
 from __future__ import annotations
@@ -15,27 +15,27 @@ from .starts import driven_at_speed
 from .unit import Archive, Variator
 
 TORQUE_TOLERANCE = 1e-4
-"""Belt torque met within this, relative."""
+"""Relative tolerance of the belt torque."""
 
 MOST_EVALUATIONS = 20
-"""Evaluations after which the search ends."""
+"""Largest number of evaluations in the search."""
 
 DRIFT_TIME = 0.2
-"""How long a steady state is stepped on to see whether it stays, s."""
+"""Simulated time in the check that a steady state persists, s."""
 
 DRIFT_STEP = 0.01
-"""Communication step of that, s."""
+"""Communication step of this check, s."""
 
 
 class NotFoundError(RuntimeError):
-    """There is no steady state at the wanted belt torque."""
+    """There is no steady state at the specified belt torque."""
 
 
 def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float) -> float:
-    """Load torque at which the belt torque is the wanted one, N·m. The last evaluation is the one at this load.
+    """Load torque for a specified belt torque, N·m. The last evaluation is at this load.
 
-    The second guess scales the first; from then on it is the secant method, kept inside the bracket once there is one
-    and to steps of half the first guess before that.
+    The second guess scales the first. Further guesses are those of the secant method, limited to the bracket if there is one,
+    and otherwise to steps of half the first guess.
     """
     tolerance = TORQUE_TOLERANCE * abs(wanted)
     points: list[tuple[float, float]] = []
@@ -48,12 +48,12 @@ def find_load(belt_torque: Callable[[float], float], wanted: float, guess: float
         load = _next_load(points, wanted, guess)
     load, excess = points[-1]
     raise NotFoundError(
-        f"no load torque gives a belt torque of {wanted:g} N·m; the last, {load:g} N·m, gives {wanted + excess:g} N·m"
+        f"no load torque gives a belt torque of {wanted:g} N·m; the last one, {load:g} N·m, gives {wanted + excess:g} N·m"
     )
 
 
 def _next_load(points: list[tuple[float, float]], wanted: float, guess: float) -> float:
-    """The next load torque to try, from all tried ones with their excess of belt torque."""
+    """Next load torque of the search, from all previous ones and their excess of belt torque."""
     load, excess = points[-1]
     if len(points) == 1:
         found = wanted + excess
@@ -65,7 +65,7 @@ def _next_load(points: list[tuple[float, float]], wanted: float, guess: float) -
     above = [tried for tried, value in points if value > 0.0]
     below = [tried for tried, value in points if value < 0.0]
     if above and below:
-        # Belt torque falls with the (negative) load torque, so the nearest on either side enclose the solution.
+        # Belt torque falls with the (negative) load torque, so the nearest values on either side enclose the solution.
         low, high = max(above), min(below)
         if low < high and not low < candidate < high:
             candidate = 0.5 * (low + high)
@@ -73,7 +73,7 @@ def _next_load(points: list[tuple[float, float]], wanted: float, guess: float) -
 
 
 def held_primary(parameters: Mapping[str, float], ratio: float, speed: float, force: float) -> dict[str, float]:
-    """Start values of a load case: primary speed (rad/s) and sheave held, secondary clamping force (N) given."""
+    """Start values of a load case: primary speed (rad/s) and sheave held, secondary clamping force (N) specified."""
     return driven_at_speed(parameters, ratio, speed, 0.0, force, held=True)
 
 
@@ -88,7 +88,7 @@ def steady_state(
 ) -> SteadyState:
     """Steady state with the primary speed (rad/s) and primary sheave held at a ratio.
 
-    Belt torque on P (N·m) and secondary clamping force (N) are given.
+    Belt torque on P (N·m) and secondary clamping force (N) are specified.
     """
     start_values = held_primary(parameters, ratio, speed, force)
     with Variator(archive, start_values) as unit:
@@ -101,7 +101,7 @@ def _first_guess(torque: float, ratio: float) -> float:
 
 
 def _solve(unit: Variator, start_values: Mapping[str, float], torque: float, load_guess: float) -> SteadyState:
-    """Brings an instance to the steady state with a belt torque on P, N·m."""
+    """Initialises an instance in the steady state with a belt torque on P, N·m."""
 
     def belt_torque(load: float) -> float:
         unit.restart({**start_values, "secondary.torque": load})
@@ -115,7 +115,7 @@ def _solve(unit: Variator, start_values: Mapping[str, float], torque: float, loa
 
 
 def _drift(unit: Variator) -> float:
-    """Relative change of the thrust ratio while an instance in a steady state is stepped on for `DRIFT_TIME`."""
+    """Relative change of the thrust ratio when an instance in a steady state is advanced by `DRIFT_TIME`."""
     before = unit.get("thrustRatio")
     for step in range(round(DRIFT_TIME / DRIFT_STEP)):
         unit.step_to((step + 1) * DRIFT_STEP)

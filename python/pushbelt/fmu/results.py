@@ -1,4 +1,4 @@
-"""What the simulations give, as plain data. SI units; names of FMU variables where a mapping is keyed by name."""
+"""Results of simulations as plain data, in SI units. Keys of mappings are names of FMU variables."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .geometry import Array
 
 @dataclass(frozen=True)
 class Profile:
-    """Fields along the belt, one value a place."""
+    """Fields along the belt, one value per place."""
 
     position: Array
     """Place ξ on the ring's centre line, m."""
@@ -19,9 +19,9 @@ class Profile:
     ring_tension: Array
     """Tension of the ring, N."""
     normal_force: Array
-    """Normal force per flank and length, N/m."""
+    """Normal force per flank and unit of length, N/m."""
     radial_deviation: Array
-    """Radius less the mean radius of the arc; on strands the distance from the tangent line, outward positive, m."""
+    """Radius minus the mean radius of the arc; on strands the distance from the tangent line, outward positive, m."""
     sliding_speed: Array
     """Tangential sliding speed of the flanks, m/s; 0 off the pulleys."""
     gap: Array
@@ -41,10 +41,10 @@ class BeltState:
 
 @dataclass(frozen=True)
 class SteadyState(BeltState):
-    """A steady state that the FMU has found at a wanted belt torque."""
+    """A steady state of the FMU at a specified belt torque."""
 
     load_torque: float
-    """Secondary torque that goes with it, N·m."""
+    """Secondary torque of the steady state, N·m."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class LoadCase:
     """One of the nine load cases."""
 
     ratio_name: str
-    """overdrive, medium or underdrive."""
+    """`overdrive`, `medium` or `underdrive`."""
     theta: float
     """Ratio coordinate."""
     torque: float
@@ -68,17 +68,17 @@ class LoadCase:
 
 @dataclass(frozen=True)
 class LoadCaseResult:
-    """A load case and the steady state it leads to."""
+    """A load case and its steady state."""
 
     case: LoadCase
     steady: SteadyState
     drift: float
-    """Change of the thrust ratio when the steady state is stepped on for a while, relative."""
+    """Relative change of the thrust ratio when the simulation continues from the steady state."""
 
 
 @dataclass(frozen=True)
 class Trace:
-    """A simulated run: time and one column a variable, Booleans as 0 and 1."""
+    """A simulated run: time and one column per variable, Booleans as 0 and 1."""
 
     time: Array
     columns: Mapping[str, Array]

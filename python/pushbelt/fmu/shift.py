@@ -1,7 +1,7 @@
 """How fast the ratio changes after a step of the primary clamping force, measured on the FMU.
 
 A run starts in a steady state at a speed ratio s = r_P/r_S. The primary force is then multiplied by exp(step) at once.
-ds/dt is the mean over a window after it: what the step itself does is over by then, and the ratio has hardly moved.
+ds/dt is the mean over a window after the step. It starts after the transient of the step and ends before the ratio changes much.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .unit import UnitError, Variator
 LOG_STEP = 0.3
 """Step of ln F_P."""
 WINDOW = (0.06, 0.12)
-"""Over which ds/dt is the mean, s after the step."""
+"""Start and end of the window for the mean of ds/dt, s after the step."""
 TIME_STEP = 0.01
 """Communication step, s."""
 
@@ -63,9 +63,9 @@ def mean_rate(time: Array, speed_ratio: Array) -> float:
 
 
 def shift(unit: Variator, start_values: StartValues, log_step: float = LOG_STEP) -> ShiftRun:
-    """Starts in the steady state of these values, with both clamping forces given, and runs on after the step.
+    """Starts in the steady state of these values, with both clamping forces specified, and simulates the step.
 
-    Raises UnitError where there is no steady state.
+    Raises UnitError if there is no steady state.
     """
     unit.restart(start_values)
     unit.initialise()

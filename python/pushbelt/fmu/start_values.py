@@ -1,4 +1,4 @@
-"""Values that a user gives to variables of the FMU: checked against its table, and written into a copy of it."""
+"""Start values set by a user: check against the FMU's variable table, and a copy of the FMU with them."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from lxml import etree
 
 DESCRIPTION = "modelDescription.xml"
 LIST = "resources/start-values.txt"
-"""What the library reads by itself: `name = value` a line."""
+"""File of start values that the library reads: one line `name = value` each."""
 SETTABLE = ("parameter", "input")
-"""Causalities of variables that have a start value to set."""
+"""Causalities of variables with a start value that can be set."""
 
 
 class StartValueError(ValueError):
-    """A value that the FMU can't take; the text names the variable and says why."""
+    """A value that the FMU does not accept. The message contains the variable and the reason."""
 
 
 def checked(
     variables: Mapping[str, Any], values: Mapping[str, Any], causalities: Collection[str] = SETTABLE
 ) -> dict[str, float]:
-    """The values with the types of their variables. Text is a number, a truth value or the name of an enumeration's item.
+    """The values converted to the types of their variables. Text may be a number, a Boolean or the name of an enumeration's item.
 
-    Raises StartValueError for a name that the FMU does not have, a wrong type, or a number out of range.
+    Raises StartValueError for an unknown name, a wrong type, or a number out of range.
     """
     return {name: _value(_variable(variables, name, causalities), value) for name, value in values.items()}
 
@@ -38,16 +38,16 @@ def _variable(variables: Mapping[str, Any], name: str, causalities: Collection[s
         return variable
     wanted = f"the FMU has no {' or '.join(causalities)} {name}"
     if variable is not None:
-        raise StartValueError(f"{wanted}: that is of the kind {variable.causality}")
+        raise StartValueError(f"{wanted}: its causality is {variable.causality}")
     settable = [other.name for other in variables.values() if other.causality in causalities]
     near = difflib.get_close_matches(name, settable, n=3)
-    raise StartValueError(f"{wanted}; near it are {', '.join(near)}" if near else wanted)
+    raise StartValueError(f"{wanted}; similar names: {', '.join(near)}" if near else wanted)
 
 
 def _value(variable: Any, value: Any) -> float:
     readers = {"Real": _real, "Integer": _integer, "Boolean": _truth, "Enumeration": _item}
     if variable.type not in readers:
-        raise StartValueError(f"{variable.name} is of the type {variable.type}: it can't be set")
+        raise StartValueError(f"{variable.name} has the type {variable.type} and cannot be set")
     found = readers[variable.type](variable, value)
     low = -math.inf if variable.min is None else float(variable.min)
     high = math.inf if variable.max is None else float(variable.max)
@@ -61,7 +61,7 @@ def _real(variable: Any, value: Any) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise StartValueError(f"{variable.name} = {value!r} is no number") from None
+        raise StartValueError(f"{variable.name} = {value!r} is not a number") from None
     if not math.isfinite(number):
         raise StartValueError(f"{variable.name} = {value!r} is not finite")
     return number
@@ -70,7 +70,7 @@ def _real(variable: Any, value: Any) -> float:
 def _integer(variable: Any, value: Any) -> int:
     number = _real(variable, value)
     if number != int(number):
-        raise StartValueError(f"{variable.name} = {value!r} is no whole number")
+        raise StartValueError(f"{variable.name} = {value!r} is not an integer")
     return int(number)
 
 
@@ -92,15 +92,15 @@ def _item(variable: Any, value: Any) -> int:
     except StartValueError:
         number = None
     if number not in items.values():
-        raise StartValueError(f"{variable.name} = {value!r} is none of {known}")
+        raise StartValueError(f"{variable.name} = {value!r} is not one of {known}")
     return number
 
 
 def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
-    """Writes a copy of an FMU with other start values, checked before: whole or not at all.
+    """Writes a copy of an FMU with other start values, which must be checked before. The file is written completely or not at all.
 
-    They stand in its model description, for importers, and in a list that the library reads, for importers that don't pass
-    them on. What an earlier copy had stays unless it is given anew.
+    The values are in the model description for importers, and in a list that the library reads, for importers that do not
+    set start values. Start values of an earlier copy remain unless they are specified again.
     """
     draft = copy.with_name(f"{copy.name}.part")
     try:
@@ -120,7 +120,7 @@ def write_copy(fmu: Path, copy: Path, values: Mapping[str, float]) -> None:
 
 
 def _listed(fmu: zipfile.ZipFile) -> dict[str, str]:
-    """The list of an earlier copy."""
+    """The list of start values in an earlier copy."""
     if LIST not in fmu.namelist():
         return {}
     lines = (line.strip() for line in fmu.read(LIST).decode("utf-8").splitlines())
@@ -129,12 +129,12 @@ def _listed(fmu: zipfile.ZipFile) -> dict[str, str]:
 
 
 def _written(value: float) -> str:
-    """A value as text that reads back as the same."""
+    """A value as text that is read back without loss."""
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 def _described(xml: bytes, values: Mapping[str, float]) -> bytes:
-    """A model description with other start values."""
+    """The model description with other start values."""
     root = etree.fromstring(xml)
     variables = {variable.get("name"): variable for variable in root.iter("ScalarVariable")}
     for name, value in values.items():

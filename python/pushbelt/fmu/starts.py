@@ -1,4 +1,4 @@
-"""Start values of steady states: what is given at shafts and sheaves. Speeds in rad/s, torques in N·m, forces in N."""
+"""Start values of steady states for different conditions at shafts and sheaves. Speeds in rad/s, torques in N·m, forces in N."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _steady(parameters: Mapping[str, float], ratio: float, speed: float, force: 
 def driven_by_torque(
     parameters: Mapping[str, float], ratio: float, speed: float, torque: float, force: float
 ) -> StartValues:
-    """Primary shaft driven by a torque, secondary held at speed/ratio; primary sheave held, secondary force given."""
+    """Primary shaft driven by a torque, secondary held at speed/ratio; primary sheave held, secondary force specified."""
     return {
         **_steady(parameters, ratio, speed, force),
         "primary.drive": Drive.TORQUE,
@@ -37,7 +37,7 @@ def driven_by_torque(
 def driven_by_slip(
     parameters: Mapping[str, float], ratio: float, speed: float, slip: float, force: float
 ) -> StartValues:
-    """Both shafts held at speeds with a slip between them; primary sheave held, secondary force given."""
+    """Both shafts held at speeds with a slip between them; primary sheave held, secondary force specified."""
     return {
         **_steady(parameters, ratio, speed, force),
         "primary.drive": Drive.SPEED,
@@ -51,9 +51,9 @@ def driven_by_slip(
 def driven_at_speed(
     parameters: Mapping[str, float], ratio: float, speed: float, load: float, force: float, held: bool = False
 ) -> StartValues:
-    """Primary shaft held at a speed, secondary shaft under a load torque (0: no load); both clamping forces given.
+    """Primary shaft held at a speed, secondary shaft under a load torque (0: no load); both clamping forces specified.
 
-    The run starts with the primary force that holds the ratio; `held` holds the primary sheave instead.
+    The run starts with the primary force that holds the ratio. With `held` the primary sheave is held instead.
     """
     return {
         **_steady(parameters, ratio, speed, force),

@@ -1,7 +1,7 @@
 """Tilt of a loaded sheave: a clearance, then bending.
 
 M(a) = k (s a + (1 − s) ⟨a − c⟩₊) with a = √(ψ² + δ²), s = 0.02, δ = 0.02 c and ⟨x⟩₊ = ½(x + √(x² + (0.05 c)²)); the moment along ψ
-is M ψ/a. Without clearance it is k ψ. `src/tilt.rs` has the law and its reasons.
+is M ψ/a. Without clearance it is k ψ. The law and its derivation are in `src/tilt.rs`.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from math import hypot
 from scipy.optimize import brentq
 
 SOFT, ROUNDING, BEARING = 0.02, 0.02, 0.05
-"""s, and δ and the width over which the sheave comes to bear as shares of the clearance."""
+"""s; δ and the width of the transition to bending, relative to the clearance."""
 
 
 RIGID = 1e12
-"""Stiffness from which a sheave does not tilt, N·m/rad."""
+"""Stiffness above which a sheave is rigid, N·m/rad."""
 
 
 def moment_of(psi: float, stiffness: float, clearance: float) -> float:
@@ -28,7 +28,7 @@ def moment_of(psi: float, stiffness: float, clearance: float) -> float:
 
 
 def tilt_under(moment: float, stiffness: float, clearance: float) -> float:
-    """Tilt of a sheave under a moment (N·m), rad: never more than the clearance and the bending together."""
+    """Tilt of a sheave under a moment (N·m), rad. It is at most the sum of clearance and bending."""
     if stiffness >= RIGID or moment <= 0.0:
         return 0.0
     most = clearance + moment / ((1.0 - SOFT) * stiffness)

@@ -1,4 +1,4 @@
-"""The FMU, driven call by call through fmpy."""
+"""Calls of the FMU through fmpy."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PROFILE_FIELDS = {
 
 
 class UnitError(RuntimeError):
-    """The FMU refused a call; the text holds what it logged."""
+    """A call of the FMU failed. The message contains the log of the FMU."""
 
 
 class Message(NamedTuple):
@@ -46,7 +46,7 @@ class Message(NamedTuple):
 
 @dataclass(frozen=True)
 class Archive:
-    """An unpacked FMU. A context manager: the directory is removed at its end."""
+    """An unpacked FMU. It is a context manager, which removes the directory at its end."""
 
     directory: Path
     description: Any
@@ -55,7 +55,7 @@ class Archive:
     def unpack(cls, fmu: Path, directory: Path | None = None) -> Archive:
         """Unpacks an FMU to a directory, or to a temporary one.
 
-        Raises InputFileError if it is no FMU that can be used, OSError if it can't be read.
+        Raises InputFileError if it is not a usable FMU, OSError if it cannot be read.
         """
         return cls(*unpacked(fmu, directory))
 
@@ -76,7 +76,7 @@ class Archive:
 
 
 class Reals:
-    """Real variables that are read, or set, together again and again."""
+    """Real variables that are repeatedly read or set together."""
 
     def __init__(self, names: Iterable[str], references: Iterable[int]) -> None:
         self.names = tuple(names)
@@ -94,10 +94,10 @@ class State(NamedTuple):
 
 
 class Variator:
-    """One instance of the FMU. A context manager: the instance is freed at its end."""
+    """One instance of the FMU. It is a context manager, which frees the instance at its end."""
 
     _logs: ClassVar[dict[int, list[Message]]] = {}
-    """Logs of the instances that are there, by what their messages carry along."""
+    """Logs of the existing instances, by the environment that their messages contain."""
 
     def __init__(self, archive: Archive, start_values: Mapping[str, float], name: str = "variator") -> None:
         description = archive.description
@@ -107,7 +107,7 @@ class Variator:
         self._freed = False
         self._callbacks = fmi2.fmi2CallbackFunctions()
         self._callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._record)
-        # fmpy hands the messages of all instances to the logger that was registered last: none may ever be freed, and
+        # fmpy passes the messages of all instances to the logger that was registered last. So no logger may be freed, and
         # the environment identifies the instance of a message.
         self._callbacks.componentEnvironment = id(self.log)
         self._logs[id(self.log)] = self.log
@@ -133,7 +133,7 @@ class Variator:
         self.free()
 
     def free(self) -> None:
-        """Frees the instance; it can't be used any more."""
+        """Frees the instance. It cannot be used afterwards."""
         self._slave.freeInstance()
         self._freed = True
         self._logs.pop(id(self.log), None)
@@ -141,7 +141,7 @@ class Variator:
     # Initialisation and steps
 
     def restart(self, start_values: Mapping[str, float]) -> None:
-        """Back to where a new instance with these start values is: nothing else of the past is left."""
+        """Resets to the state of a new instance with these start values."""
         self._call(self._slave.reset)
         self.log.clear()
         self.time = 0.0
@@ -152,28 +152,28 @@ class Variator:
         self.set(start_values)
 
     def initialise(self) -> None:
-        """Finds the state to start from."""
+        """Computes the initial state."""
         self.enter_initialisation()
         self._call(self._slave.exitInitializationMode)
 
     def enter_initialisation(self) -> None:
-        """The first half of `initialise`: outputs can be read, parameters and inputs still set."""
+        """First part of `initialise`. Afterwards outputs can be read, and parameters and inputs can still be set."""
         self._call(self._slave.enterInitializationMode)
 
     @property
     def warnings(self) -> list[str]:
-        """Texts of all warnings since the start."""
+        """Texts of all warnings so far."""
         return [message.text for message in self.log if message.status == fmi2.fmi2Warning]
 
     @property
     def not_steady(self) -> str | None:
-        """Why the FMU did not start from the steady state that was asked for; none if it did."""
+        """Reason why the FMU did not start from the requested steady state; None if it did."""
         if self.get("initial.found") == StartState.STEADY:
             return None
-        return "; ".join(self.warnings) or "none was asked for"
+        return "; ".join(self.warnings) or "no steady state was requested"
 
     def step_to(self, time: float) -> None:
-        """Advances to a time, s, with the inputs as last set."""
+        """Advances to a time, s, with the present inputs."""
         self._call(
             self._slave.doStep,
             currentCommunicationPoint=self.time,
@@ -184,11 +184,11 @@ class Variator:
     # Stored states
 
     def get_state(self) -> State:
-        """Stores the present state; `free_state` gives its memory back."""
+        """Stores the present state; `free_state` releases its memory."""
         return State(self._call(self._slave.getFMUState), self.time)
 
     def set_state(self, state: State) -> None:
-        """Goes on from a stored state, of this instance or another."""
+        """Restores a state that this or another instance has stored."""
         self._call(self._slave.setFMUState, state.pointer)
         self.time = state.time
 
@@ -201,12 +201,12 @@ class Variator:
         return self._call(self._slave.serializeFMUstate, state.pointer)
 
     def deserialise(self, data: bytes, time: float) -> State:
-        """A stored state from its bytes and its time, s."""
+        """Creates a stored state from its bytes and its time, s."""
         return State(self._call(self._slave.deSerializeFMUstate, data), time)
 
     @contextmanager
     def stored(self) -> Iterator[Callable[[], None]]:
-        """Stores the present state; the function it gives goes back there, any number of times."""
+        """Stores the present state. Returns a function that restores it and can be called repeatedly."""
         state = self.get_state()
         try:
             yield lambda: self.set_state(state)
@@ -251,7 +251,7 @@ class Variator:
         return np.array(reals.values)
 
     def set_ramps(self, inputs: Reals, values: Iterable[float], rates: Iterable[float]) -> None:
-        """Sets real inputs that change in proportion to time over the next step: values now and rates, 1/s."""
+        """Sets real inputs that vary linearly in time over the next step: present values, and rates per second."""
         count = len(inputs.names)
         array = ctypes.c_double * count
         slave = self._slave
@@ -277,15 +277,15 @@ class Variator:
     # Beyond the standard
 
     def linearise(self, frequency: float) -> dict[str, Any]:
-        """The linear model about the present state, as `pushbeltLinearize` answers it; modes below a frequency (Hz) are states.
+        """The linear model about the present state, as returned by `pushbeltLinearize`. Modes below a frequency (Hz) are states.
 
-        Raises UnitError where there is none. What it warns of is in `warnings`.
+        Raises UnitError if there is none. `warnings` contains its warnings.
         """
         try:
             function, free = self._slave.dll.pushbeltLinearize, self._slave.dll.pushbeltFreeText
         except AttributeError:
             raise UnitError(
-                "this FMU is of a version that gives no linear models: it has no pushbeltLinearize"
+                "this version of the FMU does not support linear models: it has no function pushbeltLinearize"
             ) from None
         function.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_void_p)]
         free.argtypes, free.restype = [ctypes.c_void_p], None
@@ -304,9 +304,9 @@ class Variator:
     # Calls
 
     def _call(self, function: Any, *arguments: Any, **keywords: Any) -> Any:
-        # The library would read memory that is no longer its own.
+        # The library would read freed memory.
         if self._freed:
-            raise UnitError("the instance is freed already")
+            raise UnitError("the instance has been freed")
         before = len(self.log)
         try:
             return function(*arguments, **keywords)
@@ -321,7 +321,7 @@ class Variator:
 
 
 def output_names(variables: Iterable[Any]) -> list[str]:
-    """Real outputs and the locals that are no fields along the belt."""
+    """Real outputs, and the locals that are not fields along the belt."""
     return [
         variable.name
         for variable in variables

@@ -1,4 +1,4 @@
-"""Files that come from others: archives and JSON are looked at before they are used, and what is wrong is one clear error."""
+"""Files from untrusted sources: archives and JSON are checked before use, and each problem is reported as one error."""
 
 from __future__ import annotations
 
@@ -13,49 +13,49 @@ from typing import Any
 import fmpy
 
 LARGEST_FILE = 500_000_000
-"""What an archive may hold once it is unpacked, bytes: a hundred times this project's FMU."""
+"""Largest unpacked size of an archive, bytes."""
 MOST_FILES = 10_000
 LARGEST_JSON = 50_000_000
-"""Bytes. A parameter set has 7 kB."""
+"""Largest size of a JSON file, bytes. A parameter set has 7 kB."""
 
 
 class InputFileError(ValueError):
-    """A file that can't be used; the text names it and says why."""
+    """A file cannot be used. The message contains its name and the reason."""
 
 
 def checked_archive(path: Path) -> None:
-    """Looks through an FMU, an SSP package or another ZIP file before it is unpacked.
+    """Checks an FMU, an SSP package or another ZIP file before it is unpacked.
 
-    Raises InputFileError for what is no ZIP file, for a path that leads out of the folder, a link, a path that is there twice,
-    and for more than LARGEST_FILE bytes or MOST_FILES files. Raises OSError if the file can't be read.
+    Raises InputFileError if the file is not a ZIP file, contains a path outside the folder, a link or a duplicate path, or exceeds
+    LARGEST_FILE bytes or MOST_FILES files. Raises OSError if the file cannot be read.
     """
     try:
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
     except (zipfile.BadZipFile, ValueError, NotImplementedError) as error:
-        raise InputFileError(f"{path} is no FMU or other archive that can be read: {error}") from error
+        raise InputFileError(f"{path} is not a readable FMU or other archive: {error}") from error
     if len(entries) > MOST_FILES:
-        raise InputFileError(f"{path} holds {len(entries)} files: more than {MOST_FILES} are not unpacked")
+        raise InputFileError(f"{path} contains {len(entries)} files, above the limit of {MOST_FILES}")
     seen = set()
     for entry in entries:
         if why := _objection(entry):
             raise InputFileError(f"{path} is not unpacked: {entry.filename!r} {why}")
         if entry.filename in seen:
-            raise InputFileError(f"{path} is not unpacked: {entry.filename!r} is there twice")
+            raise InputFileError(f"{path} is not unpacked: {entry.filename!r} appears twice")
         seen.add(entry.filename)
     size = sum(entry.file_size for entry in entries)
     if size > LARGEST_FILE:
-        raise InputFileError(f"{path} would unpack to {size / 1e6:.0f} MB: more than {LARGEST_FILE / 1e6:.0f} MB are not unpacked")
+        raise InputFileError(f"{path} would unpack to {size / 1e6:.0f} MB, above the limit of {LARGEST_FILE / 1e6:.0f} MB")
 
 
 def _objection(entry: zipfile.ZipInfo) -> str | None:
-    """Why a file of an archive is not unpacked. zipfile has cut the name at a zero, and made backslashes of Windows slashes."""
+    """Reason why a file of an archive is not unpacked. zipfile truncates names at a zero byte and normalises path separators."""
     name = entry.orig_filename
     parts = name.removesuffix("/").split("/")
     if "\\" in name or "\0" in name or ":" in name:
-        return "has a character that a path must not have"
+        return "contains a character that is not allowed in a path"
     if any(part in ("", ".", "..") for part in parts):
-        return "leads out of the folder or is no plain path"
+        return "is outside the folder or is not a plain path"
     if stat.S_ISLNK(entry.external_attr >> 16):
         return "is a link"
     if entry.flag_bits & 0x1:
@@ -64,9 +64,9 @@ def _objection(entry: zipfile.ZipInfo) -> str | None:
 
 
 def unpacked(path: Path, directory: Path | None = None) -> tuple[Path, Any]:
-    """An FMU, unpacked to a directory or to a temporary one, and its model description.
+    """Unpacks an FMU to a directory or to a temporary one, and reads its model description.
 
-    Raises InputFileError if it is no FMU that can be used, OSError if it can't be read.
+    Raises InputFileError if it is not a usable FMU, OSError if it cannot be read.
     """
     description = described(path)
     with _named(path):
@@ -74,7 +74,7 @@ def unpacked(path: Path, directory: Path | None = None) -> tuple[Path, Any]:
 
 
 def described(path: Path) -> Any:
-    """The model description of an FMU, read from the archive. Raises what `unpacked` raises."""
+    """The model description of an FMU, read from the archive. Raises the same errors as `unpacked`."""
     checked_archive(path)
     with _named(path):
         return fmpy.read_model_description(str(path))
@@ -82,44 +82,44 @@ def described(path: Path) -> Any:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Names the file in every error, of whatever kind: fmpy, lxml and zipfile have no common one."""
+    """Adds the file name to every error. All exceptions are caught, because fmpy, lxml and zipfile have no common base class."""
     try:
         yield
     except OSError:
         raise
     except Exception as error:
-        raise InputFileError(f"{path} is no FMU that can be used: {_first_line(error)}") from error
+        raise InputFileError(f"{path} is not a usable FMU: {_first_line(error)}") from error
 
 
 def read_json(path: Path) -> Any:
     """The content of a JSON file.
 
-    Raises InputFileError if it is none, or larger than LARGEST_JSON; OSError if it can't be read.
+    Raises InputFileError if it is not JSON or is larger than LARGEST_JSON, OSError if it cannot be read.
     """
     size = path.stat().st_size
     if size > LARGEST_JSON:
-        raise InputFileError(f"{path} has {size / 1e6:.0f} MB: more than {LARGEST_JSON / 1e6:.0f} MB are not read")
+        raise InputFileError(f"{path} has {size / 1e6:.0f} MB, above the limit of {LARGEST_JSON / 1e6:.0f} MB")
     try:
         return json.loads(path.read_bytes(), parse_constant=_no_constant)
     except RecursionError:
-        raise InputFileError(f"{path} is no JSON that can be read: it is nested too deeply") from None
+        raise InputFileError(f"{path} is not readable JSON: it is nested too deeply") from None
     except ValueError as error:
-        raise InputFileError(f"{path} is no JSON that can be read: {_first_line(error)}") from error
+        raise InputFileError(f"{path} is not readable JSON: {_first_line(error)}") from error
 
 
 def _no_constant(name: str) -> float:
-    raise ValueError(f"{name} is no number")
+    raise ValueError(f"{name} is not a number")
 
 
 def read_parameters(path: Path) -> dict[str, Any]:
-    """The values of a parameter set: `{"parameters": {name: {"value": …}}}`, numbers, truth values or text.
+    """The values of a parameter set: `{"parameters": {name: {"value": …}}}`, numbers, Booleans or text.
 
-    Raises InputFileError for another form, and what `read_json` raises.
+    Raises InputFileError for another form, and the errors of `read_json`.
     """
     document = read_json(path)
     parameters = document.get("parameters") if isinstance(document, dict) else None
     if not isinstance(parameters, dict):
-        raise InputFileError(f'{path} is no parameter set: it has no object "parameters" in an object')
+        raise InputFileError(f'{path} is not a parameter set: it must be an object with an object "parameters"')
     values = {}
     for name, entry in parameters.items():
         value = entry.get("value") if isinstance(entry, dict) else None

@@ -1,12 +1,12 @@
 """Writes linear models of the variator about steady working points: A, B, C, D, for controller design.
 
 A point is a geometric ratio `initial.ratio`, a torque `primary.torque` (N·m), a speed `initial.primarySpeed` (rad/s) and a force
-`secondary.clampingForce` (N). The primary force and the secondary torque are those that hold it. Several values make a grid:
-`initial.ratio=0.5,1,2`, or `initial.ratio=0.5:2:7` for seven from 0.5 to 2. Other names are parameters of the FMU, enumerations by
-name: `ring.model=ALE0`.
+`secondary.clampingForce` (N). The primary force and the secondary torque are those that hold the point. Several values define a grid:
+`initial.ratio=0.5,1,2`, or `initial.ratio=0.5:2:7` for seven from 0.5 to 2. Other names are parameters of the FMU, with enumerations
+by name: `ring.model=ALE0`.
 
-Writes models.npz (numpy), models.mat (MATLAB), models.json, and report.html with Bode and step plots. A point that is not the one
-asked for is no model: the belt slips through there, or other loads would hold it. One such point alone is a failure.
+Writes models.npz (numpy), models.mat (MATLAB), models.json, and report.html with Bode and step plots. A point at which
+the belt slips through, or which requires other loads than the specified ones, has no model. If no point has a model, the program fails.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument("settings", nargs="*", metavar="NAME=VALUE", help="points and parameters, in SI units")
     found.add_argument("--fmu", type=Path, required=True, help="the FMU")
     found.add_argument("--output", type=Path, required=True, help="folder for the files and report.html")
-    found.add_argument("--variator", metavar="NAME", help="parameter set that goes before, bench168, belt155 or ….json")
+    found.add_argument("--variator", metavar="NAME", help="parameter set that is applied first: bench168, belt155 or a file ….json")
     found.add_argument(
-        "--frequency", type=float, default=FREQUENCY, metavar="HZ", help="modes below it are states [%(default)s]"
+        "--frequency", type=float, default=FREQUENCY, metavar="HZ", help="modes below this frequency are states [%(default)s]"
     )
     found.add_argument(
-        "--safety", type=float, metavar="FACTOR", help="clamp by the torque with this factor, instead of a given force"
+        "--safety", type=float, metavar="FACTOR", help="clamping force from the torque with this safety factor, instead of a specified force"
     )
     found.add_argument(
         "--outputs", default=",".join(report.OUTPUTS), metavar="NAMES", help="outputs in the figures [%(default)s]"
@@ -47,7 +47,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Finds the models, writes the files and says where they are."""
+    """Computes the models, writes the files and prints their paths."""
     options = parser().parse_intermixed_args(arguments)
     try:
         asked = points.read(options.settings, options.safety)
@@ -78,7 +78,7 @@ def find(variator: Variator, asked: points.Asked, frequency: float) -> LinearGri
 
 
 def write(grid: LinearGrid, asked: points.Asked, options: argparse.Namespace) -> int:
-    """Writes what was found, and says what was not."""
+    """Writes the models and prints the reasons for missing ones."""
     refused, found = list(grid.refused()), list(grid.points())
     for _, reason in refused:
         print(f"  {reason}", file=sys.stderr)

@@ -19,22 +19,22 @@ AXES = {
     "initial.primarySpeed": "speed",
     "secondary.clampingForce": "force",
 }
-"""Names of the FMU and of the axes of a grid."""
+"""Names of the FMU's variables, and of the corresponding axes of a grid."""
 REACTIONS = ("primary.clampingForce", "secondary.torque")
-"""What holds a point: a value that is given is compared with it."""
+"""Loads that hold a point. A specified value is compared with the required one."""
 SAME = 0.01
-"""Part of a load by which what is given and what holds the point may differ."""
+"""Largest relative difference between a specified and a required load."""
 SMALL = {"primary.clampingForce": 5e3, "secondary.torque": 50.0}
-"""Loads below it are compared as if they were this, N and N·m."""
+"""Smallest magnitude of a load in this comparison, N and N·m."""
 
 
 class PointError(ValueError):
-    """What is asked for can't be read."""
+    """The specified points cannot be read."""
 
 
 @dataclass(frozen=True)
 class Axes:
-    """Values of each axis; one number is no axis."""
+    """Values of each axis. A single number is not an axis."""
 
     ratio: list[float]
     torque: list[float]
@@ -44,27 +44,27 @@ class Axes:
 
     @property
     def size(self) -> int:
-        """How many points there are."""
+        """Number of points."""
         lists = (self.ratio, self.torque, self.speed, self.force, *self.changes.values())
         return math.prod(len(values) for values in lists if isinstance(values, list))
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked for."""
+    """The specified points and parameters."""
 
     points: Mapping[str, list[float]]
-    """Values of `AXES` that are given."""
+    """Specified values of `AXES`."""
     loads: Mapping[str, float]
-    """Values of `REACTIONS` that are given."""
+    """Specified values of `REACTIONS`."""
     parameters: Mapping[str, str]
-    """One value each."""
+    """Parameters with one value."""
     changes: Mapping[str, list[str]]
-    """Several values each."""
+    """Parameters with several values."""
     safety: float | None
 
     def filled(self, variator: Variator) -> Axes:
-        """With the start values of the variator for what is not given."""
+        """Adds the start values of the variator for loads that are not specified."""
         several = {name: values if len(values) > 1 else values[0] for name, values in self.points.items()}
         return Axes(
             self.points.get("initial.ratio") or [variator["initial.ratio"]],
@@ -76,7 +76,7 @@ class Asked:
 
 
 def read(settings: Sequence[str], safety: float | None = None) -> Asked:
-    """Reads NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT."""
+    """Parses NAME=VALUE, NAME=VALUE,VALUE and NAME=FIRST:LAST:COUNT."""
     points: dict[str, list[float]] = {}
     loads: dict[str, float] = {}
     parameters: dict[str, str] = {}
@@ -86,13 +86,13 @@ def read(settings: Sequence[str], safety: float | None = None) -> Asked:
         if not (separator and name and text):
             raise PointError(f"`{setting}` is not of the form NAME=VALUE")
         if name in points or name in loads or name in parameters or name in changes:
-            raise PointError(f"{name} is given twice")
+            raise PointError(f"{name} appears twice")
         words = _words(name, text)
         if name in AXES:
             points[name] = [_number(name, word) for word in words]
         elif name in REACTIONS:
             if len(words) > 1:
-                raise PointError(f"{name} follows from the point: it takes one value, to be compared with, or none")
+                raise PointError(f"{name} follows from the point: give at most one value, which is compared with the result")
             loads[name] = _number(name, words[0])
         elif len(words) == 1:
             parameters[name] = words[0]
@@ -101,7 +101,7 @@ def read(settings: Sequence[str], safety: float | None = None) -> Asked:
     if safety is not None and not (math.isfinite(safety) and safety > 0.0):
         raise PointError(f"--safety {safety} is not a number above 0")
     if safety is not None and "secondary.clampingForce" in points:
-        raise PointError("--safety and secondary.clampingForce both say how to clamp: give one of them")
+        raise PointError("--safety and secondary.clampingForce both determine the clamping force: give one of them")
     return Asked(points, loads, parameters, changes, safety)
 
 
@@ -119,14 +119,14 @@ def _number(name: str, word: str) -> float:
     try:
         value = float(word)
     except ValueError:
-        raise PointError(f"{name} = {word!r} is no number") from None
+        raise PointError(f"{name} = {word!r} is not a number") from None
     if not math.isfinite(value):
         raise PointError(f"{name} = {word} is not finite")
     return value
 
 
 def without_other_loads(grid: LinearGrid, loads: Mapping[str, float]) -> LinearGrid:
-    """The grid without the points that other loads hold than those that are given."""
+    """The grid without the points that require other loads than the specified ones."""
     models, reasons = grid.models.copy(), grid.reasons.copy()
     for place in np.ndindex(grid.shape):
         if models[place] is not None and (why := _other_loads(models[place], loads)):
@@ -141,6 +141,6 @@ def _other_loads(model: LinearModel, loads: Mapping[str, float]) -> str:
         held = model.held.get(name, given)
         if abs(held - given) > SAME * max(abs(held), abs(given), SMALL[name]):
             found.append(
-                f"{name} = {held:.6g} {model.units[name]} holds this point, {given:g} {model.units[name]} is given"
+                f"this point requires {name} = {held:.6g} {model.units[name]}, but {given:g} {model.units[name]} is specified"
             )
     return "; ".join(found)

@@ -1,4 +1,4 @@
-"""The report: Bode and step plots, and a table of the points, in one HTML file that needs nothing else."""
+"""The report: Bode and step plots, and a table of the points, in one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pushbelt.linear_grid import LinearGrid
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
 OUTPUTS = ("ratio.geometric", "primary.speed", "slip")
-"""Drawn unless others are asked for."""
+"""Default outputs of the figures."""
 COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
 LOWEST = 0.01
 """Lowest frequency of the Bode plots, Hz."""
@@ -27,7 +27,7 @@ Drawn = Sequence[tuple[str, str, LinearModel]]
 
 
 def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -> Path:
-    """Writes the report; returns where it is. Raises KeyError for an output that the models don't have."""
+    """Writes the report and returns its path. Raises KeyError for an output that the models do not have."""
     found = list(grid.points())
     drawn = chosen(grid)
     drawn[0][2].select(outputs)
@@ -50,14 +50,14 @@ def write(grid: LinearGrid, folder: Path, outputs: Sequence[str], time: float) -
 
 
 def chosen(grid: LinearGrid) -> Drawn:
-    """At most as many points as there are colours, evenly through the grid, the first and the last among them."""
+    """Evenly spaced points of the grid, at most one per colour, including the first and the last."""
     found = list(grid.points())
     places = np.unique(np.linspace(0, len(found) - 1, min(len(found), len(COLOURS))).round().astype(int))
     return [(title(grid, found[k][0]), COLOURS[n], found[k][1]) for n, k in enumerate(places)]
 
 
 def title(grid: LinearGrid, point: dict[str, float]) -> str:
-    """What distinguishes a point from the others."""
+    """Label of a point: the values in which it differs from the others."""
     several = {name: value for name, value in point.items() if len(grid.axes[name]) > 1} or point
     return ", ".join(f"{name} {value:.4g} {UNITS.get(name, '')}".rstrip() for name, value in several.items())
 
@@ -99,7 +99,7 @@ def steps(drawn: Drawn, output: str, end: float) -> Chart:
 
 
 def per(output: str, load: str) -> str:
-    """Unit of an output per input."""
+    """Unit of an output per unit of an input."""
     load = f"({load})" if "." in load or "/" in load else load
     return f"{output}/{load}"
 

@@ -1,4 +1,4 @@
-"""The paper again: `python -m pushbelt.paper --fmu … --rings … --output target/paper [--short]`."""
+"""Reproduces the paper's examples: `python -m pushbelt.paper --fmu … --rings … --output target/paper [--short]`."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .rings import RingsError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Simulates, writes report and tables, and says where they are."""
+    """Simulates, writes report and tables, and prints their paths."""
     parser = argparse.ArgumentParser(prog="pushbelt.paper", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument("--rings", type=Path, required=True, help="the compiled example `paper_rings`")
     parser.add_argument("--output", type=Path, required=True, help="folder for report.html and the CSV files")
-    parser.add_argument("--short", action="store_true", help="two load cases, coarse tests of rings")
+    parser.add_argument("--short", action="store_true", help="run two load cases and coarse tests of rings")
     options = parser.parse_args(arguments)
     begin = time.perf_counter()
     options.output.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Values of variables that only PushbeltPaper.fmu has. A test compares them with its model description."""
+"""Values of variables that exist only in PushbeltPaper.fmu. A test compares them with its model description."""
 
 from __future__ import annotations
 

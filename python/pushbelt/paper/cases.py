@@ -1,9 +1,9 @@
-"""The load cases of the paper's 5.4 through the FMU: every ring model, the same loads, the same run.
+"""The load cases of the paper's section 5.4 with the FMU: the same loads and the same run for every ring model.
 
 The paper's secondary loads are unpublished measurements. Here the clamping force is that of `variators.json`, and the load
-torque is the one at which the belt torque on P in the steady state of `ALE` is the case's; all models get this load.
-Lagrangian rings have no steady state, so every model runs for a while from where the unit starts it, and the end of the run
-is looked at.
+torque is the one for which the belt torque on P in the steady state of `ALE` is the case's; all models have this load.
+Lagrangian rings have no steady state, so every model runs for a while from the unit's initial state, and the end of the run
+is evaluated.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from pushbelt.paper.belts import RingModel
 from .results import CaseRun, Effort, Shift, SpeedPoint, Times, Window
 
 STEP = 1e-3
-"""Communication step of runs whose computing time is taken, s."""
+"""Communication step of runs for the computing time, s."""
 
 WAVE_FREQUENCY = 50.0
-"""Frequency of a load torque that swings, Hz."""
+"""Frequency of the oscillating load torque, Hz."""
 
 WAVE_DEPTH = 0.4
-"""How far it falls below the load of the case, as a share of it."""
+"""Largest reduction of the oscillating load torque, relative to the load of the case."""
 
 MESHES: Mapping[str, Mapping[str, float]] = {
     "aligned": {},
@@ -39,16 +39,16 @@ MESHES: Mapping[str, Mapping[str, float]] = {
     "even, fine": {"mesh.aligned": False, "mesh.primaryArc": 60, "mesh.secondaryArc": 60, "mesh.strand": 36},
     "fine": {"mesh.primaryArc": 60, "mesh.secondaryArc": 60, "mesh.strand": 36},
 }
-"""Meshes of `ALE`: the default, as many elements evenly spaced, three times as many of either."""
+"""Meshes of `ALE`: the default, the same number of elements evenly spaced, and three times as many of either."""
 
 SHIFT_FORCE = 1.2
-"""Primary clamping force of the shift on two meshes over that at rest."""
+"""Primary clamping force of the shift on two meshes, relative to that at rest."""
 
 
 def steady(
     archive: Archive, parameters: Mapping[str, float], case: LoadCase, model: str = "ALE", speed: float | None = None
 ) -> SteadyState:
-    """The steady state of a model in which the belt torque on P is that of the case; primary speed in rad/s."""
+    """The steady state of a model with the belt torque of the case on P; primary speed in rad/s."""
     values = {**parameters, "ring.model": RingModel[model]}
     speed = load_case_speed() if speed is None else speed
     return steady_state(archive, values, ratio_of(case.theta), speed, case.torque, case.clamping_force)
@@ -69,7 +69,7 @@ def with_rigid_sheaves(archive: Archive, parameters: Mapping[str, float], case: 
 
 
 def on_meshes(archive: Archive, parameters: Mapping[str, float], case: LoadCase) -> dict[str, SteadyState]:
-    """The steady state of `ALE` on meshes whose borders follow the arcs, or do not, or which are finer."""
+    """The steady state of `ALE` on meshes with and without borders at the arcs, and on finer ones."""
     return {name: steady(archive, {**parameters, **mesh}, case) for name, mesh in MESHES.items()}
 
 
@@ -92,12 +92,12 @@ def shift_on_meshes(archive: Archive, parameters: Mapping[str, float], duration:
 
 
 def wave(load: float, moment: float) -> float:
-    """A load torque that swings between the load of the case and `WAVE_DEPTH` below it, N·m."""
+    """A load torque that oscillates between the load of the case and `WAVE_DEPTH` below it, N·m."""
     return load * (1.0 - 0.5 * WAVE_DEPTH * (1.0 - np.cos(2.0 * np.pi * WAVE_FREQUENCY * moment)))
 
 
 class Runner:
-    """Runs one load case with one ring model; `progress` gets the revolutions as they are done."""
+    """Runs one load case with one ring model. `progress` is called with the revolutions of each step."""
 
     def __init__(
         self,
@@ -128,7 +128,7 @@ class Runner:
         return unit, time.process_time() - begin
 
     def _step(self, unit: Variator, moment: float) -> float:
-        """Steps to a moment; returns the processor time of the step, s."""
+        """Advances to a time, s; returns the processor time of the step, s."""
         before, begin = unit.time, time.process_time()
         unit.step_to(moment)
         spent = time.process_time() - begin
@@ -136,7 +136,7 @@ class Runner:
         return spent
 
     def record(self) -> tuple[Window, bool, tuple[str, ...]]:
-        """Runs, and samples the end of the run; also whether it started from a steady state, and the FMU's warnings."""
+        """Runs and samples the end of the run. Also returns whether it started from a steady state, and the FMU's warnings."""
         unit, _ = self._started()
         effort = self.effort
         with unit:
@@ -163,7 +163,7 @@ class Runner:
         return window, steady, tuple(unit.warnings)
 
     def clock(self, wavy: bool) -> tuple[float, float]:
-        """Processor times of one run: of all its steps, and from parameters to the first step, s."""
+        """Processor times of one run: all its steps, and from setting the parameters to the first step, s."""
         unit, starting = self._started()
         stepping = 0.0
         with unit:
@@ -180,7 +180,7 @@ class Runner:
         return Times(stepping, starting, self.effort.clocked * self.revolution)
 
     def run(self, wavy: bool) -> CaseRun:
-        """Everything about this case and model."""
+        """All results of this case and model."""
         window, steady, warnings = self.record()
         return CaseRun(
             self.model,

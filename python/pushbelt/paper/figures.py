@@ -20,7 +20,7 @@ EVEN = "ALE, evenly spaced mesh"
 COLOURS = {"RCM": INK, "ANCF": VIOLET, "ALE0": ORANGE, "ALE": BLUE, REFERENCE_DIRECTIONS: GREEN, EVEN: RED}
 SHORT_NAMES = {REFERENCE_DIRECTIONS: "ALE, [t, n]", EVEN: "ALE, even mesh"}
 LINES = {"RCM": {"width": 3.2, "opacity": 0.5}, "ANCF": {"dash": "dash"}}
-"""The reference lies under the others."""
+"""Drawing order: the reference model is below the others."""
 TIME = "time (ms)"
 
 
@@ -35,7 +35,7 @@ def _of(model: str, x: Array, y: Array, **look: object) -> Series:
 
 
 def reference_oscillation(rings: Rings) -> Chart:
-    """Fig. 6: outlines at four times, the two coordinates and the energies over time."""
+    """Fig. 6: outlines at four times; the two coordinates and the energies over time."""
     motion, shapes = rings.motions["6", "ALE0"], rings.shapes["6", "ALE0"]
     falling = np.nonzero(motion.theta < 0.0)[0]
     half = motion.time[int(np.argmin(motion.theta[: 2 * falling[0] + 1]))]
@@ -46,7 +46,7 @@ def reference_oscillation(rings: Rings) -> Chart:
     time = 1e3 * motion.time
     energies = (
         ("kinetic", motion.kinetic, BLUE, ""),
-        ("bending, above its least", motion.bending - motion.bending.min(), ORANGE, "dash"),
+        ("bending, above its minimum", motion.bending - motion.bending.min(), ORANGE, "dash"),
         ("sum", motion.total - motion.total[0] + np.ptp(motion.bending), INK, ""),
     )
     return Chart(
@@ -135,7 +135,7 @@ def _outlines(rings: Rings, names: Sequence[str], number: int, moment: float) ->
 
 
 def convergence(rings: Rings) -> Chart:
-    """Frequency of the free ring against the analytic one on a ladder of meshes, and the orders in time."""
+    """Frequency of the free ring compared with the analytic one for a series of meshes, and the orders in time."""
     space, time = [], []
     for name in ("RCM", "ANCF", "ALE", REFERENCE_DIRECTIONS):
         ladder = sorted((f.elements, abs(f.error)) for f in rings.frequencies if f.model == name and "small" in f.case)
@@ -169,7 +169,7 @@ def _cases(results: PaperResults) -> tuple[Tick, ...]:
 
 
 def _bars(results: PaperResults, models: Sequence[str], value: Callable[[CaseRun], float]) -> list[Series]:
-    """Bars of all cases, one a model, grouped by case."""
+    """Bars for all models, grouped by case."""
     places = np.arange(len(results.cases))
     series = []
     for model in models:
@@ -252,7 +252,7 @@ def spiral_running(results: PaperResults, run_of: Callable[[str], CaseRun]) -> C
         for model in MODELS:
             fraction, deviation = profiles.arc(results.parameters, run_of(model), pulley)
             series.append(_of(model, fraction, 1e3 * deviation, marker="circle", size=4))
-        title = f"8d  Radius less its mean (mm), {pulley} arc"
+        title = f"8d  Radius minus its mean (mm), {pulley} arc"
         panels.append(Panel(title, series, "from entry (0) to exit (1)", x_range=(0.0, 1.0), height=290))
     return Chart(panels, "Radius along both arcs, all models", columns=2, common_legend=True)
 

@@ -1,4 +1,4 @@
-"""What the fields along the belt show: push force of one element, spiral running of an arc."""
+"""Evaluation of the fields along the belt: push force of one element, spiral running of an arc."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def curve(parameters: Mapping[str, float], window: Window) -> TwoPulleyCurve:
 
 
 def element(parameters: Mapping[str, float], run: CaseRun) -> tuple[tracer.Path, Array]:
-    """The way of an element that enters the primary arc at the start, and the push force on it, N."""
+    """Path of an element that enters the primary arc at the start, and the push force on it, N."""
     window = run.window
     shape = curve(parameters, window)
     entry = shape.borders[2]
@@ -44,7 +44,8 @@ def push_force_gains(parameters: Mapping[str, float], run: CaseRun) -> tuple[flo
 
 
 def arc(parameters: Mapping[str, float], run: CaseRun, pulley: str) -> tuple[Array, Array]:
-    """Places on a pulley's arc as fractions of it, from entry to exit, and mean radius less the arc's mean there, m."""
+    """Places on a pulley's arc as fractions of it, from entry to exit, and the radius there relative to the arc's mean radius, averaged
+    over time, m."""
     window = run.window
     shape = curve(parameters, window)
     fraction = 0.5 + shape.from_middle(pulley, window.position) / shape.arc_length(pulley)

@@ -1,4 +1,4 @@
-"""The report: one HTML file that needs nothing else, and the tables behind it as CSV."""
+"""The report: one self-contained HTML file, and its tables as CSV."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from .statement import Verdict, signed
 
 ABOUT = {
     "ALE": (
-        "Deflections over a moving reference curve; the mesh stands still, steel flows through",
+        "Deflections over a moving reference curve; the mesh is fixed and material flows through it",
         "Default: spiral running, steady states, linear models, drivetrain simulation",
     ),
     "ALE0": (
-        "The reference curve alone, its arcs about free centres: drift and ratio, a tension carried along by friction",
-        "Controllers and drive cycles that must run many times",
+        "The reference curve alone, with free centres of the arcs: drift and ratio, and a tension that friction transports",
+        "Controller design and drive cycles with many runs",
     ),
     "ANCF": (
         "Absolute nodal coordinates on a mesh that travels with the ring",
-        "A second opinion: large deflections without a reference curve",
+        "Independent comparison: large deflections without a reference curve",
     ),
     "RCM": (
         "Co-rotational elements in redundant coordinates on a mesh that travels with the ring",
-        "The reference to check ALE by: large deflections, a membrane that does not lock",
+        "Reference for checks of ALE: large deflections, no membrane locking",
     ),
 }
-"""What a model is, and what it is for."""
+"""Description and purpose of each model."""
 
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -52,17 +52,17 @@ class Choice:
     thrust: tuple[float, float] | None
     """Smallest and largest difference of the thrust ratio to the reference model's, relative."""
     efficiency: tuple[float, float] | None
-    """The same of the efficiency, absolute."""
+    """Smallest and largest difference of the efficiency to the reference model's, absolute."""
     spiral: tuple[float, float]
     """Smallest and largest spiral running, m."""
     steady: int
-    """Load cases in which the unit finds a steady state of this model, or of the one that it starts from."""
+    """Number of load cases with a steady state of this model, or of the model from which it starts."""
     slipping: int
-    """Load cases in which it slips."""
+    """Number of load cases with macro-slip."""
     time: tuple[float, float, float]
     """Smallest, median and largest computing time relative to the reference model's."""
     wavy: float | None
-    """The same with a load that swings, median."""
+    """Median of the same quotient with an oscillating load."""
 
 
 def _ends(values: list[float]) -> tuple[float, float]:
@@ -70,7 +70,7 @@ def _ends(values: list[float]) -> tuple[float, float]:
 
 
 def choices(results: PaperResults) -> list[Choice]:
-    """Which model to choose, ALE first."""
+    """Table for the choice of a model, with ALE first."""
     lines = []
     for model in sorted(MODELS, key=lambda name: name != "ALE"):
         runs = results.of(model)
@@ -96,7 +96,7 @@ def choices(results: PaperResults) -> list[Choice]:
 
 
 def chosen_runs(results: PaperResults) -> Callable[[str], CaseRun]:
-    """The run of the case that is shown along the belt, by model."""
+    """Runs of the case whose fields along the belt are shown, by model."""
     case = next((case for case in results.cases if case.name == CHOSEN_CASE), results.cases[0])
     return lambda model: results.run(case, model)
 
@@ -107,7 +107,7 @@ def case_rows(results: PaperResults) -> list[tuple[LoadCase, list[CaseRun]]]:
 
 
 def checks_by_number(results: PaperResults) -> list[tuple[str, list[RingCheck]]]:
-    """The checks of rings alone under the names of their groups."""
+    """The checks of rings alone by group."""
     names = {
         "1": "Derivatives: P (12), −∂V/∂q (18), inertia (13), (14)",
         "2": "Reference motion alone (fig. 6)",
@@ -127,7 +127,7 @@ def write_html(results: PaperResults, path: Path) -> None:
 
 
 def brief(value: float) -> str:
-    """A number with three digits, as short as it goes."""
+    """A number with three significant digits in the shortest form."""
     if value == 0.0 or 1e-2 <= abs(value) < 1e7:
         return f"{value:.6g}".replace("-", page.MINUS)
     mantissa, exponent = f"{value:.1e}".split("e")
@@ -135,7 +135,7 @@ def brief(value: float) -> str:
 
 
 def context(results: PaperResults) -> dict[str, Any]:
-    """What the template shows."""
+    """Values for the template."""
     found = statements.evaluate(results)
     run_of = chosen_runs(results)
     judged = [check for check in results.rings.checks if check.passed is not None]
@@ -176,7 +176,7 @@ def context(results: PaperResults) -> dict[str, Any]:
 
 
 def write_tables(results: PaperResults, folder: Path) -> None:
-    """Writes what figures 8 and 9 show, the meshes, and the statements."""
+    """Writes the data of figures 8 and 9, the meshes, and the statements."""
     for write in (_write_cases, _write_elements, _write_arcs, _write_meshes, _write_times, _write_statements):
         write(results, folder)
 

@@ -1,4 +1,4 @@
-"""What the simulations give, as plain data. SI units."""
+"""Results of the simulations as plain data, in SI units."""
 
 from __future__ import annotations
 
@@ -17,42 +17,42 @@ MODELS = ("RCM", "ANCF", "ALE0", "ALE")
 """Ring models in the paper's order."""
 
 REFERENCE, *OTHERS = MODELS
-"""The model that the paper compares the others with, and the others."""
+"""The reference model of the paper, and the other models."""
 
 CHOSEN_CASE = "underdrive-30"
-"""The paper's case 3, whose push force and spiral running it shows."""
+"""The paper's case 3, for which it shows push force and spiral running."""
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How long and how often the cases are run."""
+    """Duration and repetitions of the runs of the cases."""
 
     settling: float
-    """Revolutions before the part that is looked at."""
+    """Revolutions before the evaluated part."""
     looking: float
-    """Revolutions that are looked at."""
+    """Revolutions of the evaluated part."""
     samples: int
-    """Samples a revolution."""
+    """Samples per revolution."""
     clocked: float
-    """Revolutions of a run whose computing time is taken, from the start on."""
+    """Revolutions, from the start, of a run for the computing time."""
     repetitions: int
-    """How often that run is repeated."""
+    """Number of repetitions of this run."""
 
     def revolutions(self, wavy: bool) -> float:
-        """Revolutions that are simulated, with a load that swings or without."""
+        """Number of simulated revolutions, with or without an oscillating load."""
         return self.settling + self.looking + self.clocked * self.repetitions * (2 if wavy else 1)
 
 
 @dataclass(frozen=True)
 class Window:
-    """The part of a run that is looked at, sampled at even times from its start on."""
+    """The evaluated part of a run, sampled at evenly spaced times."""
 
     trace: Trace
     """Time since the start of the part, and outputs."""
     push_force: Array
-    """Push force at the places, one row a time, N."""
+    """Push force at the places, one row per time, N."""
     radial_deviation: Array
-    """Radius less the arc's mean radius at the places, one row a time, m."""
+    """Radius minus the arc's mean radius at the places, one row per time, m."""
     position: Array
     """Places ξ, m."""
 
@@ -63,22 +63,22 @@ class Window:
 
     @property
     def thrust_ratio(self) -> float:
-        """Mean axial force on P over that on S."""
+        """Mean axial force on P divided by that on S."""
         return self.mean("primary.axialForce") / self.mean("secondary.axialForce")
 
     @property
     def efficiency(self) -> float:
-        """Work at S over work at P, of the belt: the paper's shafts have no drag."""
+        """Efficiency of the belt, work at S divided by work at P. The paper's shafts have no drag."""
         return -self.mean("secondary.power") / self.mean("primary.power")
 
     @property
     def loss(self) -> float:
-        """Mean of all losses of the belt, so without the drag of the shafts, W."""
+        """Mean of all losses of the belt, without the drag of the shafts, W."""
         return self.mean("loss.total") - self.mean("loss.shafts")
 
     @property
     def efficiency_from_losses(self) -> float:
-        """1 − losses over driving power: the same number where the power balance closes."""
+        """1 minus losses divided by driving power. It equals `efficiency` if the power balance closes."""
         return 1.0 - self.loss / self.mean("primary.power")
 
     @property
@@ -98,29 +98,29 @@ class Window:
 
 @dataclass(frozen=True)
 class Times:
-    """Processor times of one thread for the same run, once a repetition, s."""
+    """Processor times of one thread for repetitions of the same run, s."""
 
     stepping: tuple[float, ...]
     """All steps."""
     starting: tuple[float, ...]
-    """From parameters to the first step."""
+    """Processor times from setting the parameters to the first step."""
     simulated: float
-    """How long the run is, s of simulated time."""
+    """Simulated time of the run, s."""
 
     @property
     def median(self) -> float:
-        """Median of the steps' time."""
+        """Median of the time of all steps."""
         return median(self.stepping)
 
     @property
     def spread(self) -> float:
-        """Largest less smallest, relative to the median."""
+        """Largest minus smallest time, relative to the median."""
         return (max(self.stepping) - min(self.stepping)) / self.median
 
 
 @dataclass(frozen=True)
 class CaseRun:
-    """A load case with one ring model."""
+    """Results of a load case with one ring model."""
 
     model: str
     case: LoadCase
@@ -128,19 +128,19 @@ class CaseRun:
     """Secondary torque, the same for all models, N·m."""
     window: Window
     times: Times
-    """Of the run of the load case."""
+    """Processor times of the load case."""
     wavy_times: Times | None
-    """Of a run with a load torque that swings."""
+    """Processor times with an oscillating load torque."""
     slipped: bool
-    """Whether the belt was in macro-slip at some time of the part that was looked at."""
+    """Whether the belt was in macro-slip at any time of the evaluated part."""
     steady: bool
-    """Whether the unit found the steady state it was asked to start from."""
+    """Whether the run started from the requested steady state."""
     messages: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Failure:
-    """A load case that a model could not be run through."""
+    """A load case that failed with a model."""
 
     model: str
     case: LoadCase
@@ -165,14 +165,14 @@ class Shift:
     ratio: Array
     """Geometric ratio."""
     residual: Array
-    """Energy supplied less lost less stored, J."""
+    """Energy residual: supplied minus lost minus stored energy, J."""
     stored: Array
     """Energy stored, J."""
 
 
 @dataclass(frozen=True)
 class PaperResults:
-    """All of it."""
+    """All results."""
 
     fmu_version: str
     parameters: Mapping[str, float]
@@ -183,11 +183,11 @@ class PaperResults:
     rigid: Mapping[str, Mapping[str, float]]
     """Thrust ratios of ALE and ALE0 in their steady states with rigid sheaves, by case."""
     meshes: Mapping[str, Mapping[str, SteadyState]]
-    """Steady states of ALE on several meshes, by case."""
+    """Steady states of ALE on several meshes, by case and mesh."""
     shifts: Mapping[str, Shift]
-    """The same shift of ALE on two meshes."""
+    """The same shift of ALE, by mesh."""
     failures: tuple[Failure, ...]
-    """Cases with a failure are left out of `runs` for all models."""
+    """Failures. `runs` does not contain these cases for any model."""
     effort: Effort
     short: bool
 
@@ -210,15 +210,15 @@ class PaperResults:
         return ours.window.thrust_ratio / reference.window.thrust_ratio - 1.0
 
     def efficiency_difference(self, case: LoadCase, model: str) -> float:
-        """Efficiency less the reference model's."""
+        """Difference of the efficiency to the reference model's."""
         ours, reference = self.run(case, model), self.run(case, REFERENCE)
         return ours.window.efficiency - reference.window.efficiency
 
     def time_ratio(self, case: LoadCase, model: str) -> float:
-        """Median computing time over the reference model's."""
+        """Median computing time relative to the reference model's."""
         return self.run(case, model).times.median / self.run(case, REFERENCE).times.median
 
     def wavy_time_ratio(self, case: LoadCase, model: str) -> float | None:
-        """The same for the load that swings."""
+        """Median computing time with an oscillating load relative to the reference model's."""
         ours, reference = self.run(case, model).wavy_times, self.run(case, REFERENCE).wavy_times
         return ours.median / reference.median if ours and reference else None

@@ -25,7 +25,7 @@ class RingCheck:
     """A check of a ring alone."""
 
     number: str
-    """Which check; 1 derivatives, 2 reference motion, 3 deformable ring, 4 running ring, 5 free ring, 6 orders."""
+    """Group: 1 derivatives, 2 reference motion, 3 deformable ring, 4 running ring, 5 free ring, 6 orders."""
     statement: str
     model: str
     value: float
@@ -33,7 +33,7 @@ class RingCheck:
     low: float | None
     high: float | None
     passed: bool | None
-    """None where a value is reported, not judged."""
+    """Verdict; None if the value is only reported."""
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,9 @@ class Motion:
     membrane: Array
     bending: Array
     bulge: Array
-    """Height of the strands' middles above their chords, outwards, m."""
+    """Outward deflection of the strands' midpoints from their chords, m."""
     ovality: Array
-    """Mean square extent along x less that along y, m²."""
+    """Mean square extent along x minus that along y, m²."""
 
     @property
     def total(self) -> Array:
@@ -88,13 +88,13 @@ class Frequency:
 
     @property
     def error(self) -> float:
-        """Relative to the reference."""
+        """Error relative to the reference."""
         return self.frequency / self.reference - 1.0
 
 
 @dataclass(frozen=True)
 class Order:
-    """A rung of a ladder of resolutions."""
+    """Result at one of a series of resolutions."""
 
     model: str
     quantity: str
@@ -102,7 +102,7 @@ class Order:
     resolution: float
     error: float
     order: float | None
-    """Observed between the rung before and this one."""
+    """Order observed between the previous resolution and this one."""
 
 
 @dataclass(frozen=True)
@@ -113,13 +113,13 @@ class Rings:
     frequencies: tuple[Frequency, ...]
     orders: tuple[Order, ...]
     motions: dict[tuple[str, str], Motion]
-    """By figure and model."""
+    """Motions by figure and model."""
     shapes: dict[tuple[str, str], dict[float, Array]]
     """Outlines by figure and model, then by time; shape (n, 2), m."""
     work: tuple[Work, ...]
 
     def check(self, statement: str, model: str) -> RingCheck:
-        """The check with a statement that begins so."""
+        """The check whose statement begins with the given text."""
         return next(c for c in self.checks if c.statement.startswith(statement) and c.model == model)
 
     def effort(self, case: str, model: str) -> Work:
@@ -128,7 +128,7 @@ class Rings:
 
 
 def run(program: Path, output: Path, short: bool, progress: Callable[[float, str], None]) -> Rings:
-    """Runs the program; `progress` gets the share that is done, and the name of each job."""
+    """Runs the program. `progress` is called with the finished share and the name of each job."""
     command = [str(program), "--output", str(output), *(["--short"] if short else [])]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
@@ -165,7 +165,7 @@ def _grouped(rows: list[Row], *names: str) -> dict[tuple[str, ...], list[Row]]:
 
 
 def read(folder: Path) -> Rings:
-    """Reads what the program wrote."""
+    """Reads the program's files."""
     judged = {"yes": True, "no": False, "reported": None}
     checks = tuple(
         RingCheck(

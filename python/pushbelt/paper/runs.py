@@ -1,4 +1,4 @@
-"""Which simulations make up the report, and running them."""
+"""The simulations of the report."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ VARIATOR = "bench168"
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is run."""
+    """Extent of the runs."""
 
     effort: Effort
     cases: tuple[str, ...] | None
     """Names of the load cases; None for all."""
     wavy: tuple[str, ...]
-    """Load cases that are also run with a load that swings."""
+    """Load cases that are also run with an oscillating load."""
     speeds: tuple[float, ...]
     """Primary speeds relative to the load cases'."""
     rigid: tuple[str, ...]
-    """Load cases whose steady states are also found with rigid sheaves."""
+    """Load cases whose steady states are also solved with rigid sheaves."""
     shift: float
-    """Duration of the shift that is run on two meshes, s."""
+    """Duration of the shift on two meshes, s."""
     short: bool
 
 
@@ -60,14 +60,14 @@ SHORT = Plan(
 RINGS_WEIGHT = 20.0
 """Share of the tests of rings alone in the progress bar."""
 WEIGHTS = {"RCM": 60.0, "ANCF": 25.0}
-"""Share of a revolution with a model; of others 1."""
+"""Weight of a revolution by model in the progress bar; 1 for other models."""
 
 WORKERS = 2
-"""Simulations at a time. More would share what a processor's cores share, and blur computing times."""
+"""Number of parallel simulations. More would compete for caches and memory, and distort computing times."""
 
 
 def run_all(fmu: Path, program: Path, output: Path, plan: Plan) -> PaperResults:
-    """Runs everything; `program` is the one for rings alone, `output` the folder for what it writes."""
+    """Runs all simulations. `program` is the one for rings alone, and `output` is the folder for its files."""
     with Archive.unpack(fmu) as archive:
         return _run_all(archive, program, output, plan)
 
@@ -101,7 +101,7 @@ def _run_all(archive: Archive, program: Path, output: Path, plan: Plan) -> Paper
     states = {case: steady(archive, parameters, case) for case in cases}
     calls: list[Call] = [(_rings, (program, output / "rings", plan.short))]
     total = RINGS_WEIGHT
-    # The longest first.
+    # The longest runs start first.
     for model in sorted(MODELS, key=lambda model: -WEIGHTS.get(model, 1.0)):
         for case in cases:
             wavy = case.name in plan.wavy

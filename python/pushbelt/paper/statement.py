@@ -1,7 +1,7 @@
-"""A statement of the paper, in other words, and what was found.
+"""A paraphrased statement of the paper, and the result for it.
 
-Each statement names the section, figure or equation it comes from. A verdict follows from the figures of the run, and so does
-the reason: where the same words would not hold for another outcome, there are words for it too.
+Each statement cites its section, figure or equation. The numbers of the run determine the verdict and, where the explanation
+depends on the outcome, the choice of the explanation.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ THIN = "\N{NARROW NO-BREAK SPACE}"
 
 
 class Verdict(Enum):
-    """Whether a statement was reproduced."""
+    """Verdict on a statement."""
 
     YES = "reproduced"
     PARTLY = "in part"
@@ -24,7 +24,7 @@ class Verdict(Enum):
 
 @dataclass(frozen=True)
 class Statement:
-    """Something the paper says."""
+    """A statement of the paper."""
 
     source: str
     claim: str
@@ -50,10 +50,10 @@ def plain(value: float, form: str) -> str:
 
 
 def verdict(yes: bool, partly: bool = False) -> Verdict:
-    """Reproduced, else in part, else not."""
+    """The verdict: reproduced, reproduced in part, or not reproduced."""
     return Verdict.YES if yes else Verdict.PARTLY if partly else Verdict.NO
 
 
 def not_run(source: str, claim: str, reason: str) -> Statement:
-    """A statement that this run can't decide."""
+    """A statement that this run cannot check."""
     return Statement(source, claim, Verdict.OPEN, "–", reason)

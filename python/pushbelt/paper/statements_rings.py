@@ -13,23 +13,23 @@ REFERENCE_DIRECTIONS = "ALE, overlay along t and n"
 
 
 def short_name(model: str) -> str:
-    """A model's name as a statement gives it."""
+    """Name of a model in statements."""
     return {REFERENCE_DIRECTIONS: "ALE [t, n]"}.get(model, model.replace("evenly spaced mesh", "even mesh"))
 
 
 def _centre(rings: Rings, model: str) -> float:
-    """How far the centre of mass of a ring of fig. 7 gets along x, m."""
+    """Displacement of the centre of mass of a ring of fig. 7 along x, m."""
     centres = [outline[:-1, 0].mean() for outline in rings.shapes["7", model].values()]
     return max(centres, key=lambda x: abs(x - centres[0])) - centres[0]
 
 
 def _crossings(motion: Motion) -> int:
-    """How often the ovality changes its sign."""
+    """Number of sign changes of the ovality."""
     return int(np.count_nonzero(np.diff(np.sign(motion.ovality))))
 
 
 def _reference_motion(rings: Rings) -> list[Statement]:
-    """Fig. 6, and the repeated motions."""
+    """Statements on fig. 6 and on the repeated motions."""
     motion = rings.motions["6", "ALE0"]
     low, high, drift = motion.theta.min(), motion.theta.max(), np.abs(motion.drift).max()
     locked, free = (
@@ -39,14 +39,14 @@ def _reference_motion(rings: Rings) -> list[Statement]:
     return [
         Statement(
             "5.3, fig. 6",
-            "The reference motion alone, started in overdrive, swings about ratio 1",
+            "The reference motion alone, started in overdrive, oscillates about ratio 1",
             verdict(abs(low + 0.4) < 0.02 and abs(high - 0.4) < 0.02),
             f"Θ from {plain(low, '+.3f')} to {plain(high, '+.3f')}",
-            "Bending energy is smallest where both radii are equal; nothing takes energy away.",
+            "Bending energy is smallest where both radii are equal, and there is no dissipation.",
         ),
         Statement(
             "5.3",
-            "The drift stays zero to rounding",
+            "The drift is zero to rounding",
             verdict(drift < 1e-9),
             f"|s| ≤ {plain(drift, '.0e')} m",
             "M_sΘ vanishes by symmetry.",
@@ -57,7 +57,7 @@ def _reference_motion(rings: Rings) -> list[Statement]:
             verdict(free < 1e-3 * locked, free < locked),
             "smallest over largest eigenvalue of M, each unknown scaled to unit mass: "
             f"{plain(free, '.0e')} free, {plain(locked, '.0e')} locked",
-            "Eight cubic elements repeat the two motions nearly, not exactly: arcs are no cubics.",
+            "Eight cubic elements repeat the two motions only approximately, because arcs are not cubic.",
         ),
     ]
 
@@ -77,15 +77,15 @@ def _deformable_ring(rings: Rings) -> list[Statement]:
         ),
         Statement(
             "5.3, fig. 7",
-            "Then the node that is locked to the reference curve drags the ratio along, and the ring takes an overdrive shape that "
-            "no free ring has",
+            "Then the node that is locked to the reference curve changes the ratio, and the ring takes an overdrive shape that "
+            "does not occur in a free ring",
             verdict(ale.theta.max() > 0.6),
             f"Θ rises from 0.4 to {ale.theta.max():.2f} at {1e3 * ale.time[int(ale.theta.argmax())]:.2f} ms; until "
-            f"{1e3 * ale.time[-1]:.0f} ms the centre of mass gets off by {1e3 * abs(_centre(rings, 'ALE')):.0f} mm (RCM: "
+            f"{1e3 * ale.time[-1]:.0f} ms the centre of mass moves by {1e3 * abs(_centre(rings, 'ALE')):.0f} mm (RCM: "
             f"{1e3 * abs(_centre(rings, 'RCM')):.1f} mm)",
-            "The left end has to go inwards, and only Θ can take it there. The lock bears a force, because the bending measure (23) "
-            "counts from the curve and resists a change of Θ alone: no energy is lost, but momentum goes into the lock. With Θ held "
-            "instead of the node the centre of mass rests to rounding (crates/paper/tests/ring/ale.rs). RCM and ANCF have no such lock.",
+            "The left end has to move inwards, which only Θ permits. The lock transmits a force, because the bending measure (23) "
+            "is relative to the curve and resists a change of Θ alone: energy is conserved, but the lock takes up momentum. With Θ held "
+            "instead of the node the centre of mass is at rest to rounding (crates/paper/tests/ring/ale.rs). RCM and ANCF have no such lock.",
         ),
         Statement(
             "5.3, fig. 7",
@@ -93,15 +93,15 @@ def _deformable_ring(rings: Rings) -> list[Statement]:
             verdict(turned),
             f"ovality of ALE changes its sign {_crossings(ale)} times in {1e3 * ale.time[-1]:.1f} ms, of RCM {_crossings(fig7['RCM'])}"
             + ("" if turned else f"; the run ends with Θ = {ale.theta[-1]:.2f}"),
-            "Not the same oval as RCM's: the ring is far from its reference by then."
+            "The oval differs from that of RCM, because the ring is far from its reference at that time."
             if turned
-            else "A circle's left end lies where S would have next to no radius: Θ runs towards 1, where the two-pulley curve ends.",
+            else "At the left end of a circle the radius of S would be almost zero: Θ tends to 1, the limit of the two-pulley curve.",
         ),
     ]
 
 
 def _accuracy_and_effort(rings: Rings) -> list[Statement]:
-    """Frequencies, and what the directions of the overlay cost."""
+    """Statements on frequencies and on the cost of the directions of the overlay."""
     small = [f for f in rings.frequencies if f.case == "circle, small" and f.elements == 40]
     large = {f.model: f for f in rings.frequencies if f.case != "circle, small"}
     effort = {model: rings.effort("deformable ring, 0.3 ms", model) for model in ("ALE", REFERENCE_DIRECTIONS)}
@@ -109,7 +109,7 @@ def _accuracy_and_effort(rings: Rings) -> list[Statement]:
     return [
         Statement(
             "5.3",
-            "Small deflections from the reference are right in quantity",
+            "Small deflections from the reference are quantitatively correct",
             verdict(all(abs(f.error) < 5e-3 for f in small)),
             "first frequency of a free band, 40 elements: "
             + ", ".join(f"{short_name(f.model)} {signed(f.error, 2)}" for f in small),
@@ -117,7 +117,7 @@ def _accuracy_and_effort(rings: Rings) -> list[Statement]:
         ),
         Statement(
             "5.3, 5.4",
-            "Far from the reference they are not",
+            "Large deflections from the reference are not",
             verdict(abs(large["ALE"].error) > 0.02 and abs(large["RCM"].error) < 0.01),
             "large oscillation, against 9.23 Hz: "
             + ", ".join(f"{short_name(m)} {f.frequency:.2f}" for m, f in large.items())
@@ -130,13 +130,13 @@ def _accuracy_and_effort(rings: Rings) -> list[Statement]:
             verdict(slower > 0.05, slower > 0.0),
             f"[t, n] takes {signed(slower, 0)} of processor time, {effort[REFERENCE_DIRECTIONS].factorizations} Jacobians against "
             f"{effort['ALE'].factorizations}",
-            "Fewer derivatives with A_i = identity; nodes that turn with Θ couple to it more strongly.",
+            "A_i = identity has fewer derivatives; nodes that rotate with Θ are coupled to it more strongly.",
         ),
     ]
 
 
 def rings_alone(results: PaperResults) -> list[Statement]:
-    """All of them, in the paper's order."""
+    """All statements on rings, in the paper's order."""
     return [
         *_reference_motion(results.rings),
         *_deformable_ring(results.rings),

@@ -16,7 +16,7 @@ OVERDRIVE, MEDIUM, UNDERDRIVE = "overdrive", "medium", "underdrive"
 def _speed(results: PaperResults) -> Statement:
     claim = "Belt speed has little influence"
     if not results.speeds:
-        return not_run("5.4", claim, "left out of a short run")
+        return not_run("5.4", claim, "not part of a short run")
     spans = {}
     for case, points in results.speeds.items():
         ratios = [point.thrust_ratio for point in points]
@@ -28,9 +28,9 @@ def _speed(results: PaperResults) -> Statement:
         verdict(max(spans.values()) < 0.05, float(np.median(list(spans.values()))) < 0.05),
         f"thrust ratio (ALE) at {', '.join(map(str, speeds))} rpm differs by "
         + ", ".join(f"{100 * span:.1f}{THIN}% ({case})" for case, span in spans.items()),
-        "Sliding scales with speed, Coulomb friction does not. Centrifugal force does: at the highest speed it takes "
+        "Sliding is proportional to speed, but Coulomb friction does not depend on it. Centrifugal force does: at the highest speed it is "
         + ", ".join(f"{force:.0f} N ({case})" for case, force in _centrifugal(results).items())
-        + " of the strand's force, most where the belt is fast and clamped least.",
+        + " of the strand's force, with the largest share at high belt speed and low clamping force.",
     )
 
 
@@ -76,7 +76,7 @@ def _same_level(results: PaperResults) -> Statement:
     points = max(abs(value) for values in efficiency.values() for value in values)
     return Statement(
         "5.4, fig. 8a, 8b",
-        "All models come to the same level of thrust ratio and efficiency",
+        "All models give similar levels of thrust ratio and efficiency",
         verdict(worst < 0.1 and points < 0.02, worst < 0.3 and points < 0.06),
         f"against {REFERENCE}, thrust ratio: "
         + ", ".join(f"{m} {span(v)}" for m, v in thrust.items())
@@ -84,7 +84,7 @@ def _same_level(results: PaperResults) -> Statement:
         + ", ".join(
             f"{m} {plain(100 * min(v), '+.1f')} to {plain(100 * max(v), '+.1f')}" for m, v in efficiency.items()
         ),
-        "The models share chain, contact and friction; they differ in the radius at which the ring lets elements run.",
+        "The models have the same chain, contact and friction. They differ in the running radius of the elements that the ring permits.",
     )
 
 
@@ -98,8 +98,8 @@ def _ale_agrees(results: PaperResults) -> Statement:
         verdict(max(map(abs, thrust)) < 0.05 and max(map(abs, points)) < 0.01, max(map(abs, thrust)) < 0.1),
         f"thrust ratio {span(thrust)}, efficiency {plain(100 * min(points), '+.2f')} to "
         f"{plain(100 * max(points), '+.2f')} points",
-        "ALE's mesh is fine at the arc borders and stays there; RCM's 32 even elements travel through them, 22 mm long where the small arc is "
-        "75 mm. So they differ most in overdrive.",
+        "ALE's mesh is fine at the arc borders and fixed; RCM's 32 even elements travel through them and are 22 mm long where the small arc is "
+        "75 mm. The models therefore differ most in overdrive.",
     )
 
 
@@ -109,7 +109,7 @@ def _ale0_overdrive(results: PaperResults) -> Statement:
     for case in results.cases:
         by_ratio.setdefault(case.ratio_name, []).append(results.thrust_difference(case, "ALE0"))
     if OVERDRIVE not in by_ratio:
-        return not_run("5.4, fig. 8a", claim, "no overdrive case in a short run")
+        return not_run("5.4, fig. 8a", claim, "a short run has no overdrive case")
     overdrive = by_ratio[OVERDRIVE]
     rigid = [thrust["ALE0"] / thrust["ALE"] - 1.0 for thrust in results.rigid.values()]
     return Statement(
@@ -117,9 +117,9 @@ def _ale0_overdrive(results: PaperResults) -> Statement:
         claim,
         verdict(min(overdrive) > 0.1, min(overdrive) > 0.0),
         f"against {REFERENCE}: " + "; ".join(f"{name} {span(values)}" for name, values in by_ratio.items()),
-        "The paper's ALE0 keeps its arcs about the axes. Here their centres are free, so elements spiral as tilted sheaves make them"
+        "In the paper's ALE0 the arcs are centred on the axes. Here their centres are free, so tilted sheaves cause spiral running"
         + (f"; with rigid sheaves ALE0 differs from ALE by {span(rigid)} (overdrive)." if rigid else ".")
-        + " The paper's sheaves are not given.",
+        + " The paper does not specify its sheaves.",
     )
 
 
@@ -127,13 +127,13 @@ def _ancf_low(results: PaperResults) -> Statement:
     claim = "ANCF's thrust ratio is too low in medium and underdrive"
     values = [results.thrust_difference(c, "ANCF") for c in results.cases if c.ratio_name in (MEDIUM, UNDERDRIVE)]
     if not values:
-        return not_run("5.4, fig. 8a", claim, "no case in medium or underdrive")
+        return not_run("5.4, fig. 8a", claim, "the run has no case in medium or underdrive")
     return Statement(
         "5.4, fig. 8a",
         claim,
         verdict(max(values) < -0.03, min(values) < -0.03),
         f"against {REFERENCE}: {span(values)}",
-        "Its membrane locks on curved elements, so the ring yields less and elements run in and out less freely.",
+        "Its curved elements show membrane locking, so the ring is stiffer and radial motion of elements is smaller.",
     )
 
 
@@ -148,7 +148,7 @@ def _ancf_losses(results: PaperResults) -> Statement:
         claim,
         verdict(min(extra) > 0.0, max(extra) > 0.0),
         f"losses against the larger of RCM's and ALE's: {span(extra, 0)}",
-        "Losses are summed from each friction law, so oscillation counts in them where it rubs.",
+        "Losses are the sum over all friction laws, so oscillation increases them wherever surfaces slide.",
     )
 
 
@@ -159,14 +159,14 @@ def _push_force(results: PaperResults) -> Statement:
     holds = all(p > 0.0 > s and abs(strand) < 0.1 * p for gains in shapes.values() for p, strand, s in gains)
     return Statement(
         "5.4, fig. 8c",
-        "Push force on an element builds up in the primary arc, holds in the push strand, and goes in the secondary arc",
+        "Push force on an element builds up in the primary arc, is constant in the push strand, and decays in the secondary arc",
         verdict(holds, all(p > 0.0 > s for gains in shapes.values() for p, _, s in gains)),
         "; ".join(
             f"{model} " + ", ".join(plain(float(np.mean([g[k] for g in gains])), "+.0f") for k in range(3)) + " N"
             for model, gains in shapes.items()
         )
         + " (means over the cases)",
-        "Elements can only push; what the ring does not carry, they do.",
+        "Elements transmit only pressure, and carry the part of the load that the ring does not.",
     )
 
 
@@ -183,16 +183,16 @@ def _ancf_oscillates(results: PaperResults) -> Statement:
         outcome,
         "standard deviation of the push force in the push strand (median of the cases): "
         + ", ".join(f"{model} {100 * value:.2g}{THIN}%" for model, value in ripple.items()),
-        "Where an element lies across an arc border its curvature jumps, which a cubic cannot follow without stretching: every passage "
-        "is a blow. RCM has one strain an element and bends freely; the meshes of ALE and ALE0 stand still."
+        "In an element across an arc border the curvature jumps, which a cubic cannot represent without stretching: every passage "
+        "is an impact. RCM has one strain per element and bends freely; the meshes of ALE and ALE0 are fixed."
         if outcome is not Verdict.NO
-        else "Every element that passes an arc border is a blow, to RCM's ring as much as to ANCF's; the meshes of ALE and ALE0 stand "
-        "still.",
+        else "The passage of an element at an arc border is an impact, for RCM as well as ANCF; the meshes of ALE and ALE0 are "
+        "fixed.",
     )
 
 
 def _ancf_integration(results: PaperResults) -> Statement:
-    claim = "Oscillations about zero spoil ANCF's efficiency values"
+    claim = "Oscillations about zero impair ANCF's efficiency values"
     gap = {
         model: max(abs(r.window.efficiency - r.window.efficiency_from_losses) for r in results.of(model))
         for model in MODELS
@@ -202,16 +202,16 @@ def _ancf_integration(results: PaperResults) -> Statement:
         "5.4",
         claim,
         outcome,
-        "efficiency from sampled powers less that from sampled losses, at most: "
+        "efficiency from sampled powers minus that from sampled losses, at most: "
         + ", ".join(f"{model} {100 * value:.2f} points" for model, value in gap.items()),
-        "Each passage of an element swings powers and losses, so a mean of samples depends on where they fall."
+        "Each passage of an element makes powers and losses oscillate, so a mean of samples depends on their times."
         if outcome is not Verdict.NO
-        else "Losses and powers come from one virtual-power statement at the same implicit steps: they balance, whatever oscillates.",
+        else "Losses and powers follow from the same virtual-power statement at the same implicit steps, so they balance with any oscillation.",
     )
 
 
 def _spiral(results: PaperResults) -> Statement:
-    claim = "ALE0 lacks spiral running, the others have it"
+    claim = "ALE0 has no spiral running; the other models have it"
     spiral = {
         model: [r.window.mean(f"spiral.{p}") for r in results.of(model) for p in ("primary", "secondary")]
         for model in MODELS
@@ -223,9 +223,9 @@ def _spiral(results: PaperResults) -> Statement:
         verdict(max(spiral["ALE0"]) < 0.1 * min(others)),
         "spread of the radius within an arc: "
         + ", ".join(f"{m} {1e3 * min(v):.2f} to {1e3 * max(v):.2f} mm" for m, v in spiral.items()),
-        "The paper's ALE0 keeps its arcs about the axes. Here their centres are free, so elements spiral without a deflection."
+        "In the paper's ALE0 the arcs are centred on the axes. Here their centres are free, which allows spiral running without deflection."
         if max(spiral["ALE0"]) >= 0.1 * min(others)
-        else "Elements of ALE0 stay on their circles; the flanks' penetration changes instead.",
+        else "Elements of ALE0 remain on circles; the penetration of the flanks changes instead.",
     )
 
 
@@ -237,7 +237,7 @@ def _half_the_time(results: PaperResults) -> Statement:
         claim,
         verdict(max(ratio.values()) < 0.65, min(ratio.values()) < 0.65),
         ", ".join(f"{m} {value:.2g} of RCM" for m, value in ratio.items()) + " (median of the cases)",
-        "ALE0 stands still in its steady state and has hardly anything to compute. ANCF travels as RCM does and meets the same "
+        "ALE0 is at rest in its steady state and needs little computation. The mesh of ANCF travels like that of RCM and passes the same "
         "arc borders, but its mass matrix is constant and its elements are cheaper.",
     )
 
@@ -246,15 +246,15 @@ def _ale_time(results: PaperResults) -> Statement:
     claim = "ALE needs less computing time than RCM (the paper: about 80 %)"
     ratios = [results.time_ratio(case, "ALE") for case in results.cases]
     wavy = [value for case in results.cases if (value := results.wavy_time_ratio(case, "ALE")) is not None]
-    swinging = f"; with a load that swings {min(wavy):.2g} to {max(wavy):.2g}" if wavy else ""
+    swinging = f"; with an oscillating load {min(wavy):.2g} to {max(wavy):.2g}" if wavy else ""
     return Statement(
         "5.4, fig. 9",
         claim,
         verdict(max(ratios) < 0.8, min(ratios) < 0.8),
         f"{min(ratios):.2g} to {max(ratios):.2g} of RCM{swinging}",
-        "The mesh stands still where the belt runs through: constant loads leave nothing that changes, so the implicit steps are "
-        "as long as the communication steps and need no new Jacobian. With explicit or short steps, as the paper's, that "
-        "advantage cannot show.",
+        "The belt runs through a fixed mesh. Under constant loads the unknowns are constant, so the implicit steps are "
+        "as long as the communication steps and need no new Jacobian. Explicit or short steps, as in the paper, do not have "
+        "this advantage.",
     )
 
 
@@ -273,9 +273,9 @@ STATEMENTS: tuple[Callable[[PaperResults], Statement], ...] = (
     _half_the_time,
     _ale_time,
 )
-"""In the paper's order."""
+"""All functions of statements on the variator, in the paper's order."""
 
 
 def variator(results: PaperResults) -> list[Statement]:
-    """All of them."""
+    """All statements on the variator."""
     return [statement(results) for statement in STATEMENTS]

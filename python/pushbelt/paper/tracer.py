@@ -1,8 +1,8 @@
-"""One push element on its way round the belt.
+"""Path of one push element around the belt.
 
 The pitch-line speed V of touching elements is the same all around the belt (to the strain of the stack, about 1e-4), so an
 element's place on the pitch line moves by ∫V dt. A place on the ring's centre line follows from it by the pitch-line length
-per dξ, λ = 1 − e κ: on an arc of radius r an element gains on the centre line by r/(r − e).
+per dξ, λ = 1 − e κ: on an arc of radius r an element moves along the centre line faster by the factor r/(r − e).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pushbelt.fmu.geometry import Array, TwoPulleyCurve
 
 @dataclass(frozen=True)
 class Path:
-    """Where an element is over time."""
+    """Positions of an element over time."""
 
     time: Array
     """s, from the start on."""
@@ -41,7 +41,7 @@ def follow(curve: TwoPulleyCurve, offset: float, time: Array, speed: Array, star
 
 
 def along(path: Path, position: Array, field: Array, length: float) -> Array:
-    """Values of a field that the element meets: `field` has one row a time and one column a place of `position`."""
+    """Values of a field at the element. `field` has one row per time and one column per place of `position`."""
     xi = np.mod(path.xi, length)
     closed = np.append(position, position[0] + length)
     return np.array(

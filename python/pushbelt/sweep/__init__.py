@@ -6,7 +6,7 @@
 
     results.parquet → maps, checks → report
 
-`sweep` is the function to call; `python -m pushbelt.sweep` is its command line.
+The function `sweep` is the interface; `python -m pushbelt.sweep` is its command line.
 """
 
 from .run import Progress, sweep

@@ -20,7 +20,7 @@ from .study import AXES, DEFAULT, SHORT, Study, variator
 
 
 def numbers(text: str) -> tuple[float, ...]:
-    """Numbers between commas."""
+    """Comma-separated numbers."""
     return tuple(float(number) for number in text.split(","))
 
 
@@ -40,22 +40,22 @@ def parser() -> argparse.ArgumentParser:
         "--output", type=Path, required=True, help="folder for report, maps, results and finished points"
     )
     found.add_argument("--short", action="store_true", help=f"{len(SHORT)} points instead of {len(DEFAULT)}")
-    found.add_argument("--scheduler", metavar="ADDRESS", help="dask scheduler, tcp://host:port; else a local cluster")
-    found.add_argument("--workers", type=int, metavar="N", help="processes of the local cluster; else one a processor")
-    found.add_argument("--variator", default="bench168", help="parameter set, or its file, ….json")
+    found.add_argument("--scheduler", metavar="ADDRESS", help="dask scheduler, tcp://host:port [default: a local cluster]")
+    found.add_argument("--workers", type=int, metavar="N", help="processes of the local cluster [default: one per processor]")
+    found.add_argument("--variator", default="bench168", help="name of a parameter set, or a file ….json")
     found.add_argument("--model", choices=list(RingModel.__members__), default="ALE", help="ring model")
     found.add_argument("--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter")
     for name, axis in AXES.items():
-        text = f"{axis.description}, {axis.unit}; numbers between commas"
+        text = f"{axis.description}, {axis.unit}; comma-separated numbers"
         found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=text)
-    found.add_argument("--chunk", type=int, metavar="N", help="points that a worker takes at once")
-    found.add_argument("--anew", action="store_true", help="forget what an interrupted or finished run has left")
-    found.add_argument("--measure", action="store_true", help="measure points per second instead")
+    found.add_argument("--chunk", type=int, metavar="N", help="points per task of a worker")
+    found.add_argument("--anew", action="store_true", help="discard stored points of an interrupted or finished run")
+    found.add_argument("--measure", action="store_true", help="only measure points per second")
     return found
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs a study, writes results, maps and report, and says where they are."""
+    """Runs a study, writes results, maps and report, and prints their paths."""
     options = parser().parse_args(arguments)
     try:
         grid = measure.GRID if options.measure else SHORT if options.short else DEFAULT
@@ -71,7 +71,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _run(study: Study, options: argparse.Namespace) -> int:
-    # Processes of a local cluster import this module, but need not wait for matplotlib.
+    # Imported here, because processes of a local cluster import this module and do not need matplotlib.
     from . import report
 
     store = Store(options.output, study)
@@ -79,7 +79,7 @@ def _run(study: Study, options: argparse.Namespace) -> int:
         store.clear()
     before, begin = store.count(), time.perf_counter()
     if before:
-        print(f"  {before} of {len(study.grid)} points are there already")
+        print(f"  {before} of {len(study.grid)} points are already stored")
     try:
         with progress_bar(len(study.grid), "steady states", before) as bar:
             table = sweep(
@@ -91,7 +91,7 @@ def _run(study: Study, options: argparse.Namespace) -> int:
                 progress=_shown(bar),
             )
     except KeyboardInterrupt:
-        print(f"\n{store.count()} of {len(study.grid)} points are finished; the same command goes on from there.")
+        print(f"\n{store.count()} of {len(study.grid)} points are finished; the same command continues from them.")
         return 130
     seconds = time.perf_counter() - begin
     write_parquet(table, options.output / "results.parquet")
@@ -102,7 +102,7 @@ def _run(study: Study, options: argparse.Namespace) -> int:
 
 
 def _shown(bar) -> Callable[[Progress], None]:
-    """Shows progress on a bar."""
+    """Shows progress in a bar."""
 
     def show(progress: Progress) -> None:
         bar.set_postfix_str(f"{progress.failed} failed, {progress.workers} workers", refresh=False)

@@ -1,4 +1,4 @@
-"""What steady states must show, checked on the results of every study."""
+"""Checks of the steady states of every study."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from .maps import Results, in_rpm
 from .study import AXES
 
 ROUGHEST = 10
-"""Spots that are shown."""
+"""Number of listed spots."""
 AXIS = {name: place for place, name in enumerate(AXES)}
 
 
 @dataclass(frozen=True)
 class Spot:
-    """A point that lies off the line through its neighbours."""
+    """A point that deviates from linear interpolation of its neighbours."""
 
     where: str
     quantity: str
     value: float
     expected: float
-    """Between its two neighbours along an axis."""
+    """Value interpolated between its two neighbours along an axis."""
     axis: str
 
     @property
     def share(self) -> float:
-        """Distance from what is expected, relative."""
+        """Relative deviation from the expected value."""
         return self.value / self.expected - 1.0
 
 
 def name_of(results: Results, place: Sequence[int]) -> str:
-    """A point in words."""
+    """Description of a point."""
     grid = results.grid
     force, friction, speed, ratio, utilisation = place
     return (
@@ -48,12 +48,12 @@ def name_of(results: Results, place: Sequence[int]) -> str:
 def evaluate(results: Results) -> list[Check]:
     """All checks."""
     power = np.maximum(results["primary.power"], results["secondary.power"])
-    # Powers are those of the belt, so the drag of the shafts is no part of them.
+    # Powers are those of the belt, so they exclude the drag of the shafts.
     of_the_belt = results["loss.total"] - results["loss.shafts"]
     gap = results["primary.power"] + results["secondary.power"] - of_the_belt
     with np.errstate(invalid="ignore", divide="ignore"):
         imbalance = 100.0 * np.abs(np.where(power > 1.0, gap / power, 0.0))
-    # Where friction is saturated a small change of load is a large one of slip: what holds there is not what is asked.
+    # With saturated friction a small change of load is a large change of slip, so these points are excluded.
     carried = results.steady & (results["macroSlip"] == 0.0)
     torque = np.broadcast_to(np.array(results.grid.utilisation) >= 0.0, carried.shape)
     return [
@@ -75,7 +75,7 @@ def evaluate(results: Results) -> list[Check]:
         ),
         _at_most(
             results,
-            "Steady states stay where they are: thrust ratio over a step of 1 ms within 0.01 %",
+            "Steady states are stationary: thrust ratio constant over a step of 1 ms within 0.01 %",
             100.0 * np.abs(np.where(carried, results["drift"], 0.0)),
             0.01,
             " %",
@@ -85,7 +85,7 @@ def evaluate(results: Results) -> list[Check]:
 
 
 def _check(results: Results, statement: str, wrong: np.ndarray, asked: int, found: str = "") -> Check:
-    """A check that fails where `wrong` holds; the first such points are named."""
+    """A check that fails if `wrong` is true at any point. The first such points are listed."""
     places = np.argwhere(wrong)
     named = "; ".join(name_of(results, place) for place in places[:3])
     count = f"{asked - len(places)} of {asked}"
@@ -95,7 +95,7 @@ def _check(results: Results, statement: str, wrong: np.ndarray, asked: int, foun
 
 
 def _falls(results: Results, statement: str, values: Array, axis: str) -> Check:
-    """Values ascend along an axis."""
+    """Check that values ascend along an axis."""
     along = AXIS[axis]
     steps = np.diff(values, axis=along)
     wrong = np.zeros(values.shape, dtype=bool)
@@ -104,7 +104,7 @@ def _falls(results: Results, statement: str, values: Array, axis: str) -> Check:
 
 
 def _single_peak(results: Results, values: Array) -> Check:
-    """Over the utilisation values have one maximum: never a fall before a rise."""
+    """Check that values have one maximum over the utilisation: no rise after a fall."""
     wrong = np.zeros(values.shape, dtype=bool)
     for place in np.ndindex(values.shape[:-1]):
         line = values[place]
@@ -125,16 +125,16 @@ def _at_most(results: Results, statement: str, values: Array, limit: float, unit
 
 
 def _no_holes(results: Results) -> Check:
-    """No point lacks a steady state where a larger utilisation has one."""
+    """Check that every point below a utilisation with a steady state has one."""
     positive = np.array(results.grid.utilisation) >= 0.0
     steady = results.steady & positive
     beyond = np.flip(np.logical_or.accumulate(np.flip(steady, -1), -1), -1)
     wrong = ~results.steady & beyond & positive
-    return _check(results, "Every utilisation below one that can be carried can be carried", wrong, wrong.size)
+    return _check(results, "If a utilisation has a steady state, all smaller ones have one", wrong, wrong.size)
 
 
 def spots(results: Results) -> list[Spot]:
-    """The points that lie farthest from between their neighbours along ratio and utilisation, worst first."""
+    """The points with the largest deviations from their neighbours along ratio and utilisation, worst first."""
     carried = results.steady & (results["macroSlip"] == 0.0)
     found = [
         spot

@@ -1,4 +1,4 @@
-"""Points to workers and rows back, through dask: a cluster on this machine, or one that is there already."""
+"""Distribution of points to workers by dask, on a local or an existing cluster."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from .point import Row, failure
 from .worker import Chunk, UnitPlugin
 
 POLL = 0.1
-"""How often finished chunks are asked for, s."""
+"""Interval of polling for finished chunks, s."""
 CONNECT_TIMEOUT = 10.0
-"""How long a scheduler may take to answer, s."""
+"""Timeout for the connection to a scheduler, s."""
 WORKERS_TIMEOUT = 60.0
-"""How long a cluster may take to have its first worker, s."""
+"""Timeout for the first worker of a cluster, s."""
 
 
 class ClusterError(RuntimeError):
-    """The cluster can't be reached or is gone."""
+    """The cluster cannot be reached, or the connection is lost."""
 
 
 @contextmanager
 def connect(scheduler: str | None, workers: int | None) -> Iterator[Client]:
-    """A client of the scheduler at an address such as `tcp://host:port`, or of a cluster of processes made here.
+    """A client of the scheduler at an address such as `tcp://host:port`, or of a new local cluster of processes.
 
-    Raises ClusterError if there is no worker after a while.
+    Raises ClusterError if there is no worker within the timeout.
     """
     with ExitStack() as stack:
         try:
@@ -58,7 +58,7 @@ def connect(scheduler: str | None, workers: int | None) -> Iterator[Client]:
 
 @contextmanager
 def interrupts_ignored() -> Iterator[None]:
-    """Processes started meanwhile leave Ctrl-C to this one."""
+    """Processes that are started in this context ignore Ctrl-C; only this process handles it."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -71,16 +71,16 @@ def interrupts_ignored() -> Iterator[None]:
 
 @contextmanager
 def shipped(client: Client, fmu: bytes) -> Iterator[Callable[[Chunk], list[Row]]]:
-    """Brings the FMU and the code to the workers; gives the function that solves chunks there.
+    """Sends the FMU and the code to the workers; returns the function that solves chunks there.
 
-    Raises ClusterError where a worker can't load them.
+    Raises ClusterError if a worker cannot load them.
     """
     name = f"pushbelt-{client.id}"
     try:
         with by_value(pushbelt.fmu, worker, point):
             client.register_plugin(UnitPlugin(name, fmu))
-    except Exception as error:  # Of any kind: it comes from a worker.
-        raise ClusterError(f"a worker can't load the FMU: {error}") from error
+    except Exception as error:  # Any exception type is possible, since it comes from a worker.
+        raise ClusterError(f"a worker cannot load the FMU: {error}") from error
     try:
         yield solver(name)
     finally:
@@ -91,7 +91,7 @@ def shipped(client: Client, fmu: bytes) -> Iterator[Callable[[Chunk], list[Row]]
 def solver(name: str) -> Callable[[Chunk], list[Row]]:
     """The function that solves a chunk on a worker.
 
-    It is local so that it is pickled by value: neither scheduler nor workers have this project's modules.
+    It is a local function so that it is pickled by value: scheduler and workers do not have this project's modules.
     """
 
     def solve(chunk: Chunk) -> list[Row]:
@@ -102,7 +102,7 @@ def solver(name: str) -> Callable[[Chunk], list[Row]]:
 
 @contextmanager
 def by_value(*modules: ModuleType) -> Iterator[None]:
-    """What belongs to these modules or their submodules is pickled with its code."""
+    """Objects of these modules and their submodules are pickled by value."""
     for module in modules:
         cloudpickle.register_pickle_by_value(module)
     try:
@@ -115,10 +115,10 @@ def by_value(*modules: ModuleType) -> Iterator[None]:
 def rows(
     client: Client, solve: Callable[[Chunk], list[Row]], chunks: Iterable[Chunk], waiting: Callable[[], object]
 ) -> Iterator[list[Row]]:
-    """Rows of the chunks as they finish; `waiting` is called now and then.
+    """Rows of the chunks in the order of completion. `waiting` is called periodically.
 
-    Chunks of a worker that is lost go to another. A chunk that loses one worker after the other is taken apart: its
-    points come last, each with no other on its way, so that the one that kills is distinguished from its neighbours.
+    Chunks of a lost worker are sent to another one. A chunk that repeatedly loses its worker is split: its points are solved
+    at the end, one at a time, so that the point that crashes the worker is identified.
     """
     given = {client.submit(solve, chunk, pure=False): chunk for chunk in chunks}
     suspects: list[Any] = []
@@ -135,18 +135,18 @@ def rows(
             yield [failure(suspect[0], WORKER_LOST)] if result is None else result
 
 
-WORKER_LOST = "the worker process died, several times over"
+WORKER_LOST = "the worker process crashed repeatedly"
 
 
 def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[Future]:
-    """Futures as they finish or fail for good."""
+    """Futures as they finish or finally fail."""
     while not futures.is_empty():
         if not futures.has_ready():
             waiting()
             time.sleep(POLL)
             continue
         for future in futures.next_batch(block=False):
-            # A result that was not fetched is lost with its worker: it is solved for again.
+            # A result that was not fetched is lost with its worker and is computed again.
             if future.status in ("pending", "lost"):
                 futures.add(future)
             else:
@@ -154,7 +154,7 @@ def _finished(futures: as_completed, waiting: Callable[[], object]) -> Iterator[
 
 
 def _result(future: Future) -> list[Row] | None:
-    """Rows of a chunk; none if it lost too many workers."""
+    """Rows of a chunk; None if it lost too many workers."""
     try:
         return future.result()
     except KilledWorker:

@@ -12,12 +12,12 @@ from .maps import QUANTITIES, RATIO_TICKS, Quantity, Results, in_rpm, levels_of
 from .study import Grid
 
 ACROSS = 4
-"""Maps side by side at most."""
+"""Largest number of maps per row."""
 TICKS = tuple((tick, f"{tick:g}") for tick in RATIO_TICKS)
 
 
 def maps(results: Results) -> dict[str, Chart]:
-    """Charts of all quantities by name, one for each clamping force, each a map for each friction and speed."""
+    """Charts of all quantities by name: one chart per clamping force, with one map per friction and speed."""
     grid = results.grid
     several = len(grid.force) > 1
     return {
@@ -57,7 +57,7 @@ def _map(grid: Grid, quantity: Quantity, title: str, values: Array, slipping: np
         series.append(Series(name, *places[:, where], colour, "points", marker=marker, size=size, labels=labels))
     fields = []
     if min(values.shape) > 1 and np.count_nonzero(~missing) > 3:
-        # Each step between two levels is as wide on the scale of colours, however far apart they are.
+        # All intervals between levels have the same width on the colour scale.
         steps = np.interp(values, levels, np.arange(len(levels)))
         steps[missing] = np.nan
         ticks = tuple((float(k), f"{level:g}") for k, level in enumerate(levels))
@@ -73,7 +73,7 @@ def _map(grid: Grid, quantity: Quantity, title: str, values: Array, slipping: np
 
 
 def cuts(results: Results, force: int, friction: int, speed: int) -> Chart:
-    """The quantities over the utilisation, a line a ratio."""
+    """The quantities over the utilisation, one line per ratio."""
     grid = results.grid
     shades = _shades(len(grid.ratio))
     panels = []
@@ -83,7 +83,7 @@ def cuts(results: Results, force: int, friction: int, speed: int) -> Chart:
             Series(f"ratio {ratio:.3g}", grid.utilisation, line, colour, marker="circle", size=4)
             for ratio, colour, line in zip(grid.ratio, shades, values, strict=True)
         ]
-        # A belt that slips through would leave no room for the others.
+        # Values in macro-slip would make the scale too large for the others.
         carried = values[results["macroSlip"][force, friction, speed] == 0.0]
         carried = carried[np.isfinite(carried)]
         margin = 0.08 * float(np.ptp(carried)) + 0.01 if carried.size else 0.0

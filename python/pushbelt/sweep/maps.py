@@ -1,4 +1,4 @@
-"""The results over the grid, and maps of them as pictures."""
+"""Results as arrays over the grid, and image files of maps."""
 
 from __future__ import annotations
 
@@ -38,20 +38,20 @@ class Results:
 
     @cached_property
     def steady(self) -> np.ndarray:
-        """Where there is a steady state."""
+        """Mask of points with a steady state."""
         return np.isfinite(self["thrustRatio"])
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a map shows."""
+    """The quantity of a map."""
 
     name: str
     column: str
     scale: float
     unit: str
     levels: tuple[float, ...] | None = None
-    """Borders of the colours; evenly spaced ones if there are none."""
+    """Levels of the colours; by default they are evenly spaced."""
 
 
 SLIPS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
@@ -65,12 +65,12 @@ QUANTITIES = (
 
 
 def in_rpm(speed: float) -> float:
-    """Revolutions a minute of a speed in rad/s."""
+    """Revolutions per minute of a speed in rad/s."""
     return speed * 30.0 / np.pi
 
 
 def maps(results: Results, quantity: Quantity, force: int) -> Figure:
-    """Maps of a quantity at the clamping force of that index, one a friction and speed. More of them lie side by side."""
+    """Maps of a quantity at the clamping force with an index, one per friction and speed."""
     grid = results.grid
     values = quantity.scale * results[quantity.column][force]
     slipping = results["macroSlip"][force] > 0.0
@@ -107,7 +107,7 @@ def maps(results: Results, quantity: Quantity, force: int) -> Figure:
 
 
 def levels_of(quantity: Quantity, values: Array) -> Array:
-    """Borders of the colours that the values need."""
+    """Levels of the colours for the range of the values."""
     found = values[np.isfinite(values)]
     if found.size == 0:
         return np.array([0.0, 1.0])
@@ -139,7 +139,7 @@ def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: 
     )
     for where, mark in marks:
         if where.any():
-            # Not clipped: many lie on the border.
+            # Markers are not clipped, because many are on the border.
             axes.plot(*places[:, where], linestyle="", markeredgewidth=0.7, clip_on=False, **mark)
     axes.set_xscale("log")
     axes.set_xticks(RATIO_TICKS, [f"{tick:g}" for tick in RATIO_TICKS])
@@ -151,7 +151,7 @@ def _panel(axes: Axes, grid: Grid, values: Array, slipping: np.ndarray, levels: 
 
 
 def sheets(results: Results) -> dict[str, Figure]:
-    """All maps by file name."""
+    """Figures of all maps, by file name."""
     several = len(results.grid.force) > 1
     return {
         quantity.name.replace(" ", "-") + (f"-{force:.0f}N" if several else ""): maps(results, quantity, index)

@@ -1,4 +1,4 @@
-"""Points per second of a cluster."""
+"""Measurement of the points per second of a cluster."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ GRID = Grid(
 
 
 LOAD = hasattr(os, "getloadavg")
-"""Windows has none."""
+"""Whether the system has a load average; Windows has none."""
 
 
 @dataclass(frozen=True)
 class Speed:
-    """What a cluster does."""
+    """Speed of a cluster."""
 
     workers: int
     points: int
     seconds: float
-    """Wall-clock time from the first chunk on its way to the last one back; the start of the cluster is left out."""
+    """Wall-clock time from sending the first chunk to receiving the last one, without the start of the cluster."""
     processor_time: float
-    """Of all points, s."""
+    """Processor time of all points, s."""
 
 
 def measure(study: Study, scheduler: str | None, workers: int | None) -> Speed:
-    """Solves all points of a study, whatever has been finished before."""
+    """Solves all points of a study, including finished ones."""
     times: list[tuple[float, Progress]] = []
     with tempfile.TemporaryDirectory() as folder:
         table = sweep(
@@ -54,13 +54,13 @@ def measure(study: Study, scheduler: str | None, workers: int | None) -> Speed:
 
 
 def table(study: Study, scheduler: str | None, workers: int | None) -> str:
-    """A table of what a cluster does: with one worker and with two, or as it was asked for.
+    """A table of the speed of a cluster: with one and two workers, or as specified.
 
-    The load of this machine before shows whether other programs were running.
+    The load of this machine before the measurement shows whether other programs were running.
     """
-    busy = f"Of {os.cpu_count()} processors here {os.getloadavg()[0]:.1f} were asked for before." if LOAD else ""
+    busy = f"This machine has {os.cpu_count()} processors; the load average before was {os.getloadavg()[0]:.1f}." if LOAD else ""
     counts = [workers] if scheduler or workers else [1, 2]
-    lines = ["| workers | points | s | points/s | processor time a point, s |", "|---|---|---|---|---|"]
+    lines = ["| workers | points | s | points/s | processor time per point, s |", "|---|---|---|---|---|"]
     for count in counts:
         speed = measure(study, scheduler, count)
         lines.append(

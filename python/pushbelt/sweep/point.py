@@ -1,7 +1,7 @@
-"""A working point: what is set in the FMU, and what is recorded.
+"""A working point: its start values in the FMU, and the recorded outputs.
 
-The secondary pulley turns at ω_P/i, the primary pulley is driven by the torque of the wanted utilisation and its sheave
-is held at the ratio: shaft torque and clamping force are met exactly, the primary speed within the slip.
+The secondary pulley turns at ω_P/i. The primary pulley is driven by the torque of the specified utilisation, and its sheave
+is held at the ratio. Shaft torque and clamping force are exact; the primary speed differs by the slip.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from pushbelt.fmu.enumerations import Axial, Drive
 from pushbelt.fmu.unit import UnitError, Variator
 
 SHORT_STEP = 1e-3
-"""Length of the step after which the outputs are read, s: what a steady state is, it still is then."""
+"""Length of the step after which the outputs are read, s. In a steady state they do not change during this step."""
 
 Row = dict[str, float | bool | str | None]
-"""A row of the results by column."""
+"""A row of the results, by column."""
 
 
 @dataclass(frozen=True)
@@ -27,23 +27,23 @@ class Point:
     """A working point of a study."""
 
     index: int
-    """Place in the study."""
+    """Index in the study."""
     ratio: float
     """Geometric ratio r_S/r_P."""
     utilisation: float
-    """Primary torque over the torque that slips through, 2 μ r_P F_S/cosβ; negative where the secondary pulley drives."""
+    """Primary torque divided by the torque at which the belt slips through, 2 μ r_P F_S/cosβ; negative where the secondary pulley drives."""
     friction: float
     """μ between element and sheave."""
     speed: float
-    """Of the primary pulley, rad/s; ω_P = i ω_S, so without slip."""
+    """Speed of the primary pulley without slip, ω_P = i ω_S, rad/s."""
     force: float
     """Secondary clamping force, N."""
 
 
 def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, float]:
-    """What a point sets, by FMU variable; the torque follows from the geometry among the parameters.
+    """Start values of a point by FMU variable. The torque follows from the geometry in the parameters.
 
-    Plain numbers: workers can't load the enumerations of this package.
+    Values are plain numbers, because workers do not have the enumerations of this package.
     """
     values = {**parameters, "friction.pulley": point.friction}
     return {
@@ -63,9 +63,9 @@ def start_values(parameters: Mapping[str, float], point: Point) -> dict[str, flo
 
 
 def solve(unit: Variator, index: int, values: Mapping[str, float]) -> Row:
-    """The steady state at these start values after a short step, or why there is none.
+    """The steady state at these start values after a short step, or the reason for a missing one.
 
-    Raises UnitError where the FMU refuses a call; the instance can't be used any more then.
+    Raises UnitError if a call of the FMU fails. The instance cannot be used afterwards.
     """
     begin = time.thread_time()
     unit.restart(values)
@@ -94,7 +94,7 @@ def failure(index: int, reason: str, seconds: float | None = None) -> Row:
 
 
 def solve_or_say_why(unit: Variator, index: int, values: Mapping[str, float]) -> tuple[Row, bool]:
-    """`solve`, where whatever goes wrong becomes the reason; also whether the instance can go on."""
+    """Calls `solve` and converts any exception to a reason. Also returns whether the instance can still be used."""
     begin = time.thread_time()
     try:
         return solve(unit, index, values), True

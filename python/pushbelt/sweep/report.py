@@ -1,4 +1,4 @@
-"""The report of a study: one HTML file that needs nothing else, and the maps as pictures beside it."""
+"""The report of a study: one self-contained HTML file, and the maps as image files."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from .study import AXES, Study
 
 PICTURE_DPI = 160
 FEW = 12
-"""Failed points that are listed one by one."""
+"""Largest number of failed points that are listed individually."""
 
 
 @dataclass(frozen=True)
 class Effort:
-    """Points and time of a run."""
+    """Number of points and time of a run."""
 
     points: int
-    """Solved in this run."""
+    """Number of points solved in this run."""
     seconds: float
-    """Wall-clock time with the start of the cluster."""
+    """Wall-clock time including the start of the cluster, s."""
 
 
 def write(study: Study, table: pa.Table, folder: Path, effort: Effort) -> Path:
-    """Writes report and maps; returns where the report is."""
+    """Writes report and maps; returns the path of the report."""
     results = Results(study.grid, table)
     pictures = folder / "maps"
     pictures.mkdir(parents=True, exist_ok=True)
@@ -92,7 +92,7 @@ def _context(study: Study, results: Results, effort: Effort) -> dict[str, Any]:
 
 
 def _shown(variable: Any, value: float) -> str:
-    """Value of a parameter; of an enumeration its name."""
+    """Value of a parameter, or the name of an enumeration's value."""
     if variable.type == "Enumeration":
         return next(item.name for item in variable.declaredType.items if int(item.value) == value)
     return f"{value:g}"

@@ -1,4 +1,4 @@
-"""Runs a study: what is missing goes to the cluster in chunks, and each is stored as it comes back."""
+"""Runs a study: missing points are sent to the cluster in chunks, and each finished chunk is stored."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from .study import Study
 from .worker import Chunk
 
 CHUNK = 8
-"""Points of a chunk: some seconds, so that little is lost with a worker and the overhead is none."""
+"""Points per chunk. A chunk takes some seconds, so that little is lost with a worker and the overhead is negligible."""
 MOST_CHUNKS = 5000
-"""Larger studies have larger chunks: each is a file."""
+"""Largest number of chunks. Larger studies have larger chunks, because each chunk is a file."""
 WORKERS_INTERVAL = 1.0
-"""How often the scheduler is asked for its workers, s."""
+"""Interval of polling the number of workers, s."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a study stands."""
+    """Progress of a study."""
 
     points: int
     done: int
-    """Points finished, in earlier runs too."""
+    """Number of finished points, including earlier runs."""
     failed: int
-    """Of them without a steady state."""
+    """Number of finished points without a steady state."""
     workers: int
 
 
 def chunks(study: Study, finished: set[int], size: int | None = None) -> list[Chunk]:
-    """What is missing, in chunks.
+    """Missing points, in chunks.
 
-    Points are shuffled: points without a steady state take longest and lie together, so the time of one chunk
-    would say nothing about the next.
+    Points are shuffled: points without a steady state take longest and are neighbours, so without shuffling the chunks would
+    take very different times.
     """
     missing = [point for point in study.grid.points() if point.index not in finished]
     random.Random(0).shuffle(missing)
@@ -63,12 +63,12 @@ def sweep(
 ) -> pa.Table:
     """Solves the points of a study and returns one row a point.
 
-    Finished points are stored in `folder`; a study with the same FMU, parameters and grid goes on from there. `scheduler`
-    is the address of a dask scheduler; without one, `workers` processes are started here (as many as there are
-    processors). Called from a program, the latter needs `if __name__ == "__main__":` around it. `progress` is called
-    after each chunk of `chunk` points, and about once a second in between.
+    Finished points are stored in `folder`; a study with the same FMU, parameters and grid continues from them. `scheduler`
+    is the address of a dask scheduler. By default `workers` local processes are started, one per processor. A program that
+    starts local processes needs the guard `if __name__ == "__main__":`. `progress` is called after each chunk of `chunk`
+    points, and about once per second in between.
 
-    Raises ClusterError where the cluster can't be reached or is gone; what was finished stays.
+    Raises ClusterError if the cluster cannot be reached or is lost. Finished points remain stored.
     """
     store = Store(folder, study)
     kept = store.rows()
@@ -81,7 +81,7 @@ def sweep(
 
 
 def _solve(client: Client, study: Study, store: Store, missing: list[Chunk], kept: list, progress: Callable) -> list:
-    """Solves what is missing; returns the points that lost their workers, which the next run tries again."""
+    """Solves missing points. Returns the points that lost their workers; the next run tries them again."""
     done, failed, lost = len(kept), sum(row["reason"] is not None for row in kept), []
     workers, asked = 0, -math.inf
 

@@ -1,4 +1,4 @@
-"""Rows on disk: finished points of a study that may be interrupted at any time, and its results. Parquet throughout."""
+"""Storage as Parquet files: finished points of a study, which may be interrupted at any time, and its results."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ def schema(study: Study) -> pa.Schema:
             output("macroSlip", pa.bool_()),
             column("drift", pa.float64(), "1", f"Change of the thrust ratio over the step of {SHORT_STEP} s, relative"),
             column("remarks", pa.string(), "", "Warnings of the FMU"),
-            column("reason", pa.string(), "", "Why there is no steady state; null where there is one"),
+            column("reason", pa.string(), "", "Reason for a missing steady state; null with a steady state"),
             column("time", pa.float64(), "s", "Processor time of the point"),
         ]
     )
 
 
 def table(study: Study, rows: Iterable[Row]) -> pa.Table:
-    """A table of rows by point, the coordinates of each point filled in."""
+    """A table of rows by point, with the coordinates of each point."""
     points = study.grid.points()
     columns = schema(study)
     given = [axis.column for axis in AXES.values() if axis.column in study.variables] + ["primary.torque"]
@@ -60,7 +60,7 @@ def table(study: Study, rows: Iterable[Row]) -> pa.Table:
 
 
 class Store:
-    """Finished points of a study, in a folder that only this study has: a file for each chunk, whole or not there."""
+    """Finished points of a study in a separate folder. Each chunk is a file that is written completely or not at all."""
 
     def __init__(self, folder: Path, study: Study) -> None:
         self._study = study
@@ -75,11 +75,11 @@ class Store:
         write_parquet(chunk, self.folder / f"points-{first}-{last}.parquet")
 
     def count(self) -> int:
-        """How many points are stored."""
+        """Number of stored points."""
         return len(self.rows())
 
     def clear(self) -> None:
-        """Forgets all points."""
+        """Removes all points."""
         for path in self._files():
             path.unlink()
 
@@ -87,9 +87,9 @@ class Store:
         return sorted(self.folder.glob("points-*.parquet"))
 
     def rows(self) -> list[Row]:
-        """All stored points, each once. A file that is no Parquet is removed: its points come again.
+        """All stored points, each once. A file that is not Parquet is removed, and its points are solved again.
 
-        Raises OSError where the disk fails: what is there may be whole.
+        Raises OSError if a file cannot be read; the file is then not removed.
         """
         found: dict[int, Row] = {}
         for path in self._files():
@@ -103,7 +103,7 @@ class Store:
 
 
 def describe(study: Study) -> dict[str, Any]:
-    """What the metadata say of a study."""
+    """Description of a study in the metadata."""
     description = study.description
     return {
         "study": study.identity,
@@ -117,21 +117,21 @@ def describe(study: Study) -> dict[str, Any]:
 
 
 def with_metadata(study: Study, results: pa.Table) -> pa.Table:
-    """Results whose metadata name the study, its parameters and how many points failed."""
+    """Results with metadata of the study, its parameters and the number of failed points."""
     failed = len(results) - results["reason"].null_count
     document = {**describe(study), "points": len(results), "failed": failed}
     return results.replace_schema_metadata({METADATA: json.dumps(document)})
 
 
 def write_parquet(contents: pa.Table, path: Path) -> None:
-    """Writes a table whole or not at all."""
+    """Writes a table completely or not at all."""
     buffer = pa.BufferOutputStream()
     pq.write_table(contents, buffer, compression="zstd")
     write_whole(path, buffer.getvalue().to_pybytes())
 
 
 def write_whole(path: Path, contents: bytes) -> None:
-    """Writes a file so that, whenever the process ends, it is there whole or not at all."""
+    """Writes a file completely or not at all, even if the process ends at any time."""
     passing = path.with_name(f"{path.name}.{os.getpid()}.partial")
     with passing.open("wb") as file:
         file.write(contents)

@@ -1,4 +1,4 @@
-"""What a study is: an FMU, parameters, a grid of working points, and an identity that only the same results share."""
+"""A study: an FMU, parameters, a grid of working points, and an identity (hash) of everything that determines the results."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .point import Point, start_values
 
 @dataclass(frozen=True)
 class Axis:
-    """How a field of the grid is called in the results."""
+    """Column of the results for a field of the grid."""
 
     column: str
     unit: str
@@ -37,7 +37,7 @@ AXES: Mapping[str, Axis] = {
     "ratio": Axis("initial.ratio", "1", "Geometric ratio secondary radius / primary radius"),
     "utilisation": Axis("utilisation", "1", "Primary torque / 2 mu r_P F_S / cos(beta)"),
 }
-"""Axes from the slowest to the fastest."""
+"""Axes, from the slowest to the fastest varying one."""
 
 
 def rpm(*speeds: float) -> tuple[float, ...]:
@@ -53,12 +53,12 @@ def spread(low: float, high: float, count: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Grid:
-    """All combinations of the values of its axes; each axis ascending."""
+    """All combinations of the values of the axes. Each axis is ascending."""
 
     force: tuple[float, ...] = (12e3,)
     """Secondary clamping force, N, above 0."""
     friction: tuple[float, ...] = (0.05, 0.07, 0.09, 0.11)
-    """Between element and sheave, above 0."""
+    """Friction coefficient between element and sheave, above 0."""
     speed: tuple[float, ...] = rpm(500, 1000, 2000, 4000)
     """Primary speed, rad/s, above 0."""
     ratio: tuple[float, ...] = spread(0.45, 1.0 / 0.45, 13)
@@ -71,20 +71,20 @@ class Grid:
             values = tuple(float(value) for value in getattr(self, field.name))
             object.__setattr__(self, field.name, values)
             if not values or any(low >= high for low, high in itertools.pairwise(values)):
-                raise ValueError(f"the values of {field.name} must be there, and ascend: {values}")
+                raise ValueError(f"the values of {field.name} must not be empty and must ascend: {values}")
             if not all(map(math.isfinite, values)) or (field.name != "utilisation" and values[0] <= 0.0):
                 raise ValueError(f"the values of {field.name} must be positive: {values}")
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Counts of values in the order of `AXES`."""
+        """Numbers of values in the order of `AXES`."""
         return tuple(len(getattr(self, name)) for name in AXES)
 
     def __len__(self) -> int:
         return math.prod(self.shape)
 
     def points(self) -> list[Point]:
-        """All points by index; the utilisation runs fastest."""
+        """All points by index. The utilisation varies fastest."""
         combinations = itertools.product(*(getattr(self, name) for name in AXES))
         return [Point(index, **dict(zip(AXES, values, strict=True))) for index, values in enumerate(combinations)]
 
@@ -99,7 +99,7 @@ SHORT = Grid(
 
 @dataclass(frozen=True)
 class Study:
-    """A grid of points with an FMU and parameters that hold for all of them."""
+    """A grid of points with an FMU and common parameters."""
 
     fmu: Path
     parameters: Mapping[str, float]
@@ -109,7 +109,7 @@ class Study:
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
         if taken := self.parameters.keys() & start_values(self.parameters, self.grid.points()[0]).keys():
-            raise ValueError(f"the points of a study set these themselves: {', '.join(sorted(taken))}")
+            raise ValueError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
 
     @cached_property
@@ -129,7 +129,7 @@ class Study:
 
     @cached_property
     def identity(self) -> str:
-        """A hash of the FMU, the parameters, the grid and the law by which points are solved."""
+        """A hash of the FMU, the parameters, the grid and the procedure that solves the points."""
         document = {
             "fmu": hashlib.sha256(self.archive).hexdigest(),
             "law": hashlib.sha256(Path(law.__file__).read_bytes()).hexdigest(),
@@ -144,6 +144,6 @@ class Study:
 
 
 def variator(name: str, model: str = "ALE", changes: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Parameters of a published variator (`bench168` or `belt155`) for a study, some of them changed."""
+    """Parameters of a published variator (`bench168` or `belt155`) for a study, with changes."""
     values = {**parameter_set(name), "ring.model": RingModel[model], **(changes or {})}
     return {parameter: value for parameter, value in values.items() if parameter != AXES["friction"].column}

@@ -1,7 +1,7 @@
-"""What runs on a worker: the FMU, unpacked and loaded once, and reset from point to point.
+"""Worker side of a study: the FMU is unpacked and loaded once, and reset between points.
 
-This module, `point` and the modules they need of `pushbelt.fmu` travel to the workers with the study (see `cluster`):
-a worker needs Python packages (`distributed`, `fmpy`, `numpy`), but none of this project.
+This module, `point` and the required modules of `pushbelt.fmu` are sent to the workers with the study (see `cluster`):
+a worker needs Python packages (`distributed`, `fmpy`, `numpy`), but not this project.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from pushbelt.fmu.unit import Archive, Variator
 from .point import Row, solve_or_say_why
 
 Chunk = Sequence[tuple[int, Mapping[str, float]]]
-"""Points to solve in one go: index and start values."""
+"""Points of one task: index and start values."""
 
 
 class Solver:
-    """The FMU ready to solve points, from as many threads as there are."""
+    """The loaded FMU. Points can be solved in several threads."""
 
     def __init__(self, archive: Archive) -> None:
-        """Loads the FMU: what can't be loaded is no matter of a point."""
+        """Loads the FMU, so that errors of loading are not reported for single points."""
         self.instances = 1
-        """Instances made so far."""
+        """Number of instances created so far."""
         self._archive = archive
         self._idle = [Variator(archive, {})]
         self._lock = threading.Lock()
 
     def solve(self, chunk: Chunk) -> list[Row]:
-        """The points of a chunk; one that fails says why in its row."""
+        """Rows of the points of a chunk. The row of a failed point contains the reason."""
         return [self._solve(index, values) for index, values in chunk]
 
     def _solve(self, index: int, values: Mapping[str, float]) -> Row:
@@ -57,14 +57,14 @@ class Solver:
 
 
 class UnitPlugin(WorkerPlugin):
-    """Brings an FMU to every worker, those that join later included."""
+    """Installs an FMU on every worker, including workers that join later."""
 
     def __init__(self, name: str, fmu: bytes) -> None:
         self.name = name
         self._fmu = fmu
 
     def setup(self, worker: Any) -> None:
-        """Unpacks the FMU into the worker's own folder, and loads it."""
+        """Unpacks the FMU into the worker's folder and loads it."""
         self._cleanup = ExitStack()
         folder = Path(worker.local_directory) / self.name
         folder.mkdir(parents=True, exist_ok=True)
@@ -76,5 +76,5 @@ class UnitPlugin(WorkerPlugin):
         self._cleanup.callback(self.solver.close)
 
     def teardown(self, worker: Any) -> None:  # noqa: ARG002
-        """Frees the instances and removes the folder's contents."""
+        """Frees the instances and removes the unpacked FMU."""
         self._cleanup.close()

@@ -1,6 +1,6 @@
 """Continuum theory of a metal belt on deformable pulleys, after Carbone, Mangialardi and Mantriota.
 
-An independent oracle for the variator: it shares no code, no mesh and no unknown with it. A one-dimensional,
+It is an independent reference for the variator, without common code, mesh or unknowns. A one-dimensional,
 inextensible belt without bending stiffness runs steadily over two pulleys whose grooves are opened by the load.
 
 Source
@@ -15,8 +15,8 @@ theta   place on the arc, 0 where the belt enters, alpha (wrap angle) where it l
 beta    half wedge angle;  mu  coefficient of friction between flank and sheave
 Delta   amplitude of the groove: half opening angle beta + (Delta/2) cos(theta - theta_c). Together with the local
         groove width it lets the belt run at R (1 - a Delta cos(theta - theta_c)), a = (1 + cos^2 beta)/sin 2beta
-theta_c centre of the opening: there the belt runs deepest
-F       net strand force, N. For a pushbelt F = T - Q, ring tension less push force
+theta_c centre of the opening, where the belt runs deepest
+F       net strand force, N. For a pushbelt F = T - Q, ring tension minus push force
 sigma   belt mass per length, V belt speed; only the reduced force F' = F - sigma V^2 enters
 p       normal force per flank and belt length, N/m;  S  axial force on one sheave, N
 v_r, v_t radial and tangential sliding speed of the belt against the pulley, in units of omega R a Delta
@@ -36,13 +36,13 @@ Equations
 (6) S = int p (cos beta + mu sin beta_s) R d theta      axial balance of a sheave
 (7) tan theta_c = int p_ax sin theta/int p_ax cos theta with p_ax = p (cos beta + mu sin beta_s)
 
-In steady state Delta, omega and R drop out: for given wrap, beta and mu an arc has the one parameter B, and with it
-the force ratio F'_out/F'_in, theta_c and S/F'.
+In steady state the equations do not depend on Delta, omega and R: for given wrap, beta and mu an arc has the single
+parameter B, which determines the force ratio F'_out/F'_in, theta_c and S/F'.
 
 Signs
 -----
 Forward running: the belt enters the primary pulley P from the upper strand (F_1) and leaves it to the lower, push
-strand (F_2); on the secondary S it is the other way round. The traction is
+strand (F_2); on the secondary S the directions are reversed. The traction is
 
     r = (F_1 - F_2)/(F_1 + F_2 - 2 sigma V^2)
 
@@ -51,8 +51,8 @@ than the pulley) and rises along S. Braking has r < 0. T_P = (F_1 - F_2) R_P.
 
 Range of validity
 -----------------
-0 < mu < tan beta (else the groove is self-locking where the belt slides outward); belt width and length rigid against
-the groove's opening; Delta small; F' > 0 in both strands; chain closed (elements touch) wherever the belt is loaded.
+0 < mu < tan beta (else the groove is self-locking where the belt slides outward); belt width and length rigid compared
+with the groove's opening; Delta small; F' > 0 in both strands; chain closed (elements touch) wherever the belt is loaded.
 """
 
 from __future__ import annotations
@@ -76,11 +76,11 @@ PANELS = 24
 """Panels on each side of a turning point of psi."""
 
 FINEST_PANEL = 1.0e-7
-"""Smallest panel against the length it grades: psi turns within |B + 1| when the creep is near -1."""
+"""Smallest panel relative to the graded length: psi changes within |B + 1| when the creep is near -1."""
 
 
 def deformation_factor(beta: float) -> float:
-    """a of R (1 - a Delta cos(theta - theta_c)): half from the groove's angle, half from its width."""
+    """a in R (1 - a Delta cos(theta - theta_c)): one half is from the groove's angle, one from its width."""
     return (1.0 + cos(beta) ** 2) / sin(2.0 * beta)
 
 
@@ -89,7 +89,7 @@ def deformation_factor(beta: float) -> float:
 
 @dataclass(frozen=True)
 class Arc:
-    """Solved arc of one pulley. Forces in units of the mean reduced strand force (F'_in + F'_out)/2."""
+    """Solution on the arc of one pulley. Forces in units of the mean reduced strand force (F'_in + F'_out)/2."""
 
     wrap: float
     beta: float
@@ -129,14 +129,14 @@ class Arc:
     def dissipation(self) -> float:
         """Friction power in units of omega R a Delta; steady state.
 
-        The power of friction, integrated by parts with (2), (4) and (7), is F' v_t at the exit less F' v_t at the entry.
+        The power of friction, integrated by parts with (2), (4) and (7), is F' v_t at the exit minus F' v_t at the entry.
         """
         v_t = sliding(np.array([0.0, self.wrap]), self.centre, self.creep)[1]
         return float(self.tension[-1] * v_t[1] - self.tension[0] * v_t[0])
 
     @property
     def spread(self) -> float:
-        """Largest less smallest running radius, in units of R a Delta."""
+        """Largest minus smallest running radius, in units of R a Delta."""
         ends = (cos(self.centre), cos(self.wrap - self.centre))
         deepest = 1.0
         shallowest = -1.0 if max(self.centre, self.wrap - self.centre) > pi else min(ends)
@@ -167,7 +167,7 @@ def _friction(psi: Array, beta: float, mu: float) -> tuple[Array, Array, Array]:
 
 
 def _turning_points(wrap: float, centre: float, shift: float) -> list[float]:
-    """Places on the arc with v_r = 0. There v_t is extreme and psi may turn abruptly."""
+    """Places on the arc with v_r = 0. There v_t is extreme and psi may change abruptly."""
     if abs(shift) >= 1.0:
         return []
     lag = asin(shift)
@@ -201,7 +201,7 @@ class _Integrals:
 def _integrate(
     wrap: float, beta: float, mu: float, creep: float, centre: float, shift: float = 0.0, refinement: int = 1
 ) -> _Integrals:
-    """Equations (3) to (7) for a given B and theta_c. psi depends on theta alone, so all of it is quadrature."""
+    """Equations (3) to (7) for a given B and theta_c. psi depends on theta only, so they are solved by quadrature."""
     nodes, weights, cumulate = _gauss(GAUSS_POINTS)
     borders = _panels(wrap, _turning_points(wrap, centre, shift), refinement)
     widths = np.diff(borders)
@@ -225,12 +225,12 @@ def _check(wrap: float, beta: float, mu: float) -> None:
     if not 0.0 < beta < pi / 2.0:
         raise ValueError(f"half wedge angle {beta} rad is not between 0 and pi/2")
     if not 0.0 < mu < tan(beta):
-        raise ValueError(f"mu = {mu} is not between 0 and tan beta = {tan(beta):.4f}: the groove locks itself")
+        raise ValueError(f"mu = {mu} is not between 0 and tan beta = {tan(beta):.4f}: the groove is self-locking")
 
 
 @lru_cache(maxsize=100_000)
 def _centre(wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, refinement: int = 1) -> float:
-    """theta_c of equation (7), a fixed point: the pressure lies where the pressure opens the groove."""
+    """theta_c of equation (7), as a fixed point: the pressure determines the opening of the groove and depends on it."""
 
     def excess(centre: float) -> float:
         return centre - _integrate(wrap, beta, mu, creep, centre, shift, refinement).direction
@@ -247,7 +247,7 @@ _WIDEST = 16.0
 
 
 def creep_of(u: float) -> float:
-    """Maps the search variable to B = -1 + sinh u: fine about -1, where theta_c and psi turn fastest."""
+    """Maps the search variable to B = -1 + sinh u, with fine resolution about -1, where theta_c and psi change fastest."""
     return -1.0 + float(np.sinh(u))
 
 
@@ -274,8 +274,8 @@ def _creep_range(wrap: float, beta: float, mu: float) -> tuple[float, float]:
 def arc_capacity(wrap: float, beta: float, mu: float) -> tuple[float, float]:
     """Least (driving pulley, negative) and greatest (driven) ln F'_out/F'_in of an arc.
 
-    Full tangential slip gives -+ mu wrap/sin beta. A driving pulley holds a little more just before: there the belt
-    still slides outward over most of the arc, which presses the flanks together.
+    Full tangential slip gives -+ mu wrap/sin beta. A driving pulley transmits slightly more just before full slip, because the
+    belt still slides outward over most of the arc, which presses the flanks together.
     """
     _check(wrap, beta, mu)
     low, high = _creep_range(wrap, beta, mu)
@@ -289,13 +289,13 @@ def arc_capacity(wrap: float, beta: float, mu: float) -> tuple[float, float]:
 def arc_at_creep(
     wrap: float, beta: float, mu: float, creep: float, shift: float = 0.0, points: int = 181, refinement: int = 1
 ) -> Arc:
-    """Arc with given creep B and speed of ratio change A; fields at `points` evenly spaced places."""
+    """Arc for a creep B and a speed of ratio change A; fields at `points` evenly spaced places."""
     _check(wrap, beta, mu)
     centre = _centre(wrap, beta, mu, creep, shift, refinement)
     whole = _integrate(wrap, beta, mu, creep, centre, shift, refinement)
     unit = (1.0 + np.exp(whole.log_ratio)) / 2.0
     theta = np.linspace(0.0, wrap, points)
-    # Borders lie dense where psi turns; between them ln F' is smooth, its slope known.
+    # Borders are dense where psi changes; between them ln F' is smooth with a known slope.
     v_r, v_t = sliding(whole.borders, centre, creep, shift)
     radial, tangential, _ = _friction(np.arctan2(v_t, v_r), beta, mu)
     tension = np.exp(CubicHermiteSpline(whole.borders, whole.log_tension, tangential / radial)(theta)) / unit
@@ -378,7 +378,7 @@ def capacity(wrap_p: float, wrap_s: float, beta: float, mu: float, driving: bool
 
 
 def variator(wrap_p: float, wrap_s: float, beta: float, mu: float, traction: float) -> Variator:
-    """Both pulleys at traction r. F falls along P by what it rises along S."""
+    """Both pulleys at traction r. F falls along P by the same amount by which it rises along S."""
     return Variator(traction, arc_at_traction(wrap_p, beta, mu, -traction), arc_at_traction(wrap_s, beta, mu, traction))
 
 
@@ -387,7 +387,7 @@ def variator_at_torque(
 ) -> Variator:
     """Both pulleys for a torque T_P (N m) and an axial force S_S (N).
 
-    sigma V^2 only shifts both strand forces; it drops out of this relation.
+    sigma V^2 adds the same value to both strand forces and cancels in this relation.
     """
     wanted = torque / (secondary_thrust * radius_p)
     if torque == 0.0:
@@ -402,7 +402,7 @@ def variator_at_torque(
     return variator(wrap_p, wrap_s, beta, mu, float(brentq(excess, 0.0, limit, xtol=1.0e-10)))
 
 
-# ------------------------------------------------------------------------------- the older theory, for orientation
+# ------------------------------------------------------------------------------- the older theory, for comparison
 
 
 def rest_and_slip_arc(

@@ -11,9 +11,9 @@ Law
 ---
     ds/dt = omega_P a Delta g(s) [ln(F_P/F_S) - ln(F_P/F_S)_eq],   a = (1 + cos^2 beta)/sin 2 beta
 
-s = R_P/R_S is the speed ratio, Delta the sheaves' deformation, rad, taken alike on both pulleys. Without load each
-pulley takes no torque, so its strand forces are alike: that gives the creep B of an arc for each A. The belt does not
-stretch:
+s = R_P/R_S is the speed ratio, Delta the sheaves' deformation, rad, assumed equal on both pulleys. Without load the
+torque of each pulley is zero, so its strand forces are equal, which determines the creep B of an arc for each A. The belt
+does not stretch:
 
     dR_P/dt = A_P omega_P R_P a Delta,   alpha_P dR_P/dt + alpha_S dR_S/dt = 0,   omega_P R_P = omega_S R_S
     hence  A_S = -A_P alpha_P/alpha_S  and  ds/dt = omega_P a Delta s (1 + s alpha_P/alpha_S) A_P
@@ -21,7 +21,7 @@ stretch:
 The axial forces of both arcs follow from A_P and A_S, and with them ln(F_P/F_S). It is nearly linear in A_P: at
 A_P = 0.2, a thrust ratio 1.2 times that of equilibrium, the slope is within 2 % of that at rest.
 
-Validity: that of `cmm`. Inertia, sheave damping and the axial motion's own forces are left out.
+Validity: that of `cmm`. Inertia, sheave damping and forces of the axial motion are neglected.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ from . import cmm
 from .cmm import Arc, Array
 
 WIDEST = 3.0
-"""Creep is looked for between -1 - sinh 3 and -1 + sinh 3: full slip, for |A| up to 2."""
+"""Creep is searched between -1 - sinh 3 and -1 + sinh 3, which is full slip for |A| up to 2."""
 
 SMALL = 0.1
-"""|A_P| at which g is taken, on both sides of rest."""
+"""|A_P| of the difference quotient of g about rest."""
 
 
 @lru_cache(maxsize=10_000)
@@ -57,7 +57,7 @@ def idle_arc(wrap: float, beta: float, mu: float, shift: float) -> Arc:
 
 @dataclass(frozen=True)
 class Shift:
-    """A belt without load whose ratio changes."""
+    """Solution for a belt without load whose ratio changes."""
 
     primary: Arc
     secondary: Arc
@@ -72,7 +72,7 @@ class Shift:
 
 @dataclass(frozen=True)
 class Belt:
-    """A belt on two pulleys, by the pitch line."""
+    """A belt on two pulleys, described by its pitch line."""
 
     beta: float
     """Half wedge angle, rad."""
@@ -84,7 +84,7 @@ class Belt:
     """m."""
 
     def shift(self, speed_ratio: float, primary_shift: float) -> Shift:
-        """At s = R_P/R_S, with A_P on the primary pulley."""
+        """Solution at s = R_P/R_S with A_P on the primary pulley."""
         wrap_p, wrap_s, _, _ = cmm.wrap_angles(1.0 / speed_ratio, self.center_distance, self.pitch_length)
         primary = idle_arc(wrap_p, self.beta, self.mu, primary_shift)
         secondary = idle_arc(wrap_s, self.beta, self.mu, -primary_shift * wrap_p / wrap_s)
@@ -102,7 +102,7 @@ class Belt:
 
 @dataclass(frozen=True)
 class ShiftLaw:
-    """The law over the speed ratio: splines of ln g and of equilibrium between the places where theory was solved."""
+    """The law over the speed ratio: splines of ln g and of the equilibrium through the places at which the theory was solved."""
 
     belt: Belt
     speed_ratios: tuple[float, ...]
@@ -125,7 +125,7 @@ class ShiftLaw:
     def run(self, start: float, log_step: float, speed: float, opening: float, times: Array) -> Array:
         """Speed ratio at times from 0 on, s, after ln(F_P/F_S) has risen by `log_step` above equilibrium at `start`.
 
-        Primary speed in rad/s, opening Delta in rad. Steps of the classical Runge-Kutta scheme, one a time.
+        Primary speed in rad/s, opening Delta in rad. One step of the classical Runge-Kutta scheme per time.
         """
         force = self.equilibrium(start) + log_step
         factor = speed * cmm.deformation_factor(self.belt.beta) * opening

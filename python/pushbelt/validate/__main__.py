@@ -1,4 +1,4 @@
-"""Puts the FMU beside theory and measurements: `python -m pushbelt.validate --fmu … --output target/validate
+"""Compares the FMU with theory and measurements: `python -m pushbelt.validate --fmu … --output target/validate
 [--short]`.
 
 Two processors take two to three minutes, with --short less than one.
@@ -19,17 +19,17 @@ from .runs import SECTIONS, run_all
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Solves, writes report and tables, and says where they are.
+    """Solves, writes report and tables, and prints their paths.
 
-    A goal that the model misses is a result, no failure of the program.
+    A missed goal is not a failure of the program.
     """
     parser = argparse.ArgumentParser(prog="pushbelt.validate", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
     parser.add_argument(
         "--output", type=Path, required=True, help="folder for report.html, tables.md and the CSV files"
     )
-    parser.add_argument("--short", action="store_true", help="few points of each section")
-    parser.add_argument("--section", action="append", choices=SECTIONS, help="only this section; may be given again")
+    parser.add_argument("--short", action="store_true", help="solve few points of each section")
+    parser.add_argument("--section", action="append", choices=SECTIONS, help="run only this section; can be repeated")
     options = parser.parse_args(arguments)
     from . import report
     from .outcome import Verdict

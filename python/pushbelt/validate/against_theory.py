@@ -1,9 +1,8 @@
-"""The FMU beside the continuum theory at the FMU's own radii, torque and force; and what leads it into the theory's
+"""Comparison of the FMU with the continuum theory at the FMU's radii, torque and force, and parameters for the theory's
 limit.
 
 The theory has no ring friction, no play, no compression of contact and chain, no losses of layers and shafts, and
-friction
-that doesn't fall. In its limit the FMU has none of that either; at default parameters it has all of it.
+a constant friction coefficient. In the theory's limit the same holds for the FMU; its default parameters include all these effects.
 """
 
 from __future__ import annotations
@@ -28,22 +27,22 @@ from .bench import Bench
 
 @dataclass(frozen=True)
 class Deviation:
-    """One steady state of the FMU and of the theory, and how far the FMU is from the theory's limit."""
+    """One steady state of the FMU and of the theory, and measures of the distance of the FMU from the theory's limit."""
 
     theory: cmm.Variator
     outputs: dict[str, float] = field(repr=False)
     compression: float
-    """Mean compression of the contact against the sheave's opening psi R, larger of the two pulleys."""
+    """Mean compression of the contact relative to the sheave's opening psi R, larger of the two pulleys."""
     strain: float
-    """Strain of the chain under F_1 - F_2 against the sliding, larger of the two pulleys."""
+    """Strain of the chain under F_1 - F_2 relative to the sliding, larger of the two pulleys."""
     regularisation: float
-    """v_0 against the sliding."""
+    """v_0 relative to the sliding speed."""
     theory_slip: float
-    """Slip from the creep of both pulleys, at the FMU's own tilt: for slip and loss the opening's size matters."""
+    """Slip from the creep of both pulleys at the FMU's tilt, since slip and loss depend on the size of the opening."""
     theory_loss: float
     """Friction power on the sheaves, W."""
     tilt_error: float
-    """Tilt of the FMU against moment over tilt stiffness, larger of the two pulleys; without clearance it is 0."""
+    """Deviation of the FMU's tilt from moment over tilt stiffness, larger of the two pulleys; it is 0 without clearance."""
 
     @property
     def ratio(self) -> float:
@@ -52,34 +51,34 @@ class Deviation:
 
     @property
     def thrust_ratio(self) -> float:
-        """Of the FMU."""
+        """Thrust ratio of the FMU."""
         return self.outputs["thrustRatio"]
 
     @property
     def thrust_error(self) -> float:
-        """Thrust ratio of the FMU against the theory's, relative."""
+        """Relative difference of the FMU's thrust ratio to the theory's."""
         return float(self.thrust_ratio / self.theory.thrust_ratio - 1.0)
 
     @property
     def slip_error(self) -> float:
-        """The same of the slip."""
+        """Relative difference of the slip."""
         return self.outputs["slip"] / self.theory_slip - 1.0
 
     @property
     def loss_error(self) -> float:
-        """The same of the friction power on the sheaves."""
+        """Relative difference of the friction power on the sheaves."""
         return self.outputs["loss.sheaves"] / self.theory_loss - 1.0
 
     @property
     def residual(self) -> float:
-        """Power balance of the belt in the FMU's steady state, against the larger power of a pulley."""
+        """Residual of the belt's power balance in the FMU's steady state, relative to the larger power of a pulley."""
         powers = self.outputs["primary.power"], self.outputs["secondary.power"]
         losses = self.outputs["loss.total"] - self.outputs["loss.shafts"]
         return (sum(powers) - losses) / max(abs(power) for power in powers)
 
 
 def strand_traction(profile: Profile, out: Mapping[str, float], bench: Bench) -> float:
-    """r from the FMU's own strand forces F = T - Q at the middle of both strands."""
+    """r from the FMU's strand forces F = T - Q at the middle of both strands."""
     length = bench.given("geometry.beltLength")
     count = len(profile.position)
 
@@ -104,7 +103,7 @@ def _wraps(radius_p: float, radius_s: float, center_distance: float) -> tuple[fl
 
 
 def compare(bench: Bench, values: StartValues, what: str = "") -> Deviation | None:
-    """Starts the FMU and solves the theory at the FMU's own state; none where either has no solution."""
+    """Starts the FMU and solves the theory at the FMU's state. Returns None if either has no solution."""
     out = bench.steady({**bench.parameters, **values}, what)
     if out is None:
         return None
@@ -116,7 +115,7 @@ def compare(bench: Bench, values: StartValues, what: str = "") -> Deviation | No
 
 
 def deviation(bench: Bench, values: StartValues, out: dict[str, float]) -> Deviation:
-    """The theory beside a steady state of the FMU. Raises ValueError where the theory can't carry the torque."""
+    """The theory at a steady state of the FMU. Raises ValueError if the torque is beyond the theory's capacity."""
 
     def given(name: str) -> float:
         return bench.given(name, values)
@@ -125,7 +124,7 @@ def deviation(bench: Bench, values: StartValues, out: dict[str, float]) -> Devia
     radius_p, radius_s = out["primary.radius"], out["secondary.radius"]
     wrap_p, wrap_s = _wraps(radius_p, radius_s, given("geometry.centerDistance"))
     thrust_s = out["secondary.axialForce"]
-    # Torque of the belt on the pulleys; both pulleys give the same F_1 - F_2 but for the spread of the radii.
+    # Torque of the belt on the pulleys; both pulleys give the same F_1 - F_2 except for the spread of the radii.
     pull = (-out["primary.shaftTorque"] / radius_p + out["secondary.shaftTorque"] / radius_s) / 2.0
     theory = cmm.variator_at_torque(wrap_p, wrap_s, beta, mu, radius_p, pull * radius_p, thrust_s)
     mean = theory.mean_force(thrust_s)
@@ -175,16 +174,16 @@ def belt_of(bench: Bench) -> Belt:
 
 @dataclass(frozen=True)
 class Level:
-    """How far to go towards the theory's limit."""
+    """Level of approach to the theory's limit."""
 
     tilt: float = 3.0e-3
-    """Tilt of both sheaves, rad: large against compression, chain strain and v_0, small against 1."""
+    """Tilt of both sheaves, rad: large compared with compression, chain strain and v_0, small compared with 1."""
     contact: float = 8.0e11
     chain: float = 2.0e8
     ring: float = 1.0e10
     pitch_offset: float = 1.0e-6
     roughness: float = 5.0e-7
-    """Of the flanks, m: small against the opening, which is 0.2 mm, and large enough for steady states to be found."""
+    """Roughness of the flanks, m: small compared with the opening of 0.2 mm, and large enough for the solver to find steady states."""
     arc: int = 24
     strand: int = 8
     cells: int = 2
@@ -201,7 +200,7 @@ LADDER = (
 """Stiffness and mesh grow together."""
 
 LADDER_CASES = ((0.45, 0.35), (1.0, 0.35), (1.0, -0.35), (2.2, 0.35))
-"""Ratio and traction of the ladders."""
+"""Ratio and traction of the series of levels."""
 
 CLAMPING = 40_000.0
 """Secondary clamping force of the limit cases, N."""
@@ -209,7 +208,7 @@ CLAMPING = 40_000.0
 RATIOS = (0.45, 0.7, 1.0, 1.5, 2.2)
 TRACTIONS = (-0.5, -0.35, -0.2, 0.2, 0.35, 0.5, 0.7)
 LARGEST_SHARE = 0.85
-"""Largest share of the theory's capacity that is compared."""
+"""Largest traction of the comparison, relative to the theory's capacity."""
 
 NOT_IN_THE_THEORY = {
     "friction.ring": 0.0,
@@ -225,7 +224,7 @@ NOT_IN_THE_THEORY = {
     "secondary.drag.viscous": 0.0,
     "secondary.bearing.friction": 0.0,
 }
-"""What the theory leaves out, and a parameter of 0 takes away."""
+"""Effects that the theory neglects and that are disabled by a parameter of 0."""
 
 
 def _geometry(bench: Bench, ratio: float) -> tuple[float, float, float, float]:
@@ -235,7 +234,7 @@ def _geometry(bench: Bench, ratio: float) -> tuple[float, float, float, float]:
 def cases(bench: Bench, ratios: Sequence[float] = RATIOS) -> list[tuple[float, float]]:
     """Ratio and traction: |r| from 0.2 to 0.7, at most 85 % of the theory's capacity at that ratio and sign.
 
-    Where a traction exceeds that share, the share itself takes its place, once.
+    A larger traction is replaced by 85 % of the capacity, at most once.
     """
     beta, mu = bench.given("geometry.wedgeAngle"), bench.given("friction.pulley")
     found: list[tuple[float, float]] = []

@@ -16,12 +16,12 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is run."""
+    """Extent of the run."""
 
     short: bool = False
 
     def thin(self, values: Sequence[T], count: int = 3) -> list[T]:
-        """All values; in a short run `count` of them, evenly picked, the first and the last among them."""
+        """All values; in a short run `count` of them, evenly spaced and including the first and the last."""
         if not self.short or len(values) <= count:
             return list(values)
         if count == 1:
@@ -31,9 +31,9 @@ class Plan:
 
 @dataclass
 class Bench:
-    """A variator to be asked for steady points. A context manager: its instance is freed at its end.
+    """Solver of steady points of a variator. It is a context manager, which frees its instance at its end.
 
-    Each point calls `solved`. A point without a steady state is none, and its reason stays in `failures`.
+    `solved` is called after each point. A point without a steady state gives None, and its reason is added to `failures`.
     """
 
     archive: Archive
@@ -52,14 +52,14 @@ class Bench:
         self.unit.free()
 
     def given(self, name: str, values: Mapping[str, float] | None = None) -> float:
-        """Value of a parameter: as set, else the variator's, else the FMU's start value."""
+        """Value of a parameter: the specified one, else the variator's, else the FMU's start value."""
         for source in (values or {}, self.parameters):
             if name in source:
                 return float(source[name])
         return float(self.unit.variables[name].start)
 
     def steady(self, values: StartValues, what: str = "") -> Outputs | None:
-        """All outputs of the steady start; `what` names the point among the failures."""
+        """All outputs of the steady state. `what` is the name of the point in `failures`."""
 
         def read() -> Outputs:
             self.unit.restart(values)
@@ -79,7 +79,7 @@ class Bench:
             return what_to_do()
         except UnitError as error:
             self.failures.append(f"{what}: {error}")
-            # After an error of the FMU the instance may be of no use any more.
+            # After an error of the FMU the instance may be unusable.
             self.unit.free()
             self.unit = Variator(self.archive, {})
             return None

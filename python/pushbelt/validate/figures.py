@@ -11,7 +11,7 @@ from .outcome import Curve, Panel, Picture
 COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, INK, MUTED)
 MOST_IN_A_ROW = 3
 REACH = 50.0
-"""Farthest change that a panel of named rows shows, per cent."""
+"""Largest change in a panel of named rows, per cent."""
 MARKERS = {"o": "circle", ".": "circle", "x": "x-thin-open", "_": "line-ew-open"}
 SIZES = {"o": 6.0, ".": 7.0, "x": 7.0, "_": 14.0}
 DASHES = {"--": "dash", ":": "dot", "-": ""}

@@ -1,4 +1,4 @@
-"""What was measured on pushbelts, read from `measured.json`, and the sources that goals are taken from."""
+"""Measurements of pushbelts from `measured.json`, and sources of the goals."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FILE = Path(__file__).with_name("measured.json")
 
 @lru_cache(maxsize=1)
 def data() -> dict[str, Any]:
-    """The whole file."""
+    """Content of the file."""
     return json.loads(FILE.read_text(encoding="utf-8"))
 
 
@@ -32,7 +32,7 @@ def bound(index: int) -> Source:
 
 
 THEORY = Source(
-    "Carbone, Mangialardi, Mantriota, J. Mech. Des. 127 (2005) 103-113, solved on its own",
+    "Carbone, Mangialardi, Mantriota, J. Mech. Des. 127 (2005) 103-113, solved independently",
     "theory of a continuous belt; computed",
 )
 """The continuum theory."""

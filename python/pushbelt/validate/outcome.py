@@ -1,4 +1,4 @@
-"""What a section of the report consists of, as plain data: checks with their sources, tables, figures."""
+"""Parts of a section of the report as plain data: checks with their sources, tables, figures."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Value = float | str | None
 
 NOTHING = "no point was solved"
 FEW = 3
-"""Values outside a goal that are named."""
+"""Largest number of listed values outside a goal."""
 
 
 class Verdict(Enum):
-    """How a figure of the model compares with its goal."""
+    """Result of the comparison of a value of the model with its goal."""
 
     MEETS = "meets"
     MISSES = "misses"
@@ -26,16 +26,16 @@ class Verdict(Enum):
 
 @dataclass(frozen=True)
 class Source:
-    """Where a goal comes from."""
+    """Source of a goal."""
 
     text: str
     certainty: str
-    """How sure it is: measured, fitted, read in an abstract, an engineering value."""
+    """Certainty: measured, fitted, read in an abstract, or an engineering value."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """A statement, the goal it sets, what the model does, and whether it meets the goal."""
+    """A statement, its goal, the result of the model, and the verdict."""
 
     statement: str
     source: Source
@@ -43,34 +43,34 @@ class Check:
     found: str
     verdict: Verdict
     by: str = ""
-    """Where it misses, by how much."""
+    """Deviation from the goal if it is missed."""
 
 
 def signed(value: float) -> str:
-    """A plain number with its sign, for names."""
+    """A number with its sign, for names."""
     return f"{value:+g}".replace("-", MINUS)
 
 
 def reported(statement: str, source: Source, goal: str, found: str) -> Check:
-    """A figure that stands beside another one and isn't judged."""
+    """A value that is reported for comparison, without a goal."""
     return Check(statement, source, goal, found, Verdict.REPORTED)
 
 
 @dataclass(frozen=True)
 class Unit:
-    """How numbers of a check are shown."""
+    """Format of the numbers of a check."""
 
     name: str = ""
     digits: int = 2
     scale: float = 1.0
-    """What a value is multiplied by to be shown."""
+    """Factor from the value to the shown number."""
 
     def show(self, value: float) -> str:
-        """Without the name."""
+        """The value as text, without the unit's name."""
         return number(self.scale * value, self.digits)
 
     def text(self, *values: float) -> str:
-        """One value, or the least and the greatest of several, with the name."""
+        """One value, or the least and the greatest of several, with the unit's name."""
         if not values:
             return NOTHING
         shown = list(dict.fromkeys(self.show(value) for value in (min(values), max(values))))
@@ -90,9 +90,9 @@ def within(
     unit: Unit = PLAIN,
     goal: str | None = None,
 ) -> Check:
-    """All named values between limits, where there are. What lies outside is named, worst first.
+    """Check that all named values are within the limits, if there are any. Values outside are listed, worst first.
 
-    A value that is none is of a point without a steady state: it misses.
+    The value None is from a point without a steady state and misses the goal.
     """
     pairs = list(values)
     solved = [(name, value) for name, value in pairs if value is not None and not math.isnan(value)]
@@ -130,11 +130,11 @@ class Column:
     unit: str = ""
     digits: int = 3
     scale: float = 1.0
-    """What a value is multiplied by to be shown in the unit; CSV files hold SI values."""
+    """Factor from SI to the shown unit; CSV files contain SI values."""
     signed: bool = False
 
     def show(self, value: Value) -> str:
-        """A value as in print."""
+        """A value as text."""
         if value is None or isinstance(value, str):
             return value or "–"
         if math.isnan(value):
@@ -149,7 +149,7 @@ class Column:
 
 
 def share(name: str, digits: int = 1, signed: bool = True) -> Column:
-    """A column of shares, shown as per cent."""
+    """A column of shares, shown in per cent."""
     return Column(name, "%", digits, 100.0, signed)
 
 
@@ -165,12 +165,12 @@ class Table:
     note: str = ""
 
     def shown(self) -> list[list[str]]:
-        """All rows as in print."""
+        """All rows as text."""
         return [[column.show(value) for column, value in zip(self.columns, row, strict=True)] for row in self.rows]
 
 
 def table(key: str, title: str, columns: Sequence[Column], rows: Iterable[Sequence[Value]], note: str = "") -> Table:
-    """A table from any sequences."""
+    """Creates a table from any sequences."""
     return Table(key, title, tuple(columns), tuple(tuple(row) for row in rows), note)
 
 
@@ -181,9 +181,9 @@ class Curve:
     x: tuple[float, ...]
     y: tuple[float, ...]
     label: str
-    """Curves with one label are switched together."""
+    """Label in the legend. Curves with the same label are shown and hidden together."""
     colour: int = 0
-    """Which of the colours; curves that belong together share one."""
+    """Index of the colour. Related curves have the same one."""
     style: str = "-"
     """`-`, `--` or `:` for a line, `o`, `.`, `x` or `_` for points, `o-` for both."""
 
@@ -197,14 +197,14 @@ class Panel:
     curves: tuple[Curve, ...]
     log_y: bool = False
     names: tuple[str, ...] = ()
-    """Of rows at y = 0, −1, −2 and so on, where the panel has such."""
+    """Names of rows at y = 0, −1, −2 and so on, for panels with named rows."""
     places: tuple[str, ...] = ()
-    """Names of x = 0, 1, 2 and so on, where the panel has such."""
+    """Names of x = 0, 1, 2 and so on, for panels with named columns."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure: panels side by side."""
+    """A figure of several panels."""
 
     panels: tuple[Panel, ...]
     caption: str

@@ -1,4 +1,4 @@
-"""The report: one HTML file that needs nothing else, the tables as CSV, and all of it as Markdown for the docs."""
+"""The report: one self-contained HTML file, the tables as CSV, and everything as Markdown for the docs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CHECKS = "checks.csv"
 
 
 def write(results: Results, folder: Path) -> Path:
-    """Writes everything into a folder; returns where the report is."""
+    """Writes all files into a folder; returns the path of the report."""
     folder.mkdir(parents=True, exist_ok=True)
     _write_checks(results, folder / CHECKS)
     for table in (table for section in results.sections for table in section.tables):
@@ -33,7 +33,7 @@ def write(results: Results, folder: Path) -> Path:
 
 
 def counts(results: Results) -> Counter[Verdict]:
-    """How many checks have which verdict."""
+    """Number of checks by verdict."""
     return Counter(check.verdict for section in results.sections for check in section.checks)
 
 
@@ -47,7 +47,7 @@ def _write_checks(results: Results, path: Path) -> None:
     page.write_table(path, header, rows)
 
 
-# Markdown, to be taken into the docs
+# Markdown for the docs
 
 
 def markdown(results: Results) -> str:

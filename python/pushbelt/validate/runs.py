@@ -1,4 +1,4 @@
-"""Which sections there are, and running them side by side."""
+"""The sections of the report. They run in parallel."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SECTIONS: dict[str, ModuleType] = {
     "variators": variators,
     "sensitivity": sensitivity,
 }
-"""In the order of the report."""
+"""Sections in the order of the report."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def _run(archive: Archive, name: str, plan: Plan) -> Section:
 
 
 def run_all(fmu: Path, plan: Plan, names: tuple[str, ...] = tuple(SECTIONS)) -> Results:
-    """Runs sections with an FMU, those with most points first."""
+    """Runs sections with an FMU. Sections with many points start first."""
     order = sorted(names, key=lambda name: -SECTIONS[name].count(plan))
     with Archive.unpack(fmu) as archive:
         calls: list[tuple[Callable[..., Section], tuple[Archive, str, Plan]]] = [

@@ -10,7 +10,7 @@ use nalgebra::SVector;
 
 /// Forces per length conjugate to the virtual motions of a mesh point. Sign: residual = inertia − forces.
 #[derive(Clone, Copy, Debug)]
-pub struct Load<T: Real, const D: usize = 2> {
+pub struct LineLoad<T: Real, const D: usize = 2> {
     /// Conjugate to δr, N/m.
     pub position: SVector<T, D>,
     /// Conjugate to δr', N.
@@ -23,7 +23,7 @@ pub struct Load<T: Real, const D: usize = 2> {
     pub theta: T,
 }
 
-impl<T: Real, const D: usize> Load<T, D> {
+impl<T: Real, const D: usize> LineLoad<T, D> {
     /// No force.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -63,7 +63,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
     #[inline(always)]
     pub fn add(
         &mut self,
-        load: &Load<T, D>,
+        load: &LineLoad<T, D>,
         point: &RingPoint<T, D>,
         shape: &Hermite<T::Constant>,
         element: &ElementMotion<T, D>,
@@ -100,7 +100,7 @@ impl<T: Real, const D: usize> ElementLoad<T, D> {
     #[inline(always)]
     pub fn add_varied(
         &mut self,
-        load: &Load<T, D>,
+        load: &LineLoad<T, D>,
         variation: &RingVariation<T, D>,
         element: &ElementMotion<T, D>,
         weight: T,

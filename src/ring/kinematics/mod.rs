@@ -30,7 +30,7 @@ mod vectors;
 pub use hermite::Hermite;
 pub use hermite::combine;
 pub use load::ElementLoad;
-pub use load::Load;
+pub use load::LineLoad;
 pub use motion::{ElementMotion, Node};
 pub use motion::{Motion, ReferenceMotion};
 pub use point::RingPoint;

@@ -9,7 +9,7 @@ use crate::variator::assembly::unknowns::{ReadUnknowns, motion};
 use crate::variator::belt::Belt;
 use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance;
-use crate::variator::cell::observer::{Observer, Sampler};
+use crate::variator::cell::observer::{Sampler, StationObserver};
 use crate::variator::cell::sample::Sample;
 use crate::variator::cell::state::CellInput;
 use crate::variator::law::place::CellBalance;
@@ -39,7 +39,7 @@ pub(crate) fn sampled_balance<K: RingKind<D, C>, const D: usize, C: MeshCurve>(
 #[inline(always)]
 pub(crate) fn pack_balance<
     T: Real<Constant = Lanes>,
-    S: Observer<T, D>,
+    S: StationObserver<T, D>,
     K: RingKind<D, C>,
     const D: usize,
     C: MeshCurve,

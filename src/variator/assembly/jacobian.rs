@@ -16,7 +16,7 @@ use crate::variator::belt::equations::InForce;
 use crate::variator::cell::balance::balance_in;
 use crate::variator::cell::directions::{DeflectingRing, Directions, GuidedRing, MOST, MOST_ROWS};
 use crate::variator::cell::laws::{ArgumentRecorder, LawArguments};
-use crate::variator::cell::observer::{AtStation, NoObserver, Observer};
+use crate::variator::cell::observer::{AtStation, NoObserver, StationObserver};
 use crate::variator::cell::state::{CellInput, Slots, StationForces};
 use crate::variator::cell::variation::{Evaluated, Linearised};
 use crate::variator::law::place::{CellBalance, Place};
@@ -265,7 +265,7 @@ struct ForceRecorder<'a, const D: usize> {
     forces: &'a mut [Option<StationForces<Lanes, D>>; STATIONS],
 }
 
-impl<const D: usize> Observer<Lanes, D> for ForceRecorder<'_, D> {
+impl<const D: usize> StationObserver<Lanes, D> for ForceRecorder<'_, D> {
     #[inline(always)]
     fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
         self.regime.observe(at);
@@ -300,7 +300,7 @@ fn pack_pass<const N: usize, K: RingKind<D, C>, const D: usize, C: MeshCurve>(
     frame: &C::Frame<Tangent<N>>,
     (unknowns, slopes): (&Unknowns<Lanes>, [f64; 2]),
     first: usize,
-    observer: &mut impl Observer<Tangent<N>, D>,
+    observer: &mut impl StationObserver<Tangent<N>, D>,
 ) -> ([Tangent<N>; MOST_ROWS], Transport<Tangent<N>>) {
     let seed = |value: Lanes, direction: usize, slope: f64| Tangent::seed(value, direction.wrapping_sub(first), slope);
     let (b, ring) = pack_balance::<_, _, K, D, C>(acting, of, frame, unknowns, slopes, seed, observer);

@@ -6,7 +6,7 @@ use crate::reference_curve::{COORDINATES, DisplacedCurve};
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::solver::sdirk::Geometry;
+use crate::solver::sdirk::GeometryUpdate;
 use crate::tape::Tape;
 use crate::variator::assembly::evaluate::{frame, pack_balance, sampled_balance};
 use crate::variator::assembly::global_slopes::GlobalSlopes;
@@ -146,16 +146,16 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> Assembly for PackedCe
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        geometry: Option<Geometry>,
+        geometry: Option<GeometryUpdate>,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let InForce { belt, .. } = acting;
         let alpha = slopes[0];
         let policy = |pack: usize| match geometry {
             None => ReusePolicy::WhereValid,
-            Some(Geometry::All) => ReusePolicy::None,
-            Some(Geometry::Part { number, parts }) if pack % parts == number => ReusePolicy::None,
-            Some(Geometry::Part { .. } | Geometry::Kept) => ReusePolicy::Geometry,
+            Some(GeometryUpdate::All) => ReusePolicy::None,
+            Some(GeometryUpdate::Part { number, parts }) if pack % parts == number => ReusePolicy::None,
+            Some(GeometryUpdate::Part { .. } | GeometryUpdate::None) => ReusePolicy::Geometry,
         };
         let frames = K::frames(&belt.curve, &belt.path(view), slopes);
         self.globals.clear();

@@ -4,7 +4,7 @@ use crate::contact::Friction;
 use crate::scalar::{Lanes, Real};
 use crate::variator::cell::flank_variation::FlankTangents;
 use crate::variator::cell::laws::{LawTangents, STACK_ARGUMENTS, STACK_FORCES, TangentRecorder};
-use crate::variator::cell::observer::{AtStation, Observer};
+use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::law::place::CellLaw;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
@@ -146,7 +146,7 @@ pub(crate) struct RegimeObserver<'a> {
     pub regime: &'a mut Regime,
 }
 
-impl<const D: usize> Observer<Lanes, D> for RegimeObserver<'_> {
+impl<const D: usize> StationObserver<Lanes, D> for RegimeObserver<'_> {
     #[inline(always)]
     fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
         TangentRecorder(&mut self.regime.laws).observe(at);

@@ -7,7 +7,7 @@ use crate::ring::Energy;
 use crate::scalar::Lanes;
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::solver::sdirk::Geometry;
+use crate::solver::sdirk::GeometryUpdate;
 use crate::tape::Tape;
 use crate::variator::belt::Belt;
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
@@ -43,7 +43,7 @@ pub trait Assembly: Debug + Send + Sync {
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        geometry: Option<Geometry>,
+        geometry: Option<GeometryUpdate>,
         out: (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad>;
 

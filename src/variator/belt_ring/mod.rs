@@ -27,7 +27,7 @@ pub use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
 pub use crate::variator::belt::{Belt, HOLD};
 pub use crate::variator::cell::balance::balance;
 pub use crate::variator::cell::directions::{Direction, Directions};
-pub use crate::variator::cell::observer::{NoObserver, Observer, Sampler};
+pub use crate::variator::cell::observer::{NoObserver, Sampler, StationObserver};
 pub use crate::variator::cell::sample::Sample;
 pub use crate::variator::cell::state::CellInput;
 pub use crate::variator::law::place::{CellBalance, CellLaw, CellMotion, Place, PulleyMotion, SheavePlane};

@@ -12,7 +12,7 @@ use crate::chain::{Stack, Transport};
 use crate::reference_curve::ReferencePoint;
 use crate::ring::kinematics::in_plane;
 use crate::scalar::Real;
-use crate::variator::cell::observer::{AtStation, Observer};
+use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, StationState, chain_at_face};
 use crate::variator::law::place::CellBalance;
 use crate::variator::rings::ring::{Action, CellRing};
@@ -20,7 +20,7 @@ use crate::variator::rings::ring::{Action, CellRing};
 /// The balance of a cell, or of one in each lane of `T`, with this `ring`. `reference` returns the reference curve at the
 /// face (0) and at the stations (1 and up); `observer` is called at every station.
 #[inline(always)]
-pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>(
+pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,
@@ -32,7 +32,7 @@ pub fn balance<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>(
 
 /// [`balance`], with the state of the cell; fills the empty `slots`.
 #[inline(always)]
-pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: Observer<T, D>>(
+pub fn balance_in<T: Real, const D: usize, R: CellRing<T, D>, P: StationObserver<T, D>>(
     given: &CellInput<'_, T>,
     ring: &mut R,
     reference: impl Fn(usize) -> ReferencePoint<T>,

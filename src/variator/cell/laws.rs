@@ -11,7 +11,7 @@
 use crate::chain::Stack;
 use crate::scalar::{Lanes, Real, Tangent};
 use crate::variator::cell::flank_variation::{FLANK_ARGUMENTS, FLANK_FORCES, FlankTangents, flank_slopes, of_flank};
-use crate::variator::cell::observer::{AtStation, Observer};
+use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::law::ring_friction::ring_friction;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
@@ -145,7 +145,7 @@ impl LawTangents {
 /// Records the tangents of the laws; those of the second flank in space only.
 pub(crate) struct TangentRecorder<'a>(pub &'a mut LawTangents);
 
-impl<const D: usize> Observer<Lanes, D> for TangentRecorder<'_> {
+impl<const D: usize> StationObserver<Lanes, D> for TangentRecorder<'_> {
     #[inline(always)]
     fn observe<R: CellRing<Lanes, D>>(&mut self, at: &AtStation<'_, Lanes, D, R>) {
         let (given, forces) = (at.given, at.forces);
@@ -174,7 +174,7 @@ impl<const D: usize> Observer<Lanes, D> for TangentRecorder<'_> {
 /// Records the arguments of the laws.
 pub(crate) struct ArgumentRecorder<'a, T>(pub &'a mut LawArguments<T>);
 
-impl<T: Real, const D: usize> Observer<T, D> for ArgumentRecorder<'_, T> {
+impl<T: Real, const D: usize> StationObserver<T, D> for ArgumentRecorder<'_, T> {
     #[inline(always)]
     fn observe<R: CellRing<T, D>>(&mut self, at: &AtStation<'_, T, D, R>) {
         let to = &mut self.0.stations[at.index];

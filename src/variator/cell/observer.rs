@@ -11,7 +11,7 @@ use crate::variator::rings::ring::CellRing;
 use nalgebra::Vector2;
 
 /// Called at every station of a cell during its evaluation.
-pub trait Observer<T: Real, const D: usize = 2> {
+pub trait StationObserver<T: Real, const D: usize = 2> {
     /// Whether it samples for outputs. A travelling ring then computes its tension at the current state.
     const SAMPLES: bool = false;
     /// Called at a station.
@@ -36,7 +36,7 @@ pub struct AtStation<'a, T: Real, const D: usize, R> {
 #[derive(Debug)]
 pub struct NoObserver;
 
-impl<T: Real, const D: usize> Observer<T, D> for NoObserver {
+impl<T: Real, const D: usize> StationObserver<T, D> for NoObserver {
     #[inline(always)]
     fn observe<R: CellRing<T, D>>(&mut self, _at: &AtStation<'_, T, D, R>) {}
 }
@@ -44,7 +44,7 @@ impl<T: Real, const D: usize> Observer<T, D> for NoObserver {
 /// An observer that passes samples to a closure.
 pub struct Sampler<'a, T>(pub &'a mut dyn FnMut(Sample<T>));
 
-impl<T: Real, const D: usize> Observer<T, D> for Sampler<'_, T> {
+impl<T: Real, const D: usize> StationObserver<T, D> for Sampler<'_, T> {
     const SAMPLES: bool = true;
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use crate::chain::{ChainPoint, Stack};
 use crate::contact::Friction;
 use crate::reference_curve::ReferencePoint;
-use crate::ring::kinematics::{Load, RingPoint, embed, in_plane};
+use crate::ring::kinematics::{LineLoad, RingPoint, embed, in_plane};
 use crate::scalar::Real;
 use crate::variator::law::flanks::{Approach, BothFlanks};
 use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
@@ -183,7 +183,7 @@ impl<T: Real> CellState<T> {
 #[derive(Clone, Copy, Debug)]
 pub struct StationForces<T: Real, const D: usize> {
     /// Own load of the ring, and its tension, N.
-    pub own_load: Load<T, D>,
+    pub own_load: LineLoad<T, D>,
     pub tension: T,
     /// Mass of the elements per dξ, kg/m, their a·t̂ and a along the normals, m/s².
     pub mass: T,
@@ -226,7 +226,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             motion,
         } = given;
         let StationState { ring: point, chain, .. } = station;
-        let mut own_load = Load::zero();
+        let mut own_load = LineLoad::zero();
         let tension = ring.own_load(i + 1, point, &mut own_load);
         let speed_dot = between(&motion.speed_dot, place.stations[i].right);
         let mass = cell.density * chain.lambda * law.chain.mass_per_length;

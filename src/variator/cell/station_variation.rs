@@ -2,7 +2,7 @@
 
 use crate::chain::{AccelerationTerms, ChainPoint, ChainVariation};
 use crate::contact::FlankMotion;
-use crate::ring::kinematics::{Load, RingPoint, RingVariation, embed, in_plane};
+use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation, embed, in_plane};
 use crate::scalar::{Lanes, Real, Tangent, along, zero_vector};
 use crate::variator::cell::flank_variation::{FLANK_FORCES, Flank, FlankVariation, of_flank};
 use crate::variator::cell::laws::{StationArguments, StationTangents};
@@ -286,7 +286,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         &self,
         change: &StationVariation<'_, D>,
         flanks: &BothFlanksVariation,
-        load: &mut Load<Lanes, D>,
+        load: &mut LineLoad<Lanes, D>,
     ) -> ([Lanes; 2], Vector2<Lanes>) {
         let (ring, chain, at) = (self.ring, self.chain, &self.forces.approach);
         let StationVariation { by, flank, .. } = *change;

@@ -8,7 +8,7 @@
 //! forward differentiation.
 
 use crate::chain::{ChainPoint, ChainVariation, Transport};
-use crate::ring::kinematics::{Load, RingPoint, RingVariation};
+use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
 use crate::scalar::{Lanes, along};
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
@@ -159,7 +159,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             let (Some(station), Some((by, chain))) = (station, varied) else {
                 continue;
             };
-            let mut load = Load::zero();
+            let mut load = LineLoad::zero();
             let tension = self.ring.vary_own_load(i + 1, station.ring, by, own, &mut load);
             let (along, inward) = station.vary_inertia(self.given.law, alpha, (by, chain), &on_stations);
             let change = StationVariation {
@@ -307,7 +307,8 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 tension: zero,
                 pressing: zero,
             };
-            arguments.stations[i] = self.add_station::<false>((i, station), &change, Load::zero(), &mut out, &mut sum);
+            arguments.stations[i] =
+                self.add_station::<false>((i, station), &change, LineLoad::zero(), &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, None, beta))
     }
@@ -349,7 +350,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 tension: zero,
                 pressing: zero,
             };
-            let loads = (Load::zero(), &flanks, [friction, zero]);
+            let loads = (LineLoad::zero(), &flanks, [friction, zero]);
             self.add_loads::<false>((i, station), &change, loads, &mut out, &mut sum);
         }
         (out, self.ring.varied_forces(&sum, None, self.slopes[1]))
@@ -361,7 +362,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         &self,
         (i, station): (usize, &LinearisedStation<'_, D>),
         change: &StationVariation<'_, D>,
-        load: Load<Lanes, D>,
+        load: LineLoad<Lanes, D>,
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) -> StationArguments<Lanes> {
@@ -379,7 +380,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         &self,
         (i, station): (usize, &LinearisedStation<'_, D>),
         change: &StationVariation<'_, D>,
-        (mut load, flanks, [friction_by, drag_by]): (Load<Lanes, D>, &BothFlanksVariation, [Lanes; 2]),
+        (mut load, flanks, [friction_by, drag_by]): (LineLoad<Lanes, D>, &BothFlanksVariation, [Lanes; 2]),
         out: &mut CellBalance<Lanes>,
         sum: &mut R::Sum,
     ) {

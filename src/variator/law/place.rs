@@ -14,7 +14,7 @@ use crate::variator::mesh::belt_mesh::Station;
 #[derive(Clone, Debug)]
 pub struct CellLaw {
     /// Parameters of the push elements.
-    pub chain: chain::Belt,
+    pub chain: chain::PushElements,
     /// Parameters of the ring sets, as one beam.
     pub ring: Ring,
     /// Parameters of the ring's layers.

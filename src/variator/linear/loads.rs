@@ -84,7 +84,7 @@ pub(super) fn load_columns(system: &VariatorSystem, loads: &[Load], size: usize)
     b
 }
 
-/// Largest relative difference between a specified load and the one that holds the point without a remark.
+/// Largest relative difference between a specified load and the required one that causes no remark.
 const SAME: f64 = 0.01;
 /// Least sizes of loads in this comparison, N and N·m: drag alone changes a torque of zero.
 const SMALL_FORCE: f64 = 5.0e3;
@@ -111,7 +111,7 @@ pub(super) fn departures(loads: &[Load], point: &WorkingPoint) -> Vec<String> {
         if (held - given).abs() > SAME * given.abs().max(held.abs()).max(small) {
             let name = load.name();
             found.push(format!(
-                "{name} = {held:.2} {unit} holds this point, {given} {unit} is given"
+                "this point requires {name} = {held:.2} {unit}, but {given} {unit} is specified"
             ));
         }
     }

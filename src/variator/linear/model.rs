@@ -45,13 +45,13 @@ pub struct LinearModel {
 }
 
 /// A direction of x = (y, q), and its ẏ.
-struct Direction {
+struct StateDirection {
     y: Vec<f64>,
     y_dot: Vec<f64>,
     q: Vec<f64>,
 }
 
-impl Direction {
+impl StateDirection {
     /// Of a column of x and its rate.
     fn new(n: usize, positions: &[usize], column: &[f64], rate: &[f64]) -> Self {
         let mut q = vec![0.0; n];
@@ -161,7 +161,7 @@ fn about(
 
     let n = system.belt.layout.len();
     let mut differentiate = |column: &[f64], rate: &[f64]| {
-        let direction = Direction::new(n, &descriptor.positions, column, rate);
+        let direction = StateDirection::new(n, &descriptor.positions, column, rate);
         derivatives_along(system, state, &direction, read)
     };
     let c: Vec<Vec<f64>> = (0..slow.right.ncols())
@@ -210,7 +210,7 @@ fn transposed(columns: &[Vec<f64>], rows: usize) -> Vec<Vec<f64>> {
 fn derivatives_along(
     system: &mut VariatorSystem,
     state: &State,
-    direction: &Direction,
+    direction: &StateDirection,
     read: &[&dyn Fn(&Outputs) -> f64],
 ) -> Vec<f64> {
     let n = system.belt.layout.len();

@@ -2,7 +2,7 @@
 
 use crate::reference_curve::{COORDINATES, ReferencePoint};
 use crate::ring::kinematics::{
-    ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
+    ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, RingVariation,
 };
 use crate::ring::{Ring, ale};
 use crate::scalar::Real;
@@ -67,7 +67,7 @@ impl<T: Real, const D: usize> CellRing<T, D> for Deflecting<'_, T, D> {
     }
 
     #[inline(always)]
-    fn own_load(&self, _slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T {
+    fn own_load(&self, _slot: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T {
         ale::add_inertia(self.ring, point, load);
         ale::add_elasticity(self.ring, point, self.growth, load)
     }
@@ -108,7 +108,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
         point: &RingPoint<T, D>,
         by: &RingVariation<T, D>,
         _own: Option<usize>,
-        load: &mut Load<T, D>,
+        load: &mut LineLoad<T, D>,
     ) -> T {
         ale::vary_inertia(self.ring, point, by, load);
         ale::vary_elasticity(self.ring, point, by, self.growth, load)
@@ -125,7 +125,7 @@ impl<T: Real, const D: usize> VaryingRing<T, D> for Deflecting<'_, T, D> {
         sum: &mut ElementLoad<T, D>,
         slot: usize,
         (point, by): (&RingPoint<T, D>, &RingVariation<T, D>),
-        own_load: &Load<T, D>,
+        own_load: &LineLoad<T, D>,
         action: &Action<T, D>,
     ) {
         let shape = &self.place.slot(slot).shape;

@@ -7,7 +7,7 @@
 //! [`Displaced`]: crate::reference_curve::Displaced
 
 use crate::reference_curve::{COORDINATES, DisplacedCurve, PointSlopes, ReferencePoint};
-use crate::ring::kinematics::{Load, Node, ReferenceMotion, RingPoint, RingVariation};
+use crate::ring::kinematics::{LineLoad, Node, ReferenceMotion, RingPoint, RingVariation};
 use crate::ring::{Ring, ale};
 use crate::scalar::{Real, zero_vector};
 use crate::variator::law::place::{Place, between, share};
@@ -128,7 +128,7 @@ impl<T: Real, C: DisplacedCurve> CellRing<T> for Guided<'_, T, C> {
     }
 
     #[inline(always)]
-    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut Load<T>) -> T {
+    fn own_load(&self, slot: usize, point: &RingPoint<T>, load: &mut LineLoad<T>) -> T {
         ale::add_inertia(self.ring, point, load);
         between(&self.tension, self.place.slot(slot).right)
     }
@@ -173,7 +173,7 @@ impl<T: Real, C: DisplacedCurve> VaryingRing<T> for Guided<'_, T, C> {
         point: &RingPoint<T>,
         by: &RingVariation<T>,
         own: Option<usize>,
-        load: &mut Load<T>,
+        load: &mut LineLoad<T>,
     ) -> T {
         ale::vary_inertia(self.ring, point, by, load);
         let right = self.place.slot(slot).right;
@@ -191,7 +191,7 @@ impl<T: Real, C: DisplacedCurve> VaryingRing<T> for Guided<'_, T, C> {
         sum: &mut GuidedSum<T>,
         slot: usize,
         (point, _): (&RingPoint<T>, &RingVariation<T>),
-        _own_load: &Load<T>,
+        _own_load: &LineLoad<T>,
         action: &Action<T>,
     ) {
         self.add(sum, slot, point, action, |_| T::zero());

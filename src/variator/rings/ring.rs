@@ -3,14 +3,14 @@
 //! [`balance`](crate::variator::cell::balance) calls the four functions of [`CellRing`].
 
 use crate::reference_curve::{COORDINATES, ReferencePoint};
-use crate::ring::kinematics::{Load, Node, RingPoint, RingVariation};
+use crate::ring::kinematics::{LineLoad, Node, RingPoint, RingVariation};
 use crate::scalar::Real;
 
 /// Loads at a station, per dξ.
 #[derive(Clone, Copy, Debug)]
 pub struct Action<T: Real, const D: usize = 2> {
     /// Loads on the ring: its own and those of chain and contact.
-    pub load: Load<T, D>,
+    pub load: LineLoad<T, D>,
     /// Ring tension T, N.
     pub tension: T,
     /// All forces across the ring, inwards, N/m.
@@ -39,7 +39,7 @@ pub trait CellRing<T: Real, const D: usize = 2> {
 
     /// Adds the ring's own forces, inertia included; returns its tension, N. A ring that assembles these on elements of
     /// its own adds nothing.
-    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut Load<T, D>) -> T;
+    fn own_load(&self, slot: usize, point: &RingPoint<T, D>, load: &mut LineLoad<T, D>) -> T;
 
     /// Applies the loads at a station.
     fn apply(&mut self, slot: usize, point: &RingPoint<T, D>, action: &Action<T, D>);
@@ -74,7 +74,7 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
         point: &RingPoint<T, D>,
         by: &RingVariation<T, D>,
         own: Option<usize>,
-        load: &mut Load<T, D>,
+        load: &mut LineLoad<T, D>,
     ) -> T;
 
     /// The empty sum.
@@ -86,7 +86,7 @@ pub trait VaryingRing<T: Real, const D: usize = 2>: EulerianRing<T, D> {
         sum: &mut Self::Sum,
         slot: usize,
         at: (&RingPoint<T, D>, &RingVariation<T, D>),
-        own_load: &Load<T, D>,
+        own_load: &LineLoad<T, D>,
         action: &Action<T, D>,
     );
 

@@ -2,6 +2,7 @@
 
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
+use crate::solver::State;
 use crate::solver::continuation::Settled;
 use crate::solver::newton::Newton;
 use crate::solver::sdirk::Stalled;
@@ -37,8 +38,14 @@ const SLIP_AT_CAPACITY: f64 = 0.015;
 /// underdrive.
 const USUAL_RADIUS: f64 = 0.3;
 
-/// Speed of the primary pulley below which there is nothing steady to solve for, rad/s.
+/// Speed of a pulley below which it stands still, rad/s.
 const STANDSTILL: f64 = 1.0e-3;
+
+/// Speed of the primary pulley, rad/s, and friction velocity, m/s, of the belt that creeps into a standstill. The axial force is
+/// within 2 % of the limit in which both vanish, their quotient growing: sliding speeds are then far above the one, and a centrifugal
+/// tension of some 2 N is far below the ring's.
+const CREEP_SPEED: f64 = 20.0;
+const CREEP_FRICTION_VELOCITY: f64 = 5.0e-5;
 
 /// Finds the state to start from at `time`: steady or unloaded as the parameters choose, else the nearest that exists, with a warning that
 /// gives it and the reason. Returns what it is, and the first step from it, s.
@@ -60,7 +67,7 @@ pub(super) fn find_start(
     let is_solved = matches!(
         found,
         StartState::Steady | StartState::ReducedTorque | StartState::NoEquilibrium
-    );
+    ) && start.primary_speed.abs() > STANDSTILL;
     if plant.system.parameters.solver.mode == Mode::RealTime && plant.soft_start.from == time {
         // A ring without tension is a mechanism, too rough for steps of bounded work.
         if let Err(stalled) = plant.clamp_softly(inputs) {
@@ -141,7 +148,10 @@ impl StartSearch<'_> {
         if !self.plant.system.parameters.holds_both_sheaves() {
             return;
         }
-        let text = if matches!(found, StartState::Steady | StartState::ReducedTorque) {
+        let text = if matches!(
+            found,
+            StartState::Steady | StartState::ReducedTorque | StartState::Clamped
+        ) {
             "both sheaves are held: the belt's tension follows from secondary.clampingForce at the start, later clamping \
              forces are ignored"
         } else {
@@ -162,25 +172,92 @@ impl StartSearch<'_> {
             Ok(StartState::Unloaded)
         } else if start.primary_speed.abs() > STANDSTILL {
             self.start_cold(start)?;
-            self.solve_steady(start)
+            match self.solve_steady() {
+                Ok(found) => Ok(found),
+                Err(why) => self.start_without_steady_state(&why, start),
+            }
         } else {
-            self.start_unloaded(start)?;
-            match self.plant.clamp_at_rest(self.inputs) {
-                Ok(true) => Ok(StartState::Clamped),
-                Ok(false) => Ok(StartState::Unloaded),
-                Err(stalled) => {
-                    self.messages.push(no_clamping(&stalled));
-                    self.start_unloaded(start)?;
-                    Ok(StartState::Unloaded)
-                }
+            self.start_at_rest(start)
+        }
+    }
+
+    /// Starts at a standstill: as a belt that crept, or else clamped from the unloaded state.
+    fn start_at_rest(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
+        if self.may_creep(start)
+            && let Some(found) = self.stop_creeping(start)?
+        {
+            return Ok(found);
+        }
+        self.start_unloaded(start)?;
+        match self.plant.clamp_at_rest(self.inputs) {
+            Ok(true) => Ok(StartState::Clamped),
+            Ok(false) => Ok(StartState::Unloaded),
+            Err(stalled) => {
+                self.messages.push(no_clamping(&stalled));
+                self.start_unloaded(start)?;
+                Ok(StartState::Unloaded)
             }
         }
     }
 
+    /// Whether a start at a standstill may be that of a belt that crept: both pulleys stand still under clamping forces, and a sheave
+    /// is held or the torques drive the belt.
+    fn may_creep(&self, start: &Start) -> bool {
+        let (p, inputs) = (&self.plant.system.parameters, self.inputs);
+        let stands = p.secondary.drive == Drive::Torque || inputs.secondary.speed_setpoint.abs() <= STANDSTILL;
+        let free = p.primary.drive == Drive::Torque && p.secondary.drive == Drive::Torque;
+        let torque = inputs.primary.torque + inputs.secondary.torque / start.ratio;
+        let driven = free && torque * creep_speed(start) > 0.0;
+        stands && self.plant.is_clamped(inputs) && (p.holds_a_sheave() || driven)
+    }
+
+    /// Starts at rest with the forces of a belt that creeps at the torques: Coulomb friction leaves the forces of a belt at rest
+    /// open, so they are those of the motion before. None with a warning where there is no such state, and none where both sheaves are
+    /// under force and friction holds the torques: a belt that crept would roll back.
+    fn stop_creeping(&mut self, start: &Start) -> Result<Option<StartState>, InitialisationError> {
+        let creep = Start {
+            primary_speed: creep_speed(start),
+            ..*start
+        };
+        self.plant.state = self.kinematic_state(&creep)?;
+        let before = self.messages.len();
+        let velocity = &mut self.plant.system.parameters.friction.velocity;
+        let own = std::mem::replace(velocity, CREEP_FRICTION_VELOCITY);
+        let found = self.solve_steady();
+        let belt = Survey::of(&self.plant.system, self.plant.state.view())
+            .sums
+            .shaft_torque;
+        self.plant.system.parameters.friction.velocity = own;
+        self.plant.end_soft_start();
+        let holds = (self.inputs.primary.torque + belt.primary) * creep.primary_speed <= 0.0;
+        if found.is_ok() && holds && !self.plant.system.parameters.holds_a_sheave() {
+            self.messages.truncate(before);
+            return Ok(None);
+        }
+        let stopped = found.and_then(|found| match self.plant.bring_to_rest(self.inputs) {
+            Ok(()) => Ok(found),
+            Err(stalled) => Err(format!("the belt was not brought to rest: {stalled}")),
+        });
+        match stopped {
+            Ok(StartState::Steady) => Ok(Some(StartState::Clamped)),
+            Ok(found) => Ok(Some(found)),
+            Err(why) => {
+                self.log(
+                    true,
+                    format!("{why}: the run starts at rest without the forces of a belt that has run before"),
+                );
+                Ok(None)
+            }
+        }
+    }
+
+    fn kinematic_state(&self, start: &Start) -> Result<State, InitialisationError> {
+        kinematic_state(&self.plant.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))
+    }
+
     /// Starts in the kinematic state, the secondary pulley at its set point if it has one.
     fn start_cold(&mut self, start: &Start) -> Result<(), InitialisationError> {
-        self.plant.state =
-            kinematic_state(&self.plant.system.belt, start).map_err(|e| InitialisationError::NoState(e.to_string()))?;
+        self.plant.state = self.kinematic_state(start)?;
         if self.plant.system.parameters.secondary.drive == Drive::Speed {
             let i = self.plant.system.belt.layout.shaft_speed(Pulley::Secondary);
             self.plant.state.y[i] = self.inputs.secondary.speed_setpoint;
@@ -270,15 +347,16 @@ impl StartSearch<'_> {
         torque / full_slip_torque(&p.friction, self.plant.system.belt.law.wedge[1], force, radius).max(1.0e-6)
     }
 
-    /// Solves for the steady state of the parameters, or for the nearest one; returns which it is.
-    fn solve_steady(&mut self, start: &Start) -> Result<StartState, InitialisationError> {
+    /// Solves for the steady state of the parameters, or for the nearest one; returns which it is, or why there is none.
+    fn solve_steady(&mut self) -> Result<StartState, String> {
         let mut newton = Newton::new(&self.plant.system);
         let task = self.steady_task(1.0);
         let clamped = task.reaction.other();
         if task.clamping[clamped] < NO_FORCE {
             let (name, force) = (clamped.name(), task.clamping[clamped]);
-            let why = format!("no steady state without a clamping force ({name}.clampingForce = {force} N)");
-            return self.start_without_steady_state(&why, start);
+            return Err(format!(
+                "no steady state without a clamping force ({name}.clampingForce = {force} N)"
+            ));
         }
         let found = match self.carry(&mut newton) {
             Ok(1.0) => StartState::Steady,
@@ -287,8 +365,9 @@ impl StartSearch<'_> {
                 StartState::ReducedTorque
             }
             Err(Settled { step, solves }) => {
-                let why = format!("no steady state was found (pseudo-time step {step:.1e} s after {solves} solves)");
-                return self.start_without_steady_state(&why, start);
+                return Err(format!(
+                    "no steady state was found (pseudo-time step {step:.1e} s after {solves} solves)"
+                ));
             }
         };
         let p = &self.plant.system.parameters;
@@ -436,6 +515,11 @@ impl StartSearch<'_> {
             }
         }
     }
+}
+
+/// Speed of the primary pulley of the belt that creeps into a standstill, rad/s: forward unless the given speed is negative.
+fn creep_speed(start: &Start) -> f64 {
+    CREEP_SPEED.copysign(start.primary_speed)
 }
 
 /// Clamping forces among the inputs, N.

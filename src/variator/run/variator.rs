@@ -83,13 +83,21 @@ impl Variator {
         Self::with_ring(parameters, ring)
     }
 
+    /// Checks parameters of a variator with this ring.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range or does not fit the ring.
+    pub fn check(parameters: &Parameters, ring: &dyn BeltRing) -> Result<(), ParameterError> {
+        parameters.validate()?;
+        ring.check(parameters)
+    }
+
     /// A variator with these parameters and this ring, not yet initialised.
     ///
     /// # Errors
     /// The first parameter that is out of its range or does not fit the ring.
     pub fn with_ring(parameters: Parameters, ring: Arc<dyn BeltRing>) -> Result<Self, ParameterError> {
-        parameters.validate()?;
-        ring.check(&parameters)?;
+        Self::check(&parameters, &*ring)?;
         let plant = Plant::new(&parameters, ring);
         Ok(Self {
             stepper: stepper(&plant, COLD_STEP),

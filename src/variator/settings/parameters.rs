@@ -1,6 +1,6 @@
 //! Parameters, set before a run: one struct per group, one field per parameter of the interface. SI units, angles in rad.
 
-pub use crate::chain::Belt;
+pub use crate::chain::PushElements;
 pub use crate::contact::{Contact, Friction};
 use crate::pulley::Pulley;
 pub use crate::ring::Ring;
@@ -63,7 +63,7 @@ pub struct Parameters {
     /// Pulley distance, belt length, wedge angle.
     pub geometry: Geometry,
     /// Push elements.
-    pub belt: Belt,
+    pub belt: PushElements,
     /// The two ring sets, as one beam.
     pub ring: Ring,
     /// Layers of a ring set, which slip on each other.
@@ -220,6 +220,12 @@ impl Parameters {
         }
     }
 
+    /// Whether a sheave does not move.
+    #[must_use]
+    pub fn holds_a_sheave(&self) -> bool {
+        self.primary.axial == Axial::Held || self.secondary.axial == Axial::Held
+    }
+
     /// Whether no sheave moves.
     #[must_use]
     pub fn holds_both_sheaves(&self) -> bool {
@@ -261,7 +267,7 @@ impl Default for Parameters {
                 wedge_angle: 11.0_f64.to_radians(),
                 pulley_offset: 0.0,
             },
-            belt: Belt {
+            belt: PushElements {
                 pitch_offset: 1.0e-3,
                 play: 2.0e-4,
                 mass_per_length: 1.33,

@@ -200,7 +200,7 @@ pub enum StartState {
     NoEquilibrium = 4,
     /// The unloaded kinematic state: no steady state was found.
     NotFound = 5,
-    /// The clamped belt at a standstill, before torques act.
+    /// The belt at a standstill under its clamping forces.
     Clamped = 6,
 }
 

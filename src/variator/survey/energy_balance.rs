@@ -2,7 +2,7 @@
 
 use crate::pulley::Pulley;
 use crate::solver::arrow::{Arrow, Shape};
-use crate::solver::sdirk::{Evolution, Geometry, Interval, Quadrature};
+use crate::solver::sdirk::{Evolution, GeometryUpdate, Interval, Quadrature};
 use crate::solver::{System, View};
 use crate::variator::pulleys::loads::{Boundary, ShaftMode};
 use crate::variator::survey::belt_survey::{BeltSums, Survey};
@@ -102,7 +102,14 @@ impl Evolution for Running<'_> {
         belt.ring.longest_drift(belt) / view.y[belt.layout.drift()].abs()
     }
 
-    fn jacobian_with(&mut self, geometry: Geometry, time: f64, view: View<'_>, slopes: [f64; 2], out: &mut Arrow) {
+    fn jacobian_with(
+        &mut self,
+        geometry: GeometryUpdate,
+        time: f64,
+        view: View<'_>,
+        slopes: [f64; 2],
+        out: &mut Arrow,
+    ) {
         self.system.form_jacobian(Some(geometry), time, view, slopes, out);
     }
 

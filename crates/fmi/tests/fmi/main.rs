@@ -3,5 +3,6 @@
 mod descriptions;
 mod fmi2;
 mod fmi3;
+mod simple;
 mod slave;
 mod tank;

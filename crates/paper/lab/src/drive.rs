@@ -58,7 +58,7 @@ pub enum DriveError {
 
 /// A belt drive with N pulleys.
 #[derive(Clone, Debug)]
-pub struct Drive<const N: usize> {
+pub struct BeltDrive<const N: usize> {
     pulleys: [DrivePulley; N],
     length: f64,
     tensioner: Option<Arm>,
@@ -131,7 +131,7 @@ fn belt_length<D: DualNum<Primitive = f64> + Copy, const N: usize>(
     length
 }
 
-impl<const N: usize> Drive<N> {
+impl<const N: usize> BeltDrive<N> {
     /// A drive with fixed axes, around which the belt just fits.
     ///
     /// # Errors
@@ -242,7 +242,7 @@ struct Segment<T> {
     place: [Jet<T>; 2],
 }
 
-/// [`Drive`] at one Θ.
+/// [`BeltDrive`] at one Θ.
 #[derive(Clone, Copy, Debug)]
 pub struct DriveFrame<T: Real, const N: usize> {
     /// Arcs in the order of the belt, the first from χ = 0 on.
@@ -262,7 +262,7 @@ impl<T: Real, const N: usize> DriveFrame<T, N> {
     }
 }
 
-impl<const N: usize> ReferenceCurve for Drive<N> {
+impl<const N: usize> ReferenceCurve for BeltDrive<N> {
     type Frame<T: Real> = DriveFrame<T, N>;
 
     fn length(&self) -> f64 {

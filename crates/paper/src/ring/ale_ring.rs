@@ -9,9 +9,11 @@
 
 use super::Ring;
 use super::ale;
-use super::kinematics::{ElementLoad, ElementMotion, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane};
+use super::kinematics::{
+    ElementLoad, ElementMotion, LineLoad, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane,
+};
 use super::mesh::{self, RingMesh, Station};
-use super::model::{Coordinates, DIRECTIONS, Energy, RingFormulation, Shape};
+use super::model::{Coordinates, DIRECTIONS, Energy, RingFormulation, RingShape};
 use super::particle::{Particle, ParticleLoad, load_of_particle};
 use super::rotated::{RotatedElement, rotated_load, rotated_point};
 use crate::reference_curve::{Jet, ReferenceCurve, ReferencePoint};
@@ -201,7 +203,7 @@ impl<C: ReferenceCurve, const D: usize> AleRing<C, D> {
         station: &Station,
         parts: &ElementState<T, D>,
         point: &RingPoint<T, D>,
-        load: &Load<T, D>,
+        load: &LineLoad<T, D>,
         weight: T,
         sum: &mut ElementLoad<T, D>,
     ) {
@@ -332,7 +334,7 @@ where
         (element, 2.0 * along - 1.0)
     }
 
-    fn place_on(&self, shape: Shape<'_, D>, q: &mut [f64]) {
+    fn place_on(&self, shape: RingShape<'_, D>, q: &mut [f64]) {
         let frame = self.curve.frame(q[self.elements() * Self::BLOCK + 1]);
         for (block, element) in q.chunks_exact_mut(Self::BLOCK).zip(&self.mesh.elements) {
             let point = C::point::<f64>(&frame, element.segment, element.start);
@@ -404,7 +406,7 @@ where
         for station in &self.mesh.stations[element] {
             let mut point = self.point(frame, element, station, &parts);
             point.strain_gradient = strain_gradient;
-            let mut load = Load::zero();
+            let mut load = LineLoad::zero();
             match self.inertia {
                 Inertia::Pointwise => ale::add_inertia(&self.ring, &point, &mut load),
                 Inertia::Conservative => {

@@ -9,7 +9,7 @@
 
 use super::kinematics::{Hermite, Motion, combine};
 use super::lagrangian::{LagrangianElement, LagrangianRing};
-use super::model::{NODAL, Shape};
+use super::model::{NODAL, RingShape};
 use super::particle::{Particle, ParticleLoad};
 use crate::scalar::{Real, zero_vector};
 use nalgebra::Vector2;
@@ -33,7 +33,7 @@ impl LagrangianElement for AncfElement {
     const BLOCK: usize = 4;
     const MEAN_STRAIN: bool = false;
 
-    type Shape<W: Real> = Hermite<W>;
+    type ShapeFunctions<W: Real> = Hermite<W>;
     type Motion<T: Real> = AncfMotion<T>;
     type Force<T: Real> = [Vector2<T>; 4];
 
@@ -45,7 +45,7 @@ impl LagrangianElement for AncfElement {
         Hermite::at(x)
     }
 
-    fn place_on(_length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
+    fn place_on(_length: f64, start: f64, shape: RingShape<'_>, block: &mut [f64]) {
         let [r, slope] = shape(start);
         block.copy_from_slice(&[r.x, slope.x, r.y, slope.y]);
     }

@@ -8,7 +8,7 @@ use super::Ring;
 use super::beam;
 use super::kinematics::Motion;
 use super::mesh::gauss;
-use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingFormulation, Shape};
+use super::model::{Coordinates, DIRECTIONS, DRIFT, Energy, NODAL, RingFormulation, RingShape};
 use super::particle::{Particle, ParticleLoad};
 use crate::reference_curve::ReferenceCurve;
 use crate::scalar::{Lanes, Real};
@@ -23,7 +23,7 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     const MEAN_STRAIN: bool;
 
     /// Shape functions at a place. `W` is a mesh constant, or the scalar itself where the mesh moves past a fixed place.
-    type Shape<W: Real>: Clone + std::fmt::Debug + Send + Sync;
+    type ShapeFunctions<W: Real>: Clone + std::fmt::Debug + Send + Sync;
 
     /// Motion of an element.
     type Motion<T: Real>;
@@ -35,17 +35,19 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     fn is_length(k: usize) -> bool;
 
     /// Shape functions at x ∈ [−1, 1].
-    fn shape<W: Real>(x: W) -> Self::Shape<W>;
+    fn shape<W: Real>(x: W) -> Self::ShapeFunctions<W>;
 
     /// Sets the unknowns of the `block` of an element that begins at x̄ = `start` and is on `shape`.
-    fn place_on(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]);
+    fn place_on(length: f64, start: f64, shape: RingShape<'_>, block: &mut [f64]);
 
     /// Motion of an element from its unknowns.
     fn motion<T: Real>(length: f64, unknowns: &[Motion<T>]) -> Self::Motion<T>;
 
     /// The particle at a place.
-    fn particle<T: Real + Mul<W, Output = T>, W: Real>(motion: &Self::Motion<T>, shape: &Self::Shape<W>)
-    -> Particle<T>;
+    fn particle<T: Real + Mul<W, Output = T>, W: Real>(
+        motion: &Self::Motion<T>,
+        shape: &Self::ShapeFunctions<W>,
+    ) -> Particle<T>;
 
     /// No force.
     fn no_force<T: Real>() -> Self::Force<T>;
@@ -53,7 +55,7 @@ pub trait LagrangianElement: Clone + std::fmt::Debug + Send + Sync + 'static {
     /// Adds a load over the length `weight`, m.
     fn add<T: Real + Mul<W, Output = T>, W: Real>(
         motion: &Self::Motion<T>,
-        shape: &Self::Shape<W>,
+        shape: &Self::ShapeFunctions<W>,
         load: &ParticleLoad<T>,
         weight: f64,
         force: &mut Self::Force<T>,
@@ -70,7 +72,7 @@ pub struct LagrangianRing<E: LagrangianElement, C> {
     curve: C,
     elements: usize,
     quadrature: &'static [(f64, f64)],
-    shapes: Vec<E::Shape<f64>>,
+    shapes: Vec<E::ShapeFunctions<f64>>,
 }
 
 impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
@@ -125,7 +127,7 @@ impl<E: LagrangianElement, C: ReferenceCurve> LagrangianRing<E, C> {
     fn particles<'a, T: Real>(
         &'a self,
         motion: &'a E::Motion<T>,
-    ) -> impl Iterator<Item = (&'a E::Shape<f64>, Particle<T>, f64)> {
+    ) -> impl Iterator<Item = (&'a E::ShapeFunctions<f64>, Particle<T>, f64)> {
         let half = 0.5 * self.element_length();
         self.shapes
             .iter()
@@ -234,7 +236,7 @@ impl<E: LagrangianElement, C: ReferenceCurve + std::fmt::Debug> RingFormulation 
         (element, 2.0 * (place - element as f64) - 1.0)
     }
 
-    fn place_on(&self, shape: Shape<'_>, q: &mut [f64]) {
+    fn place_on(&self, shape: RingShape<'_>, q: &mut [f64]) {
         let length = self.element_length();
         for (element, block) in q.chunks_exact_mut(E::BLOCK).take(self.elements).enumerate() {
             E::place_on(length, element as f64 * length, shape, block);

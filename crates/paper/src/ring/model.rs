@@ -31,7 +31,7 @@ pub const DRIFT: usize = 8;
 pub type Coordinates<T, const N: usize = DIRECTIONS> = [Motion<T>; N];
 
 /// Shape of a ring: (r, r') at ξ.
-pub type Shape<'a, const D: usize = 2> = &'a dyn Fn(f64) -> [SVector<f64, D>; 2];
+pub type RingShape<'a, const D: usize = 2> = &'a dyn Fn(f64) -> [SVector<f64, D>; 2];
 
 /// A ring model on its mesh, with D components and N unknowns per element; s and Θ are the last two.
 pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clone + std::fmt::Debug {
@@ -73,7 +73,7 @@ pub trait RingFormulation<const D: usize = 2, const N: usize = DIRECTIONS>: Clon
     fn locate(&self, frame: &Self::Frame<f64>, s: f64, xi: f64) -> (usize, f64);
 
     /// Sets the unknowns `q` so that the nodes are on a shape at s = 0; `q[Θ]` is given.
-    fn place_on(&self, shape: Shape<'_, D>, q: &mut [f64]);
+    fn place_on(&self, shape: RingShape<'_, D>, q: &mut [f64]);
 
     /// Sets the unknowns `q` so that the nodes are on the reference curve; `q[Θ]` is given.
     fn place_on_curve(&self, q: &mut [f64]);

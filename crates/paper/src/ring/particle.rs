@@ -7,7 +7,7 @@
 //!
 //! ṙ|_η = v − w r', (r')˙|_η = v' − w r'', r̈|_η = a − ẇ r' − 2w (r')˙|_η − w² r'', w = ṡ − ξ̇_η.
 
-use super::kinematics::{Load, ReferenceMotion, RingPoint, inward_normal};
+use super::kinematics::{LineLoad, ReferenceMotion, RingPoint, inward_normal};
 use crate::reference_curve::ReferencePoint;
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::SVector;
@@ -124,8 +124,8 @@ impl<T: Real, const D: usize> ParticleLoad<T, D> {
 /// δσ the drift through the mesh. The part in δσ of a load on r'' is neglected, because it contains r'''.
 #[inline(always)]
 #[must_use]
-pub fn load_of_particle<T: Real, const D: usize>(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> Load<T, D> {
-    Load {
+pub fn load_of_particle<T: Real, const D: usize>(load: &ParticleLoad<T, D>, point: &RingPoint<T, D>) -> LineLoad<T, D> {
+    LineLoad {
         position: load.position,
         slope: load.slope,
         bend: load.bend,

@@ -22,7 +22,7 @@
 
 use super::kinematics::Motion;
 use super::lagrangian::{LagrangianElement, LagrangianRing};
-use super::model::{NODAL, Shape};
+use super::model::{NODAL, RingShape};
 use super::particle::{Particle, ParticleLoad};
 use crate::scalar::{Real, turn_right, zero_vector};
 use nalgebra::Vector2;
@@ -138,7 +138,7 @@ impl LagrangianElement for RcmElement {
     const BLOCK: usize = 5;
     const MEAN_STRAIN: bool = true;
 
-    type Shape<W: Real> = RcmShape<W>;
+    type ShapeFunctions<W: Real> = RcmShape<W>;
     type Motion<T: Real> = RcmMotion<T>;
     type Force<T: Real> = RcmForce<T>;
 
@@ -168,7 +168,7 @@ impl LagrangianElement for RcmElement {
         }
     }
 
-    fn place_on(length: f64, start: f64, shape: Shape<'_>, block: &mut [f64]) {
+    fn place_on(length: f64, start: f64, shape: RingShape<'_>, block: &mut [f64]) {
         let [r, slope] = shape(start);
         let g = (shape(start + length)[0] - r) / length;
         let deflection = |x: f64| (shape(start + x * length)[0] - r).dot(&turn_right(g)) / g.norm_squared();

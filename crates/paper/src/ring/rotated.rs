@@ -11,7 +11,8 @@
 //! e, and an element has d' = e + κ J d with the curvature of its own side.
 
 use super::kinematics::{
-    ElementLoad, ElementMotion, Hermite, Load, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane, inward_normal,
+    ElementLoad, ElementMotion, Hermite, LineLoad, Motion, Node, ReferenceMotion, RingPoint, embed, in_plane,
+    inward_normal,
 };
 use crate::reference_curve::{Jet, ReferencePoint, TangentAngle};
 use crate::scalar::{Real, turn_right, zero_vector};
@@ -117,7 +118,7 @@ pub fn rotated_point<T: Real, const D: usize>(
 
 /// Adds a load over the length `weight`, m, at a point of [`rotated_point`]: the transpose of its velocities.
 pub fn rotated_load<T: Real, const D: usize>(
-    load: &Load<T, D>,
+    load: &LineLoad<T, D>,
     point: &RingPoint<T, D>,
     shape: &Hermite<T::Constant>,
     element: &ElementMotion<T, D>,
@@ -141,7 +142,7 @@ pub fn rotated_load<T: Real, const D: usize>(
     let mut of_curve = *load;
     of_curve.theta += by_chi * reference.chi_theta + by_kappa * reference.kappa_theta;
     sum.add(&of_curve, point, shape, &ElementMotion::rigid(element.length), weight);
-    let of_deflection = Load {
+    let of_deflection = LineLoad {
         position: turned(f + turn_right(m) * kappa - k * (kappa * kappa), &load.position),
         slope: turned(m + turn_right(k) * (kappa * 2.0), &load.slope),
         bend: turned(k, &load.bend),

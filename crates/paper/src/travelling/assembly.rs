@@ -6,7 +6,7 @@ use crate::ring::model::{DIRECTIONS, Energy, NODAL, RingFormulation as _};
 use crate::scalar::{Lanes, Tangent};
 use crate::solver::View;
 use crate::solver::arrow::Arrow;
-use crate::solver::sdirk::Geometry;
+use crate::solver::sdirk::GeometryUpdate;
 use crate::travelling::evaluation::{
     Evaluation, MeanTension, Moving, PASS, Slopes, Still, Values, coordinates, values,
 };
@@ -228,7 +228,7 @@ impl<E: LagrangianElement> Assembly for TravellingCells<E> {
         acting: InForce<'_>,
         view: View<'_>,
         slopes: [f64; 2],
-        _geometry: Option<Geometry>,
+        _geometry: Option<GeometryUpdate>,
         (out, resultants): (&mut Arrow, &mut ResultantSlopes),
     ) -> PerPulley<PulleyLoad> {
         let belt = acting.belt;

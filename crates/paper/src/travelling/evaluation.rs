@@ -9,7 +9,7 @@ use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtSlot};
 use pushbelt::pulley::Pulley;
-use pushbelt::variator::belt_ring::{CellInput, CellMotion, InForce, Layout, Observer, Place, SLOTS, balance};
+use pushbelt::variator::belt_ring::{CellInput, CellMotion, InForce, Layout, Place, SLOTS, StationObserver, balance};
 use std::ops::Mul;
 
 /// Directions differentiated in one pass over a cell.
@@ -139,7 +139,7 @@ impl<S: Scalars> CellScalars<'_, S> {
 impl<E: LagrangianElement> Evaluation<'_, E> {
     /// The balance of a cell and the forces on its ring.
     #[inline(always)]
-    pub fn cell<S: Scalars, P: Observer<S::T>>(
+    pub fn cell<S: Scalars, P: StationObserver<S::T>>(
         &self,
         over: &CellOver,
         frame: &TwoPulleyFrame<S::T>,
@@ -207,7 +207,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
 
     /// The ring at a slot, where its element is at the local coordinate `x` from −1 to 1.
     #[inline(always)]
-    fn ring_at<S: Scalars, P: Observer<S::T>>(
+    fn ring_at<S: Scalars, P: StationObserver<S::T>>(
         &self,
         over: &CellOver,
         slot: usize,
@@ -239,7 +239,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
     /// Tension at the mean strain of an element whose first direction is `first`, N. For samples it is computed at the
     /// current state.
     #[inline(always)]
-    fn mean_tension<S: Scalars, P: Observer<S::T>>(&self, element: usize, first: usize, scalars: S) -> S::T {
+    fn mean_tension<S: Scalars, P: StationObserver<S::T>>(&self, element: usize, first: usize, scalars: S) -> S::T {
         if P::SAMPLES {
             let values = values(&self.acting.belt.layout, self.view, element);
             return S::T::from(self.ring.mean_tension(&values));

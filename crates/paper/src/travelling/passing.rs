@@ -16,7 +16,7 @@
 
 use crate::reference_curve::ReferencePoint;
 use crate::reference_curve::{ReferenceCurve, TwoPulley, TwoPulleyFrame};
-use crate::ring::kinematics::{Load, ReferenceMotion, RingPoint};
+use crate::ring::kinematics::{LineLoad, ReferenceMotion, RingPoint};
 use crate::ring::lagrangian::LagrangianElement;
 use crate::ring::model::NODAL;
 use crate::ring::particle::{Particle, ParticleLoad};
@@ -133,7 +133,7 @@ impl CellOver {
 /// The ring at a slot.
 pub(super) struct RingAtSlot<T: Real, W: Real, E: LagrangianElement> {
     pub motion: E::Motion<T>,
-    pub shape: E::Shape<W>,
+    pub shape: E::ShapeFunctions<W>,
     pub particle: Particle<T>,
     pub tension: T,
 }
@@ -191,7 +191,7 @@ impl<T: Real + Mul<W, Output = T>, W: Real, E: LagrangianElement> CellRing<T> fo
     }
 
     #[inline(always)]
-    fn own_load(&self, slot: usize, _point: &RingPoint<T>, _load: &mut Load<T>) -> T {
+    fn own_load(&self, slot: usize, _point: &RingPoint<T>, _load: &mut LineLoad<T>) -> T {
         self.slots[slot].as_ref().expect("a slot of the cell").tension
     }
 

@@ -6,7 +6,7 @@ use pushbelt_paper::ring::Ring;
 use pushbelt_paper::ring::ale_ring::AleRing;
 use pushbelt_paper::ring::mesh::RingMesh;
 use pushbelt_paper::ring::model::RingFormulation;
-use pushbelt_paper_lab::drive::{Drive, DrivePulley, Tensioner};
+use pushbelt_paper_lab::drive::{BeltDrive, DrivePulley, Tensioner};
 use pushbelt_paper_lab::*;
 
 fn pulley(x: f64, y: f64, radius: f64) -> DrivePulley {
@@ -14,8 +14,8 @@ fn pulley(x: f64, y: f64, radius: f64) -> DrivePulley {
 }
 
 /// An idler on the back of the lower strand.
-fn fixed() -> Drive<3> {
-    Drive::new([
+fn fixed() -> BeltDrive<3> {
+    BeltDrive::new([
         pulley(0.0, 0.0, 0.04),
         pulley(0.25, 0.02, 0.06),
         pulley(0.12, -0.05, -0.02),
@@ -24,8 +24,8 @@ fn fixed() -> Drive<3> {
 }
 
 /// An idler inside the upper strand, on an upright arm.
-fn tensioned() -> Drive<3> {
-    Drive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])
+fn tensioned() -> BeltDrive<3> {
+    BeltDrive::new([pulley(0.0, 0.0, 0.05), pulley(0.13, 0.1, 0.02), pulley(0.26, 0.0, 0.05)])
         .and_then(|drive| {
             drive.with_tensioner(Tensioner {
                 pulley: 1,

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use pushbelt_paper::reference_curve::{ReferenceCurve, TwoPulley};
-use pushbelt_paper_lab::drive::{Drive, DriveError, DrivePulley, Tensioner};
+use pushbelt_paper_lab::drive::{BeltDrive, DriveError, DrivePulley, Tensioner};
 use std::f64::consts::TAU;
 
 fn pulley(x: f64, y: f64, radius: f64) -> DrivePulley {
@@ -10,8 +10,8 @@ fn pulley(x: f64, y: f64, radius: f64) -> DrivePulley {
 }
 
 /// Two pulleys and a back-side idler on the lower strand.
-fn idler() -> Drive<3> {
-    Drive::new([
+fn idler() -> BeltDrive<3> {
+    BeltDrive::new([
         pulley(0.0, 0.0, 0.04),
         pulley(0.25, 0.02, 0.06),
         pulley(0.12, -0.05, -0.02),
@@ -19,7 +19,7 @@ fn idler() -> Drive<3> {
     .unwrap()
 }
 
-fn tensioned() -> Drive<3> {
+fn tensioned() -> BeltDrive<3> {
     idler()
         .with_tensioner(Tensioner {
             pulley: 2,
@@ -32,7 +32,7 @@ fn tensioned() -> Drive<3> {
 fn a_drive_with_two_pulleys_is_the_two_pulley_curve() {
     let curve = TwoPulley::new(0.168, 0.703);
     let (r_p, r_s) = curve.radii(0.6).unwrap();
-    let drive = Drive::new([pulley(0.0, 0.0, r_s), pulley(0.168, 0.0, r_p)]).unwrap();
+    let drive = BeltDrive::new([pulley(0.0, 0.0, r_s), pulley(0.168, 0.0, r_p)]).unwrap();
     assert!((drive.length() - 0.703).abs() < 1e-14);
     let theta = (1.0 - 0.6) / (1.0 + 0.6);
     for xi in [0.0, 0.03, 0.1, 0.3, 0.45, 0.69] {
@@ -52,18 +52,18 @@ fn the_loop_closes_and_turns_once() {
         let count = drive.segments();
         for k in 0..count {
             let (end, start) = (
-                Drive::<3>::point::<f64>(&frame, k, 1.0),
-                Drive::<3>::point::<f64>(&frame, (k + 1) % count, 0.0),
+                BeltDrive::<3>::point::<f64>(&frame, k, 1.0),
+                BeltDrive::<3>::point::<f64>(&frame, (k + 1) % count, 0.0),
             );
             assert!(
                 (end.r - start.r).norm() < 1e-14 && (end.t - start.t).norm() < 1e-14,
                 "segment {k}"
             );
-            assert!(Drive::<3>::segment_length(&frame, k).v > 0.0);
+            assert!(BeltDrive::<3>::segment_length(&frame, k).v > 0.0);
         }
-        assert!((Drive::<3>::tangent_angle::<f64>(&frame, count - 1, 1.0).chi.v - TAU).abs() < 1e-14);
+        assert!((BeltDrive::<3>::tangent_angle::<f64>(&frame, count - 1, 1.0).chi.v - TAU).abs() < 1e-14);
         // The idler bends the belt backwards.
-        assert!(Drive::<3>::point::<f64>(&frame, 4, 0.5).kappa < 0.0);
+        assert!(BeltDrive::<3>::point::<f64>(&frame, 4, 0.5).kappa < 0.0);
     }
 }
 
@@ -74,13 +74,13 @@ fn derivatives_match_differences() {
     let close = |a: Vector2<f64>, b: Vector2<f64>, tol: f64| assert!((a - b).norm() < tol, "{a} {b}");
     for theta in [-0.15, 0.0, 0.2] {
         let sum: f64 = (0..drive.segments())
-            .map(|k| Drive::<3>::segment_length(&drive.frame::<f64>(theta), k).v)
+            .map(|k| BeltDrive::<3>::segment_length(&drive.frame::<f64>(theta), k).v)
             .sum();
         assert!((sum - drive.length()).abs() < 1e-14);
         for segment in 0..drive.segments() {
             for f in [0.0, 0.3, 1.0] {
-                let at = |theta: f64, f: f64| Drive::<3>::point::<f64>(&drive.frame(theta), segment, f);
-                let angle = |theta: f64| Drive::<3>::tangent_angle::<f64>(&drive.frame(theta), segment, f).chi;
+                let at = |theta: f64, f: f64| BeltDrive::<3>::point::<f64>(&drive.frame(theta), segment, f);
+                let angle = |theta: f64| BeltDrive::<3>::tangent_angle::<f64>(&drive.frame(theta), segment, f).chi;
                 let (p, plus, minus) = (at(theta, f), at(theta + h, f), at(theta - h, f));
                 close(p.r_theta, (plus.r - minus.r) / (2.0 * h), 1e-8);
                 close(p.r_theta2, (plus.r_theta - minus.r_theta) / (2.0 * h), 1e-6);
@@ -102,10 +102,10 @@ fn derivatives_match_differences() {
 
 #[test]
 fn impossible_drives_are_refused() {
-    assert_eq!(Drive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(), DriveError::TooFew);
-    let inside = Drive::new([pulley(0.0, 0.0, 0.1), pulley(0.01, 0.0, 0.05)]);
+    assert_eq!(BeltDrive::new([pulley(0.0, 0.0, 0.1)]).unwrap_err(), DriveError::TooFew);
+    let inside = BeltDrive::new([pulley(0.0, 0.0, 0.1), pulley(0.01, 0.0, 0.05)]);
     assert_eq!(inside.unwrap_err(), DriveError::Wrap(0));
-    let backwards = Drive::new([pulley(0.3, 0.0, 0.05), pulley(0.0, 0.0, 0.05), pulley(0.15, 0.1, 0.02)]);
+    let backwards = BeltDrive::new([pulley(0.3, 0.0, 0.05), pulley(0.0, 0.0, 0.05), pulley(0.15, 0.1, 0.02)]);
     assert!(backwards.is_err());
     let fixed = Tensioner {
         pulley: 0,

@@ -12,7 +12,7 @@ from . import masters, report, study
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Builds the package, runs it in the masters, writes what came out and says where it is."""
+    """Builds the package, runs it in the masters, writes the results and prints their paths."""
     parser = argparse.ArgumentParser(prog="pushbelt.drive.cosim", description=__doc__)
     parser.add_argument("--fmu", type=Path, required=True, help="the variator's FMU")
     parser.add_argument("--output", type=Path, required=True, help="folder for drive.ssp, its FMUs and coupling.html")
@@ -24,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"The co-simulation failed: {error}", file=sys.stderr)
         return 1
     for refusal in result.refusals:
-        print(f"left out: {refusal}", file=sys.stderr)
+        print(f"skipped: {refusal}", file=sys.stderr)
     print(report.text(result))
     path = options.output / "coupling.html"
     report.write_html(result, path)

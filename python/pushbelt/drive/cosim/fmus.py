@@ -1,4 +1,4 @@
-"""Makes FMUs of the units in `slaves/`."""
+"""Builds FMUs from the units in `slaves/`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..thrust_map import ThrustMap
 from .unit import MAP_FILE
 
 PROGRAMS = ("calibrate", "demo", "drive", "paper", "sweep", "validate")
-"""Subpackages of this package that are programs of their own."""
+"""Subpackages of this package that are separate programs."""
 
 SLAVES = Path(__file__).parent / "slaves"
 
@@ -28,7 +28,7 @@ SLAVES = Path(__file__).parent / "slaves"
 def build(folder: Path, thrust_map: ThrustMap) -> tuple[Path, Path]:
     """Writes the FMUs of vehicle and control to a folder and returns their paths.
 
-    Raises UnitError if this Python can't run such FMUs.
+    Raises UnitError if this Python cannot run FMUs of pythonfmu.
     """
     if not FmuBuilder.has_binary():
         raise UnitError(f"pythonfmu has no binary for {platform.system()} {platform.machine()}")
@@ -36,7 +36,7 @@ def build(folder: Path, thrust_map: ThrustMap) -> tuple[Path, Path]:
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
         thrust_map.write(scratch / MAP_FILE, key="")
-        # Laid out as in the source tree, so that the package finds its data.
+        # The layout is that of the source tree, so that the package finds its data.
         files = [_modules(scratch), scratch / MAP_FILE, RESOURCES / "variators.json", RESOURCES / "parameters"]
         vehicle, control = (
             Path(FmuBuilder.build_FMU(SLAVES / f"{unit}_unit.py", dest=folder, project_files=files))
@@ -47,7 +47,7 @@ def build(folder: Path, thrust_map: ThrustMap) -> tuple[Path, Path]:
 
 
 def _modules(scratch: Path) -> Path:
-    """A copy of this package with what the units import: its core and `drive`."""
+    """Copies the parts of this package that the units import: its core and `drive`."""
     package = Path(pushbelt.__file__).parent
     copy = scratch / package.name
     others = (program for program in PROGRAMS if program != "drive")
@@ -56,9 +56,9 @@ def _modules(scratch: Path) -> Path:
 
 
 def _check(fmu: Path) -> None:
-    """The binary uses the Python of the process that loads it. Without one a master would crash: this fails before."""
+    """Checks that the binary loads. It uses the Python of the process that loads it; without one a master would crash later."""
     pattern = "win64/*.dll" if sys.platform == "win32" else "linux64/*.so"
-    # The library stays loaded, so Windows can't remove it.
+    # The library stays loaded, so Windows cannot delete its file.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as scratch, zipfile.ZipFile(fmu) as archive:
         archive.extractall(scratch)
         (binary,) = (Path(scratch) / "binaries").glob(pattern)

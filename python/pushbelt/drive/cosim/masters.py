@@ -1,4 +1,4 @@
-"""Masters that load the package: ecos and libcosim. All units step side by side, then their outputs are handed on."""
+"""Masters that load the package: ecos and libcosim. All units step in parallel (Jacobi scheme); then outputs are copied to inputs."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ from .package import PARAMETER_SET
 
 Progress = Callable[[float], None]
 Master = Callable[[Path, float, int, Sequence[str], Progress], Array]
-"""Package, communication step in s, count of steps, variables of the variator, a function that gets simulated seconds as they pass:
-the variables after each step, a row a step. Raises UnitError if the master isn't there or refuses."""
+"""Arguments: package, communication step in s, number of steps, variables of the variator, and a function that is called with the
+simulated time of each step. Returns the variables after each step, one row per step. Raises UnitError if the master is not
+installed or reports an error."""
 
 
 def with_ecos(ssp: Path, step: float, count: int, names: Sequence[str], progress: Progress) -> Array:
-    """By ecos."""
+    """Runs the package in ecos."""
     _find("ecospy")
     load_tbb()
     from ecospy import EcosSimulation
@@ -32,7 +33,7 @@ def with_ecos(ssp: Path, step: float, count: int, names: Sequence[str], progress
     rows = []
     with EcosSimulation(step_size=step, ssp_path=str(ssp)) as simulation:
         if not simulation.init(parameter_set=PARAMETER_SET):
-            raise UnitError(f"ecos can't initialise {ssp.name}")
+            raise UnitError(f"ecos cannot initialise {ssp.name}")
         for _ in range(count):
             simulation.step(1)
             rows.append([simulation.get_real(f"variator::{name}") for name in names])
@@ -42,7 +43,7 @@ def with_ecos(ssp: Path, step: float, count: int, names: Sequence[str], progress
 
 
 def with_libcosim(ssp: Path, step: float, count: int, names: Sequence[str], progress: Progress) -> Array:
-    """By libcosim."""
+    """Runs the package in libcosim."""
     _find("libcosimpy")
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
@@ -58,21 +59,21 @@ def with_libcosim(ssp: Path, step: float, count: int, names: Sequence[str], prog
     rows = []
     for _ in range(count):
         if not execution.step():
-            raise UnitError(f"libcosim can't step {ssp.name}")
+            raise UnitError(f"libcosim cannot advance {ssp.name}")
         rows.append(observer.last_real_values(variator, references))
         progress(step)
     return np.array(rows)
 
 
 def leave(code: int) -> NoReturn:
-    """Ends the process without the handlers of an exit: in them units of PythonFMU 0.7 use freed memory, which aborts some programs."""
+    """Ends the process without exit handlers. Units of PythonFMU 0.7 use freed memory in them, which aborts some programs."""
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(code)
 
 
 def load_tbb() -> None:
-    """Loads the library of the package tbb, which ecos needs and the loader doesn't find."""
+    """Loads the library of the package tbb. ecos needs it, and the dynamic loader does not find it."""
     if sys.platform == "linux":
         ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
 

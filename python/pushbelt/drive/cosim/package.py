@@ -1,6 +1,6 @@
-"""The system as a package: `drive.ssp`, System Structure and Parameterization 1.0.
+"""The system as a package `drive.ssp` (System Structure and Parameterization 1.0).
 
-One table, `WIRES`, lists the connections; a variable has the same name in every unit.
+The table `WIRES` lists the connections. A variable has the same name in every unit.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ WIRES = (
     ),
     ("vehicle", "control", ("torque.estimated", "power.demand")),
 )
-"""From, to, variables."""
+"""Connections: source, sink, variables."""
 UNITS: Mapping[str, Mapping[str, str]] = {
     "1": {},
     "m": {"m": "1"},
@@ -39,7 +39,7 @@ UNITS: Mapping[str, Mapping[str, str]] = {
     "N.m": {"kg": "1", "m": "2", "s": "-2"},
     "W": {"kg": "1", "m": "2", "s": "-3"},
 }
-"""By exponents of base units."""
+"""Units by the exponents of base units."""
 UNIT_OF = {
     "torque": "N.m",
     "clampingForce": "N",
@@ -48,9 +48,9 @@ UNIT_OF = {
     "estimated": "N.m",
     "demand": "W",
 }
-"""By the last part of a variable's name; others have the unit 1."""
+"""Units by the last part of a variable's name. Other variables have the unit 1."""
 PARAMETER_SET = "start"
-"""Name of the parameter set of every unit: ecos chooses the set of a package by its name."""
+"""Name of the parameter set of every unit. ecos selects a parameter set by its name."""
 
 Values = Mapping[str, float | bool]
 
@@ -61,11 +61,11 @@ class Component:
 
     fmu: Path
     parameters: Values
-    """Start values by name: Booleans, integers and real numbers each go as what they are in the FMU."""
+    """Start values by name. The Python type (Boolean, integer or real number) must match the type in the FMU."""
 
 
 def write(path: Path, components: Mapping[str, Component], stop: float) -> None:
-    """Writes the package of a system that runs from 0 to `stop` seconds; raises ValueError if it breaks the schema."""
+    """Writes the package of a system that runs from 0 to `stop` seconds. Raises ValueError if it violates the schema."""
     root = etree.Element(
         f"{{{SSD}}}SystemStructureDescription", nsmap={"ssd": SSD, "ssc": SSC, "ssv": SSV}, version="1.0", name="drive"
     )
@@ -110,7 +110,7 @@ def _component(parent: etree._Element, name: str, component: Component) -> None:
 
 
 def _connectors(unit: str) -> dict[str, str]:
-    """Variables of a unit that are wired, and whether they are input or output."""
+    """Connected variables of a unit, each with its causality, input or output."""
     found = {}
     for source, sink, variables in WIRES:
         if unit in (source, sink):
@@ -136,9 +136,9 @@ def parameter_set(component: Component) -> etree._Element:
 
 
 def validate(document: etree._Element, schema: str) -> None:
-    """Checks a document against a schema of SSP 1.0, as it comes with fmpy; raises ValueError with what is wrong."""
+    """Checks a document against the schema of SSP 1.0 that fmpy contains. Raises ValueError with the first error."""
     checker = etree.XMLSchema(etree.parse(str(SCHEMAS / f"{schema}.xsd")))
-    # Parsed anew: what counts is what is written.
+    # The written bytes are parsed again, so that the check covers the file itself.
     if not checker.validate(etree.fromstring(_text(document))):
         raise ValueError(f"{schema}: {checker.error_log.last_error}")
 

@@ -1,4 +1,4 @@
-"""What the study found, as text and as one HTML file."""
+"""Results of the study, as text and as one HTML file."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def text(result: Coupling) -> str:
         ]
         lines += [f"{name:>44}  " + "  ".join(f"{value:21.3g}" for value in values) for name, values in rows]
         largest = result.against_parallel(master)
-        lines.append(f"{master + ' against the loop side by side':>44}  {largest:.3g} at most")
+        lines.append(f"{master + ' against the parallel loop':>44}  {largest:.3g} at most")
     return "\n".join(lines)
 
 
@@ -49,7 +49,7 @@ def write_html(result: Coupling, path: Path) -> None:
 
 
 def _traces(result: Coupling) -> Chart:
-    """The signals by a master and by the loop at the largest step, and what lies between them."""
+    """Signals of a master and of the loop at the largest step, and their differences."""
     step, master = result.plan.steps[0], next(iter(result.masters))
     coupled, loop = result.masters[master][step], result.loop[step]
     time = result.plan.section[0] + step * np.arange(1, len(loop) + 1)
@@ -72,7 +72,7 @@ def _traces(result: Coupling) -> Chart:
 
 
 def _errors(result: Coupling) -> Chart:
-    """Differences over the communication step, with a line of slope 1."""
+    """Differences over the communication step, with a reference line of slope 1."""
     steps = 1e3 * np.array(result.plan.steps)
     found = (
         ("Master, against half its step", steps[:-1], result.refinement),

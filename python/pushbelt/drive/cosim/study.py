@@ -1,4 +1,4 @@
-"""What the coupling step does: masters against the loop through fmpy, over halved steps."""
+"""Influence of the communication step: masters compared with the loop through fmpy, for successively halved steps."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ SIGNALS = ("ratio.geometric", "primary.speed", "secondary.speed", "secondary.axi
 
 @dataclass(frozen=True)
 class Plan:
-    """What to run."""
+    """Configuration of the study."""
 
     section: tuple[float, float]
-    """s of the WLTC."""
+    """Section of the WLTC, s."""
     steps: tuple[float, ...]
-    """Communication steps, s, each half of the one before."""
+    """Communication steps, s, each half of the previous one."""
     strategy: str = "slip"
 
     @property
@@ -52,13 +52,13 @@ class Coupling:
 
     plan: Plan
     masters: Mapping[str, Mapping[float, Array]]
-    """By master."""
+    """Results by master."""
     loop: Mapping[float, Array]
-    """Of the loop in which vehicle, control and variator step one after the other."""
+    """Results of the loop in which vehicle, control and variator step in sequence (Gauss-Seidel scheme)."""
     parallel: Mapping[float, Array]
-    """Of the loop in which they step side by side, as in a master."""
+    """Results of the loop in which they step in parallel (Jacobi scheme), as in a master."""
     refusals: tuple[str, ...] = ()
-    """Of masters that couldn't run it."""
+    """Errors of masters that could not run the package."""
 
     def refinement(self, master: str) -> Array:
         """Root mean square of x_h − x_{h/2} as a share of the signal's range, shape (steps − 1, signals)."""
@@ -66,12 +66,12 @@ class Coupling:
         return np.array([self._difference(found[h], found[half], h, half) for h, half in pairwise(steps)])
 
     def against_loop(self, master: str) -> Array:
-        """The same of master and loop at the same step, shape (steps, signals)."""
+        """Root mean square of the difference of master and loop at the same step, as a share of the range, shape (steps, signals)."""
         found = self.masters[master]
         return np.array([self._difference(found[h], self.loop[h], h, h) for h in self.plan.steps])
 
     def against_parallel(self, master: str) -> float:
-        """Largest difference between a master and the loop that steps side by side, as a share of a signal's range."""
+        """Largest difference between a master and the loop that steps in parallel, as a share of a signal's range."""
         found = self.masters[master]
         return max(
             float((np.abs(found[h] - self.parallel[h]) / np.ptp(self.parallel[h], axis=0)).max())
@@ -79,7 +79,7 @@ class Coupling:
         )
 
     def _difference(self, one: Array, other: Array, step: float, other_step: float) -> Array:
-        """On the points of the coarsest step; row k is after k + 1 steps."""
+        """Differences at the communication points of the coarsest step; row k is the state after k + 1 steps."""
         ranges = np.ptp(self.loop[self.plan.steps[-1]], axis=0)
         points = [_at(values, h, self.plan.steps[0]) for values, h in ((one, step), (other, other_step))]
         return np.sqrt(np.mean((points[0] - points[1]) ** 2, axis=0)) / ranges
@@ -99,7 +99,7 @@ def build(fmu: Path, table: thrust_map.ThrustMap, plan: Plan, folder: Path) -> P
     """Writes the package and the FMUs in it to a folder; returns its path."""
     vehicle, control = fmus.build(folder, table)
     parameters = simulate.unit_parameters(demo_car(), "ALE", "coarse")
-    # libcosim has no enumerations; ALE is the default of the FMU.
+    # libcosim does not support enumerations; ALE is the default of the FMU.
     del parameters["ring.model"]
     start, stop = plan.section
     assumed = {name: parameters[name] for name in ("friction.pulley", "geometry.wedgeAngle")}
@@ -114,7 +114,7 @@ def build(fmu: Path, table: thrust_map.ThrustMap, plan: Plan, folder: Path) -> P
 
 
 def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MASTERS)) -> Coupling:
-    """Builds the package in a folder, runs it in masters that are there, and the loop beside it.
+    """Builds the package in a folder and runs it in the installed masters and in the loop.
 
     Raises UnitError if none of them can run it.
     """
@@ -135,7 +135,7 @@ def run(fmu: Path, plan: Plan, folder: Path, masters: Sequence[str] = tuple(MAST
 def _run_masters(
     masters: Sequence[str], ssp: Path, plan: Plan, progress: Progress
 ) -> tuple[dict[str, dict[float, Array]], list[str]]:
-    """Results of the masters that can run the package, and why others can't."""
+    """Results of the masters that can run the package, and the errors of the others."""
     found, refusals = {}, []
     for name in masters:
         try:
@@ -157,16 +157,16 @@ def _loop(
 
 
 def _in_process(name: str, ssp: Path, plan: Plan, progress: Progress) -> dict[float, Array]:
-    """A master in a process of its own: what a foreign library does there does not end this one."""
+    """Runs a master in a separate process, so that a crash of its library does not end this process."""
     try:
         (found,) = run_in_workers([(_work, (name, ssp, plan))], progress, 1)
     except BrokenProcessPool:
-        raise UnitError(f"{name} died while it ran {ssp.name}") from None
+        raise UnitError(f"{name} crashed while it ran {ssp.name}") from None
     return found
 
 
 def _work(name: str, ssp: Path, plan: Plan) -> dict[float, Array]:
-    # The loop records each step's start, so the last step is left out.
+    # The loop records the start of each step, so the end of the last step is missing.
     counts = {h: round(plan.duration / h) - 1 for h in plan.steps}
     try:
         return {h: MASTERS[name](ssp, h, count, SIGNALS, tick) for h, count in counts.items()}

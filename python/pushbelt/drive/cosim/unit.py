@@ -1,4 +1,4 @@
-"""What the units have in common: variables by name."""
+"""Base class of the units: variables by name."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 INPUT, OUTPUT, PARAMETER = Fmi2Causality.input, Fmi2Causality.output, Fmi2Causality.parameter
 
 MAP_FILE = "thrust-ratio-map.csv"
-"""Where the control unit finds its map, in the resources of its FMU."""
+"""File name of the map in the resources of the control unit's FMU."""
 
 
 class Unit(Fmi2Slave):
-    """A unit with its variables in `values`, by name: SI units, numbers or Booleans."""
+    """A unit that stores its variables in `values` by name: numbers in SI units, or Booleans."""
 
     author = "The pushbelt developers"
 
@@ -24,7 +24,7 @@ class Unit(Fmi2Slave):
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Advances by a communication step."""
-        # libcosim's steps are differences of times: rounded, they are the same in every master.
+        # libcosim computes its steps as differences of times. Rounding makes them equal in all masters.
         self.advance(current_time, round(step_size, 9))
         return True
 
@@ -33,7 +33,7 @@ class Unit(Fmi2Slave):
         """Advances from a time by a step, s."""
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
-        """The model description. pythonfmu leaves out the initial unknowns, which importers require."""
+        """The model description. pythonfmu omits the initial unknowns, which importers require."""
         root = super().to_xml(model_options or {})
         structure = root.find("ModelStructure")
         unknowns = SubElement(structure, "InitialUnknowns")

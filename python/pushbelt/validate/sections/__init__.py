@@ -1,1 +1,1 @@
-"""The sections of the report: each module solves its points of the FMU and judges them."""
+"""The sections of the report. Each module solves its points with the FMU and evaluates the checks."""

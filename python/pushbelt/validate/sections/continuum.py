@@ -1,4 +1,4 @@
-"""The continuum theory: in its limit, on the way there, and at default parameters."""
+"""Comparison with the continuum theory: in its limit, at levels towards it, and at default parameters."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from ..outcome import (
 )
 
 TOLERANCE = 0.05
-"""Of the thrust ratio in the theory's limit."""
+"""Tolerance of the thrust ratio in the theory's limit."""
 LEAST_ERROR = 0.01
-"""Below this an error need not fall any more along a ladder."""
+"""Error below which further reduction along the series of levels is not required."""
 NO_TORQUE_TOLERANCE = 0.12
-"""Of the thrust ratio without torque at default parameters."""
+"""Tolerance of the thrust ratio without torque at default parameters."""
 NO_TORQUE_RATIOS = (2.25, 1.0, 0.44)
 NO_TORQUE_FORCES, NO_TORQUE_SPEED = (10e3, 20e3), 104.72
-"""N, rad/s: a published state of the laboratory rig."""
+"""Force, N, and speed, rad/s, of a published state of the laboratory rig."""
 
 VARIANTS = (({}, ""), ({"friction.ring": 0.0}, ", no ring friction"))
 """Changed parameters: the theory has no ring friction."""
@@ -58,9 +58,9 @@ COLUMNS = (
     Column("Balance", "1e-6", 0, 1e6, signed=True),
 )
 NOTE = (
-    "Differences: FMU less theory. Slip and loss: the theory at the FMU's own tilt. Compression: of the contact, "
-    "against the opening; "
-    "strain of the chain and v_0: against the sliding. Balance: net power less losses, over the driving power."
+    "Differences: FMU minus theory. Slip and loss: the theory at the FMU's tilt. Compression: of the contact, "
+    "relative to the opening; "
+    "strain of the chain and v_0: relative to the sliding. Balance: net power minus losses, relative to the driving power."
 )
 
 
@@ -72,12 +72,12 @@ def _row(name: str, d: Deviation) -> list[float | str]:
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 12 if plan.short else 18 + 31 + 16 + 6
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves and compares."""
+    """Solves the points and compares them with the theory."""
     in_limit, limit_check = _limit(bench, plan)
     ladders, ladder_checks = _ladders(bench, plan)
     default, default_checks = _default(bench, plan)
@@ -85,16 +85,16 @@ def run(bench: Bench, plan: Plan) -> Section:
     return Section(
         "theory",
         "Continuum theory",
-        "A continuous belt on pulleys that open under load, solved independently (python/pushbelt/theory). Each "
+        "A continuous belt on pulleys that open under load is solved independently (python/pushbelt/theory). Each "
         "state is compared "
-        "at the FMU's own radii, torque and secondary force.",
+        "at the FMU's radii, torque and secondary force.",
         (limit_check, *ladder_checks, *default_checks, *idle_checks),
         (in_limit, ladders, default, idle, _theory_table(bench, plan)),
         (_picture(default),),
         (
-            "In its limit the FMU has what the theory has: no ring friction, no play, no losses of layers and "
-            "shafts, friction that "
-            "doesn't fall, sheaves that tilt without clearance, and contact, chain and ring so stiff that the "
+            "In the theory's limit the FMU has the assumptions of the theory: no ring friction, no play, no losses of layers and "
+            "shafts, a constant "
+            "friction coefficient, sheaves that tilt without clearance, and contact, chain and ring so stiff that the "
             "opening dominates.",
         ),
     )
@@ -108,7 +108,7 @@ def _limit(bench: Bench, plan: Plan) -> tuple[Table, Check]:
     cases = plan.thin(against_theory.cases(bench, plan.thin(against_theory.RATIOS, 1)), 2)
     found = {c: against_theory.compare(bench, against_theory.limit_case(bench, *c), f"limit {_name(c)}") for c in cases}
     errors = [(_name(case), d and d.thrust_error) for case, d in found.items()]
-    statement = "In the theory's limit the thrust ratio is the theory's"
+    statement = "In the theory's limit the thrust ratio agrees with the theory"
     check = within(statement, THEORY, errors, -TOLERANCE, TOLERANCE, PERCENT)
     rows = [_row("limit", d) for d in found.values() if d]
     return table("limit", "In the theory's limit", COLUMNS, rows, NOTE), check
@@ -128,13 +128,13 @@ def _ladders(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
         last.append((_name(case), end and end.thrust_error))
         allowed = max(0.5 * abs(first.thrust_error), LEAST_ERROR) if first else None
         halved.append((_name(case), abs(end.thrust_error) / allowed if end and allowed else None))
-    steps = "On a ladder of stiffness and mesh the thrust ratio"
+    steps = "With increasing stiffness and mesh refinement the thrust ratio"
     goal = "half of the first level's error, or 1\N{NO-BREAK SPACE}%: the last over that ≤ 1"
     checks = [
         within(f"{steps} ends at the theory's", THEORY, last, -TOLERANCE, TOLERANCE, PERCENT),
         within(f"{steps} comes nearer to the theory's", THEORY, halved, None, 1.0, goal=goal),
     ]
-    return table("ladder", "On the way to the limit: stiffness and mesh grow together", COLUMNS, rows, NOTE), checks
+    return table("ladder", "Approach to the limit: stiffness and mesh grow together", COLUMNS, rows, NOTE), checks
 
 
 def _default(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
@@ -158,7 +158,7 @@ def _range(statement: str, errors: Iterable[float]) -> Check:
 
 
 def _without_torque(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
-    """Without torque the ring's friction and the play decide how much of an arc is loaded by push forces."""
+    """Without torque the ring's friction and the play determine which part of an arc is loaded by push forces."""
     belt, rows, checks = against_theory.belt_of(bench), [], []
     for (changed, variant), force in product(VARIANTS, NO_TORQUE_FORCES):
         what = f", {force / 1e3:g} kN{variant}"
@@ -172,7 +172,7 @@ def _without_torque(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
                 error = out["thrustRatio"] / theory - 1.0
                 rows.append([f"{ratio:g}{what}", out["thrustRatio"], theory, error])
             errors.append((f"r_S/r_P {ratio:g}", error))
-        statement = f"Without torque the thrust ratio is the theory's{what}"
+        statement = f"Without torque the thrust ratio agrees with the theory{what}"
         checks.append(within(statement, THEORY, errors, -NO_TORQUE_TOLERANCE, NO_TORQUE_TOLERANCE, PERCENT))
     columns = (Column("r_S/r_P"), Column("Thrust ratio", digits=4), Column("Theory", digits=4), share("Difference"))
     note = "1000 rpm, no load on the secondary shaft; the force is the secondary pulley's."
@@ -180,7 +180,7 @@ def _without_torque(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
 
 
 def _theory_table(bench: Bench, plan: Plan) -> Table:
-    """The theory alone, for comparison with another model."""
+    """Results of the theory alone, for comparison with other models."""
     belt = against_theory.belt_of(bench)
     tractions = plan.thin((-0.5, -0.4, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5))
     rows = []
@@ -221,5 +221,5 @@ def _picture(default: Table) -> Picture:
         places=tuple(str(name) for name in names),
     )
     return Picture(
-        (panel,), "Thrust ratio of the load cases at default parameters beside the theory at the same traction."
+        (panel,), "Thrust ratio of the load cases at default parameters, and of the theory at the same traction."
     )

@@ -1,4 +1,4 @@
-"""Losses: the FMU beside a whole transmission's efficiency map, bounds from the literature, and drag without torque."""
+"""Losses: comparison of the FMU with the efficiency map of a whole transmission, bounds from the literature, and drag without torque."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from ..outcome import (
 )
 
 SAFETIES = (1.3, 2.0)
-"""As a variator is controlled, and over-clamped as it is without a slip controller."""
+"""Safety factors: that of a slip-controlled variator, and a larger one as without a slip controller."""
 LEAST_FORCE = 4e3
 """Least secondary force, N."""
 POINTS = Unit("points", 1, 100.0)
@@ -59,22 +59,22 @@ class Beside:
 
     @property
     def margin(self) -> float:
-        """Least efficiency of the FMU less the measured one."""
+        """Least efficiency of the FMU minus the measured one."""
         return min(self.efficiencies) - self.measured.efficiency
 
     @property
     def missing_torque(self) -> float:
-        """What the rest of the transmission loses, as a torque on its primary shaft, N·m, at the smaller safety."""
+        """Loss of the rest of the transmission as a torque on its primary shaft, N·m, at the smaller safety factor."""
         return self.measured.torque * (self.efficiencies[0] - self.measured.efficiency)
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 41 if plan.short else 2 * 117 + 18 + 3 + 18
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves and judges."""
+    """Solves the points and evaluates the checks."""
     beside = _beside(bench, plan)
     bands, band_checks = _bands(bench, plan)
     drag, drag_checks = _drag(bench, plan)
@@ -83,15 +83,15 @@ def run(bench: Bench, plan: Plan) -> Section:
     return Section(
         "efficiency",
         "Efficiency",
-        "A measured map of a whole transmission (variator, final drive, pump), where clamping forces aren't given: "
-        "the variator alone "
-        "must lie above each of its points, controlled at a safety of 1.3 and over-clamped at 2.",
+        "Comparison with a measured map of a whole transmission (variator, final drive, pump) without published clamping "
+        "forces. The efficiency of the variator alone "
+        "must be above each of its points, with safety factors of 1.3 (controlled) and 2 (over-clamped).",
         (*_map_checks(beside), *_trend_checks(trends), *band_checks, *drag_checks, *bound_checks),
         (trends, _rest_table(beside), bands, drag, bounds, _map_table(beside)),
         (_picture(beside),),
         (
-            "Efficiency is of the shafts: bearings and seals of both are in it, pump, final drive and clutch are not.",
-            "What the rest of the transmission would have to lose is the difference to the FMU at a safety of 1.3, "
+            "Efficiency is that between the shafts: it includes their bearings and seals, but not pump, final drive and clutch.",
+            "The loss of the rest of the transmission is the difference to the FMU at a safety factor of 1.3, "
             "fitted by "
             "c₀ + c₁ n + c₂ T over all points.",
         ),
@@ -125,7 +125,7 @@ def _beside(bench: Bench, plan: Plan) -> list[Beside]:
 def _map_checks(beside: Sequence[Beside]) -> list[Check]:
     checks = [
         within(
-            f"The variator at a safety of {safety:g} lies above the transmission at each measured point",
+            f"The efficiency of the variator at a safety factor of {safety:g} is above the transmission's at each measured point",
             source("transmissionMap"),
             [
                 (f"ratio {b.measured.ratio:g}, {b.measured.rpm:g} rpm, {b.measured.torque:g} N·m",
@@ -143,7 +143,7 @@ def _map_checks(beside: Sequence[Beside]) -> list[Check]:
     constant, per_speed, per_torque = _rest(beside)
     checks.append(
         reported(
-            "What the rest of the transmission would have to lose",
+            "Loss of the rest of the transmission",
             source("transmissionMap"),
             "not published",
             f"{NEWTON_METRES.text(*rest)} on the primary shaft; fitted by {constant:.2f} N·m, {1e3 * per_speed:+.2f} "
@@ -155,7 +155,7 @@ def _map_checks(beside: Sequence[Beside]) -> list[Check]:
 
 
 def _rest(beside: Sequence[Beside]) -> tuple[float, float, float]:
-    """c₀ in N·m, c₁ in N·m per rpm and c₂ of the losses beside the variator, by least squares."""
+    """c₀ in N·m, c₁ in N·m per rpm and c₂ of the losses outside the variator, by least squares."""
     matrix = np.array([[1.0, b.measured.rpm, b.measured.torque] for b in beside])
     found, *_ = np.linalg.lstsq(matrix, np.array([b.missing_torque for b in beside]), rcond=None)
     return tuple(found.tolist())
@@ -230,8 +230,8 @@ def _rest_table(beside: Sequence[Beside]) -> Table:
         Column("most", "N·m", 2),
         Column("mean power", "W", 0),
     )
-    note = "The least margin is over both safety factors; the rest is at a safety of 1.3."
-    return table("efficiency-rest", "What the rest of the transmission would lose", columns, rows, note)
+    note = "The least margin is that of both safety factors; other values are at a safety factor of 1.3."
+    return table("efficiency-rest", "Loss of the rest of the transmission", columns, rows, note)
 
 
 def _map_table(beside: Sequence[Beside]) -> Table:
@@ -274,7 +274,7 @@ def _bands(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
 
 
 def _drag(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
-    """Torque on P that turns a variator without load: all that goes in is lost."""
+    """Torque on P that turns a variator without load. All input power is lost."""
     rows, torques = [], []
     for rpm in plan.thin(DRAG_SPEEDS):
         speed = rpm * math.pi / 30.0
@@ -312,7 +312,7 @@ LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.shafts", "loss.other
 
 
 def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, list[Check]]:
-    """Statements of measured studies about a variator at fixed force."""
+    """Statements of experimental studies about a variator at fixed force."""
     rows: list[list[float]] = []
     for force in plan.thin(BOUND_FORCES, 1):
         for torque in BOUND_TORQUES:
@@ -355,7 +355,7 @@ def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, 
 
 
 def _picture(beside: Sequence[Beside]) -> Picture:
-    """Per cent over torque, a panel a ratio."""
+    """Efficiency in per cent over torque, one panel per ratio."""
     panels: list[Panel] = []
     for ratio in dict.fromkeys(b.measured.ratio for b in beside):
         group = sorted((b for b in beside if b.measured.ratio == ratio), key=lambda b: b.measured.torque)

@@ -1,4 +1,4 @@
-"""Which parameter moves what, one at a time, at the default parameters."""
+"""Sensitivity of results to single parameters about the default parameters."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Change:
 
 
 def changes(bench: Bench) -> list[Change]:
-    """What is changed, in pairs: less and more."""
+    """Changes in pairs: decrease and increase."""
 
     def pair(label: str, *names: str, factors: tuple[float, float] = (0.5, 2.0)) -> list[Change]:
         return [
@@ -81,12 +81,12 @@ def changes(bench: Bench) -> list[Change]:
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 20 if plan.short else 4 * 43
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves and judges."""
+    """Solves the points and evaluates the checks."""
     base = _quantities(bench, {}, "nothing changed")
     chosen = changes(bench)
     if plan.short:
@@ -109,12 +109,12 @@ def run(bench: Bench, plan: Plan) -> Section:
     note = (
         "Relative changes. 50 N·m, 2000 rpm, safety 1.3 of the unchanged variator, at least 6 kN; r_S/r_P 7/3, 1, "
         "3/7. Shift gain: ratio 1, "
-        "20 kN, 1000 rpm. A dash: the belt doesn't carry the torque."
+        "20 kN, 1000 rpm. A dash: the belt does not carry the torque."
     )
     return Section(
         "sensitivity",
-        "Which parameter moves what",
-        "One parameter at a time, about the default parameters. Where an uncertain number moves much, "
+        "Sensitivity to parameters",
+        "One parameter at a time, about the default parameters. Where an uncertain parameter has a large effect, "
         "calibrate it.",
         _checks(relative),
         (
@@ -199,5 +199,5 @@ def _tornado(relative: Mapping[str, list[float | None]]) -> Picture:
         panels.append(Panel(title, "change", curves, names=tuple(names)))
     return Picture(
         tuple(panels),
-        "Each point is one change of one parameter, as in the table. Slip, where it moves by more than half, is cut.",
+        "Each point is one change of one parameter, as in the table. Changes of slip beyond one half are not shown.",
     )

@@ -1,10 +1,9 @@
-"""How fast the ratio changes: the laboratory rig's law beside the FMU, without load.
+"""Speed of ratio change: comparison of the FMU with the laboratory rig's law, without load.
 
     ds/dt = ω_P a Δ(F_S) g(s) [ln(F_P/F_S) − ln(F_P/F_S)_eq],   a = (1 + cos²β)/sin 2β,   s = r_P/r_S
 
-Δ was fitted to shifts measured at 20 and 30 kN; g is the continuum theory's. The law is run and read as the FMU is: a
-step of
-0.3 in ln F_P, and the mean of ds/dt from 60 to 120 ms after it.
+Δ was fitted to shifts measured at 20 and 30 kN; g is from the continuum theory. The law is evaluated like the FMU: by a
+step of 0.3 in ln F_P, and the mean of ds/dt from 60 to 120 ms after it.
 """
 
 from __future__ import annotations
@@ -47,18 +46,18 @@ FORCES = (10e3, 20e3, 30e3)
 SPEEDS = (1000.0, 2000.0)
 """Primary speeds, rpm."""
 BETWEEN = (0.5, 0.65, 0.85, 1.0, 1.2, 1.5, 1.9, 2.3)
-"""Speed ratios at which the theory is solved; splines in between."""
+"""Speed ratios at which the theory is solved. Values in between are interpolated by splines."""
 TILT_FORCES = (5e3, 10e3, 15e3, 20e3, 25e3, 30e3)
 LINEAR_STEPS = (-0.3, -0.2, -0.1, 0.1, 0.2, 0.3)
 """Steps of ln F_P for linearity."""
 STEP_PLACES = (0.85, 0.9, 0.95, 0.98, 1.0, 1.02, 1.05, 1.1, 1.15)
 """Speed ratios about the step at s = 1."""
 NEAR = 0.04
-"""Lines on both sides of s = 1 are fitted outside of this."""
+"""Half-width of the range about s = 1 that is excluded from the linear fits on both sides."""
 TILT_TOLERANCE = 0.05
 GAIN_TOLERANCE, RATIO_TOLERANCE, DOUBLING_TOLERANCE, LINE_TOLERANCE, SAME = 0.2, 0.06, 0.1, 0.05, 0.05
 LIGHT = 0.1
-"""Of the driven shaft's inertia, where its acceleration shall not load the belt."""
+"""Factor of the driven shaft's inertia in runs in which its acceleration must not load the belt."""
 SYMMETRY = (0.8, 1.25)
 """Upshift over downshift for small equal steps, where the law is linear."""
 
@@ -73,10 +72,10 @@ def rad(rpm: float) -> float:
 
 @dataclass(frozen=True)
 class Gains:
-    """Runs at all places, forces and speeds, and the law's ds/dt read the same way."""
+    """Runs at all places, forces and speeds, and ds/dt of the law, evaluated in the same way."""
 
     runs: Mapping[Key, ShiftRun | None]
-    """None where there is no steady state."""
+    """Run at each key; None without a steady state."""
     law: Mapping[Key, float]
     """ds/dt per unit of ln F_P, 1/s."""
 
@@ -86,23 +85,23 @@ class Gains:
         return sorted({s for s, *_ in self.runs})
 
     def error(self, key: Key) -> float | None:
-        """Gain against the law's, relative."""
+        """Relative difference of the gain to the law's."""
         found = self.runs[key]
         return found.gain / self.law[key] - 1.0 if found else None
 
     def ratios(self, of: tuple[float, float], to: tuple[float, float]) -> list[tuple[str, float | None]]:
-        """Gain at a force (N) and speed (rpm) over that at another, at each place; none where one is missing."""
+        """Quotient of the gains at two pairs of force (N) and speed (rpm), at each place; None if one is missing."""
         pairs = [(s, self.runs[(s, *of)], self.runs[(s, *to)]) for s in self.places]
         return [(f"s {s:g}", one.gain / other.gain if one and other else None) for s, one, other in pairs]
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 26 if plan.short else 12 + 36 + 6 + 18 + 9 + 4
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Measures and judges."""
+    """Runs the shifts and evaluates the checks."""
     law = ShiftLaw(belt_of(bench), tuple(plan.thin(BETWEEN, 4)))
     gains = _gains(bench, plan, law)
     light_check = _doubling_of_a_light_shaft(bench, plan)
@@ -113,9 +112,9 @@ def run(bench: Bench, plan: Plan) -> Section:
     return Section(
         "shift-law",
         "Speed of ratio change",
-        "The law fitted to a rig's shifts (the laboratory variator bench168): its opening Δ(F) was read in a later "
-        "text, its g(s) is "
-        "the continuum theory's. At 10 kN it is an extrapolation.",
+        "The law fitted to a rig's shifts (the laboratory variator bench168). Its opening Δ(F) is from a later "
+        "text, and g(s) is from "
+        "the continuum theory. At 10 kN it is an extrapolation.",
         (
             tilt_check,
             *_gain_checks(gains),
@@ -128,8 +127,8 @@ def run(bench: Bench, plan: Plan) -> Section:
         (_gain_table(gains), tilts, lines, step, symmetry),
         (_picture(gains, line_curves),),
         (
-            "The law is read as the FMU is, over the same 60 ms, so the change of g while the ratio moves is in both. "
-            "The FMU has two things more that slow fast shifts: the driven shaft's inertia takes torque, and the "
+            "The law is evaluated over the same 60 ms as the FMU, so both include the change of g with the ratio. "
+            "The FMU has two additional effects that slow fast shifts: the driven shaft's inertia requires torque, and the "
             "movable sheaves are damped.",
         ),
     )
@@ -163,7 +162,7 @@ def _gain_checks(gains: Gains) -> list[Check]:
     def absolute(forces: tuple[float, ...], where: Source, what: str) -> Check:
         errors = [(_name(key), gains.error(key)) for key in gains.runs if key[1] in forces]
         return within(
-            f"Speed of ratio change per unit of ln F_P is the law's, {what}",
+            f"Speed of ratio change per unit of ln F_P agrees with the law, {what}",
             where, errors, -GAIN_TOLERANCE, GAIN_TOLERANCE, PERCENT,
         )  # fmt: skip
 
@@ -192,7 +191,7 @@ def _gain_checks(gains: Gains) -> list[Check]:
 
 
 def _doubling_of_a_light_shaft(bench: Bench, plan: Plan) -> Check:
-    """The driven shaft's acceleration, which grows with the square of the speed, hardly takes torque here."""
+    """Runs in which the driven shaft's acceleration, which grows with the square of the speed, requires little torque."""
     light = {"secondary.inertia": LIGHT * bench.given("secondary.inertia")}
     found = []
     for s in plan.thin(PLACES):
@@ -201,7 +200,7 @@ def _doubling_of_a_light_shaft(bench: Bench, plan: Plan) -> Check:
         found.append((f"s {s:g}", fast.gain / slow.gain if slow and fast else None))
     return within(
         "The same at 20 kN with a tenth of the inertia on the driven shaft",
-        Source(source("shiftLaw").text, f"{source('shiftLaw').certainty}; the rig's inertia isn't known"),
+        Source(source("shiftLaw").text, f"{source('shiftLaw').certainty}; the rig's inertia is unknown"),
         found,
         2.0 - DOUBLING_TOLERANCE,
         2.0 + DOUBLING_TOLERANCE,
@@ -252,7 +251,7 @@ def _tilts(bench: Bench, plan: Plan) -> tuple[Table, Check]:
 
 
 def _deviation_from_a_line(x: list[float], y: list[float]) -> float:
-    """Largest distance from the best line, over the span of y."""
+    """Largest distance from the best line, relative to the range of y."""
     line = np.polynomial.Polynomial.fit(x, y, 1)
     return float(np.abs(np.array(y) - line(np.array(x))).max() / np.ptp(y))
 
@@ -338,8 +337,8 @@ def _step(bench: Bench, plan: Plan, law: ShiftLaw) -> tuple[Table, Check]:
     check = reported(
         "The force ratio at rest has a step at s = 1",
         source("shiftLaw"),
-        "a step that the source doesn't explain; its size can't be read",
-        f"{jump:+.4f} in ln(F_P/F_S) (theory {theirs:+.4f}): the ring's drag changes pulley there".replace("-", "−"),
+        "a step without explanation in the source; its size is not readable",
+        f"{jump:+.4f} in ln(F_P/F_S) (theory {theirs:+.4f}): the drag of the ring changes to the other pulley there".replace("-", "−"),
     )
     columns = (
         Column("s = r_P/r_S"),
@@ -352,34 +351,34 @@ def _step(bench: Bench, plan: Plan, law: ShiftLaw) -> tuple[Table, Check]:
 
 
 def _symmetry(bench: Bench) -> tuple[Table, list[Check]]:
-    """Small steps up and down where damping would show: 5000 rpm, overdrive, half load.
+    """Small steps up and down in a state that is sensitive to damping: 5000 rpm, overdrive, half load.
 
-    An upshift accelerates the driven shaft, and that takes torque: with a light shaft the load stays what it was.
+    An upshift accelerates the driven shaft, which requires torque. With a light shaft the load remains the same.
     """
     ratio, rpm, force = 0.5, 5000.0, 10e3
     load = -0.5 * bench.capacity(ratio, force) * ratio
     inertia = bench.given("secondary.inertia")
     where = Source(source("shiftLaw").text, "extrapolation of its linearity to load and speed")
     rows, checks = [], []
-    for share_of_inertia, what in ((LIGHT, "a tenth of the inertia on the driven shaft"), (1.0, "its own inertia")):
+    for share_of_inertia, what in ((LIGHT, "a tenth of the inertia on the driven shaft"), (1.0, "default inertia of the driven shaft")):
         parameters = {**bench.parameters, "secondary.inertia": share_of_inertia * inertia}
         start = driven_at_speed(parameters, ratio, rad(rpm), load, force)
         runs = [bench.shift(start, math.log(factor), f"{rpm:g} rpm, F_P × {factor:g}") for factor in (1.05, 0.95)]
         up, down = (run.rate if run else math.nan for run in runs)
         rows.append([what, up, down, -up / down])
         statement = (
-            f"Up- and downshift after ±5\N{NO-BREAK SPACE}% of F_P are alike at 5000 rpm, overdrive, half load; {what}"
+            f"Up- and downshift after ±5\N{NO-BREAK SPACE}% of F_P are equal at 5000 rpm, overdrive, half load; {what}"
         )
         if share_of_inertia < 1.0:
             checks.append(within(statement, where, [("up over down", -up / down)], *SYMMETRY))
         else:
             checks.append(
-                reported(statement, where, "the law leaves the shaft's acceleration out", PLAIN.text(-up / down))
+                reported(statement, where, "the law neglects the shaft's acceleration", PLAIN.text(-up / down))
             )
     columns = (Column("Driven shaft"), Column("Up", "1/s"), Column("Down", "1/s"), Column("Up over down", digits=2))
     note = (
-        "r_S/r_P = 0.5, 10 kN, half of full slip's torque. Where an upshift accelerates a heavy shaft, the torque "
-        "comes nearer to capacity, the force ratio at rest falls, and the shift speeds up."
+        "r_S/r_P = 0.5, 10 kN, half of full slip's torque. When an upshift accelerates a heavy shaft, the torque "
+        "approaches capacity, the force ratio at rest falls, and the shift becomes faster."
     )
     return table("shift-symmetry", "ds/dt after small steps at 5000 rpm", columns, rows, note), checks
 
@@ -397,5 +396,5 @@ def _picture(gains: Gains, lines: tuple[Curve, ...]) -> Picture:
             Panel("Shift gain at 1000 rpm (1/s)", "s = r_P/r_S", tuple(curves), log_y=True),
             Panel("ds/dt at 20 kN, 1000 rpm (1/s)", "step of ln(F_P/F_S)", lines),
         ),
-        "Left: points are the FMU's, lines the law with the theory's g(s). Right: the FMU's rates over the step.",
+        "Left: FMU (points), and the law with the theory's g(s) (lines). Right: the FMU's rates over the step.",
     )

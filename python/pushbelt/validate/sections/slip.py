@@ -33,18 +33,18 @@ FORCES = (10e3, 20e3, 30e3)
 SPEEDS = (1000.0, 2000.0, 4000.0)
 SLIPS = (0.001, 0.002, 0.004, 0.007, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1)
 PEAKS_APART = 0.05
-"""Peak traction over force and speed: how much is "can be ignored"."""
+"""Tolerance of the peak traction over force and speed, for the statement that they "can be ignored"."""
 AT_SLIPS = (0.02, 0.04)
-"""Slips at which traction is compared over force and speed."""
+"""Slips at which traction is compared for different forces and speeds."""
 APART = 0.1
 LARGEST_FALL = 0.15
-"""Of the traction from its peak to 10 % slip: what is slight."""
+"""Largest fall of the traction from its peak to 10 % slip that counts as slight."""
 
 BEST_RATIOS = (2.25, 1.5, 1.0, 0.67, 0.44)
 BEST_TORQUE, BEST_SPEED = 50.0, 2000.0
 SAFETIES = tuple(float(x) for x in np.round(np.concatenate([np.linspace(0.98, 1.3, 17), np.linspace(1.35, 2.0, 8)]), 3))
 PUMP = {"area": 0.01, "displacement": 1e-5, "efficiency": 0.8}
-"""A pump that feeds both cylinders: piston area, m²; oil per turn of the primary shaft, m³; its own efficiency."""
+"""A pump that feeds both cylinders: piston area, m²; oil per turn of the primary shaft, m³; efficiency of the pump."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Traction:
 
     @property
     def name(self) -> str:
-        """In words."""
+        """Description of the force and the speed."""
         return f"{self.force / 1e3:g} kN, {self.rpm:g} rpm"
 
     def at(self, slip: float) -> float:
@@ -73,42 +73,42 @@ class Traction:
 
     @property
     def fall(self) -> float:
-        """From the peak to the largest slip, relative."""
+        """Relative fall of the traction from its peak to the largest slip."""
         return 1.0 - self.utilisations[-1] / self.peak
 
     @property
     def rise(self) -> float:
-        """Slip at which 80 % of the peak are there."""
+        """Slip at which 80 % of the peak are reached."""
         return float(np.interp(0.8 * self.peak, self.utilisations, self.slips))
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 90 if plan.short else 3 * 9 * 12 + 5 * 25
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves and judges."""
+    """Solves the points and evaluates the checks."""
     curves = _curves(bench, plan)
     best, best_check = _best(bench, plan)
     return Section(
         "slip",
         "Slip",
-        "Traction as torque over that of full slip at peak friction, both shafts held at speeds with a slip between "
-        "them; and the slip at "
+        "Traction is the torque divided by that of full slip at peak friction, with both shafts held at speeds with a slip "
+        "between them. The section also shows the slip at "
         "which the losses are least at a given torque.",
         (*_traction_checks(curves), *best_check),
         (_traction_table(curves), best),
         (_picture(curves),),
         (
-            "The measured slips of best efficiency are the system's: pump loss included, ratios not given. A pump's "
-            "power grows with the "
-            "clamping force, so it moves the optimum to less force and more slip. The table shows the FMU's optimum "
+            "The measured slips of best efficiency are those of the system: they include the pump loss, and the ratios are not "
+            "published. A pump's power grows with the "
+            "clamping force, which moves the optimum to less force and more slip. The table shows the FMU's optimum "
             "without a pump and "
-            f"with one of {1e6 * PUMP['displacement']:g} cm³ a turn, cylinders of {1e4 * PUMP['area']:g} cm² and an "
+            f"with one of {1e6 * PUMP['displacement']:g} cm³ per turn, cylinders of {1e4 * PUMP['area']:g} cm² and an "
             "efficiency of "
-            f"{PUMP['efficiency']:g} (engineering values). The rig's geometry and ratios differ too, so the two "
-            "stand beside each other.",
+            f"{PUMP['efficiency']:g} (engineering values). The rig's geometry and ratios differ too, so the values "
+            "are reported for comparison only.",
         ),
     )
 
@@ -162,7 +162,7 @@ def _traction_checks(curves: list[Traction]) -> list[Check]:
         ),
         reported(
             "A smaller speed ratio gives a larger traction",
-            Source(where.text, f"{where.certainty}; it doesn't say which ratio that is, nor at which slip"),
+            Source(where.text, f"{where.certainty}; it specifies neither the ratio nor the slip"),
             "ordered by ratio",
             "at 2 % slip " + ", ".join(f"{means[ratio]:.3f} at r_S/r_P {ratio:g}" for ratio in ratios),
         ),
@@ -182,7 +182,7 @@ def _traction_table(curves: list[Traction]) -> Table:
         share("Fall to 10 %", signed=False),
     )
     rows = [[c.ratio, c.force, c.rpm, c.rise, c.at(0.01), c.at(0.02), c.at(0.04), c.peak, c.fall] for c in curves]
-    return table("traction", "Torque over that of full slip", columns, rows)
+    return table("traction", "Torque / torque of full slip", columns, rows)
 
 
 def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
@@ -195,7 +195,7 @@ def _best(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
             values = driven_by_torque(bench.parameters, ratio, BEST_SPEED * math.pi / 30.0, BEST_TORQUE, force)
             out = bench.steady(values, f"ratio {ratio:g}, safety {safety:g}")
             if not out or out["macroSlip"]:
-                # Less force carries no more.
+                # A smaller force does not carry the torque either.
                 break
             pump = PUMP["displacement"] * BEST_SPEED / 60.0 * max(force, force * out["thrustRatio"]) / PUMP["area"]
             points.append((out["efficiency"], out["slip"], safety, pump / PUMP["efficiency"] / out["primary.power"]))
@@ -239,7 +239,7 @@ def _picture(curves: list[Traction]) -> Picture:
         styles = dict(zip(dict.fromkeys(c.rpm for c in group), ("-", "--", ":"), strict=False))
         panels.append(
             Panel(
-                f"Ratio {ratio:g}: torque over that of full slip",
+                f"Ratio {ratio:g}: torque / torque of full slip",
                 "slip (%)",
                 tuple(
                     Curve(tuple(100.0 * s for s in c.slips), c.utilisations, c.name, colours[c.force], styles[c.rpm])

@@ -1,4 +1,4 @@
-"""Thrust ratio over torque ratio: one curve a ratio, whatever force and speed."""
+"""Thrust ratio over torque ratio: one curve per ratio, independent of force and speed."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ Key = tuple[float, float]
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 12 if plan.short else 260
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves and judges."""
+    """Solves the points and evaluates the checks."""
     solved = _solve(bench, plan)
     found = {key: values for key, values in solved.items() if len(values) > 1}
     spread = {key: max(values.values()) / min(values.values()) - 1.0 for key, values in found.items()}
@@ -41,13 +41,13 @@ def run(bench: Bench, plan: Plan) -> Section:
     )
     rows = [[*key, min(v.values()), max(v.values()), spread[key], float(len(v))] for key, v in found.items()]
     note = (
-        "Over 10 and 20 kN, 1000 and 3000 rpm. A point that slips through is not counted: in underdrive the primary "
+        "For 10 and 20 kN, 1000 and 3000 rpm. Points in macro-slip are not counted: in underdrive the primary "
         "pulley slips first."
     )
     return Section(
         "thrust-ratio",
         "Thrust ratio over torque",
-        "Torque ratio: torque over that of full slip under the secondary force.",
+        "The torque ratio is the torque divided by that of full slip under the secondary force.",
         _checks(spread),
         (table("thrust-ratio", "Thrust ratio over force and speed", columns, rows, note),),
         (_picture(found),),
@@ -67,7 +67,7 @@ def _solve(bench: Bench, plan: Plan) -> dict[Key, dict[Key, float]]:
                 values, f"ratio {ratio:g}, torque ratio {torque_ratio:g}, {force / 1e3:g} kN, {rpm:g} rpm"
             )
             if not out or out["macroSlip"]:
-                # More torque isn't carried either.
+                # A larger torque is not carried either.
                 break
             found[ratio, torque_ratio][force, rpm] = out["thrustRatio"]
     return found
@@ -94,6 +94,6 @@ def _picture(found: dict[Key, dict[Key, float]]) -> Picture:
             places, values = map(tuple, zip(*points, strict=True))
             curves.append(Curve(places, values, f"ratio {ratio:g}", colour, "-" if rpm == SPEEDS[0] else "--"))
     return Picture(
-        (Panel("Thrust ratio F_P/F_S", "torque over that of full slip of the secondary force", tuple(curves)),),
-        "Four lines a ratio: 10 and 20 kN, 1000 rpm (solid) and 3000 rpm (dashed).",
+        (Panel("Thrust ratio F_P/F_S", "torque / torque of full slip under the secondary force", tuple(curves)),),
+        "Four lines per ratio: 10 and 20 kN, 1000 rpm (solid) and 3000 rpm (dashed).",
     )

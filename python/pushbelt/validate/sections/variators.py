@@ -1,4 +1,4 @@
-"""Two variators side by side: what belongs to the law, and what to the geometry."""
+"""Comparison of two variators, which separates effects of the law from those of the geometry."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ SPEED = 2000.0 * math.pi / 30.0
 
 
 def count(plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 2 if plan.short else 12
 
 
 def run(bench: Bench, plan: Plan) -> Section:
-    """Solves both at the same ratio, force and share of their own torque of full slip."""
+    """Solves both at the same ratio, force and share of their torque of full slip."""
     rows, errors = [], []
     for name in NAMES:
         with Bench(bench.archive, name, bench.solved, bench.failures) as own:
@@ -51,7 +51,7 @@ def run(bench: Bench, plan: Plan) -> Section:
                         )
                         errors.append(found.thrust_error)
     check = reported(
-        "Thrust ratio of both variators beside the theory of each",
+        "Thrust ratio of both variators, and theory for each",
         THEORY,
         "the theory's at the same traction",
         PERCENT.text(*errors),

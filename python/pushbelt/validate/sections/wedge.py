@@ -1,8 +1,8 @@
 """A wedge angle of 9° instead of 11°, in overdrive.
 
-The torque of full slip, 2 μ F R/cos β, hardly depends on the angle at equal force. The ring's tension does: without torque
-it is about 2 tan β F/α. So the gain in capacity is read at equal ring tension, each angle at the same safety factor.
-Under torque part of the tension comes from the torque, whatever the angle. The source doesn't say which it means.
+At equal force the torque of full slip, 2 μ F R/cos β, hardly depends on the angle. The ring's tension does: without torque
+it is about 2 tan β F/α. The gain in capacity is therefore evaluated at equal ring tension, with the same safety factor at each angle.
+Under torque a part of the tension is due to the torque, independent of the angle. The source does not state which condition it means.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from ..outcome import PERCENT, Check, Column, Section, Unit, share, table, withi
 RATIO = 0.45
 SPEED = 2000.0 * math.pi / 30.0
 FORCE = 10e3
-"""Secondary force at the old angle, N."""
+"""Secondary force at the larger angle, N."""
 SAFETY = 1.3
 GAIN_TOLERANCE = 0.05
 EFFICIENCY = (0.0, 0.01)
 """Gain of the unit's efficiency, measured 0.005."""
 POINTS = Unit("points", 2, 100.0)
 LOADS = {"without torque": 0.0, "under torque": 1.0 / SAFETY}
-"""At which ring tensions are compared: torque over that of full slip."""
+"""Loads at which ring tensions are compared: torque divided by that of full slip."""
 TENSION = "ring.tensionMax"
 
 
 def count(_plan: Plan) -> int:
-    """Points, about."""
+    """Approximate number of points."""
     return 18
 
 
@@ -48,7 +48,7 @@ def _capacity(bench: Bench, angle: float, force: float) -> float:
 
 
 def _force_of_equal_tension(bench: Bench, old: float, new: float, load: float) -> float | None:
-    """Secondary force at which the ring at the new angle has the tension of the old one, N."""
+    """Secondary force at which the ring tension at the smaller angle equals that at the larger one, N."""
     reference = _state(bench, old, FORCE, load * _capacity(bench, old, FORCE))
 
     def excess(force: float) -> float:
@@ -62,14 +62,14 @@ def _force_of_equal_tension(bench: Bench, old: float, new: float, load: float) -
 
 
 def run(bench: Bench, _plan: Plan) -> Section:
-    """Solves and judges."""
+    """Solves the points and evaluates the checks."""
     measured = data()["wedgeAngle"]
     old, new = (math.radians(measured[key]) for key in ("fromDeg", "toDeg"))
     before = _capacity(bench, old, FORCE)
     torque = before / SAFETY
     states = {
         "11°": _state(bench, old, FORCE, torque),
-        "9°, the same torque": _state(bench, new, FORCE * before / _capacity(bench, new, FORCE), torque),
+        "9°, same torque": _state(bench, new, FORCE * before / _capacity(bench, new, FORCE), torque),
     }
     efficiencies = [out and out["efficiency"] for out in states.values()]
     gains: dict[str, float | None] = {}
@@ -96,7 +96,7 @@ def run(bench: Bench, _plan: Plan) -> Section:
     return Section(
         "wedge-angle",
         "Wedge angle",
-        "A published change of the half wedge angle. All else is that of bench168; the measured unit was another one.",
+        "A published change of the half wedge angle. All other parameters are those of bench168; the measured unit was a different one.",
         _checks(gains, None if None in efficiencies else efficiencies[1] - efficiencies[0]),  # type: ignore[operator]
         (table("wedge-angle", "9° against 11° in overdrive", columns, rows, note),),
     )
@@ -104,7 +104,7 @@ def run(bench: Bench, _plan: Plan) -> Section:
 
 def _checks(gains: dict[str, float | None], efficiency: float | None) -> tuple[Check, ...]:
     measured, where = data()["wedgeAngle"], source("wedgeAngle")
-    unclear = Source(where.text, f"{where.certainty}; it doesn't say at which load the tensions are equal")
+    unclear = Source(where.text, f"{where.certainty}; it does not state the load at which the tensions are equal")
     gain = measured["torqueCapacityGain"]
     capacities = [
         within(

@@ -5,7 +5,7 @@ use super::packs::shape;
 use nalgebra::SVector;
 use num_dual::{Derivative, DualSVec64};
 use pushbelt::scalar::Lanes;
-use pushbelt::solver::arrow::{Arrow, Shape as MatrixShape};
+use pushbelt::solver::arrow::{Arrow, Shape};
 use pushbelt::solver::sdirk::{Evolution, Interval};
 use pushbelt::solver::{System, View};
 use pushbelt_paper::ring::model::RingFormulation;
@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 const NEWTON_ACCURACY: f64 = 1.0e-9;
 
 impl<M: RingFormulation<D, N>, const D: usize, const N: usize> System for RingSystem<M, D, N> {
-    fn shape(&self) -> MatrixShape {
+    fn shape(&self) -> Shape {
         shape(&self.model)
     }
 

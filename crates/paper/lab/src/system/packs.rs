@@ -2,7 +2,7 @@
 
 use pushbelt::scalar::{LANES, Lanes, Real, Tangent};
 use pushbelt::solver::View;
-use pushbelt::solver::arrow::{Arrow, Shape as MatrixShape};
+use pushbelt::solver::arrow::{Arrow, Shape};
 use pushbelt_paper::ring::kinematics::Motion;
 use pushbelt_paper::ring::model::{Coordinates, RingFormulation};
 use std::array;
@@ -11,8 +11,8 @@ use std::array;
 const PASS: usize = 5;
 
 /// Shape of the matrix of a ring alone.
-pub(super) fn shape<M: RingFormulation<D, N>, const D: usize, const N: usize>(model: &M) -> MatrixShape {
-    MatrixShape {
+pub(super) fn shape<M: RingFormulation<D, N>, const D: usize, const N: usize>(model: &M) -> Shape {
+    Shape {
         blocks: model.elements(),
         block: M::BLOCK,
         border: 2,

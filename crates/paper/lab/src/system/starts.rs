@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use pushbelt::solver::arrow::{Arrow, ArrowLu, Singular};
 use pushbelt::solver::sdirk::{Sdirk, Stalled};
 use pushbelt::solver::{State, System};
-use pushbelt_paper::ring::model::{RingFormulation, Shape};
+use pushbelt_paper::ring::model::{RingFormulation, RingShape};
 use pushbelt_paper::ring::particle::ParticleLoad;
 
 impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, N> {
@@ -17,7 +17,7 @@ impl<M: RingFormulation<D, N>, const D: usize, const N: usize> RingSystem<M, D, 
 
     /// At rest on a shape: (r, r') at ξ. Nodes are on it exactly, the inside of an element approximately.
     #[must_use]
-    pub fn rest_on(&self, theta: f64, shape: Shape<'_, D>) -> State {
+    pub fn rest_on(&self, theta: f64, shape: RingShape<'_, D>) -> State {
         self.at_rest(theta, |model, q| model.place_on(shape, q))
     }
 

@@ -14,7 +14,7 @@ from pushbelt.fmu.data import parameter_set
 
 
 class ControlUnit(Unit):
-    """Gives clamping forces for what a transmission measures."""
+    """Computes clamping forces from the measured values of a transmission."""
 
     description = "Transmission control: ratio, clamping forces, hydraulics"
 
@@ -25,7 +25,7 @@ class ControlUnit(Unit):
             PARAMETER,
             {
                 "slipControl": (True, "Slip control, otherwise a fixed safety factor"),
-                "friction.pulley": (assumed["friction.pulley"], "Friction that the control assumes, 1"),
+                "friction.pulley": (assumed["friction.pulley"], "Friction coefficient assumed by the control, 1"),
                 "geometry.wedgeAngle": (assumed["geometry.wedgeAngle"], "Half the wedge angle, rad"),
             },
         )
@@ -39,7 +39,7 @@ class ControlUnit(Unit):
                 "slip": (0.0, "1"),
                 "macroSlip": (False, "Whether the belt slips through"),
                 "torque.estimated": (0.0, "Primary torque as the engine control estimates it, N.m"),
-                "power.demand": (0.0, "Demanded by the driver, W"),
+                "power.demand": (0.0, "Power demanded by the driver, W"),
             },
         )
         force = PressureCircuit(START_PRESSURE).force
@@ -52,13 +52,13 @@ class ControlUnit(Unit):
         path = Path(self.resources) / MAP_FILE
         thrust_map = ThrustMap.read(path)
         if thrust_map is None:
-            raise ValueError(f"{path} is no thrust-ratio map")
+            raise ValueError(f"{path} is not a thrust-ratio map")
         friction = Friction(values["friction.pulley"], values["geometry.wedgeAngle"])
         strategy = "slip" if values["slipControl"] else "safety"
         self._control = TransmissionControl(demo_car(), strategy, friction, thrust_map)
 
     def advance(self, time: float, step: float) -> None:  # noqa: ARG002
-        """Decides, and advances the hydraulics by a communication step."""
+        """Computes the demands and advances the hydraulics by a communication step."""
         values = self.values
         measured = Measured.from_signals(values, values["torque.estimated"])
         signals = self._control.advance(values["power.demand"], values["secondary.speed"], measured, step)
@@ -70,5 +70,5 @@ def _outputs(signals: ClampingSignals) -> dict[str, tuple[float | bool, str]]:
         "primary.clampingForce": (signals.primary_force, "Mean over the last step, N"),
         "secondary.clampingForce": (signals.secondary_force, "Mean over the last step, N"),
         "ratio.target": (signals.target_ratio, "1"),
-        "intervening": (signals.intervening, "Whether the slip controller acts against macro-slip"),
+        "intervening": (signals.intervening, "Whether the slip controller intervenes against macro-slip"),
     }

@@ -10,7 +10,7 @@ from pushbelt.drive.vehicle import Vehicle, VehicleSignals
 
 
 class VehicleUnit(Unit):
-    """Gives torques for speeds; the car's own inertia is part of the variator's secondary shaft."""
+    """Computes torques from speeds. The car's inertia is part of the variator's secondary shaft."""
 
     description = "Driver, engine, launch clutch, brakes and road load on the WLTC"
 
@@ -19,8 +19,8 @@ class VehicleUnit(Unit):
         self.declare(
             PARAMETER,
             {
-                "cycle.start": (0.0, "Where the section of the WLTC class 3b starts, s"),
-                "cycle.stop": (1800.0, "Where it stops, s"),
+                "cycle.start": (0.0, "Start of the section of the WLTC class 3b, s"),
+                "cycle.stop": (1800.0, "End of the section, s"),
             },
         )
         self.declare(
@@ -53,7 +53,7 @@ def _outputs(signals: VehicleSignals) -> dict[str, tuple[float | bool, str]]:
         "primary.torque": (signals.primary_torque, "Mean clutch torque over the last step, N.m"),
         "secondary.torque": (signals.secondary_torque, "Torque of road load and brakes, N.m"),
         "torque.estimated": (signals.estimated_torque, "Primary torque as the engine control estimates it, N.m"),
-        "power.demand": (signals.power_demand, "Demanded by the driver, W"),
+        "power.demand": (signals.power_demand, "Power demanded by the driver, W"),
         "car.speed": (signals.speed, "m/s"),
         "cycle.speed": (signals.target_speed, "m/s"),
         "engine.speed": (signals.engine_speed, "rad/s"),

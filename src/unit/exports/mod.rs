@@ -1,11 +1,19 @@
-//! The list of the exported C functions for a linker.
+//! The C functions that the shared library exports, and their list for a linker.
 
-use super::linear_c;
+#[allow(unsafe_code, non_snake_case)]
+pub mod c_abi;
+#[allow(unsafe_code, non_snake_case)]
+pub mod c_abi3;
+#[forbid(unsafe_code)]
+mod linear;
+#[allow(unsafe_code, non_snake_case)]
+pub mod linear_c;
+
 use crate::fmi::{fmi2, fmi3};
 
 /// The content of `fmu-build/exports.def`.
 #[must_use]
-pub fn exports() -> String {
+pub fn definition() -> String {
     let mut names = [fmi2::NAMES, fmi3::NAMES, linear_c::NAMES].concat();
     names.sort_unstable();
     let names: String = names.iter().map(|name| format!("    {name}\n")).collect();

@@ -2,13 +2,13 @@
 
 use serde_json::{Value, json};
 
-use super::rings::Rings;
-use super::settings::Settings;
-use super::table;
-use super::variator_unit::UnitWith;
 use crate::fmi::Table;
 use crate::fmi::table::{Access, Causality, Kind};
 use crate::fmi::unit::Remark;
+use crate::unit::rings::Rings;
+use crate::unit::settings::Settings;
+use crate::unit::table;
+use crate::unit::variator_unit::UnitWith;
 use crate::variator::linear::{LinearModel, Load, linearise_at};
 use crate::variator::settings::{Outputs, Readings};
 
@@ -46,7 +46,7 @@ pub fn model<R: Rings>(
         .map(|column| |outputs: &Outputs| (column.get)(&outputs.clone().into()))
         .collect();
     let read: Vec<&dyn Fn(&Outputs) -> f64> = read.iter().map(|read| read as _).collect();
-    let variator = unit.variator();
+    let variator = &mut unit.variator;
     let time = variator.time();
     let found = linearise_at(variator, &settings.inputs, frequency, &read).map_err(|error| error.to_string())?;
     remarks.extend(found.remarks.iter().map(|text| Remark {

@@ -3,9 +3,9 @@
 use libc::c_char;
 
 use super::linear;
-use super::variator_unit::VariatorUnit;
 use crate::fmi::fmi2::{Component, query};
 use crate::fmi::log::Status;
+use crate::unit::VariatorUnit;
 
 crate::fmi::export_functions! {
     /// The linear model about the state in which an instance is, as JSON; `docs/linear.md` describes it.

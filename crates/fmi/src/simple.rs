@@ -1,0 +1,98 @@
+//! A unit from a model without internal steps and events.
+
+use super::table::Table;
+use super::unit::{CommunicationStep, Experiment, Identity, Remark, StepFailure, Unit};
+use pushbelt_tape::Tape;
+
+/// A model without internal steps, events and derivatives, whose inputs are held over a communication step. [`SimpleUnit`] makes a
+/// [`Unit`] of it.
+pub trait SimpleModel: Clone {
+    /// Parameters and inputs. The default holds the start values.
+    type Settings: Clone + Default;
+    /// Outputs and locals.
+    type Readings;
+
+    /// Name of the model, and the experiment that its description suggests.
+    const IDENTITY: Identity;
+
+    /// All variables of the model.
+    fn table() -> Table<Self::Settings, Self::Readings>;
+
+    /// Checks the settings as a whole, when a tunable parameter changes during a run.
+    ///
+    /// # Errors
+    /// The reason, as a sentence with variable, value and allowed range.
+    fn check(_settings: &Self::Settings) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// The model at the start time, s.
+    ///
+    /// # Errors
+    /// The reason, as a sentence.
+    fn start(settings: &Self::Settings, time: f64) -> Result<Self, String>;
+
+    /// Readings at the present time. They depend on inputs through the state only.
+    fn readings(&mut self) -> &Self::Readings;
+
+    /// Advances over a communication step, from a time to a later one, s.
+    ///
+    /// # Errors
+    /// The step is not possible; nothing has changed.
+    fn advance(&mut self, settings: &Self::Settings, from: f64, to: f64) -> Result<(), StepFailure>;
+
+    /// Writes the whole state to a tape or reads it from one.
+    fn serialize(&mut self, tape: &mut Tape<'_>);
+}
+
+/// The unit of a [`SimpleModel`]: the model and the present time.
+#[derive(Clone, Debug)]
+pub struct SimpleUnit<M> {
+    model: M,
+    time: f64,
+}
+
+impl<M: SimpleModel> Unit for SimpleUnit<M> {
+    type Settings = M::Settings;
+    type Readings = M::Readings;
+    type Progress = ();
+
+    const IDENTITY: Identity = M::IDENTITY;
+
+    fn table() -> Table<M::Settings, M::Readings> {
+        M::table()
+    }
+
+    fn check(settings: &M::Settings) -> Result<(), String> {
+        M::check(settings)
+    }
+
+    fn start(settings: &M::Settings, experiment: &Experiment, _: &mut Vec<Remark>) -> Result<Self, String> {
+        let time = experiment.start;
+        M::start(settings, time).map(|model| Self { model, time })
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn readings(&mut self, _: bool) -> &M::Readings {
+        self.model.readings()
+    }
+
+    fn advance(
+        &mut self,
+        step: &mut CommunicationStep<Self>,
+        settings: &M::Settings,
+        _: &mut Vec<Remark>,
+    ) -> Result<(), StepFailure> {
+        self.model.advance(settings, self.time, step.to)?;
+        self.time = step.to;
+        Ok(())
+    }
+
+    fn serialize(&mut self, tape: &mut Tape<'_>) {
+        tape.real(&mut self.time);
+        self.model.serialize(tape);
+    }
+}

@@ -1,0 +1,250 @@
+//! Starts at rest. Coulomb friction leaves the forces of a belt at rest open: a run starts with those of a belt that crept, and
+//! they hardly depend on how friction is regularised.
+
+use pushbelt::variator::settings::{Axial, Drive, Inputs, Mode, Parameters, RingModel, StartState};
+use pushbelt_lab::checks::assert_close;
+use pushbelt_lab::run::Run;
+use pushbelt_lab::variators::{MODELS, coarse, inputs, variator};
+
+/// `friction.velocity`: the default, a tenth, a fiftieth, m/s.
+const VELOCITIES: [f64; 3] = [5e-4, 5e-5, 1e-5];
+
+/// Clamping force of the secondary pulley, N.
+const FORCE: f64 = 15e3;
+
+/// In underdrive, the primary sheave held, a vehicle's inertia on the secondary shaft.
+fn held(mut parameters: Parameters, speed: f64, velocity: f64) -> Parameters {
+    parameters.primary.axial = Axial::Held;
+    parameters.secondary.inertia = 4.0;
+    (parameters.initial.ratio, parameters.initial.primary_speed) = (2.2, speed);
+    parameters.friction.velocity = velocity;
+    parameters
+}
+
+/// A torque on the primary shaft alone, N·m.
+fn torque(torque: f64) -> Inputs {
+    inputs((torque, 0.0), (0.0, FORCE))
+}
+
+/// The shafts follow set points: the primary one starts at `speed`, rad/s, the secondary one is free.
+fn led(speed: f64, velocity: f64) -> Run {
+    let mut parameters = held(variator(RingModel::Ale), speed, velocity);
+    parameters.primary.drive = Drive::Speed;
+    parameters.secondary.inertia = 0.3;
+    let mut given = torque(0.0);
+    given.primary.speed_setpoint = speed;
+    Run::new(parameters, given)
+}
+
+/// Leads the primary shaft to another speed, rad/s, in a time, s.
+fn lead(run: &mut Run, speed: f64, span: f64) {
+    let mut rates = Inputs::ZERO;
+    rates.primary.speed_setpoint = (speed - run.inputs.primary.speed_setpoint) / span;
+    run.ramp(span, 1e-2, &rates);
+}
+
+fn primary_force(run: &mut Run) -> f64 {
+    run.variator.outputs().primary.axial_force
+}
+
+/// The axial force of a held sheave: the same within 5 % for all friction velocities, and that of a belt that runs slowly under
+/// sharp friction.
+#[test]
+fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
+    for model in MODELS {
+        for given in [0.0, 60.0, -30.0] {
+            let force = |speed: f64, velocity: f64| {
+                let mut run = Run::new(held(variator(model), speed, velocity), torque(given));
+                let state = run.variator.outputs().start_state;
+                let expected = if speed == 0.0 {
+                    StartState::Clamped
+                } else {
+                    StartState::Steady
+                };
+                assert_eq!(state, expected, "{model:?}, {given} N·m");
+                primary_force(&mut run)
+            };
+            // Half and double the speed of the belt that creeps into the start, and sharper friction.
+            let [slow, fast] = [10.0, 40.0].map(|speed| force(speed, 1e-5));
+            let at_rest = VELOCITIES.map(|velocity| force(0.0, velocity));
+            println!("{model:?}, {given} N·m: at rest {at_rest:.0?} N, running slowly {slow:.0} and {fast:.0} N");
+            assert_close(slow, fast, 0.02, "two slow speeds");
+            for force in at_rest {
+                assert_close(force, at_rest[0], 0.05, "friction velocities");
+                assert_close(force, slow, 0.05, "a belt that runs slowly");
+            }
+        }
+    }
+}
+
+/// What a launch under torque loses depends on the friction velocity by less than 5 %, and the belt does not slip through.
+#[test]
+fn a_launch_loses_as_much_under_sharp_friction() {
+    for model in MODELS {
+        let lost = VELOCITIES.map(|velocity| {
+            let mut run = Run::new(held(variator(model), 0.0, velocity), torque(60.0));
+            run.go(0.5, 1e-2);
+            run.assert_balances();
+            run.variator.energy_balance().lost
+        });
+        println!("{model:?}: {lost:.2?} J in 0.5 s");
+        assert_close(lost[1], lost[2], 0.05, "sharp friction");
+        assert_close(lost[0], lost[2], 0.05, "the default");
+    }
+}
+
+/// A torque that is stepped up after a start without torque makes the primary pulley slip at first, as after a stop. What is lost
+/// hardly depends on how sharp the friction is; the default loses less.
+#[test]
+fn a_stepped_launch_loses_as_much_under_sharp_friction() {
+    for model in MODELS {
+        let lost = VELOCITIES.map(|velocity| {
+            let mut parameters = held(variator(model), 0.0, velocity);
+            parameters.secondary.inertia = 1.0;
+            let mut run = Run::new(parameters, torque(0.0));
+            run.inputs = torque(60.0);
+            run.go(0.2, 1e-3);
+            run.variator.energy_balance().lost
+        });
+        println!("{model:?}: {lost:.2?} J in 0.2 s");
+        assert_close(lost[1], lost[2], 0.05, "sharp friction");
+        assert!(lost[0] < 1.05 * lost[2], "the default");
+    }
+}
+
+/// Stop and go: the axial force before a stop and after the next start is the same, and so is that of a run which starts at rest.
+/// While the belt stands, a run that has stopped and one that starts have about the same force, and lose little of it in a second.
+#[test]
+fn stop_and_go_returns_to_the_force() {
+    for velocity in VELOCITIES {
+        let mut stopped = led(20.0, velocity);
+        let before = primary_force(&mut stopped);
+        lead(&mut stopped, 0.0, 0.2);
+        lead(&mut stopped, 0.0, 0.1);
+        let mut started = led(0.0, velocity);
+        let standing = [&mut stopped, &mut started].map(|run| {
+            let first = primary_force(run);
+            lead(run, 0.0, 1.0);
+            [first, primary_force(run)]
+        });
+        let after = [stopped, started].map(|mut run| {
+            lead(&mut run, 20.0, 0.2);
+            lead(&mut run, 20.0, 0.2);
+            // Steps under sharper friction err more where the belt sets off.
+            if velocity == VELOCITIES[0] {
+                run.assert_balances();
+            }
+            primary_force(&mut run)
+        });
+        println!(
+            "{velocity} m/s: {before:.0} N, standing {:.0?} after a stop and {:.0?} from a start, then {after:.0?} N",
+            standing[0], standing[1]
+        );
+        for force in after {
+            assert_close(force, before, 0.05, "force after the next start");
+        }
+        for force in standing.into_iter().flatten() {
+            assert_close(force, before, 0.07, "force at a standstill");
+        }
+        assert_close(standing[1][0], standing[0][0], 0.05, "a start and a stop");
+    }
+}
+
+/// Under clamping forces on both sheaves a launch starts with these forces and a belt that carries its torque, and takes less work
+/// than from a belt without torque; torques that balance, or that friction holds, move nothing.
+#[test]
+fn a_driven_belt_under_two_forces_carries_its_torque() {
+    for model in MODELS {
+        let start = |given: Inputs| {
+            let mut parameters = coarse(model);
+            (parameters.initial.ratio, parameters.initial.primary_speed) = (2.2, 0.0);
+            parameters.secondary.inertia = 4.0;
+            Run::new(parameters, given)
+        };
+        let mut driven = start(inputs((60.0, 13e3), (0.0, FORCE)));
+        let o = driven.variator.outputs().clone();
+        println!(
+            "{model:?}: {:.0} and {:.0} N, {:.1} and {:.1} N·m",
+            o.primary.axial_force, o.secondary.axial_force, o.primary.shaft_torque, o.secondary.shaft_torque
+        );
+        assert_eq!(o.start_state, StartState::Clamped);
+        assert_close(o.primary.axial_force, 13e3, 0.02, "primary force");
+        assert_close(o.secondary.axial_force, FORCE, 0.02, "secondary force");
+        assert_close(o.primary.shaft_torque, -57.0, 0.4, "torque of the belt");
+        assert!(o.primary.speed.abs() < 1e-2 && o.secondary.speed.abs() < 1e-2);
+        driven.go(0.1, 1e-3);
+        driven.assert_balances();
+        assert!(!driven.warned("slips"), "{model:?}");
+        // Less than what friction holds.
+        let mut held = start(inputs((22.1, 13e3), (-48.0, FORCE)));
+        let o = held.go(0.1, 1e-2);
+        println!(
+            "{model:?}, held: {:.1e} and {:.1e} rad/s",
+            o.primary.speed, o.secondary.speed
+        );
+        assert!(o.primary.speed.abs() < 0.1 && o.secondary.speed.abs() < 0.1);
+    }
+}
+
+/// Real time starts from the same state, and its launch follows the accurate one.
+#[test]
+fn real_time_starts_alike() {
+    for model in MODELS {
+        let [accurate, real_time] = [Mode::Accurate, Mode::RealTime].map(|mode| {
+            let mut parameters = held(coarse(model), 0.0, 5e-4);
+            parameters.solver.mode = mode;
+            let mut run = Run::new(parameters, torque(60.0));
+            let first = primary_force(&mut run);
+            let o = run.go(0.2, 1e-3);
+            [first, o.primary.speed, o.primary.axial_force]
+        });
+        println!("{model:?}: {accurate:.4?}, in real time {real_time:.4?}");
+        assert_close(real_time[0], accurate[0], 1e-9, "first force");
+        assert_close(real_time[1], accurate[1], 0.01, "speed");
+        assert_close(real_time[2], accurate[2], 0.02, "force");
+    }
+}
+
+/// What a run says about its start at rest.
+#[test]
+fn a_start_at_rest_is_reported() {
+    for model in MODELS {
+        let start = |change: &dyn Fn(&mut Parameters), given: Inputs| {
+            let mut parameters = held(coarse(model), 0.0, 5e-4);
+            change(&mut parameters);
+            let mut run = Run::new(parameters, given);
+            for message in &run.messages {
+                println!("{model:?}: {}", message.text);
+            }
+            (run.variator.outputs().start_state, run)
+        };
+        let both = |p: &mut Parameters| p.secondary.axial = Axial::Held;
+        let (state, mut run) = start(&both, torque(0.0));
+        assert_eq!(state, StartState::Clamped);
+        assert!(run.warned("both sheaves are held: the belt's tension follows"));
+        assert_close(run.variator.outputs().secondary.axial_force, FORCE, 0.05, "tension");
+        let (state, run) = start(&both, inputs((0.0, 0.0), (0.0, 0.0)));
+        assert_eq!(state, StartState::Unloaded);
+        assert!(run.warned("at rest without the forces of a belt that has run") && run.warned("no tension"));
+        let (state, run) = start(&|_| {}, inputs((0.0, 0.0), (0.0, 0.0)));
+        assert_eq!(state, StartState::Unloaded);
+        assert!(run.messages.is_empty());
+        let (state, run) = start(&|_| {}, torque(400.0));
+        assert_eq!(state, StartState::ReducedTorque);
+        assert!(run.warned("no steady state") && run.warned("% of them"));
+        // The other sheave.
+        let other = |p: &mut Parameters| (p.primary.axial, p.secondary.axial) = (Axial::Force, Axial::Held);
+        let (state, mut run) = start(&other, inputs((20.0, 12e3), (0.0, 0.0)));
+        assert_eq!(state, StartState::Clamped);
+        assert_close(run.variator.outputs().primary.axial_force, 12e3, 0.02, "clamping force");
+        // The ratio at which both forces balance.
+        let equilibrium = |p: &mut Parameters| {
+            p.primary.axial = Axial::Force;
+            (p.initial.equilibrium, p.initial.ratio) = (true, 1.0);
+        };
+        let (state, mut run) = start(&equilibrium, inputs((40.0, 11e3), (0.0, 9e3)));
+        assert_eq!(state, StartState::Clamped);
+        assert!(run.reported("equilibrium of the clamping forces"));
+        assert!(run.variator.outputs().ratio_geometric > 1.01 || run.variator.outputs().ratio_geometric < 0.99);
+    }
+}
