@@ -71,9 +71,6 @@ const PSEUDO_INERTIA: f64 = 40.0;
 /// Pseudo-time step from which on the friction velocity is reduced, and which is kept meanwhile, s.
 const SOFT_STEP: f64 = 5.0e-3;
 
-/// Film that a solution starts with, at [`SOFT_VELOCITY`]: its force, N, and damping, N·s. It closes the play, so that no
-/// elements collide on the way. It decreases to the specified one with the friction velocity.
-const SOFT_FILM: [f64; 2] = [100.0, 3.0];
 /// Clamping force below which a belt may be too loose to be found from a kinematic state, N, and the factor of the force
 /// whose steady state is then solved for first.
 const FIRM: f64 = 1.0e4;
@@ -203,15 +200,13 @@ fn solve_from(
     outcome
 }
 
-/// Sets the friction velocity in force, m/s, and the film that belongs to it.
+/// Sets the friction velocity in force, m/s, and with it the film: elements that collide make a start from a kinematic state hard to
+/// solve.
 fn soften(system: &mut VariatorSystem, velocity: f64) {
     system.friction_velocity = velocity;
     let own = &system.parameters;
     let share = ((velocity - own.friction.velocity) / SOFT_VELOCITY).clamp(0.0, 1.0);
-    let soft = |own: f64, soft: f64| own + share * (soft - own).max(0.0);
-    let film = &mut system.law.chain;
-    film.film_force = soft(own.belt.film_force, SOFT_FILM[0]);
-    film.film_damping = soft(own.belt.film_damping, SOFT_FILM[1]);
+    system.law.chain = own.belt.with_stiff_film(share);
 }
 
 /// A system, and the loads of the belt on the pulleys as of the last residual.
