@@ -139,6 +139,7 @@ fn outputs<R: Rings>(t: &mut Rows<R>) {
     t.read("efficiency.belt", 24, (Output, "1", typical(1.0)), "Driven / driving power at the belt, without the drag of the shafts, 0 to 1; 0 without power flow", read!(belt_efficiency));
     t.read("loss.layers", 25, (Output, "W", typical(10.0)), "Friction loss between the layers of the ring sets", read!(losses.layers));
     t.read("loss.shafts", 26, (Output, "W", typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(losses.shafts));
+    t.read("loss.spin", 33, (Output, "W", typical(10.0)), "Loss by elements that start and stop turning where they enter and leave an arc: an upper bound, since both are taken as plastic", read!(losses.spin));
     t.read("pushForce.max", 15, (Output, "N", typical(1000.0)), "Largest push force between elements", read!(push_force_max));
     t.read("ring.tensionMax", 16, (Output, "N", typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
     t.read("ring.tensionMin", 17, (Output, "N", typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
@@ -171,6 +172,7 @@ fn parameters<R: Rings>(t: &mut Rows<R>) {
     t.set("belt.damping", 1035, Parameter, "s", "Damping time of the element stack, in contact only", set!(parameters.belt.damping));
     t.set("belt.roughness", 1037, Parameter, "m", "Roughness of the elements' faces: distance over which the contact force between neighbouring elements rises", set!(parameters.belt.roughness));
     t.set("belt.elementThickness", 1038, Parameter, "m", "Thickness of an element", set!(parameters.belt.element_thickness));
+    t.set("belt.elementInertia", 1058, Parameter, "kg.m2", "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss", set!(parameters.belt.element_inertia));
     t.set("belt.filmForce", 1039, Parameter, "N", "Film force between elements at a gap of zero, which stands for oil, waviness and rocking of the faces and acts across wider gaps than belt.roughness", set!(parameters.belt.film_force));
     t.set("belt.filmThickness", 1040, Parameter, "m", "Gap over which belt.filmForce and belt.squeezeDamping decrease", set!(parameters.belt.film_thickness));
     t.set("belt.filmDamping", 1057, Parameter, "N.s", "Film damping: force between elements per rate of strain, constant across all gaps", set!(parameters.belt.film_damping));

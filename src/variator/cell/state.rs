@@ -8,6 +8,7 @@ use crate::scalar::Real;
 use crate::variator::law::flanks::{Approach, BothFlanks};
 use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
+use crate::variator::law::spin::spin_drag;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
 use nalgebra::{SVector, Vector2};
@@ -205,6 +206,8 @@ pub struct StationForces<T: Real, const D: usize> {
     /// Speed of the ring along itself, m/s, and drag of its layers, N/m.
     pub ring_speed: T,
     pub layer_drag: T,
+    /// Drag of elements that start and stop turning, N/m.
+    pub spin_drag: T,
     /// Conjugate of v_e·t̂: flanks and ring friction, N/m.
     pub tangential: T,
 }
@@ -274,6 +277,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             ring_friction,
             ring_speed,
             layer_drag: layer_drag(place.layer_drag, pressing, kappa, ring_speed),
+            spin_drag: spin_drag(place.spin, kappa, [cell.density, chain.flow, chain.speed]),
             tangential: at_ring_line.dot(&point.t) - ring_friction,
         }
     }

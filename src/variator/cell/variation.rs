@@ -93,7 +93,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let mut stations = [None; STATIONS];
         for (i, (to, at)) in stations.iter_mut().zip(slots.stations.iter().zip(forces)).enumerate() {
             if let (Some(station), Some(forces)) = at {
-                *to = Some(LinearisedStation::new(&given, (i, station), forces, &laws.stations[i]));
+                *to = Some(LinearisedStation::new(
+                    &given,
+                    (i, station),
+                    cell.density,
+                    forces,
+                    &laws.stations[i],
+                ));
             }
         }
         Self {

@@ -269,6 +269,7 @@ impl Default for Parameters {
                 damping: 5.0e-6,
                 roughness: 1.0e-7,
                 element_thickness: 1.5e-3,
+                element_inertia: 0.0,
                 film_force: 100.0,
                 film_thickness: 1.5e-6,
                 film_damping: 3.0,

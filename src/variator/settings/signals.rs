@@ -132,6 +132,8 @@ pub struct Losses<L = f64> {
     pub ring: L,
     /// Friction between the layers of the ring.
     pub layers: L,
+    /// Elements that start and stop turning where they enter and leave an arc.
+    pub spin: L,
     /// Drag of the shafts in seals, oil and bearings.
     pub shafts: L,
     /// Sheave damper, tilt relaxation, chain, structural and contact damping, end stops.
@@ -142,7 +144,7 @@ impl Losses {
     /// Sum of all losses, W.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.sheaves + self.ring + self.layers + self.shafts + self.other
+        self.sheaves + self.ring + self.layers + self.shafts + self.other + self.spin
     }
 }
 

@@ -117,6 +117,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("belt.pushStiffness", belt.push_stiffness, 1e3, 1e13),
     limit!("belt.roughness", belt.roughness, 1e-10, 1e-5),
     limit!("belt.elementThickness", belt.element_thickness, 1e-4, 0.1),
+    limit!("belt.elementInertia", belt.element_inertia, 0.0, 1e-4),
     limit!("belt.filmForce", belt.film_force, 0.0, 1e3),
     limit!("belt.filmThickness", belt.film_thickness, 1e-8, 1e-4),
     limit!("belt.filmDamping", belt.film_damping, 0.0, 1e3),
