@@ -98,6 +98,7 @@ impl Figures {
             o.belt_efficiency,
             o.losses.layers,
             o.losses.shafts,
+            o.losses.spin,
         ] {
             self.add(value);
         }

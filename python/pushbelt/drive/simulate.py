@@ -30,7 +30,7 @@ MESHES: Mapping[str, Mapping[str, float]] = {
 }
 """Start values by name: for long runs, and the FMU's own."""
 
-LOSSES = ("sheaves", "ring", "layers", "shafts", "other")
+LOSSES = ("sheaves", "ring", "layers", "spin", "shafts", "other")
 """Parts of the variator's loss, by the names of the FMU's outputs without their `loss.`; together they are `loss.total`."""
 
 OUTPUTS = (

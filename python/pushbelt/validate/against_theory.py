@@ -1,7 +1,7 @@
 """The FMU beside the continuum theory at the FMU's own radii, torque and force; and what leads it into the theory's
 limit.
 
-The theory has no ring friction, no play, no compression of contact and chain, no losses of layers and shafts, and
+The theory has no ring friction, no play, no compression of contact and chain, no losses of layers, turning elements and shafts, and
 friction
 that doesn't fall. In its limit the FMU has none of that either; at default parameters it has all of it.
 """
@@ -215,6 +215,7 @@ NOT_IN_THE_THEORY = {
     "friction.ring": 0.0,
     "friction.fall": 0.0,
     "friction.layers": 0.0,
+    "belt.elementInertia": 0.0,
     "belt.play": 0.0,
     "primary.tiltClearance": 0.0,
     "secondary.tiltClearance": 0.0,

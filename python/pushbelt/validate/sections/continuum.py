@@ -92,8 +92,8 @@ def run(bench: Bench, plan: Plan) -> Section:
         (in_limit, ladders, default, idle, _theory_table(bench, plan)),
         (_picture(default),),
         (
-            "In its limit the FMU has what the theory has: no ring friction, no play, no losses of layers and "
-            "shafts, friction that "
+            "In its limit the FMU has what the theory has: no ring friction, no play, no losses of layers, "
+            "turning elements and shafts, friction that "
             "doesn't fall, sheaves that tilt without clearance, and contact, chain and ring so stiff that the "
             "opening dominates.",
         ),
