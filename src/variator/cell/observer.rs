@@ -77,6 +77,7 @@ impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
         Sample {
             xi: point.reference.xi.v,
             curvature: [point.reference.kappa, face.reference.kappa],
+            ring_curvature: chain.curvature[0],
             weight: *weight,
             r: [point.r[0], point.r[1]],
             pitch_radius: approach.rho,

@@ -290,6 +290,9 @@ impl Default for Parameters {
                 count: 9,
                 thickness: 1.85e-4,
                 friction: 0.05,
+                width: 9.0e-3,
+                // 2π/L: layers that were aged and nitrided as circles. An engineering value: rolling may leave another one.
+                residual_curvature: 8.94,
             },
             friction: Friction {
                 pulley: 0.09,

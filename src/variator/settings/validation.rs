@@ -135,6 +135,8 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("ring.damping", ring.damping, 0.0, 1e-2),
     limit!("ring.layers", layers.count, 1.0, 100.0),
     limit!("ring.layerThickness", layers.thickness, 0.0, 0.01),
+    limit!("ring.layerWidth", layers.width, 1e-4, 1.0),
+    limit!("ring.residualCurvature", layers.residual_curvature, -1e3, 1e3),
     limit!("friction.pulley", friction.pulley, 0.0, 1.0),
     limit!("friction.ring", friction.ring, 0.0, 1.0),
     limit!("friction.fall", friction.fall, 0.0, 0.9),
