@@ -32,8 +32,8 @@ pub(crate) struct LinearisedStation<'a, const D: usize> {
     friction_by: [Lanes; 2],
     /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's speed along itself.
     drag_by: [Lanes; 2],
-    /// Derivatives of the drag of elements that start and stop turning with respect to ν, J and V.
-    spin_by: [Lanes; 3],
+    /// Derivatives of the drag of elements that start and stop turning with respect to the passing amount and V.
+    spin_by: [Lanes; 2],
 }
 
 /// Variations at a station from which those of its forces on ring, elements and pulley are computed.
@@ -91,7 +91,7 @@ impl BothFlanksVariation {
     }
 }
 
-/// Density, push force and gradient of V in a cell, with their variations.
+/// Density, push force and gradient of V in a cell, with their variations, and that of the passing elements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StackForce {
     /// Density ν and its variation.
@@ -100,15 +100,17 @@ pub(crate) struct StackForce {
     pub push: [Lanes; 2],
     /// ∂V/∂ξ and its variation, 1/s.
     pub gradient: [Lanes; 2],
+    /// Variation of the amount of elements that passes, m/s.
+    pub passing: Lanes,
 }
 
 impl<'a, const D: usize> LinearisedStation<'a, D> {
-    /// Station `i` of a cell of this `density`, with `forces` of these `slopes`.
+    /// Station `i` of a cell through which the amount `passing` of elements passes, with `forces` of these `slopes`.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
         (i, station): (usize, &'a StationState<Lanes, D>),
-        density: Lanes,
+        passing: Lanes,
         forces: &'a StationForces<Lanes, D>,
         slopes: &StationTangents,
     ) -> Self {
@@ -121,13 +123,9 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             Tangent::seed(forces.ring_speed, 1, 1.0),
         );
         let spin = spin_drag(
-            Tangent::<3>::constant(given.place.spin),
+            Tangent::<2>::constant(given.place.spin),
             Tangent::constant(ring.reference.kappa),
-            [
-                Tangent::seed(density, 0, 1.0),
-                Tangent::seed(chain.flow, 1, 1.0),
-                Tangent::seed(chain.speed, 2, 1.0),
-            ],
+            [Tangent::seed(passing, 0, 1.0), Tangent::seed(chain.speed, 1, 1.0)],
         );
         Self {
             spin_by: spin.eps,
@@ -171,7 +169,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
                 + push_by * chain.curvature[k]
                 + push * chain_by.curvature[k];
         }
-        let spin = along(&self.spin_by, &[density_by, chain_by.flow, chain_by.speed]);
+        let spin = along(&self.spin_by, &[stack.passing, chain_by.speed]);
         (mass * base_t + self.forces.mass * a_t + spin, inward)
     }
 

@@ -29,16 +29,25 @@ const FADING_SPEED: f64 = 0.1;
 #[inline(always)]
 pub fn spin_shares<T: Real>(belt: &Belt, radii: [T; 2], wraps: [T; 2]) -> [T; 2] {
     let per_thickness = belt.element_inertia / belt.element_thickness;
-    std::array::from_fn(|k| (radii[k] * radii[k] * wraps[k]).recip() * per_thickness)
+    let curvatures = radii.map(Real::recip);
+    // One division for both.
+    let inverse = (wraps[0] * wraps[1]).recip() * per_thickness;
+    std::array::from_fn(|k| curvatures[k] * curvatures[k] * wraps[1 - k] * inverse)
 }
 
-/// Drag of the elements per dξ, N/m, on an arc of this [share](spin_shares) and curvature `kappa`, at the density `nu`,
-/// the flow `flow` through the mesh and the speed `speed`, m/s.
+/// ν|J|, the amount of elements that passes in a second, m/s, at the density `nu` and the flow `flow` through the mesh, m/s.
 #[inline(always)]
-pub fn spin_drag<T: Real>(share: T, kappa: T, [nu, flow, speed]: [T; 3]) -> T {
+pub fn passing<T: Real>(nu: T, flow: T) -> T {
     let square = flow * flow;
     let (_, inverse) = (square + FADING_SPEED * FADING_SPEED).root_and_inverse();
-    share * kappa * nu * (square * inverse) * speed
+    nu * square * inverse
+}
+
+/// Drag of the elements per dξ, N/m, on an arc of this [share](spin_shares) and curvature `kappa`, where the amount
+/// [`passing`], m/s, passes at the speed `speed`, m/s.
+#[inline(always)]
+pub fn spin_drag<T: Real>(share: T, kappa: T, [passing, speed]: [T; 2]) -> T {
+    share * kappa * passing * speed
 }
 
 #[cfg(test)]
@@ -47,7 +56,7 @@ mod tests {
 
     #[test]
     fn drag_is_odd_and_smooth_and_grows_with_the_square_of_speed() {
-        let drag = |v: f64| spin_drag(1.0, 20.0, [0.99, v, v]);
+        let drag = |v: f64| spin_drag(1.0, 20.0, [passing(0.99, v), v]);
         for v in [1e-3, 0.1, 3.0, 40.0] {
             assert_eq!(drag(-v), -drag(v));
             assert!(drag(v) > 0.0);
