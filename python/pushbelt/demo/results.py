@@ -50,11 +50,18 @@ class MeasuredPoint:
     """Secondary clamping force, N; the measured one is unknown."""
     efficiency: float
     """Of the FMU's shafts."""
+    spin: float
+    """Loss of turning elements, an upper bound, over the power of the driving shaft."""
 
     @property
     def margin(self) -> float:
         """Efficiency of the FMU less the measured one."""
         return self.efficiency - self.measured.efficiency
+
+    @property
+    def margin_without_spin(self) -> float:
+        """The same without the loss of turning elements."""
+        return self.margin + self.spin
 
 
 @dataclass(frozen=True)
