@@ -205,8 +205,7 @@ pub struct Place<'a, T: Real> {
     pub length: Jet<T>,
     /// Drag of the ring's layers on the nearest arc, as a share of the ring's normal load.
     pub layer_drag: T,
-    /// Drag of elements that start and stop turning, on the nearest arc: its
-    /// [share](crate::variator::law::spin::spin_shares), kg/m.
+    /// Drag of elements that start and stop turning, on the nearest arc: I/(h R² α), kg/m.
     pub spin: T,
 }
 
