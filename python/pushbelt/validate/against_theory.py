@@ -1,9 +1,8 @@
 """The FMU beside the continuum theory at the FMU's own radii, torque and force; and what leads it into the theory's
 limit.
 
-The theory has no ring friction, no play, no compression of contact and chain, no losses of layers, turning elements and shafts, and
-friction
-that doesn't fall. In its limit the FMU has none of that either; at default parameters it has all of it.
+The theory has no ring friction, no play, no compression of contact and chain, no losses of layers, turning elements and
+shafts, and friction that doesn't fall. In its limit the FMU has none of that either; at default parameters it has all of it.
 """
 
 from __future__ import annotations
