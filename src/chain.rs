@@ -58,6 +58,9 @@ pub struct PushElements {
     pub roughness: f64,
     /// Thickness of an element, m: a gap is divided by it to give a strain of the stack.
     pub element_thickness: f64,
+    /// Moment of inertia of an element about its rocking edge, kg·m²: I + m d², with I about the centre of mass, which is d
+    /// from the edge. It determines the loss by elements that start and stop turning; 0: no such loss.
+    pub element_inertia: f64,
     /// Force between elements at ε = 0 by effects of longer range than the roughness, N: oil, waviness and rocking of the
     /// faces. Without it no waves run against the flow in a stack with gaps, and the play gathers where elements enter a
     /// pulley (`docs/sensitivity.md`).

@@ -96,13 +96,12 @@ fn nine_load_cases(model: RingModel) {
             assert!(state.power_defect().abs() < 2e-3, "{name}");
             assert!(o.slip > 0.0 && o.slip < 0.03, "{name}");
             // At these ratios a belt alone has smaller losses than that transmission; `variator_losses.rs` compares the shafts' power.
-            assert!(
-                o.belt_efficiency > measured && o.efficiency < o.belt_efficiency,
-                "{name}"
-            );
+            // The loss of turning elements is left out, since it is an upper bound.
+            let without_spin = o.belt_efficiency + o.losses.spin / o.primary.power;
+            assert!(without_spin > measured && o.efficiency < o.belt_efficiency, "{name}");
             assert!(o.belt_efficiency < 1.0, "{name}");
             let losses = &o.losses;
-            let least = [losses.sheaves, losses.ring, losses.shafts];
+            let least = [losses.sheaves, losses.ring, losses.spin, losses.shafts];
             assert!(least.iter().all(|loss| *loss > 0.0) && losses.other >= 0.0, "{name}");
             assert!(losses.layers >= 0.0, "{name}");
             if model == RingModel::Ale {

@@ -99,6 +99,12 @@ impl Figures {
             o.belt_efficiency,
             o.losses.layers,
             o.losses.shafts,
+            o.losses.spin,
+            o.ring_stress.max,
+            o.ring_stress.amplitude.primary,
+            o.ring_stress.amplitude.secondary,
+            o.ring_stress.mean.primary,
+            o.ring_stress.mean.secondary,
         ] {
             self.add(value);
         }
@@ -113,6 +119,7 @@ impl Figures {
             &p.radial_deviation,
             &p.sliding_speed,
             &p.lateral_deflection,
+            &p.ring_stress,
         ] {
             field.iter().for_each(|&value| self.add(value));
         }

@@ -51,12 +51,13 @@ pub fn rigid(mut parameters: Parameters) -> Parameters {
     parameters
 }
 
-/// The belt alone: shafts without drag, layers of the ring without friction, Coulomb friction on the sheaves. For comparison
-/// with theories that have no other losses.
+/// The belt alone: shafts without drag, layers of the ring without friction, no loss by turning elements, Coulomb
+/// friction on the sheaves. For comparison with theories that have no other losses.
 pub fn belt_alone(mut parameters: Parameters) -> Parameters {
     parameters.primary.drag = ShaftDrag::NONE;
     parameters.secondary.drag = ShaftDrag::NONE;
     parameters.layers.friction = 0.0;
+    parameters.belt.element_inertia = 0.0;
     parameters.friction.fall = 0.0;
     parameters
 }

@@ -16,7 +16,7 @@
 
 use super::curve::{ReferenceCurve, ReferencePoint, TangentAngle};
 use super::jet::Jet;
-use super::two_pulley::{SEGMENTS, TwoPulley, VectorJet, arc_angles, on_arc, on_strand};
+use super::two_pulley::{SEGMENTS, TwoPulley, VectorJet, arc_angles, on_arc, on_strand, wraps};
 use crate::scalar::{Real, turn_right};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
@@ -296,6 +296,13 @@ impl Displaced {
 }
 
 impl<T: Real> DisplacedFrame<T> {
+    /// Wrap angles, secondary first, rad.
+    #[inline(always)]
+    #[must_use]
+    pub fn wraps(&self) -> [T; 2] {
+        wraps(self.phi.v)
+    }
+
     /// Tangent angle χ of an arc at a fraction of its segment, and the pulley of the arc.
     #[inline(always)]
     fn angle(&self, segment: usize, fraction: T::Constant) -> (usize, Jet<T>) {

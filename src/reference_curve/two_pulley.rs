@@ -305,6 +305,21 @@ pub struct TwoPulleyFrame<T: Real> {
     strands: [(VectorJet<T>, VectorJet<T>); 2],
 }
 
+impl<T: Real> TwoPulleyFrame<T> {
+    /// Wrap angles, secondary first, rad.
+    #[inline(always)]
+    #[must_use]
+    pub fn wraps(&self) -> [T; 2] {
+        wraps(self.phi.v)
+    }
+}
+
+/// Wrap angles at φ, half the secondary one; secondary first, rad.
+#[inline(always)]
+pub(super) fn wraps<T: Real>(phi: T) -> [T; 2] {
+    [phi * 2.0, phi * -2.0 + 2.0 * PI]
+}
+
 /// (pulley, χ at the start, χ's sweep) of the arc segments as multiples: χ = a + bφ.
 pub(super) fn arc_angles(segment: usize) -> (usize, [f64; 2], [f64; 2]) {
     match segment {

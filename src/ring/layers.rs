@@ -28,7 +28,7 @@ const EVEN: f64 = 0.5;
 /// Regularisation speed v₀ of the drag, m/s.
 const FADING_SPEED: f64 = 0.1;
 
-/// Parameters of the friction between the layers of the ring.
+/// Parameters of the layers of the ring sets: of the friction between them, and of their stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layers {
     /// Number n of layers.
@@ -37,21 +37,56 @@ pub struct Layers {
     pub thickness: f64,
     /// Friction coefficient μ_l between layers.
     pub friction: f64,
+    /// Width w of a layer, m; for its [stress](super::stress) only.
+    pub width: f64,
+    /// Curvature κ₀ of a layer that is free of stress, 1/m; for its stress only.
+    pub residual_curvature: f64,
 }
 
 impl Layers {
     /// Drag on the secondary and on the primary arc as a share of the ring's normal load on them. `radii` are the
     /// pitch radii in that order, m.
     #[inline(always)]
-    pub fn drag_shares<T: Real>(&self, [secondary, primary]: [T; 2]) -> [T; 2] {
-        let sharper = secondary.recip() - primary.recip();
-        let (_, inverse) = (sharper * sharper + EVEN * EVEN).root_and_inverse();
+    pub fn drag_shares<T: Real>(&self, radii: [T; 2]) -> [T; 2] {
+        let [sharper, inverse] = sharper(radii);
         // |x| as x²/√(x² + δ²): relative error ½(δ/x)²; value and slope are zero at x = 0.
         let difference = sharper * sharper * inverse;
         let half = difference * (0.25 * self.friction * self.thickness * f64::from(self.count - 1));
         let lean = sharper * inverse;
         [half * (lean + 1.0), half * (-lean + 1.0)]
     }
+
+    /// Slip of the layers of a ring that moves along itself at `speed`, m/s.
+    #[must_use]
+    pub fn slip(&self, radii: [f64; 2], speed: f64) -> Slip {
+        let [sharper, inverse] = sharper(radii);
+        let lean = sharper * inverse;
+        Slip {
+            pulley: usize::from(lean < 0.0),
+            share: (lean * direction(speed)).abs(),
+            rate: self.friction * speed.signum(),
+        }
+    }
+}
+
+/// Slip of the layers on one of the pulleys.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slip {
+    /// The pulley: 0 the secondary, 1 the primary.
+    pub pulley: usize,
+    /// Share of the layers that slips: 1 except near ratio 1 and near a standstill, where it falls to 0.
+    pub share: f64,
+    /// Rate ±μ_l per angle at which the tension of outer layers falls there in the direction of ξ.
+    pub rate: f64,
+}
+
+/// Difference of the curvatures of secondary and primary arc, 1/m, and a factor that makes it their lean: from −1 to 1, the
+/// pulley on which the layers slip.
+#[inline(always)]
+fn sharper<T: Real>([secondary, primary]: [T; 2]) -> [T; 2] {
+    let sharper = secondary.recip() - primary.recip();
+    let (_, inverse) = (sharper * sharper + EVEN * EVEN).root_and_inverse();
+    [sharper, inverse]
 }
 
 /// Direction of the ring's motion along itself at `speed`, m/s: from −1 to 1, smooth at a standstill.
@@ -69,6 +104,8 @@ mod tests {
         count: 9,
         thickness: 1.85e-4,
         friction: 0.05,
+        width: 9.0e-3,
+        residual_curvature: 0.0,
     };
 
     #[test]

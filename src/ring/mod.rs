@@ -8,6 +8,8 @@ pub mod kinematics;
 pub mod layers;
 pub mod mesh;
 mod parameters;
+pub mod stress;
 
 pub use energy::Energy;
+pub use layers::Layers;
 pub use parameters::Ring;

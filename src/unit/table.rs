@@ -70,6 +70,8 @@ macro_rules! pulley_outputs {
         $t.read("{}.externalTorque", 16, (Output, "N.m", typical(100.0)), "External torque on the {} shaft at the end of the last step: the input, or with {}.drive = Speed the torque that maintains the speed", read!($pulley.external_torque));
         $t.read("{}.power", 17, (Output, "W", typical(1e4)), "Power from the {} shaft into the belt, -shaftTorque * speed, without the acceleration of {}.inertia and the drag of the shaft", read!($pulley.power));
         $t.read("spiral.{}", 18, (Output, "m", not_negative(1e-4)), "Spiral running: spread of the running radius within the {} arc", read!($pulley.spiral));
+        $t.read("ring.stressAmplitude.{}", 21, (Output, "Pa", not_negative(1e8)), "Stress amplitude of the ring's cycle on the {} pulley, at the face with the largest stress over a revolution. Each revolution of the ring, belt length / ring.speed, has one cycle on each pulley, by rainflow counting", read!(ring_stress.amplitude.$pulley));
+        $t.read("ring.stressMean.{}", 22, (Output, "Pa", typical(1e8)), "Mean stress of the ring's cycle on the {} pulley, of which ring.stressAmplitude.{} is the amplitude", read!(ring_stress.mean.$pulley));
         $t.read("{}.tilt", 19, (Output, "rad", not_negative(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", read!($pulley.tilt));
         $t.read("{}.idleArc", 20, (Output, "rad", not_negative(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", read!($pulley.idle_arc));
     };
@@ -140,9 +142,11 @@ fn outputs<R: Rings>(t: &mut Rows<R>) {
     t.read("efficiency.belt", 24, (Output, "1", typical(1.0)), "Driven / driving power at the belt, without the drag of the shafts, 0 to 1; 0 without power flow", read!(belt_efficiency));
     t.read("loss.layers", 25, (Output, "W", typical(10.0)), "Friction loss between the layers of the ring sets", read!(losses.layers));
     t.read("loss.shafts", 26, (Output, "W", typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(losses.shafts));
+    t.read("loss.spin", 33, (Output, "W", typical(10.0)), "Loss by elements that start and stop turning where they enter and leave an arc: an upper bound, since both are taken as plastic", read!(losses.spin));
     t.read("pushForce.max", 15, (Output, "N", typical(1000.0)), "Largest push force between elements", read!(push_force_max));
     t.read("ring.tensionMax", 16, (Output, "N", typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
     t.read("ring.tensionMin", 17, (Output, "N", typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
+    t.read("ring.stressMax", 34, (Output, "Pa", typical(1e8)), "Largest stress in the layers of the ring sets over a revolution, at any face of any layer: tension and bending", read!(ring_stress.max));
     t.work("solver.steps", 27, "Steps of the integrator since the start, including rejected ones", Access::Reading(|readings| readings.outputs.work.steps));
     t.work("solver.jacobians", 28, "Jacobians formed and factored since the start", Access::Reading(|readings| readings.outputs.work.jacobians));
     t.work("solver.residuals", 29, "Residuals evaluated since the start", Access::Reading(|readings| readings.outputs.work.residuals));
@@ -172,6 +176,7 @@ fn parameters<R: Rings>(t: &mut Rows<R>) {
     t.set("belt.damping", 1035, Parameter, "s", "Damping time of the element stack, in contact only", set!(parameters.belt.damping));
     t.set("belt.roughness", 1037, Parameter, "m", "Roughness of the elements' faces: distance over which the contact force between neighbouring elements rises", set!(parameters.belt.roughness));
     t.set("belt.elementThickness", 1038, Parameter, "m", "Thickness of an element", set!(parameters.belt.element_thickness));
+    t.set("belt.elementInertia", 1058, Parameter, "kg.m2", "Moment of inertia of an element about its rocking edge, which determines loss.spin; 0: no such loss", set!(parameters.belt.element_inertia));
     t.set("belt.filmForce", 1039, Parameter, "N", "Film force between elements at a gap of zero, which stands for oil, waviness and rocking of the faces and acts across wider gaps than belt.roughness", set!(parameters.belt.film_force));
     t.set("belt.filmThickness", 1040, Parameter, "m", "Gap over which belt.filmForce and belt.squeezeDamping decrease", set!(parameters.belt.film_thickness));
     t.set("belt.filmDamping", 1057, Parameter, "N.s", "Film damping: force between elements per rate of strain, constant across all gaps", set!(parameters.belt.film_damping));
@@ -184,6 +189,8 @@ fn parameters<R: Rings>(t: &mut Rows<R>) {
     t.set("ring.damping", 1044, Parameter, "s", "Kelvin-Voigt damping time of the axial strain", set!(parameters.ring.damping));
     t.count("ring.layers", 1049, "Layers of each ring set, which slip on each other at ratios other than 1", set!(parameters.layers.count));
     t.set("ring.layerThickness", 1050, Parameter, "m", "Thickness of a layer of the ring sets", set!(parameters.layers.thickness));
+    t.set("ring.layerWidth", 1060, Parameter, "m", "Width of a layer of the ring sets, for its stress only", set!(parameters.layers.width));
+    t.set("ring.residualCurvature", 1064, Parameter, "1/m", "Curvature of a layer that is free of stress: it shifts the mean stress of bending, and nothing else", set!(parameters.layers.residual_curvature));
     t.set("friction.pulley", 1051, Tunable, "1", "Friction coefficient between element and sheave; must be below tan(geometry.wedgeAngle)", set!(parameters.friction.pulley));
     t.set("friction.ring", 1052, Tunable, "1", "Friction coefficient between ring and element", set!(parameters.friction.ring));
     t.set("friction.fall", 1054, Parameter, "1", "Relative decrease of friction.pulley in fast sliding: mu(v) = friction.pulley (1 - fall v^2/(v^2 + fallSpeed^2)); 0: Coulomb's law", set!(parameters.friction.fall));
@@ -216,6 +223,7 @@ fn locals<R: Rings>(t: &mut Rows<R>) {
     t.profile("normalForce", 10_301, "N/m", 1e5, "Normal force per flank and length", |readings, at| readings.profile.normal_force[at]);
     t.profile("radialDeviation", 10_401, "m", 1e-4, "Radius less the mean radius of the arc; on strands the outward distance from the tangent line of the reference curve", |readings, at| readings.profile.radial_deviation[at]);
     t.profile("slidingSpeed", 10_501, "m/s", 0.01, "Tangential sliding speed of the flanks", |readings, at| readings.profile.sliding_speed[at]);
+    t.profile("ringStress", 10_801, "Pa", 1e8, "Stress at the face of the ring's layers with the largest stress over a revolution,", |readings, at| readings.profile.ring_stress[at]);
     t.profile("lateralDeflection", 10_601, "m", 1e-3, "Deflection of the ring from the middle between the two belt planes, along the pulley axes", |readings, at| readings.profile.lateral_deflection[at]);
     t.profile("gap", 10_701, "m", 1e-6, "Gap between neighbouring elements, 0 in contact,", |readings, at| readings.profile.gap[at]);
 }

@@ -45,6 +45,12 @@ pub(super) const UNITS: &[UnitDefinition] = &[
     },
     unit("N/m", &[("kg", 1), ("s", -2)]),
     unit("N/m2", &[("kg", 1), ("m", -1), ("s", -2)]),
+    UnitDefinition {
+        name: "Pa",
+        exponents: &[("kg", 1), ("m", -1), ("s", -2)],
+        display: &[("MPa", 1e-6)],
+    },
+    unit("1/m", &[("m", -1)]),
     unit("N.m", &[("kg", 1), ("m", 2), ("s", -2)]),
     unit("N.m2", &[("kg", 1), ("m", 3), ("s", -2)]),
     unit("N.m.s/rad", &[("kg", 1), ("m", 2), ("s", -1), ("rad", -1)]),

@@ -102,12 +102,13 @@ fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
     assert_eq!(importer.set_integer("ring.model", model), Ok);
     assert_eq!(importer.set_integer("secondary.drive", 2), Ok);
     assert_eq!(importer.set_real("solver.tolerance", 1e-7), Ok);
-    // Without drag: which tension of ALE0 reverses in these steps depends on each detail, such as drag or 0.3 % of inertia.
+    // Without drag and turning elements: which tension of ALE0 reverses in these steps depends on each detail, such as drag or 0.3 % of inertia.
     for pulley in ["primary", "secondary"] {
         for drag in ["drag.constant", "drag.viscous", "bearing.friction"] {
             assert_eq!(importer.set_real(&format!("{pulley}.{drag}"), 0.0), Ok);
         }
     }
+    assert_eq!(importer.set_real("belt.elementInertia", 0.0), Ok);
     importer.start();
     assert_eq!(importer.step(0.0, 0.03), Ok);
     let names: Vec<String> = VariatorUnit::table()
@@ -147,6 +148,10 @@ fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
         slopes = next;
     }
     let mut exact = 0;
+    let stress = names
+        .iter()
+        .position(|name| name == "ring.stressMax")
+        .expect("an output");
     // The defect belongs to a step and is not a function of time.
     let in_time = names.iter().enumerate().filter(|(_, name)| *name != "solver.defect");
     for (i, name) in in_time {
@@ -156,8 +161,14 @@ fn check_output_derivatives(model: c_int, share: f64, agreeing: u32) {
         let error = (change[i] - found).abs();
         let uncertain = 3e-6 * last[i].abs() + 1e-12;
         exact += u32::from(error < 0.02 * travel[i] && travel[i] > 20.0 * uncertain);
+        // A small difference of two stresses has their errors.
+        let moved = if name.starts_with("ring.stressAmplitude") {
+            travel[stress]
+        } else {
+            travel[i]
+        };
         assert!(
-            error < share * travel[i] + uncertain,
+            error < share * moved + uncertain,
             "{name}, ring model {model}: {} against {found}, travelled {}",
             change[i],
             travel[i]

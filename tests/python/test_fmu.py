@@ -288,6 +288,7 @@ def test_units_are_declared_with_their_dimensions(xml: ElementTree.Element) -> N
     base = {"1": {}, "rad": {"rad": 1}, "s": {"s": 1}, "m": {"m": 1}, "kg": {"kg": 1}}
     base |= {
         "N": {"kg": 1, "m": 1, "s": -2},
+        "Pa": {"kg": 1, "m": -1, "s": -2},
         "J": {"kg": 1, "m": 2, "s": -2},
         "W": {"kg": 1, "m": 2, "s": -3},
     }

@@ -22,6 +22,11 @@ impl<C: MeshCurve + OnPulleys> MeshCurve for Unaligned<C> {
     fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2] {
         C::arc_radii(frame.aligned())
     }
+
+    #[inline(always)]
+    fn arc_wraps<T: Real>(frame: &Self::Frame<T>) -> [T; 2] {
+        C::arc_wraps(frame.aligned())
+    }
 }
 
 /// A curve around two pulleys.

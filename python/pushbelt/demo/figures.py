@@ -23,6 +23,7 @@ LOSSES = (
     ("loss.sheaves", "sheave friction", BLUE),
     ("loss.ring", "ring friction", ORANGE),
     ("loss.layers", "ring layers", GREEN),
+    ("loss.spin", "turning elements", RED),
     ("loss.shafts", "shafts", VIOLET),
     ("loss.other", "rest", MUTED),
 )

@@ -36,4 +36,5 @@ def _at(archive: Archive, parameters: Mapping[str, float], point: EfficiencyPoin
             raise NotFoundError(
                 f"at ratio {point.ratio:g}, {point.speed:g} rpm, {point.torque:g} N·m the FMU reports: {unit.not_steady}"
             )
-        return MeasuredPoint(point, force, unit.get("efficiency"))
+        spin = unit.get("loss.spin") / (unit.get("primary.externalTorque") * unit.get("primary.speed"))
+        return MeasuredPoint(point, force, unit.get("efficiency"), spin)

@@ -22,6 +22,7 @@ ASSUMPTIONS: Mapping[str, float] = {
     "secondary.tiltStiffness": RIGID,
     "friction.ring": 0.0,
     "friction.layers": 0.0,
+    "belt.elementInertia": 0.0,
     "friction.fall": 0.0,
     "belt.play": 0.0,
     "belt.pitchOffset": 0.0,

@@ -50,11 +50,18 @@ class MeasuredPoint:
     """Secondary clamping force, N; that of the measurement is unknown."""
     efficiency: float
     """Efficiency of the FMU between the shafts."""
+    spin: float
+    """Loss of turning elements, an upper bound, over the power of the driving shaft."""
 
     @property
     def margin(self) -> float:
         """Efficiency of the FMU minus the measured one."""
         return self.efficiency - self.measured.efficiency
+
+    @property
+    def margin_without_spin(self) -> float:
+        """The same without the loss of turning elements."""
+        return self.margin + self.spin
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from .simulate import LOSSES, STEP, Run
 from .thrust_map import ThrustMap
 
 TIME = "time in the cycle (s)"
-LOSS_COLOURS = (BLUE, ORANGE, GREEN, VIOLET, MUTED)
+LOSS_COLOURS = (BLUE, ORANGE, GREEN, RED, VIOLET, MUTED)
 """Colours of `LOSSES`."""
-DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", INK, MUTED)
+DARK_LOSS_COLOURS = (ORANGE, RED, "#e8c15a", "#c98bd6", INK, MUTED)
 """Colours of `LOSSES` in the distribution of the engine's work."""
 RATIO_TICKS: tuple[Tick, ...] = ((0.5, "0.5"), (1.0, "1"), (2.0, "2"))
 GROUP = "drive"

@@ -1,8 +1,9 @@
 """Comparison of the FMU with the continuum theory at the FMU's radii, torque and force, and parameters for the theory's
 limit.
 
-The theory has no ring friction, no play, no compression of contact and chain, no losses of layers and shafts, and
-a constant friction coefficient. In the theory's limit the same holds for the FMU; its default parameters include all these effects.
+The theory has no ring friction, no play, no compression of contact and chain, no losses of layers, turning elements and
+shafts, and a constant friction coefficient. In the theory's limit the same holds for the FMU; its default parameters include
+all these effects.
 """
 
 from __future__ import annotations
@@ -214,6 +215,7 @@ NOT_IN_THE_THEORY = {
     "friction.ring": 0.0,
     "friction.fall": 0.0,
     "friction.layers": 0.0,
+    "belt.elementInertia": 0.0,
     "belt.play": 0.0,
     "primary.tiltClearance": 0.0,
     "secondary.tiltClearance": 0.0,

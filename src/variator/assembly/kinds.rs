@@ -27,6 +27,9 @@ pub trait MeshCurve: ReferenceCurve + std::fmt::Debug + Clone + Send + Sync + 's
 
     /// Radii of the secondary and of the primary arc, m.
     fn arc_radii<T: Real>(frame: &Self::Frame<T>) -> [T; 2];
+
+    /// Wrap angles of the secondary and of the primary arc, rad.
+    fn arc_wraps<T: Real>(frame: &Self::Frame<T>) -> [T; 2];
 }
 
 /// The curve of a mesh whose element borders follow the arc borders.
@@ -46,6 +49,11 @@ impl MeshCurve for TwoPulley {
     #[inline(always)]
     fn arc_radii<T: Real>(frame: &TwoPulleyFrame<T>) -> [T; 2] {
         frame.radius.map(|radius| radius.v)
+    }
+
+    #[inline(always)]
+    fn arc_wraps<T: Real>(frame: &TwoPulleyFrame<T>) -> [T; 2] {
+        frame.wraps()
     }
 }
 
@@ -72,6 +80,11 @@ impl MeshCurve for Displaced {
     #[inline(always)]
     fn arc_radii<T: Real>(frame: &DisplacedFrame<T>) -> [T; 2] {
         frame.radius.map(|radius| radius.v)
+    }
+
+    #[inline(always)]
+    fn arc_wraps<T: Real>(frame: &DisplacedFrame<T>) -> [T; 2] {
+        frame.wraps()
     }
 }
 

@@ -62,8 +62,8 @@ impl Pack {
     /// Place of its cells on the belt.
     #[inline(always)]
     pub fn place<T: Real<Constant = Lanes>, C: MeshCurve>(&self, law: &CellLaw, frame: &C::Frame<T>) -> Place<'_, T> {
-        let radii = C::arc_radii(frame).map(|radius| radius - law.chain.pitch_offset);
-        let [of_secondary, of_primary] = law.layers.drag_shares(radii);
+        let [of_secondary, of_primary] = law.arc_drags(C::arc_radii(frame), C::arc_wraps(frame));
+        let on = &self.group.on;
         Place {
             of_segment: self.of_segment,
             face: &self.slots.face,
@@ -71,7 +71,8 @@ impl Pack {
             axis: self.axis,
             plane: self.plane,
             length: Jet::constant(0.0).plus_scaled(C::segment_length(frame, self.segment), self.of_segment[1]),
-            layer_drag: of_secondary * self.group.on.secondary + of_primary * self.group.on.primary,
+            layer_drag: of_secondary.layers * on.secondary + of_primary.layers * on.primary,
+            spin: of_secondary.spin * on.secondary + of_primary.spin * on.primary,
         }
     }
 

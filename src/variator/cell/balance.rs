@@ -1,11 +1,12 @@
 //! One cell of the belt: the virtual-power statement of ring, chain and contact.
 //!
 //! δP = ∫ [ring inertia·δv + δV_elastic] + ∫ m_e νλ a_e·δv_p − Q·δ(lengthening) − ∫ 2λ (contact force)·δ(its own point)
-//!    − ∫ f_r δ(sliding of ring on elements) − ∫ f_l δ(ring along itself) = 0.
+//!    − ∫ f_r δ(sliding of ring on elements) − ∫ f_l δ(ring along itself) + ∫ f_s δV = 0.
 //!
 //! Each force is multiplied by the velocity Jacobian of its own point: tangential flank forces at the pitch line (v_p),
 //! radial ones at the ring centre line (v_e), ring friction at the difference of ring and element velocity there, drag
-//! of the ring's layers at the ring alone, the push force at the shortening of the stack. Power between ring, chain and
+//! of the ring's layers at the ring alone, drag of elements that start to turn at V alone, the push force at the
+//! shortening of the stack. Power between ring, chain and
 //! pulleys and moments on the arcs are thus balanced.
 
 use crate::chain::{Stack, Transport};
@@ -110,7 +111,8 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     // Conjugate of δV, per dξ.
     let along = forces.mass * forces.acceleration.0
         + forces.at_pitch_line.dot(&in_plane(&point.t))
-        + forces.tangential * chain.lead;
+        + forces.tangential * chain.lead
+        + forces.spin_drag;
     out.speed[0] += along * weight * (-right + 1.0);
     out.speed[1] += along * weight * right;
 

@@ -77,6 +77,7 @@ impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
         Sample {
             xi: point.reference.xi.v,
             curvature: [point.reference.kappa, face.reference.kappa],
+            ring_curvature: chain.curvature[0],
             weight: *weight,
             r: [point.r[0], point.r[1]],
             pitch_radius: approach.rho,
@@ -105,6 +106,7 @@ impl<T: Real, const D: usize, R: CellRing<T, D>> AtStation<'_, T, D, R> {
             sheave_loss: flanks.loads.loss,
             ring_loss: forces.ring_friction * forces.sliding,
             layer_loss: forces.layer_drag * forces.ring_speed,
+            spin_loss: forces.spin_drag * chain.speed,
             damping_loss: of_ring.viscous + stack_loss + flanks.loads.viscous,
             kinetic: of_ring.kinetic + forces.mass * forces.v_p.dot(&forces.v_p) * 0.5,
             ring_elastic: of_ring.elastic,

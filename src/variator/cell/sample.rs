@@ -9,6 +9,8 @@ pub struct Sample<L = f64> {
     pub xi: L,
     /// Reference curvature κ there and at the left face of the cell, 1/m: 0 on a strand.
     pub curvature: [L; 2],
+    /// Curvature κ̂ of the deflected ring in the plane, per dξ, 1/m.
+    pub ring_curvature: L,
     /// Quadrature weight dξ, m.
     pub weight: L,
     /// Position of the ring centre line, m.
@@ -57,6 +59,8 @@ pub struct Sample<L = f64> {
     pub ring_loss: L,
     /// Loss to friction between the layers of the ring, W/m.
     pub layer_loss: L,
+    /// Loss to elements that start and stop turning, W/m.
+    pub spin_loss: L,
     /// Loss to structural, chain and contact damping, W/m.
     pub damping_loss: L,
     /// Kinetic energy, J/m.
@@ -73,8 +77,8 @@ pub struct Sample<L = f64> {
 macro_rules! for_each_figure {
     ($with:ident) => {
         $with! {
-            xi, curvature[0], curvature[1], weight, r[0], r[1], pitch_radius, face_radius, lambda, density, density_rate, push, tension, normal, axial, torque, resultant[0], resultant[1],
-            sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, damping_loss,
+            xi, curvature[0], curvature[1], ring_curvature, weight, r[0], r[1], pitch_radius, face_radius, lambda, density, density_rate, push, tension, normal, axial, torque, resultant[0], resultant[1],
+            sliding, flank_sliding, ring_sliding, penetration, offset, lateral[0], lateral[1], flow, speed, sheave_loss, ring_loss, layer_loss, spin_loss, damping_loss,
             kinetic, ring_elastic, flank_elastic, outward
         }
     };

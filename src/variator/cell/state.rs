@@ -8,6 +8,7 @@ use crate::scalar::Real;
 use crate::variator::law::flanks::{Approach, BothFlanks};
 use crate::variator::law::place::{CellLaw, CellMotion, Place, between};
 use crate::variator::law::ring_friction::{layer_drag, pressing, ring_friction};
+use crate::variator::law::spin::{passing, spin_drag};
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::CellRing;
 use nalgebra::{SVector, Vector2};
@@ -83,6 +84,8 @@ pub struct CellState<T: Real> {
     pub lengthening: T,
     /// Mean flow through the cell, m/s.
     pub flow: T,
+    /// Amount of elements [`passing`], m/s.
+    pub passing: T,
 }
 
 impl<T: Real> CellState<T> {
@@ -138,6 +141,7 @@ impl<T: Real> CellState<T> {
             .iter()
             .fold(T::zero(), |sum, s| sum + place.length.d * s.weight);
         let widening = lengthened * theta_dot * inverse_length;
+        let flow = through * inverse_length;
         Self {
             inverse_pitch_length,
             inverse_length,
@@ -145,7 +149,8 @@ impl<T: Real> CellState<T> {
             density_rate: motion.amount_rate * inverse_pitch_length - density * widening,
             difference,
             lengthening: difference - carried,
-            flow: through * inverse_length,
+            flow,
+            passing: passing(density, flow),
         }
     }
 
@@ -205,6 +210,8 @@ pub struct StationForces<T: Real, const D: usize> {
     /// Speed of the ring along itself, m/s, and drag of its layers, N/m.
     pub ring_speed: T,
     pub layer_drag: T,
+    /// Drag of elements that start and stop turning, N/m.
+    pub spin_drag: T,
     /// Conjugate of v_e·t̂: flanks and ring friction, N/m.
     pub tangential: T,
 }
@@ -274,6 +281,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             ring_friction,
             ring_speed,
             layer_drag: layer_drag(place.layer_drag, pressing, kappa, ring_speed),
+            spin_drag: spin_drag(place.spin, kappa, [cell.passing, chain.speed]),
             tangential: at_ring_line.dot(&point.t) - ring_friction,
         }
     }

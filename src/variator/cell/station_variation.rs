@@ -10,6 +10,7 @@ use crate::variator::cell::state::{CellInput, StationForces, StationState};
 use crate::variator::law::flanks::FlankLoads;
 use crate::variator::law::place::{CellBalance, CellLaw};
 use crate::variator::law::ring_friction::layer_drag;
+use crate::variator::law::spin::spin_drag;
 use nalgebra::{SVector, Vector2};
 
 /// A station and the coefficients of its variations.
@@ -31,6 +32,8 @@ pub(crate) struct LinearisedStation<'a, const D: usize> {
     friction_by: [Lanes; 2],
     /// Derivatives of the drag of the ring's layers with respect to T − m_r ṡ² and to the ring's speed along itself.
     drag_by: [Lanes; 2],
+    /// Derivatives of the drag of elements that start and stop turning with respect to the passing amount and V.
+    spin_by: [Lanes; 2],
 }
 
 /// Variations at a station from which those of its forces on ring, elements and pulley are computed.
@@ -39,7 +42,7 @@ pub(crate) struct StationVariation<'a, const D: usize> {
     pub by: &'a RingVariation<Lanes, D>,
     pub chain: &'a ChainVariation<Lanes>,
     pub flank: &'a FlankVariation,
-    /// Variation of inertia along the belt, and of inertia and push force across it, N/m.
+    /// Variation of inertia and drag of the elements along the belt, and of inertia and push force across it, N/m.
     pub along: Lanes,
     pub inward: [Lanes; 2],
     /// Variation of T, and of T − m_r ṡ², N.
@@ -88,7 +91,7 @@ impl BothFlanksVariation {
     }
 }
 
-/// Density, push force and gradient of V in a cell, with their variations.
+/// Density, push force and gradient of V in a cell, with their variations, and that of the passing elements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StackForce {
     /// Density ν and its variation.
@@ -97,14 +100,17 @@ pub(crate) struct StackForce {
     pub push: [Lanes; 2],
     /// ∂V/∂ξ and its variation, 1/s.
     pub gradient: [Lanes; 2],
+    /// Variation of the amount of elements that passes, m/s.
+    pub passing: Lanes,
 }
 
 impl<'a, const D: usize> LinearisedStation<'a, D> {
-    /// Station `i` of a cell with `forces` of these `slopes`.
+    /// Station `i` of a cell through which the amount `passing` of elements passes, with `forces` of these `slopes`.
     #[inline(always)]
     pub fn new(
         given: &CellInput<'_, Lanes>,
         (i, station): (usize, &'a StationState<Lanes, D>),
+        passing: Lanes,
         forces: &'a StationForces<Lanes, D>,
         slopes: &StationTangents,
     ) -> Self {
@@ -116,7 +122,13 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
             Tangent::constant(ring.reference.kappa),
             Tangent::seed(forces.ring_speed, 1, 1.0),
         );
+        let spin = spin_drag(
+            Tangent::<2>::constant(given.place.spin),
+            Tangent::constant(ring.reference.kappa),
+            [Tangent::seed(passing, 0, 1.0), Tangent::seed(chain.speed, 1, 1.0)],
+        );
         Self {
+            spin_by: spin.eps,
             terms: chain.acceleration_terms(ring),
             weight: *weight,
             right: given.place.stations[i].right,
@@ -133,7 +145,7 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
         }
     }
 
-    /// Variation of the inertia of the elements along the belt, and of inertia and push force along the normals, N/m;
+    /// Variation of the inertia of the elements and of their [drag](spin_drag) along the belt, and of inertia and push force along the normals, N/m;
     /// `alpha` is the factor of ẏ.
     #[inline(always)]
     pub fn vary_inertia(
@@ -157,7 +169,8 @@ impl<'a, const D: usize> LinearisedStation<'a, D> {
                 + push_by * chain.curvature[k]
                 + push * chain_by.curvature[k];
         }
-        (mass * base_t + self.forces.mass * a_t, inward)
+        let spin = along(&self.spin_by, &[stack.passing, chain_by.speed]);
+        (mass * base_t + self.forces.mass * a_t + spin, inward)
     }
 
     /// Variation of v_e and v_p where ring (`MOVES`) and chain vary.

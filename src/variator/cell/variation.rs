@@ -9,13 +9,14 @@
 
 use crate::chain::{ChainPoint, ChainVariation, Transport};
 use crate::ring::kinematics::{LineLoad, RingPoint, RingVariation};
-use crate::scalar::{Lanes, along};
+use crate::scalar::{Lanes, Tangent, along};
 use crate::variator::cell::directions::Direction;
 use crate::variator::cell::flank_variation::FlankVariation;
 use crate::variator::cell::laws::{LawArguments, LawForce, LawTangents, STACK_ARGUMENTS, StationArguments};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, chain_at_face};
 use crate::variator::cell::station_variation::{BothFlanksVariation, LinearisedStation, StackForce, StationVariation};
 use crate::variator::law::place::{CellBalance, between, share};
+use crate::variator::law::spin::passing;
 use crate::variator::mesh::belt_mesh::STATIONS;
 use crate::variator::rings::ring::{Action, RingForces, VaryingRing};
 use num_traits::Zero;
@@ -38,6 +39,8 @@ pub(crate) struct Linearised<'a, R, const D: usize> {
     face: (&'a RingPoint<Lanes, D>, ChainPoint<Lanes, D>),
     stations: [Option<LinearisedStation<'a, D>>; STATIONS],
     push: Lanes,
+    /// Derivatives of the passing amount of elements with respect to density and flow.
+    passing: [Lanes; 2],
     /// Tangents of push force, collision force and lag with respect to the arguments of the stack's laws.
     stack: [[Lanes; STACK_ARGUMENTS]; 3],
     /// Factors of acceleration and position.
@@ -93,7 +96,13 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         let mut stations = [None; STATIONS];
         for (i, (to, at)) in stations.iter_mut().zip(slots.stations.iter().zip(forces)).enumerate() {
             if let (Some(station), Some(forces)) = at {
-                *to = Some(LinearisedStation::new(&given, (i, station), forces, &laws.stations[i]));
+                *to = Some(LinearisedStation::new(
+                    &given,
+                    (i, station),
+                    cell.passing,
+                    forces,
+                    &laws.stations[i],
+                ));
             }
         }
         Self {
@@ -103,6 +112,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             cell,
             stations,
             push,
+            passing: passing(
+                Tangent::<2>::seed(cell.density, 0, 1.0),
+                Tangent::seed(cell.flow, 1, 1.0),
+            )
+            .eps,
             stack: [laws.stack[0], laws.stack[1], lag],
             slopes,
         }
@@ -153,6 +167,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
             density: [self.cell.density, stack.density],
             push: [self.push, stack.push],
             gradient: [self.cell.speed_gradient(), cell.difference * self.cell.inverse_length],
+            passing: along(&self.passing, &[stack.density, cell.through * self.cell.inverse_length]),
         };
         let mut sum = self.ring.empty();
         for (i, (station, varied)) in self.stations.iter().zip(&varied).enumerate() {

@@ -3,3 +3,4 @@
 pub(crate) mod flanks;
 pub(crate) mod place;
 pub(crate) mod ring_friction;
+pub(crate) mod spin;

@@ -8,6 +8,7 @@ use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, ReferenceMotion};
 use crate::ring::layers::Layers;
 use crate::scalar::Real;
+use crate::variator::law::spin::spin_shares;
 use crate::variator::mesh::belt_mesh::Station;
 
 /// Constants of the cell law.
@@ -48,6 +49,31 @@ pub struct SheavePlane {
     pub side: f64,
     /// Middle of the pulley at z_j = 0, m.
     pub middle: f64,
+}
+
+impl CellLaw {
+    /// What a pulley adds to the [`Place`] of its cells, secondary first: the drag of the ring's layers and that of
+    /// elements that start and stop turning. `radii` and `wraps` are those of the ring's arcs, m and rad.
+    #[inline(always)]
+    #[must_use]
+    pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [ArcDrags<T>; 2] {
+        let radii = radii.map(|radius| radius - self.chain.pitch_offset);
+        let layers = self.layers.drag_shares(radii);
+        let spin = spin_shares(&self.chain, radii, wraps);
+        std::array::from_fn(|k| ArcDrags {
+            layers: layers[k],
+            spin: spin[k],
+        })
+    }
+}
+
+/// Factors of the drags on an arc.
+#[derive(Clone, Copy, Debug)]
+pub struct ArcDrags<T> {
+    /// [`Place::layer_drag`].
+    pub layers: T,
+    /// [`Place::spin`], kg/m.
+    pub spin: T,
 }
 
 impl SheavePlane {
@@ -179,6 +205,8 @@ pub struct Place<'a, T: Real> {
     pub length: Jet<T>,
     /// Drag of the ring's layers on the nearest arc, as a share of the ring's normal load.
     pub layer_drag: T,
+    /// Drag of elements that start and stop turning, on the nearest arc: I/(h R² α), kg/m.
+    pub spin: T,
 }
 
 impl<T: Real> Place<'_, T> {

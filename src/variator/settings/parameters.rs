@@ -275,6 +275,9 @@ impl Default for Parameters {
                 damping: 5.0e-6,
                 roughness: 1.0e-7,
                 element_thickness: 1.5e-3,
+                // An element of 2 g and 12 mm: I = m h²/12 = 2.4e-8 as a bar, and m d² = 0.2e-8 with its centre of mass 1 mm
+                // below the rocking edge, because the body below the saddle is heavier than the head.
+                element_inertia: 2.6e-8,
                 film_force: 5.0,
                 film_thickness: 1.5e-6,
                 film_damping: 2.0,
@@ -293,6 +296,9 @@ impl Default for Parameters {
                 count: 9,
                 thickness: 1.85e-4,
                 friction: 0.05,
+                width: 9.0e-3,
+                // 2π/L: layers that were aged and nitrided as circles. An engineering value: rolling may leave another one.
+                residual_curvature: 8.94,
             },
             friction: Friction {
                 pulley: 0.09,

@@ -1,6 +1,6 @@
 //! Inputs and outputs of a variator at every communication step.
 
-use crate::pulley::Pulley;
+use crate::pulley::{PerPulley, Pulley};
 
 /// Number of points of the profiles along the belt, ξ_k = (k−1)L/72.
 pub const PROFILE_POINTS: usize = 72;
@@ -134,6 +134,8 @@ pub struct Losses<L = f64> {
     pub ring: L,
     /// Friction between the layers of the ring.
     pub layers: L,
+    /// Elements that start and stop turning where they enter and leave an arc.
+    pub spin: L,
     /// Drag of the shafts in seals, oil and bearings.
     pub shafts: L,
     /// Sheave damper, tilt relaxation, chain, structural and contact damping, end stops.
@@ -144,7 +146,7 @@ impl Losses {
     /// Sum of all losses, W.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.sheaves + self.ring + self.layers + self.shafts + self.other
+        self.sheaves + self.ring + self.layers + self.shafts + self.other + self.spin
     }
 }
 
@@ -167,6 +169,8 @@ pub struct Profile {
     pub lateral_deflection: [f64; PROFILE_POINTS],
     /// Gap between neighbouring elements, 0 in contact, m.
     pub gap: [f64; PROFILE_POINTS],
+    /// Stress of the most loaded face of the ring's layers, Pa.
+    pub ring_stress: [f64; PROFILE_POINTS],
 }
 
 impl Default for Profile {
@@ -181,6 +185,7 @@ impl Default for Profile {
             sliding_speed: zero,
             lateral_deflection: zero,
             gap: zero,
+            ring_stress: zero,
         }
     }
 }
@@ -238,6 +243,17 @@ pub struct Work {
     pub rollbacks: i32,
 }
 
+/// Stress of the most loaded face of the ring's layers, that with the largest stress over a revolution, Pa.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RingStress {
+    /// Largest stress.
+    pub max: f64,
+    /// Amplitude of the cycle on each pulley.
+    pub amplitude: PerPulley<f64>,
+    /// Mean stress of the same cycle.
+    pub mean: PerPulley<f64>,
+}
+
 /// Scalar outputs of a variator in its present state. No entry depends on the present inputs
 /// except `external_torque` in torque drive, which is the input as held over the last step.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -276,6 +292,8 @@ pub struct Outputs {
     pub ring_tension_max: f64,
     /// Smallest ring tension, N.
     pub ring_tension_min: f64,
+    /// Stress in the layers of the ring.
+    pub ring_stress: RingStress,
     /// Middle of the primary pulley less that of the secondary along z, m.
     pub misalignment: f64,
     /// Largest lateral deflection from the middle between the two belt planes, either way, m; 0 of a planar ring.

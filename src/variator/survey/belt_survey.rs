@@ -102,6 +102,7 @@ impl BeltSums<Lanes> {
         self.losses.sheaves += s.sheave_loss * weight;
         self.losses.ring += s.ring_loss * weight;
         self.losses.layers += s.layer_loss * weight;
+        self.losses.spin += s.spin_loss * weight;
         self.losses.other += s.damping_loss * weight;
         for j in Pulley::BOTH {
             let weight = s.weight * group.on[j];
@@ -132,6 +133,7 @@ impl BeltSums<Lanes> {
             sheaves,
             ring,
             layers,
+            spin,
             shafts,
             other,
         } = self.losses;
@@ -140,6 +142,7 @@ impl BeltSums<Lanes> {
                 sheaves: sheaves.sum(),
                 ring: ring.sum(),
                 layers: layers.sum(),
+                spin: spin.sum(),
                 shafts: shafts.sum(),
                 other: other.sum(),
             },

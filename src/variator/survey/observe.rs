@@ -3,11 +3,14 @@
 use crate::contact::full_slip_torque;
 use crate::pulley::{PerPulley, Pulley};
 use crate::reference_curve::ReferenceCurve;
+use crate::ring::stress::{RingMotion, RingPart, ring_stress};
 use crate::solver::View;
 use crate::variator::belt::Belt;
 use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::belt_mesh::{BeltMesh, Cell};
-use crate::variator::settings::signals::{Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, StartState, Work};
+use crate::variator::settings::signals::{
+    Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, RingStress, StartState, Work,
+};
 use crate::variator::survey::belt_survey::{BeltSums, NO_FORCE, Sliding, Survey};
 use crate::variator::survey::idle_arc::idle_arcs;
 use crate::variator::system::VariatorSystem;
@@ -19,20 +22,12 @@ const NO_SPEED: f64 = 1.0e-3;
 /// Shaft power below which an efficiency is undefined, W.
 const NO_POWER: f64 = 1.0e-3;
 
-/// Mean ring tension of an element.
-#[derive(Clone, Copy, Debug, Default)]
-struct ElementTension {
-    /// Middle of the element, m.
-    xi: f64,
-    /// Mean tension, N.
-    tension: f64,
-    length: f64,
-}
-
 /// Working memory for outputs and profile.
 #[derive(Clone, Debug, Default)]
 pub struct Observer {
-    tensions: Vec<ElementTension>,
+    elements: Vec<RingPart>,
+    /// Stress of the most loaded face in each element, Pa.
+    stresses: Vec<f64>,
     /// ξ of the stations, m.
     stations: Vec<f64>,
 }
@@ -102,10 +97,11 @@ impl Observer {
         out.torque_utilisation = torque_utilisation(system, sums, radii.primary);
         out.macro_slip = context.macro_slip;
         out.push_force_max = sums.push_force;
-        self.mean_tensions(&belt.mesh, survey);
-        let tensions = || self.tensions.iter().map(|e| e.tension);
+        self.mean_elements(&belt.mesh, survey, belt.curve.length());
+        let tensions = || self.elements.iter().map(|e| e.tension);
         out.ring_tension_max = tensions().fold(f64::NEG_INFINITY, f64::max);
         out.ring_tension_min = tensions().fold(f64::INFINITY, f64::min);
+        out.ring_stress = self.ring_stress(belt, view, radii);
         lateral(belt, view, survey, out);
         out.stored_energy = survey.belt_energy(belt) + system.pulleys.energy(view);
         out.start_state = context.start_state;
@@ -115,18 +111,48 @@ impl Observer {
 
     /// The tension of a cubic element oscillates about its mean wherever the curvature changes fast. The balance along the
     /// ring determines the mean.
-    fn mean_tensions(&mut self, mesh: &BeltMesh, survey: &Survey) {
-        self.tensions.clear();
-        self.tensions.resize(mesh.elements.len(), ElementTension::default());
+    /// Its curvature, which is linear in an element, has a mean of higher accuracy, too.
+    fn mean_elements(&mut self, mesh: &BeltMesh, survey: &Survey, length: f64) {
+        self.elements.clear();
+        self.elements.resize(mesh.elements.len(), RingPart::default());
         survey.stations(mesh).for_each(|(cell, sample)| {
-            let mean = &mut self.tensions[cell.element];
+            let mean = &mut self.elements[cell.element];
             mean.xi += sample.xi * sample.weight;
             mean.tension += sample.tension * sample.weight;
+            mean.curvature += sample.ring_curvature * sample.weight;
+            mean.turning += sample.curvature[0] * sample.weight;
             mean.length += sample.weight;
+            mean.number = cell.pulley as usize;
         });
-        for mean in &mut self.tensions {
+        for mean in &mut self.elements {
             mean.xi /= mean.length;
             mean.tension /= mean.length;
+            mean.curvature /= mean.length;
+            if mean.turning == 0.0 {
+                mean.number = usize::from(mean.xi > 0.5 * length);
+            }
+        }
+    }
+
+    /// Stress of the ring's layers from the means of its elements.
+    fn ring_stress(&mut self, belt: &Belt, view: View<'_>, radii: PerPulley<f64>) -> RingStress {
+        let motion = RingMotion {
+            speed: view.y[belt.layout.drift()],
+            radii: [radii.secondary, radii.primary],
+        };
+        self.stresses.resize(self.elements.len(), 0.0);
+        let found = ring_stress(
+            &belt.law.ring,
+            &belt.law.layers,
+            &motion,
+            &self.elements,
+            &mut self.stresses,
+        );
+        let pair = |[secondary, primary]: [f64; 2]| PerPulley { secondary, primary };
+        RingStress {
+            max: found.max,
+            amplitude: pair(found.amplitude),
+            mean: pair(found.mean),
         }
     }
 
@@ -134,7 +160,8 @@ impl Observer {
     pub fn profile(&mut self, belt: &Belt, view: View<'_>, survey: &Survey, profile: &mut Profile) {
         let mesh = &belt.mesh;
         let radii = survey.sums.mean_radii(belt, view);
-        self.mean_tensions(mesh, survey);
+        self.mean_elements(mesh, survey, belt.curve.length());
+        self.ring_stress(belt, view, radii);
         self.stations.clear();
         let stations = survey.stations(mesh).map(|(_, sample)| sample.xi);
         self.stations.extend(stations);
@@ -154,10 +181,11 @@ impl Observer {
         let (mut station, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
             let xi = k as f64 * length / PROFILE_POINTS as f64;
-            let (before, after, share) = bracket(&self.tensions, |e| e.xi, xi, length, &mut element);
-            let [before, after] = [before, after].map(|e| self.tensions[e].tension);
+            let (before, after, share) = bracket(&self.elements, |e| e.xi, xi, length, &mut element);
+            let within = |of: &dyn Fn(usize) -> f64| of(before) * (1.0 - share) + of(after) * share;
             profile.position[k] = xi;
-            profile.ring_tension[k] = before * (1.0 - share) + after * share;
+            profile.ring_tension[k] = within(&|e| self.elements[e].tension);
+            profile.ring_stress[k] = within(&|e| self.stresses[e]);
             let (before, after, share) = bracket(&self.stations, |xi| *xi, xi, length, &mut station);
             let [(of_a, a), (of_b, b)] = [before, after].map(|k| {
                 let cell = &mesh.cells[k / mesh.points];

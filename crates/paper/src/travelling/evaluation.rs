@@ -8,7 +8,6 @@ use crate::ring::model::{Coordinates, NODAL, RingFormulation as _};
 use crate::scalar::{Real, Tangent};
 use crate::solver::View;
 use crate::travelling::passing::{CellOver, CellRows, DRIFT, GAUGE, Passing, RingAtSlot};
-use pushbelt::pulley::Pulley;
 use pushbelt::variator::belt_ring::{CellInput, CellMotion, InForce, Layout, Place, SLOTS, StationObserver, balance};
 use std::ops::Mul;
 
@@ -162,6 +161,7 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
         );
         let of_mesh = &belt.mesh.cells[over.cell];
         let element = &belt.mesh.elements[of_mesh.element];
+        let drags = law.arc_drags(frame.radius.map(|radius| radius.v), frame.wraps())[of_mesh.pulley as usize];
         let place = Place {
             // Stations of the mesh have fractions of the segment.
             of_segment: [0.0, 1.0],
@@ -170,7 +170,8 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             axis: law.axes[of_mesh.pulley],
             plane: law.planes[of_mesh.pulley].constants(),
             length: Jet::constant(0.0).plus_scaled(TwoPulley::segment_length(frame, element.segment), element.share),
-            layer_drag: self.layer_drag(frame, of_mesh.pulley),
+            layer_drag: drags.layers,
+            spin: drags.spin,
         };
         let references: [Option<ReferencePoint<S::T>>; SLOTS] = std::array::from_fn(|slot| {
             (slot <= of_mesh.stations.len()).then(|| TwoPulley::point(frame, element.segment, place.fraction(slot)))
@@ -196,13 +197,6 @@ impl<E: LagrangianElement> Evaluation<'_, E> {
             balance,
             ring: passing.into_forces(),
         }
-    }
-
-    /// Drag of the ring's layers on the arc of a pulley, as a share of the ring's normal load.
-    fn layer_drag<T: Real>(&self, frame: &TwoPulleyFrame<T>, pulley: Pulley) -> T {
-        let law = self.acting.law;
-        let radii = frame.radius.map(|radius| radius.v - law.chain.pitch_offset);
-        law.layers.drag_shares(radii)[pulley as usize]
     }
 
     /// The ring at a slot, where its element is at the local coordinate `x` from −1 to 1.

@@ -92,8 +92,8 @@ def run(bench: Bench, plan: Plan) -> Section:
         (in_limit, ladders, default, idle, _theory_table(bench, plan)),
         (_picture(default),),
         (
-            "In the theory's limit the FMU has the assumptions of the theory: no ring friction, no play, no losses of layers and "
-            "shafts, a constant "
+            "In the theory's limit the FMU has the assumptions of the theory: no ring friction, no play, no losses of layers, "
+            "turning elements and shafts, a constant "
             "friction coefficient, sheaves that tilt without clearance, and contact, chain and ring so stiff that the "
             "opening dominates.",
         ),

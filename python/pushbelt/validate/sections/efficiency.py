@@ -308,7 +308,7 @@ def _drag(bench: Bench, plan: Plan) -> tuple[Table, list[Check]]:
     return table("drag", "Drag without load, ratio 1, 10 kN", columns, rows), checks
 
 
-LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.shafts", "loss.other")
+LOSSES = ("loss.sheaves", "loss.ring", "loss.layers", "loss.spin", "loss.shafts", "loss.other")
 
 
 def _bounds(bench: Bench, plan: Plan, beside: Sequence[Beside]) -> tuple[Table, list[Check]]:

@@ -54,6 +54,7 @@ def changes(bench: Bench) -> list[Change]:
         *step("friction of the sheaves μ", "friction.pulley", 0.01),
         *pair("friction of the ring", "friction.ring", factors=off),
         *pair("friction between layers", "friction.layers", factors=off),
+        *pair("inertia of the elements' turning", "belt.elementInertia", factors=off),
         *pair("fall of the friction", "friction.fall", factors=off),
         *pair("speed of that fall", "friction.fallSpeed"),
         *pair("friction velocity v_0", "friction.velocity"),
