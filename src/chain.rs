@@ -76,6 +76,18 @@ pub struct PushElements {
 }
 
 impl PushElements {
+    /// The film with a share from 0 to 1 of a stiffer one of 100 N and 3 N·s, whose force closes the play: elements do not collide,
+    /// and the laws are easier to solve.
+    #[must_use]
+    pub(crate) fn with_stiff_film(&self, share: f64) -> Self {
+        let stiffer = |own: f64, stiff: f64| own + share * (stiff - own).max(0.0);
+        Self {
+            film_force: stiffer(self.film_force, 100.0),
+            film_damping: stiffer(self.film_damping, 3.0),
+            ..self.clone()
+        }
+    }
+
     /// Strain of the stack over which neighbouring elements come into contact.
     #[must_use]
     pub fn contact_strain(&self) -> f64 {

@@ -73,7 +73,7 @@ fn run(inputs: &Inputs, start: &Variator, times: &[f64]) -> Vec<Vec<f64>> {
 fn the_linear_model_follows_small_steps_of_each_load() {
     let model = model(100.0);
     let mut start = Variator::new(parameters()).expect("valid");
-    start.initialise(0.0, &Inputs::default()).expect("steady");
+    start.initialise(0.0, &model.inputs).expect("steady");
     let times = [0.01, 0.02, 0.05, 0.1, 0.2];
     assert_eq!(model.loads.len(), 4);
     for (l, load) in model.loads.iter().enumerate() {
@@ -174,7 +174,8 @@ fn an_end_stop_takes_part_of_the_axial_force() {
     assert!(by_stop > 0.1, "{by_stop} N");
     let model = linearise(&parameters, &inputs, 20.0, &[]).expect("a working point");
     let held = model.inputs.secondary.clamping_force;
-    assert!((held - given).abs() < 1e-3, "{held} {given}");
+    // To the accuracy of a steady solution, 1e-6 of the force.
+    assert!((held - given).abs() < 1e-2, "{held} {given}");
 }
 
 #[test]

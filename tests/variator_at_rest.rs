@@ -54,7 +54,12 @@ fn a_held_sheave_has_the_force_of_a_belt_that_creeps() {
     for model in MODELS {
         for given in [0.0, 60.0, -30.0] {
             let force = |speed: f64, velocity: f64| {
-                let mut run = Run::new(held(variator(model), speed, velocity), torque(given));
+                let mut parameters = held(variator(model), speed, velocity);
+                if speed > 0.0 {
+                    // In the limit of vanishing speed no oil flows.
+                    (parameters.belt.film_damping, parameters.belt.squeeze_damping) = (0.0, 0.0);
+                }
+                let mut run = Run::new(parameters, torque(given));
                 let state = run.variator.outputs().start_state;
                 let expected = if speed == 0.0 {
                     StartState::Clamped

@@ -190,18 +190,20 @@ fn losses_rise_with_the_square_of_the_misalignment() {
     };
     let (small, large) = (even(4.0e-4), even(8.0e-4));
     assert_close(large[1] / small[1], 4.0, 0.15, "loss at twice the misalignment");
-    assert!(large[0].abs() < 5e-3 && large[1].abs() < 1e-3, "{large:?}");
+    assert!(large[0].abs() < 8e-3 && large[1].abs() < 1e-3, "{large:?}");
 }
 
-/// The residual of the power balance of a misaligned belt decreases with the size of the elements.
+/// The power of a misaligned belt balances on each mesh.
 #[test]
 fn power_balance_out_of_plane() {
     let mut parameters = spatial(1.0e-3);
     let coarse = at_ratio(&parameters, RATIO).power_defect();
     parameters.mesh = parameters.mesh.refined(2);
     let fine = at_ratio(&parameters, RATIO).power_defect();
-    println!("power defect {coarse:.2e}, {fine:.2e} on twice the elements");
-    assert!(coarse.abs() < 1e-4 && fine.abs() < coarse.abs());
+    parameters.mesh = parameters.mesh.refined(2);
+    let finer = at_ratio(&parameters, RATIO).power_defect();
+    println!("power defect {coarse:.2e}, {fine:.2e} on twice, {finer:.2e} on four times the elements");
+    assert!([coarse, fine, finer].iter().all(|defect| defect.abs() < 3e-5));
 }
 
 /// A shift moves the whole belt along the axes of its pulleys, and the energy balance holds.

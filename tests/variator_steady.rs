@@ -94,7 +94,8 @@ fn nine_load_cases(model: RingModel) {
             );
             assert_close(o.ratio_geometric, ratio(case.theta), 1e-4, "ratio");
             assert!(state.power_defect().abs() < 2e-3, "{name}");
-            assert!(o.slip > 0.0 && o.slip < 0.03, "{name}");
+            // Measured belts slip by 2 to 4 % at 95 % of the peak of traction in underdrive; here the utilisation is 0.77.
+            assert!(o.slip > 0.0 && o.slip < 0.035, "{name}");
             // At these ratios a belt alone has smaller losses than that transmission; `variator_losses.rs` compares the shafts' power.
             // The loss of turning elements is left out, since it is an upper bound.
             let without_spin = o.belt_efficiency + o.losses.spin / o.primary.power;

@@ -58,7 +58,12 @@ fn stress_at_full_load_is_tension_and_bending_on_the_smaller_pulley() {
                 1e-6 * stress.mean[large],
             );
             assert_close(stress.max, high + of_bending - residual, 0.04, "largest stress");
-            assert_close(stress.amplitude[small], 0.5 * of_bending, 0.06, "amplitude");
+            // The tension changes along the arc too.
+            let of_tension = 0.5 * (high - low);
+            assert!(
+                (stress.amplitude[small] - 0.5 * of_bending).abs() < 0.02 * of_bending + of_tension,
+                "amplitude"
+            );
             assert_close(
                 stress.amplitude[small] + stress.mean[small],
                 stress.max,

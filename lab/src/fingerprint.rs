@@ -58,6 +58,7 @@ impl Figures {
                 power,
                 spiral,
                 tilt,
+                idle_arc: _,
             } = *pulley;
             for value in [
                 speed,

@@ -73,6 +73,7 @@ macro_rules! pulley_outputs {
         $t.read("ring.stressAmplitude.{}", 21, (Output, "Pa", not_negative(1e8)), "Stress amplitude of the ring's cycle on the {} pulley, at the face with the largest stress over a revolution. Each revolution of the ring, belt length / ring.speed, has one cycle on each pulley, by rainflow counting", read!(ring_stress.amplitude.$pulley));
         $t.read("ring.stressMean.{}", 22, (Output, "Pa", typical(1e8)), "Mean stress of the ring's cycle on the {} pulley, of which ring.stressAmplitude.{} is the amplitude", read!(ring_stress.mean.$pulley));
         $t.read("{}.tilt", 19, (Output, "rad", not_negative(1e-3)), "Tilt of one {} sheave under the belt forces, mean of both sheaves", read!($pulley.tilt));
+        $t.read("{}.idleArc", 20, (Output, "rad", not_negative(1.0)), "Idle arc of the {} pulley: angle from the entry, in the direction of travel, to where the push force differs from that of the entering strand by a tenth of the difference between the strands; the whole wrap if that difference is below 20 N", read!($pulley.idle_arc));
     };
 }
 
@@ -224,4 +225,5 @@ fn locals<R: Rings>(t: &mut Rows<R>) {
     t.profile("slidingSpeed", 10_501, "m/s", 0.01, "Tangential sliding speed of the flanks", |readings, at| readings.profile.sliding_speed[at]);
     t.profile("ringStress", 10_801, "Pa", 1e8, "Stress at the face of the ring's layers with the largest stress over a revolution,", |readings, at| readings.profile.ring_stress[at]);
     t.profile("lateralDeflection", 10_601, "m", 1e-3, "Deflection of the ring from the middle between the two belt planes, along the pulley axes", |readings, at| readings.profile.lateral_deflection[at]);
+    t.profile("gap", 10_701, "m", 1e-6, "Gap between neighbouring elements, 0 in contact,", |readings, at| readings.profile.gap[at]);
 }

@@ -100,6 +100,7 @@ impl VariatorSystem {
         self.rounding = share;
         let Parameters { contact, belt, .. } = &self.parameters;
         self.law.contact.roughness = Rounded::width(contact.roughness, Rounded::ROUGHNESS, share);
+        self.law.chain = belt.with_stiff_film(share);
         self.law.settling = Rounded::settling(belt.push_stiffness, share);
     }
 

@@ -102,7 +102,7 @@ fn arrays_lie_between_scalars_and_the_time() {
         values.into_iter().fold(0.0, f64::max)
     };
     let most = importer.real("pushForce.max");
-    assert!(force <= most && force > 0.5 * most, "{force} of {most}");
+    assert!(force <= most * (1.0 + 1e-12) && force > 0.5 * most, "{force} of {most}");
 }
 
 #[test]

@@ -247,6 +247,7 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
         ("Normal force per flank (kN/m)", 1e-3 * profile.normal_force, GREEN),
         ("Radial deviation (mm)", 1e3 * profile.radial_deviation, VIOLET),
         ("Sliding speed of the flanks (mm/s)", 1e3 * profile.sliding_speed, RED),
+        ("Gap between elements (µm)", 1e6 * profile.gap, MUTED),
     )
     arcs, named = shaded_arcs(curve), shaded_arcs(curve, named=True)
     return Chart(
@@ -261,7 +262,7 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
             )
             for k, (title, values, colour) in enumerate(rows)
         ],
-        "Push force, ring tension, normal force, radial deviation and sliding speed along the belt",
+        "Push force, ring tension, normal force, radial deviation, sliding speed and gaps along the belt",
         linked=True,
     )
 

@@ -24,6 +24,8 @@ class Profile:
     """Radius minus the mean radius of the arc; on strands the distance from the tangent line, outward positive, m."""
     sliding_speed: Array
     """Tangential sliding speed of the flanks, m/s; 0 off the pulleys."""
+    gap: Array
+    """Gap between neighbouring elements, m; 0 in contact."""
 
 
 @dataclass(frozen=True)

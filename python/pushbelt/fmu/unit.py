@@ -27,6 +27,7 @@ PROFILE_FIELDS = {
     "normal_force": "normalForce",
     "radial_deviation": "radialDeviation",
     "sliding_speed": "slidingSpeed",
+    "gap": "gap",
 }
 
 

@@ -10,8 +10,9 @@ use crate::variator::linear::working_point::{LinearError, WorkingPoint};
 use crate::variator::settings::parameters::Parameters;
 use crate::variator::settings::signals::Inputs;
 
-/// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the overlay.
-const NEUTRAL: f64 = 1.0e-3;
+/// Modes slower than this, 1/s, are conserved quantities that no load changes: the gauge of the overlay. The slowest mode that loads
+/// excite crosses zero between working points and is then some 1e-3.
+const NEUTRAL: f64 = 1.0e-5;
 /// Fraction of the cut-off that is the shift: eigenvalues near the shift have the least rounding errors, and the slowest
 /// ones are the closest to each other.
 const SHIFT: f64 = 0.01;

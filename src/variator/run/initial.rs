@@ -221,13 +221,17 @@ impl StartSearch<'_> {
         };
         self.plant.state = self.kinematic_state(&creep)?;
         let before = self.messages.len();
-        let velocity = &mut self.plant.system.parameters.friction.velocity;
-        let own = std::mem::replace(velocity, CREEP_FRICTION_VELOCITY);
+        let parameters = &mut self.plant.system.parameters;
+        let own = parameters.clone();
+        parameters.friction.velocity = CREEP_FRICTION_VELOCITY;
+        // In the limit no oil flows.
+        (parameters.belt.film_damping, parameters.belt.squeeze_damping) = (0.0, 0.0);
         let found = self.solve_steady();
         let belt = Survey::of(&self.plant.system, self.plant.state.view())
             .sums
             .shaft_torque;
-        self.plant.system.parameters.friction.velocity = own;
+        self.plant.system.law.chain = own.belt.clone();
+        self.plant.system.parameters = own;
         self.plant.end_soft_start();
         let holds = (self.inputs.primary.torque + belt.primary) * creep.primary_speed <= 0.0;
         if found.is_ok() && holds && !self.plant.system.parameters.holds_a_sheave() {

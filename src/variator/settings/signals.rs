@@ -121,6 +121,8 @@ pub struct PulleyOutputs {
     pub spiral: f64,
     /// Tilt of one sheave, the mean of both, rad.
     pub tilt: f64,
+    /// Idle arc: from the entry to where the push force has changed by a tenth of the difference of the strands, rad.
+    pub idle_arc: f64,
 }
 
 /// Losses, each from its own law, W.
@@ -165,6 +167,8 @@ pub struct Profile {
     pub sliding_speed: [f64; PROFILE_POINTS],
     /// Deflection w along z from the middle between the two belt planes, m; 0 of a planar ring.
     pub lateral_deflection: [f64; PROFILE_POINTS],
+    /// Gap between neighbouring elements, 0 in contact, m.
+    pub gap: [f64; PROFILE_POINTS],
     /// Stress of the most loaded face of the ring's layers, Pa.
     pub ring_stress: [f64; PROFILE_POINTS],
 }
@@ -180,6 +184,7 @@ impl Default for Profile {
             radial_deviation: zero,
             sliding_speed: zero,
             lateral_deflection: zero,
+            gap: zero,
             ring_stress: zero,
         }
     }

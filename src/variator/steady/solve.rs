@@ -71,6 +71,11 @@ const PSEUDO_INERTIA: f64 = 40.0;
 /// Pseudo-time step from which on the friction velocity is reduced, and which is kept meanwhile, s.
 const SOFT_STEP: f64 = 5.0e-3;
 
+/// Clamping force below which a belt may be too loose to be found from a kinematic state, N, and the factor of the force
+/// whose steady state is then solved for first.
+const FIRM: f64 = 1.0e4;
+const FIRMER: f64 = 3.0;
+
 /// First pseudo-time step from a kinematic and from a steady state, s.
 const COLD_STEP: f64 = 1.0e-6;
 const WARM_STEP: f64 = 1.0e-2;
@@ -99,11 +104,28 @@ pub fn solve(
         }
         *state = near;
     }
-    if let (false, Some(parameters)) = (task.warm, coarser(&system.parameters)) {
+    if task.warm {
+        return solve_from(system, newton, state, task, max_solves, soft);
+    }
+    if let Some(parameters) = coarser(&system.parameters) {
         let mut nearby = state.clone();
         if start_on_coarse_mesh(system, newton, &mut nearby, &parameters, task, max_solves) {
             let task = SteadyTask { warm: true, ..*task };
             if let Ok(settled) = solve(system, newton, &mut nearby, &task, max_solves) {
+                *state = nearby;
+                return Ok(settled);
+            }
+        }
+        if task.clamping[task.reaction.other()] < FIRM {
+            let mut nearby = state.clone();
+            let firmer = SteadyTask {
+                clamping: task.clamping.map(|force| FIRMER * force),
+                ..*task
+            };
+            let task = SteadyTask { warm: true, ..*task };
+            if solve(system, newton, &mut nearby, &firmer, max_solves).is_ok()
+                && let Ok(settled) = solve(system, newton, &mut nearby, &task, max_solves)
+            {
                 *state = nearby;
                 return Ok(settled);
             }
@@ -166,16 +188,25 @@ fn solve_from(
         last_step: LAST_STEP,
         max_solves,
     };
-    system.friction_velocity = velocity;
+    soften(system, velocity);
     system.pulleys.inertia_factor = PSEUDO_INERTIA;
     let mut loaded = Loaded::new(system);
     let outcome = settle(&mut loaded, newton, state, &settings, |loaded, trial| {
         control.correct(loaded, trial)
     });
     let system = loaded.system;
-    system.friction_velocity = system.parameters.friction.velocity;
+    soften(system, system.parameters.friction.velocity);
     system.pulleys.inertia_factor = 1.0;
     outcome
+}
+
+/// Sets the friction velocity in force, m/s, and with it the film: elements that collide make a start from a kinematic state hard to
+/// solve.
+fn soften(system: &mut VariatorSystem, velocity: f64) {
+    system.friction_velocity = velocity;
+    let own = &system.parameters;
+    let share = ((velocity - own.friction.velocity) / SOFT_VELOCITY).clamp(0.0, 1.0);
+    system.law.chain = own.belt.with_stiff_film(share);
 }
 
 /// A system, and the loads of the belt on the pulleys as of the last residual.
@@ -295,12 +326,12 @@ impl<'a> Control<'a> {
         let was_gripping = self.gripping;
         self.gripping |= soft;
         system.loads = Loads::constant(self.boundary());
-        let velocity = &mut system.friction_velocity;
-        if *velocity <= self.sharp {
+        let velocity = system.friction_velocity;
+        if velocity <= self.sharp {
             return Some(LAST_STEP);
         }
         if soft && was_gripping {
-            *velocity = (*velocity * SHARPENING).max(self.sharp);
+            soften(system, (velocity * SHARPENING).max(self.sharp));
         }
         Some(SOFT_STEP)
     }

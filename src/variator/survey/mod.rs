@@ -2,4 +2,5 @@
 
 pub mod belt_survey;
 pub(crate) mod energy_balance;
+mod idle_arc;
 pub mod observe;

@@ -12,6 +12,7 @@ use crate::variator::settings::signals::{
     Losses, Outputs, PROFILE_POINTS, Profile, PulleyOutputs, RingStress, StartState, Work,
 };
 use crate::variator::survey::belt_survey::{BeltSums, NO_FORCE, Sliding, Survey};
+use crate::variator::survey::idle_arc::idle_arcs;
 use crate::variator::system::VariatorSystem;
 
 use Pulley::{Primary, Secondary};
@@ -81,6 +82,8 @@ impl Observer {
         let radii = sums.mean_radii(belt, view);
         out.primary = pulley(belt, view, Primary, survey, radii.primary, context);
         out.secondary = pulley(belt, view, Secondary, survey, radii.secondary, context);
+        let idle = idle_arcs(&belt.mesh, survey, belt.curve.length(), sums.carried < 0.0);
+        (out.primary.idle_arc, out.secondary.idle_arc) = (idle.primary, idle.secondary);
         out.thrust_ratio = thrust_ratio(sums);
         motion(belt, view, sums, radii, out);
         out.losses = Losses {
@@ -172,6 +175,8 @@ impl Observer {
                 sample.outward
             }
         };
+        let thickness = belt.law.chain.element_thickness;
+        let gap = |sample: &Sample| thickness * (sample.density.recip() - 1.0).max(0.0);
         let sliding = |sample: &Sample| if sample.normal > 100.0 { sample.sliding } else { 0.0 };
         let (mut station, mut element) = (0, 0);
         for k in 0..PROFILE_POINTS {
@@ -188,6 +193,7 @@ impl Observer {
             });
             let between = |a: f64, b: f64| a * (1.0 - share) + b * share;
             profile.push_force[k] = between(a.push, b.push);
+            profile.gap[k] = between(gap(&a), gap(&b));
             profile.normal_force[k] = between(a.normal, b.normal);
             profile.sliding_speed[k] = between(sliding(&a), sliding(&b));
             profile.radial_deviation[k] = between(deviation(of_a, &a), deviation(of_b, &b));
@@ -306,6 +312,7 @@ fn pulley(belt: &Belt, view: View<'_>, j: Pulley, survey: &Survey, radius: f64, 
         external_torque: context.external_torque[j],
         power: -torque * speed,
         spiral: range.1 - range.0,
+        idle_arc: 0.0,
         tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
     }
 }

@@ -1,0 +1,58 @@
+//! Idle arcs: the part of each arc, from its entry on, where the push force is still that of the strand that feeds it.
+//!
+//! The arc consists of an idle part, where the elements move with the pulley and the push force does not change, and an
+//! active part, where it changes from one strand's to the other's (Kobayashi et al., SAE 980822).
+
+use crate::pulley::{PerPulley, Pulley};
+use crate::variator::mesh::belt_mesh::BeltMesh;
+use crate::variator::survey::belt_survey::Survey;
+
+/// Share of the difference between the strands by which the push force changes at the end of the idle arc.
+const CHANGE: f64 = 0.1;
+
+/// Difference between the push forces of the strands below which the whole wrap is idle, N.
+const NO_DIFFERENCE: f64 = 20.0;
+
+/// Mean push forces, N, of the strand from S to P and of the strand from P to S, in the direction of ξ.
+fn strand_forces(mesh: &BeltMesh, survey: &Survey, length: f64) -> [f64; 2] {
+    let (mut sums, mut lengths) = ([0.0; 2], [0.0; 2]);
+    for (_, sample) in survey.stations(mesh).filter(|(_, sample)| !sample.on_arc()) {
+        let strand = usize::from(sample.xi > 0.5 * length);
+        sums[strand] += sample.push * sample.weight;
+        lengths[strand] += sample.weight;
+    }
+    [0, 1].map(|k| sums[k] / lengths[k])
+}
+
+/// The idle arc of each pulley, rad, of a belt of this `length`, m, that travels along ξ, or against it if `reverse`.
+pub(super) fn idle_arcs(mesh: &BeltMesh, survey: &Survey, length: f64, reverse: bool) -> PerPulley<f64> {
+    let strands = strand_forces(mesh, survey, length);
+    let limit = CHANGE * (strands[1] - strands[0]).abs();
+    let cells = mesh.cells.len();
+    PerPulley::from_fn(|pulley| {
+        // The loop is followed from the middle of the other arc.
+        let first = if pulley == Pulley::Primary { 0 } else { cells / 2 };
+        let entry = strands[usize::from((pulley == Pulley::Secondary) != reverse)];
+        let (mut angle, mut before) = (0.0, 0.0);
+        for k in 0..cells * mesh.points {
+            let k = if reverse { cells * mesh.points - 1 - k } else { k };
+            let cell = &mesh.cells[(first + k / mesh.points) % cells];
+            if cell.pulley != pulley {
+                continue;
+            }
+            let sample = survey.sample(mesh, cell, k % mesh.points);
+            if !sample.on_arc() {
+                continue;
+            }
+            let wrap = sample.curvature[0] * sample.weight;
+            let change = (sample.push - entry).abs();
+            if 10.0 * limit >= NO_DIFFERENCE && change > limit {
+                let share = ((limit - before) / (change - before)).clamp(0.0, 1.0);
+                // Between the last station and this one, each in the middle of its weight.
+                return (angle + wrap * (share - 0.5)).max(0.0);
+            }
+            (angle, before) = (angle + wrap, change);
+        }
+        angle
+    })
+}
