@@ -159,7 +159,7 @@ def test_variables_are_those_of_fmi_2(xml: ElementTree.Element, xml2: ElementTre
     assert time[0] == "Float64" and time[1]["causality"] == "independent" and time[1]["unit"] == "s"
     assert found == expected
     assert dimensions == sizes
-    assert len(sizes) == 8 and set(sizes.values()) == {72}
+    assert len(sizes) == 9 and set(sizes.values()) == {72}
 
 
 def test_the_structure_lists_all_outputs(xml: ElementTree.Element) -> None:
