@@ -68,7 +68,8 @@ def count_loop(stress: Array) -> list[tuple[float, float, float]]:
     loop = np.concatenate([stress[start:], stress[: start + 1]])
     found: Counter[tuple[float, float]] = Counter()
     for span, mean, count, _, _ in rainflow.extract_cycles(loop.tolist()):
-        found[(0.5 * span, mean)] += count
+        if span > 0.0:
+            found[(0.5 * span, mean)] += count
     return [(*cycle, found[cycle]) for cycle in sorted(found, reverse=True)]
 
 
