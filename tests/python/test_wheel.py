@@ -22,6 +22,7 @@ EXTRA_OF = {
     "compare": "reports",
     "demo": "reports",
     "drive": "reports",
+    "durability": "durability",
     "linearize": "reports",
     "paper": "reports",
     "sweep": "sweep",
