@@ -66,7 +66,7 @@ GAP_PARAMETERS = {
     "belt.pushStiffness": 1e7,
     "belt.roughness": 1e-7,
     "belt.elementThickness": 1.5e-3,
-    "belt.filmForce": 100.0,
+    "belt.filmForce": 5.0,
     "belt.filmThickness": 1.5e-6,
 }
 """Parameters of the gap, with the FMU's defaults. Parameter sets contain only values that differ."""
