@@ -18,6 +18,7 @@ pub mod demo;
 pub mod describe;
 pub mod docs;
 pub mod drive;
+pub mod durability;
 pub mod linearize;
 pub mod paper;
 pub mod sweep;

@@ -42,7 +42,7 @@ struct Arguments {
 /// Durations of the commands, measured by `time cargo fmu …`. This is the only list of such times.
 const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
-  seconds      build, demo, compare, describe, linearize
+  seconds      build, demo, compare, describe, durability, linearize
   a minute     drive, sweep, calibrate (60 points), bench
   minutes      test (3), validate (3), paper, wheel, docs
   15 minutes   test --all
@@ -58,6 +58,8 @@ enum Command {
     Demo(commands::demo::Arguments),
     /// Drive a car with the FMU on the WLTC and write target/drive/report.html
     Drive(commands::drive::Arguments),
+    /// Compute the fatigue of the ring over a run and write target/durability/report.html
+    Durability(commands::durability::Arguments),
     /// Run the paper's examples with every ring model and write target/paper/report.html
     Paper(commands::paper::Arguments),
     /// Solve for 2288 steady states with the FMU and write target/sweep/report.html
@@ -97,6 +99,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Test(arguments) => commands::test::run(&workspace, arguments),
         Command::Demo(arguments) => commands::demo::run(&workspace, arguments),
         Command::Drive(arguments) => commands::drive::run(&workspace, arguments),
+        Command::Durability(arguments) => commands::durability::run(&workspace, arguments),
         Command::Paper(arguments) => commands::paper::run(&workspace, arguments),
         Command::Sweep(arguments) => commands::sweep::run(&workspace, arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&workspace, arguments),

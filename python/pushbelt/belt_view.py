@@ -62,28 +62,8 @@ def belt_offset(state: BeltState, curve: TwoPulleyCurve, pitch_offset: float) ->
     return offset
 
 
-GAP_PARAMETERS = {
-    "belt.pushStiffness": 1e7,
-    "belt.roughness": 1e-7,
-    "belt.elementThickness": 1.5e-3,
-    "belt.filmForce": 100.0,
-    "belt.filmThickness": 1.5e-6,
-}
-"""Parameters of the gap, with the FMU's defaults. Parameter sets contain only values that differ."""
-
-
-def gaps(push_force: Array, parameters: Mapping[str, float]) -> Array:
-    """Gap between neighbouring elements at a push force, m: the inverse of the static law of the stack.
-
-    Q = k δ ln(1 + exp(ε/δ)) + q/ln 2 · ln(1 + exp(ε/δ_f)), δ and δ_f the roughness and the film over the thickness of an element.
-    """
-    values = {name: parameters.get(name, default) for name, default in GAP_PARAMETERS.items()}
-    stiffness, roughness, thickness, film_force, film = values.values()
-    widest = 12.0 * max(film, roughness)
-    gap = np.linspace(0.0, widest, 2001)
-    rough = stiffness * roughness / thickness * np.log1p(np.exp(-gap / roughness))
-    force = rough + film_force / np.log(2.0) * np.log1p(np.exp(-gap / film))
-    return np.interp(push_force, force[::-1], gap[::-1])
+ELEMENT_THICKNESS = 1.5e-3
+"""The FMU's default of `belt.elementThickness`, m. Parameter sets contain only values that differ."""
 
 
 def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], turned: Sequence[Array]) -> Motion:
@@ -97,7 +77,7 @@ def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], t
         time=np.array([time for time, _ in rows]),
         push=push,
         offset=np.array([belt_offset(s, curve, pitch) for (_, s), curve in zip(rows, curves, strict=True)]),
-        gap=gaps(push, parameters),
+        gap=np.array([state.profile.gap for _, state in rows]),
         radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
         angles=np.stack([secondary, primary], axis=1),
         way=np.asarray(way),
@@ -132,7 +112,7 @@ def belt_view(
     distance, length, pitch = (
         parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset")
     )
-    thickness = parameters.get("belt.elementThickness", GAP_PARAMETERS["belt.elementThickness"])
+    thickness = parameters.get("belt.elementThickness", ELEMENT_THICKNESS)
     still = len(shown.time) == 2 and np.array_equal(shown.push[0], shown.push[1])
     magnification = magnification_for(np.percentile(np.abs(shown.offset), 99.0, axis=1), float(shown.radii.min()))
     wide = max(float(np.percentile(shown.gap, 99.0)), 1e-9)

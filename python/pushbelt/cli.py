@@ -13,6 +13,7 @@ from ._version import __version__
 PROGRAMS = {
     "demo": ("load cases, a published steady state and a manoeuvre of 10 s, and a report", "reports"),
     "drive": ("a car on the WLTC or the NEDC, and a report", "reports"),
+    "durability": ("fatigue of the ring over a drive or another run, and a report", "durability"),
     "sweep": ("maps of steady states over ratio, torque, friction and speed, and a report", "sweep"),
     "validate": ("comparison of the FMU with theory and measurements, and a report", "reports"),
     "linearize": ("linear models about steady working points, for controller design, and a report", "reports"),

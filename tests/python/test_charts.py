@@ -127,24 +127,13 @@ def test_logarithmic_axes_go_through_zero() -> None:
     assert places == pytest.approx([-share - 1.0, -share, 0.0, 0.5 * share, share, share + 2.0])
 
 
-def test_gaps_are_those_of_the_stack() -> None:
-    """A few newtons from oil in gaps of micrometres, no gap where the elements are in contact, and a smaller gap for a larger force."""
-    force = np.array([0.5, 2.0, 5.0, 10.0, 100.0, 2000.0])
-    gap = belt_view.gaps(force, BENCH)
-    assert (np.diff(gap[:4]) < 0.0).all()
-    # At gaps far above the roughness only the film carries the force: q/ln 2 · ln(1 + exp(−g/h)).
-    film = 100.0 / np.log(2.0) * np.log1p(np.exp(-gap[:3] / 1.5e-6))
-    assert film == pytest.approx(force[:3], rel=1e-2)
-    assert gap[-1] == 0.0
-
-
 def test_offset_leads_from_the_reference_curve_to_the_belt() -> None:
     curve = data.curve_of(BENCH, theta_of(2.0))
     position = curve.length * np.arange(72) / 72
     none, outward = np.zeros(72), np.full(72, 1e-4)
     pitch = BENCH["belt.pitchOffset"]
     outputs = {f"{p}.radius": curve.radius(p) - pitch + 2e-4 for p in ("primary", "secondary")}
-    offset = belt_view.belt_offset(BeltState(outputs, Profile(position, none, none, none, outward, none)), curve, pitch)
+    offset = belt_view.belt_offset(BeltState(outputs, Profile(position, none, none, none, outward, none, none)), curve, pitch)
     assert set(np.round(offset, 9)) == {1e-4, 3e-4}
 
 

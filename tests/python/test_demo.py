@@ -199,7 +199,7 @@ def belt_on_tilted_sheaves(
     deviation -= pressure / (BENCH["contact.stiffness"] * np.cos(beta) * np.tan(beta))
     points = slice(None, None, 100)
     none = np.zeros(72)
-    profile = Profile(fine[points], none, none, pressure[points], deviation[points], none)
+    profile = Profile(fine[points], none, none, pressure[points], deviation[points], none, none)
     return BeltState(outputs, profile)
 
 

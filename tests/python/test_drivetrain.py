@@ -31,6 +31,7 @@ from pushbelt.drive.driver import Driver
 from pushbelt.drive.hydraulics import PressureCircuit
 from pushbelt.drive.piecewise import clip, interpolate, interval
 from pushbelt.drive.thrust_map import ThrustMap
+from pushbelt.durability.table import MEAN, OPTIONAL, STRESSES
 from pushbelt.fmu.data import clamping_force
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.unit import Archive, UnitError, Variator
@@ -595,6 +596,23 @@ def test_short_drive(archive: Archive, table: ThrustMap, strategy: str) -> None:
     assert ripple(run["primary.clampingForce"]) < 0.02
     assert (run.time[0], run.time[-1]) == pytest.approx((10.0, 20.0 - STEP))
     assert run.snapshots[19.0]["ratio.geometric"] == run["ratio.geometric"][900]
+    assert run["distance"][-1] == pytest.approx(STEP * run["speed.car"].sum(), rel=0.01)
+    assert {"time", *run.columns} >= {"ring.speed", "distance", *STRESSES, *OPTIONAL} - {"primary.torque"}
+
+
+def test_scaled_clamping_raises_force_and_stress(archive: Archive, table: ThrustMap) -> None:
+    section = wltc_class_3b().section(10.0, 18.0)
+    plain, scaled = (
+        simulate.run(archive, CAR, table, simulate.Setup("scaled", "safety", section, clamping=factor))
+        for factor in (1.0, 1.2)
+    )
+    # The pressure has lower limits, where the factor has no effect.
+    pressed = plain["secondary.clampingForce"] > 4e3
+    assert pressed.sum() > 100
+    forces = scaled["secondary.clampingForce"][pressed] / plain["secondary.clampingForce"][pressed]
+    assert forces.mean() == pytest.approx(1.2, abs=0.05)
+    mean = MEAN.format("primary")
+    assert (scaled[mean] - plain[mean])[pressed].mean() > 0.0
 
 
 def test_slip_control_rescues_a_belt_of_low_friction(archive: Archive, table: ThrustMap) -> None:

@@ -34,7 +34,7 @@ def belt() -> str:
         f"{pulley}.radius": curve.radius(pulley) - BENCH["belt.pitchOffset"] for pulley in ("primary", "secondary")
     }
     push = 500.0 * (1.0 + np.sin(2.0 * np.pi * position / curve.length))
-    profiles = [Profile(position, np.roll(push, k), none, none, none, none) for k in (0, 36)]
+    profiles = [Profile(position, np.roll(push, k), none, none, none, none, none) for k in (0, 36)]
     states = {float(k): BeltState(outputs, profile) for k, profile in enumerate(profiles)}
     turned = [np.array([0.0, 100.0]), np.array([0.0, 80.0]), np.array([0.0, 5.0])]
     return belt_view.belt_view(belt_view.motion(states, BENCH, turned), BENCH, "A belt", group="one")

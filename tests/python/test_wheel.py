@@ -22,6 +22,7 @@ EXTRA_OF = {
     "compare": "reports",
     "demo": "reports",
     "drive": "reports",
+    "durability": "durability",
     "linearize": "reports",
     "paper": "reports",
     "sweep": "sweep",
@@ -232,7 +233,7 @@ def test_nothing_is_left_after_its_removal(place: Path) -> None:
     run(place, "pushbelt", "fmu", "own.fmu")
     assert left(place / "home") and left(place / "venv")
     done = run(place, "pushbelt", "cache", "--clear")
-    assert done.returncode == 0 and "is removed" in done.stdout
+    assert done.returncode == 0 and "removed" in done.stdout
     assert not left(place / "home")
     pip(place, "uninstall", "--yes", "pushbelt")
     assert not left(place / "venv")

@@ -31,10 +31,22 @@ def main(arguments: list[str] | None = None) -> int:
         default="ALE",
         help="ring model of the whole cycle",
     )
+    parser.add_argument(
+        "--clamping",
+        type=float,
+        default=1.0,
+        metavar="FACTOR",
+        help="factor on the secondary clamping force that both strategies demand [default: 1]",
+    )
     parser.add_argument("--variator", default=simulate.VARIATOR, help="name of a parameter set, or a file ….json")
     options = parser.parse_args(arguments)
+    if not 0.5 <= options.clamping <= 2.0:
+        parser.error(f"--clamping {options.clamping:g} is not within 0.5 to 2")
     plan = dataclasses.replace(
-        (SHORT if options.short else FULL)[options.cycle], ring=options.ring, variator=options.variator
+        (SHORT if options.short else FULL)[options.cycle],
+        ring=options.ring,
+        variator=options.variator,
+        clamping=options.clamping,
     )
     if options.until is not None:
         plan = dataclasses.replace(plan, cycle=(plan.cycle[0], plan.cycle[0] + options.until))

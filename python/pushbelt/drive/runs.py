@@ -44,6 +44,8 @@ class Plan:
     """The cycle, a name in `CYCLES`."""
     variator: str = simulate.VARIATOR
     """Name or file of the parameter set."""
+    clamping: float = 1.0
+    """Factor on the secondary clamping force that the strategies demand."""
 
     @property
     def title(self) -> str:
@@ -65,7 +67,7 @@ class Plan:
                 for strategy in ("safety", "slip")
             ),
         )
-        return tuple(replace(setup, variator=self.variator) for setup in setups)
+        return tuple(replace(setup, variator=self.variator, clamping=self.clamping) for setup in setups)
 
 
 FULL = Plan((0.0, 1800.0), (1478.0, 1598.0))

@@ -52,6 +52,10 @@ OUTPUTS = (
     "energy.residual",
     "reference.theta",
     "pushForce.max",
+    "ring.speed",
+    "ring.stressMax",
+    *(f"ring.{kind}.{pulley}" for pulley in ("primary", "secondary") for kind in ("stressAmplitude", "stressMean")),
+    "secondary.radius",
 )
 """FMU variables that are recorded."""
 
@@ -80,6 +84,8 @@ class Setup:
     """Friction coefficient of the belt relative to the one assumed by the controllers."""
     variator: str = VARIATOR
     """Name or file of the parameter set."""
+    clamping: float = 1.0
+    """Factor on the secondary clamping force that the strategy demands."""
     step: float = STEP
     """Communication and control step, s."""
     parallel: bool = False
@@ -150,7 +156,7 @@ class Record:
     """Records a run, one row per communication step."""
 
     def __init__(self, setup: Setup, friction: Friction, count: int) -> None:
-        self._friction = friction
+        self._friction, self._step = friction, setup.step
         self._outputs = np.empty((count, len(OUTPUTS)))
         self._signals: list[Mapping[str, float]] = []
         start, step = setup.cycle.start, setup.step
@@ -183,7 +189,8 @@ class Record:
         """All columns by name."""
         columns = {name: self._outputs[:, k] for k, name in enumerate(OUTPUTS)}
         signals = {name: np.array([float(row[name]) for row in self._signals]) for name in self._signals[0]}
-        return columns | signals
+        driven = np.cumsum(np.concatenate([[0.0], np.abs(signals["speed.car"][:-1])]))
+        return columns | signals | {"distance": self._step * driven}
 
 
 def _columns(vehicle: VehicleSignals, clamping: ClampingSignals) -> dict[str, float]:
@@ -220,7 +227,7 @@ def run(
     parameters = unit_parameters(car, setup.ring, setup.mesh, setup.variator)
     friction = Friction(parameters["friction.pulley"], parameters["geometry.wedgeAngle"])
     vehicle = Vehicle(car, setup.cycle)
-    control = TransmissionControl(car, setup.strategy, friction, thrust_map)
+    control = TransmissionControl(car, setup.strategy, friction, thrust_map, setup.clamping)
     count = round(setup.cycle.duration / setup.step)
     record = Record(setup, friction, count)
     begin = clock.process_time()

@@ -52,13 +52,18 @@ def strategy_of(name: str, friction: Friction, thrust_map: ThrustMap, flywheel: 
 
 
 class TransmissionControl:
-    """Computes the target ratio from the demanded power, the clamping forces by strategy and ratio control, and the pressures."""
+    """Computes the target ratio from the demanded power, the clamping forces by strategy and ratio control, and the pressures.
+
+    `scale` multiplies the secondary force that the strategy demands.
+    """
 
     POWER_RISE, POWER_FALL = 0.3, 1.5
     """Time constants with which the ratio follows the demanded power, s."""
 
-    def __init__(self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap) -> None:
-        self.car = car
+    def __init__(
+        self, car: Car, strategy: str, friction: Friction, thrust_map: ThrustMap, scale: float = 1.0
+    ) -> None:
+        self.car, self._scale = car, scale
         self.clamping = strategy_of(strategy, friction, thrust_map, car.engine_inertia)
         self.primary, self.secondary = PressureCircuit(START_PRESSURE), PressureCircuit(START_PRESSURE)
         self.pressure = PressureControl(self.primary.lag)
@@ -81,7 +86,7 @@ class TransmissionControl:
         lag = self.POWER_RISE if power_demand > self._power else self.POWER_FALL
         self._power += (power_demand - self._power) * step / lag
         self._target = ratio_target(self.car.engine_speed_for(self._power), secondary_speed, self._target, step)
-        needed = self.clamping.force(measured, step, self._overruled)
+        needed = self._scale * self.clamping.force(measured, step, self._overruled)
         primary, secondary = self.shifting.forces(self._target, measured, needed, step)
         self._overruled = secondary > needed
         return ClampingSignals(

@@ -1,0 +1,163 @@
+"""Miner's sum over a run, its parts, and the effect of the clamping forces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pushbelt.fmu.geometry import Array
+
+from .fatigue import Cycles, Material, cycles
+from .table import PULLEYS, Table
+
+CLAMPING = (0.9, 1.0, 1.1)
+"""Factors on the clamping forces."""
+RATIOS = ((0.0, 0.8, "overdrive, ratio below 0.8"), (0.8, 1.25, "0.8 to 1.25"), (1.25, np.inf, "underdrive, above 1.25"))
+BANDS = ((0.0, 0.25), (0.25, 0.5), (0.5, 0.75), (0.75, np.inf))
+"""Bands of torque and speed, relative to the largest value."""
+
+
+@dataclass(frozen=True)
+class Class:
+    """Part of a run."""
+
+    kind: str
+    name: str
+    rows: Array
+    """Which rows belong to it."""
+
+
+@dataclass(frozen=True)
+class Damage:
+    """Damage of a run."""
+
+    table: Table
+    material: Material
+    parameters: Mapping[str, float]
+    """Parameters of the variator by name, with geometry.beltLength."""
+    parts: Mapping[str, Cycles]
+    """Cycles of a revolution by name."""
+
+    @cached_property
+    def turns(self) -> Array:
+        """Revolutions of the ring that belong to each row, by the trapezoidal rule."""
+        half = 0.5 * np.diff(self.table["time"])
+        weights = np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half])
+        return weights * np.abs(self.table["ring.speed"]) / self.parameters["geometry.beltLength"]
+
+    @cached_property
+    def equivalent(self) -> Mapping[str, Array]:
+        """Largest equivalent amplitude of each part at each row, Pa."""
+        return {
+            name: self.material.equivalent(part.amplitude, part.mean).max(axis=1) for name, part in self.parts.items()
+        }
+
+    @property
+    def utilisation(self) -> float:
+        """Largest equivalent amplitude while the ring turns, relative to the fatigue limit with the safety factor."""
+        moving = self.turns > 0.0
+        return max((float(one[moving].max(initial=0.0)) for one in self.equivalent.values())) / self.material.allowed
+
+    def rows(self, limited: bool = True) -> dict[str, Array]:
+        """Damage of each part at each row."""
+        found = {}
+        for name, part in self.parts.items():
+            each = self.material.damage(self.material.equivalent(part.amplitude, part.mean), limited)
+            found[name] = self.turns * (part.count * each).sum(axis=1)
+        return found
+
+    @cached_property
+    def total(self) -> float:
+        """Miner's sum."""
+        return float(sum(one.sum() for one in self.rows().values()))
+
+    @cached_property
+    def total_without_limit(self) -> float:
+        """Miner's sum if the S-N curve continues below the fatigue limit."""
+        return float(sum(one.sum() for one in self.rows(False).values()))
+
+    @property
+    def limited(self) -> bool:
+        """Whether shares are of the damage with the fatigue limit. Without any such damage they are of the curve that continues below it."""
+        return self.total > 0.0
+
+    def share(self, rows: Array, part: str | None = None) -> float:
+        """Share of the damage of some rows, of one part or of all."""
+        found = self.rows(self.limited)
+        whole = sum(one.sum() for one in found.values())
+        chosen = sum(one[rows].sum() for name, one in found.items() if part in (None, name))
+        return float(chosen / whole) if whole > 0.0 else 0.0
+
+    def life(self, damage: float) -> tuple[float, float | None]:
+        """Hours and kilometres until the sum is 1; infinite without damage. Kilometres are None without distance."""
+        distance = self.table.distance
+        times = 1.0 / damage if damage > 0.0 else np.inf
+        return times * self.table.duration / 3600.0, None if distance is None else times * distance / 1000.0
+
+    def classes(self) -> list[Class]:
+        """Parts of the run by ratio, torque and speed of the ring, as far as the table has their columns."""
+        found = [Class("speed of the ring", name, rows) for name, rows in _bands(np.abs(self.table["ring.speed"]), "m/s")]
+        if "ratio.geometric" in self.table.columns:
+            ratio = self.table["ratio.geometric"]
+            found += [Class("ratio", name, (ratio >= low) & (ratio < high)) for low, high, name in RATIOS]
+        if self.table.torque is not None:
+            torque = self.table.torque
+            found.append(Class("torque", "overrun, below 0", torque < 0.0))
+            found += [Class("torque", name, rows & (torque >= 0.0)) for name, rows in _bands(torque, "N·m")]
+        return found
+
+    def clamped(self, factor: float) -> Damage | None:
+        """Estimate for clamping forces times a factor. None if the table has no radii, or if the mean stress would reach the strength.
+
+        The tension part of the stress, without the centrifugal one, is proportional to the factor. Bending does not change.
+        """
+        table, values = self.table, self.parameters
+        if table.field is not None or any(f"{pulley}.radius" not in table.columns for pulley in PULLEYS):
+            return None
+        area = 2.0 * values["ring.layers"] * values["ring.layerWidth"] * values["ring.layerThickness"]
+        bend = 0.5 * values["ring.axialStiffness"] / area * values["ring.layerThickness"]
+        relaxed = values["ring.residualCurvature"]
+        mass = values["ring.massPerLength"] + values["belt.massPerLength"]
+        centrifugal = mass * table["ring.speed"] ** 2 / area
+        curvatures = [1.0 / (table[f"{pulley}.radius"] + values["belt.pitchOffset"]) for pulley in PULLEYS]
+        # The outer face has the largest stress where the ring is bent more on the smaller pulley than it is bent back on a strand.
+        face = np.where(np.maximum(*curvatures) > 2.0 * relaxed, 1.0, -1.0)
+        parts = {}
+        for (name, part), curvature in zip(self.parts.items(), curvatures, strict=True):
+            tension_amplitude = np.maximum(part.amplitude[:, 0] - 0.5 * bend * curvature, 0.0)
+            bending_mean = face * bend * (0.5 * curvature - relaxed)
+            tension_mean = np.maximum(part.mean[:, 0] - bending_mean - centrifugal, 0.0)
+            amplitude = part.amplitude[:, 0] + (factor - 1.0) * tension_amplitude
+            mean = part.mean[:, 0] + (factor - 1.0) * tension_mean
+            parts[name] = Cycles(amplitude[:, None], mean[:, None], part.count, part.column)
+        if any((part.mean >= self.material.strength).any() for part in parts.values()):
+            return None
+        return Damage(table, self.material, values, parts)
+
+
+def _bands(values: Array, unit: str) -> list[tuple[str, Array]]:
+    """Rows of each band of a column."""
+    most = float(values.max(initial=0.0))
+    if most <= 0.0:
+        return []
+    found = []
+    for low, high in BANDS:
+        name = f"{low * most:.3g} to {min(high, 1.0) * most:.3g} {unit}"
+        found.append((name, (values >= low * most) & (values < high * most)))
+    return found
+
+
+def damage(table: Table, material: Material, parameters: Mapping[str, float]) -> Damage:
+    """Damage of a run. Raises DurabilityError by line and column if the mean or the largest stress reaches the strength."""
+    parts = cycles(table)
+    for part in parts.values():
+        for what, stress in (("mean", part.mean), ("largest", part.mean + part.amplitude)):
+            high = (stress >= material.strength).any(axis=1)
+            if high.any():
+                row = int(np.argmax(high))
+                text = f"the {what} stress, {stress[row].max():.4g} Pa, is not below the strength, {material.strength:.4g} Pa"
+                raise table.error(row, part.column, text)
+    return Damage(table, material, parameters, parts)
