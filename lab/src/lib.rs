@@ -5,6 +5,7 @@ mod c_functions;
 pub mod checks;
 pub mod curves;
 pub mod disturbed;
+pub mod film;
 pub mod fingerprint;
 pub mod inside;
 pub mod laws;
