@@ -377,10 +377,13 @@ def test_parameters_of_a_noisy_table_are_recovered(fmu: Path, solver: InProcess,
 
 @pytest.mark.slow
 def test_a_parameter_without_influence_is_reported(solver: InProcess, variables: Mapping[str, Any]) -> None:
-    """A damper has no influence in a steady state: its value is unchanged, and the others are fitted without it."""
+    """A damper has no influence in a steady state: its value is unchanged, and the others are fitted without it.
+
+    The start is near the solution: on this coarse mesh the thrust ratio in overdrive is not monotonic in the friction coefficient.
+    """
     points = solver.measure([STEADY[1], STEADY[4], STEADY[6]], seed=None)
     chosen = choose(
-        {"friction.pulley": None, "sheaveDamping": None}, {}, variables, {**BASE, **TRUTH, "friction.pulley": 0.09}
+        {"friction.pulley": None, "sheaveDamping": None}, {}, variables, {**BASE, **TRUTH, "friction.pulley": 0.0965}
     )
     truth = {name: value for name, value in TRUTH.items() if name != "friction.pulley"}
     opened = Model(points, lambda jobs: solver([({**truth, **values}, point) for values, point in jobs]))

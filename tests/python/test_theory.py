@@ -276,7 +276,7 @@ def test_beyond_capacity_is_refused() -> None:
 
 
 def test_self_locking_is_refused() -> None:
-    with pytest.raises(ValueError, match="locks itself"):
+    with pytest.raises(ValueError, match="self-locking"):
         cmm.arc_at_creep(pi, BETA, 0.2, 0.0)
 
 
