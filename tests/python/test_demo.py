@@ -348,7 +348,7 @@ def test_short_run_writes_report_and_tables(fmu: Path, tmp_path: Path) -> None:
     # Most events come after the first second.
     assert [statement for mark, statement in verdicts if mark == "✗"] == ["Every event of the manoeuvre occurs"]
     # Load cases, manoeuvre, fields of a load case; the belt over time and in a steady state.
-    assert reports.figures(report) == 3 + 7 + 5
+    assert reports.figures(report) == 3 + 7 + 6
     assert report.count('<div class="belt"') == 2
     with (tmp_path / "results.csv").open(encoding="utf-8", newline="") as file:
         times = [float(row["time"]) for row in csv.DictReader(file)]
