@@ -175,7 +175,8 @@ def short_validation(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
 
 def test_the_report_has_every_section_and_needs_nothing_else(short_validation: Path) -> None:
     page = reports.stands_alone(short_validation / "report.html")
-    for title in ("Continuum theory", "Speed of ratio change", "Efficiency", "Slip", "Wedge angle", "Two variators"):
+    titles = ("Continuum theory", "Speed of ratio change", "Efficiency", "Slip", "Play and gaps", "Wedge angle")
+    for title in (*titles, "Stress of the ring", "Two variators"):
         assert f">{title}</h2>" in page
     assert reports.figures(page) > 10
     content = re.sub(r"<(style|script)[^>]*>.*?</\1>", "", page, flags=re.DOTALL)
@@ -203,7 +204,8 @@ def test_the_theorys_limit_is_met(short_validation: Path) -> None:
 
 def test_tables_are_there_as_csv_and_markdown(short_validation: Path) -> None:
     text = (short_validation / "tables.md").read_text(encoding="utf-8")
-    for name in ("limit", "shift-gains", "efficiency-map", "traction", "thrust-ratio", "sensitivity"):
+    names = ("limit", "shift-gains", "efficiency-map", "traction", "thrust-ratio", "idle-arc", "play-slip", "stress")
+    for name in (*names, "thrust-ratio-speed", "sensitivity"):
         with (short_validation / f"{name}.csv").open(encoding="utf-8", newline="") as file:
             header, *rows = csv.reader(file)
         assert rows and all(len(row) == len(header) for row in rows), name

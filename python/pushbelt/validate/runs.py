@@ -13,15 +13,17 @@ from pushbelt.side_by_side import tick
 
 from .bench import Bench, Plan
 from .outcome import Section
-from .sections import continuum, efficiency, sensitivity, shifting, slip, thrust, variators, wedge
+from .sections import continuum, efficiency, gaps, sensitivity, shifting, slip, stress, thrust, variators, wedge
 
 SECTIONS: dict[str, ModuleType] = {
     "continuum": continuum,
     "shifting": shifting,
     "efficiency": efficiency,
     "slip": slip,
+    "gaps": gaps,
     "thrust": thrust,
     "wedge": wedge,
+    "stress": stress,
     "variators": variators,
     "sensitivity": sensitivity,
 }

@@ -9,7 +9,21 @@ from pushbelt.fmu.starts import driven_by_torque
 
 from ..bench import Bench, Plan
 from ..measured import source
-from ..outcome import PERCENT, Check, Column, Curve, Panel, Picture, Section, share, signed, table, within
+from ..outcome import (
+    PERCENT,
+    Check,
+    Column,
+    Curve,
+    Panel,
+    Picture,
+    Section,
+    Table,
+    reported,
+    share,
+    signed,
+    table,
+    within,
+)
 
 RATIOS = (2.25, 1.5, 1.0, 0.67, 0.44)
 TORQUE_RATIOS = (-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
@@ -17,18 +31,24 @@ FORCES = (10e3, 20e3)
 SPEEDS = (1000.0, 3000.0)
 TOLERANCE = 0.05
 
+FAST_RATIOS = (2.25, 1.0, 0.44)
+FAST_TORQUE_RATIOS = (0.0, 0.6)
+FAST_SPEEDS = (2000.0, 5000.0, 7000.0)
+FAST_FORCE = 15e3
+
 Key = tuple[float, float]
 """Ratio and torque ratio."""
 
 
 def count(plan: Plan) -> int:
     """Approximate number of points."""
-    return 12 if plan.short else 260
+    return 18 if plan.short else 278
 
 
 def run(bench: Bench, plan: Plan) -> Section:
     """Solves the points and evaluates the checks."""
     solved = _solve(bench, plan)
+    fast, fast_check = _fast(bench, plan)
     found = {key: values for key, values in solved.items() if len(values) > 1}
     spread = {key: max(values.values()) / min(values.values()) - 1.0 for key, values in found.items()}
     columns = (
@@ -48,8 +68,8 @@ def run(bench: Bench, plan: Plan) -> Section:
         "thrust-ratio",
         "Thrust ratio over torque",
         "The torque ratio is the torque divided by that of full slip under the secondary force.",
-        _checks(spread),
-        (table("thrust-ratio", "Thrust ratio over force and speed", columns, rows, note),),
+        (*_checks(spread), fast_check),
+        (table("thrust-ratio", "Thrust ratio over force and speed", columns, rows, note), fast),
         (_picture(found),),
     )
 
@@ -71,6 +91,35 @@ def _solve(bench: Bench, plan: Plan) -> dict[Key, dict[Key, float]]:
                 break
             found[ratio, torque_ratio][force, rpm] = out["thrustRatio"]
     return found
+
+
+def _fast(bench: Bench, plan: Plan) -> tuple[Table, Check]:
+    """Thrust ratios up to high speeds, where centrifugal tension stretches the ring and opens gaps."""
+    rows: list[list[float | None]] = []
+    for ratio, torque_ratio in itertools.product(plan.thin(FAST_RATIOS, 1), FAST_TORQUE_RATIOS):
+        torque = torque_ratio * bench.capacity(ratio, FAST_FORCE)
+        found: list[float | None] = []
+        for rpm in FAST_SPEEDS:
+            values = driven_by_torque(bench.parameters, ratio, rpm * math.pi / 30.0, torque, FAST_FORCE)
+            out = bench.steady(values, f"ratio {ratio:g}, torque ratio {torque_ratio:g}, {rpm:g} rpm")
+            found.append(out["thrustRatio"] if out else None)
+        change = found[-1] / found[0] - 1.0 if found[0] and found[-1] else None
+        rows.append([ratio, torque_ratio, *found, change])
+    changes = [row[-1] for row in rows if row[-1] is not None]
+    check = reported(
+        "Thrust ratio at 7000 rpm against 2000 rpm, 15 kN, torque ratios 0 and 0.6",
+        source("thrustRatioInvariance"),
+        "almost independent of speed; the speeds of the measurement are not known",
+        PERCENT.text(*changes),
+    )
+    columns = (
+        Column("Ratio", digits=2),
+        Column("Torque ratio", digits=1),
+        *(Column(f"at {rpm:g} rpm") for rpm in FAST_SPEEDS),
+        share("From least to greatest speed"),
+    )
+    note = f"{FAST_FORCE / 1e3:g} kN on the secondary pulley."
+    return table("thrust-ratio-speed", "Thrust ratio over speed", columns, rows, note), check
 
 
 def _checks(spread: dict[Key, float]) -> tuple[Check, ...]:
