@@ -108,23 +108,22 @@ pub fn solve(
         return solve_from(system, newton, state, task, max_solves, soft);
     }
     if let Some(parameters) = coarser(&system.parameters) {
+        let from_there = SteadyTask { warm: true, ..*task };
         let mut nearby = state.clone();
-        if start_on_coarse_mesh(system, newton, &mut nearby, &parameters, task, max_solves) {
-            let task = SteadyTask { warm: true, ..*task };
-            if let Ok(settled) = solve(system, newton, &mut nearby, &task, max_solves) {
-                *state = nearby;
-                return Ok(settled);
-            }
+        if start_on_coarse_mesh(system, newton, &mut nearby, &parameters, task, max_solves)
+            && let Ok(settled) = solve(system, newton, &mut nearby, &from_there, max_solves)
+        {
+            *state = nearby;
+            return Ok(settled);
         }
         if task.clamping[task.reaction.other()] < FIRM {
-            let mut nearby = state.clone();
             let firmer = SteadyTask {
                 clamping: task.clamping.map(|force| FIRMER * force),
                 ..*task
             };
-            let task = SteadyTask { warm: true, ..*task };
+            nearby.copy_from(state);
             if solve(system, newton, &mut nearby, &firmer, max_solves).is_ok()
-                && let Ok(settled) = solve(system, newton, &mut nearby, &task, max_solves)
+                && let Ok(settled) = solve(system, newton, &mut nearby, &from_there, max_solves)
             {
                 *state = nearby;
                 return Ok(settled);

@@ -27,7 +27,8 @@ fn strand_forces(mesh: &BeltMesh, survey: &Survey, length: f64) -> [f64; 2] {
 /// The idle arc of each pulley, rad, of a belt of this `length`, m, that travels along ξ, or against it if `reverse`.
 pub(super) fn idle_arcs(mesh: &BeltMesh, survey: &Survey, length: f64, reverse: bool) -> PerPulley<f64> {
     let strands = strand_forces(mesh, survey, length);
-    let limit = CHANGE * (strands[1] - strands[0]).abs();
+    let difference = (strands[1] - strands[0]).abs();
+    let limit = CHANGE * difference;
     let cells = mesh.cells.len();
     PerPulley::from_fn(|pulley| {
         // The loop is followed from the middle of the other arc.
@@ -46,7 +47,7 @@ pub(super) fn idle_arcs(mesh: &BeltMesh, survey: &Survey, length: f64, reverse: 
             }
             let wrap = sample.curvature[0] * sample.weight;
             let change = (sample.push - entry).abs();
-            if 10.0 * limit >= NO_DIFFERENCE && change > limit {
+            if difference >= NO_DIFFERENCE && change > limit {
                 let share = ((limit - before) / (change - before)).clamp(0.0, 1.0);
                 // Between the last station and this one, each in the middle of its weight.
                 return (angle + wrap * (share - 0.5)).max(0.0);

@@ -80,10 +80,9 @@ impl Observer {
         let sums = &survey.sums;
         let belt = &*system.belt;
         let radii = sums.mean_radii(belt, view);
-        out.primary = pulley(belt, view, Primary, survey, radii.primary, context);
-        out.secondary = pulley(belt, view, Secondary, survey, radii.secondary, context);
         let idle = idle_arcs(&belt.mesh, survey, belt.curve.length(), sums.carried < 0.0);
-        (out.primary.idle_arc, out.secondary.idle_arc) = (idle.primary, idle.secondary);
+        let of = |j: Pulley| pulley(belt, view, j, survey, [radii[j], idle[j]], context);
+        (out.primary, out.secondary) = (of(Primary), of(Secondary));
         out.thrust_ratio = thrust_ratio(sums);
         motion(belt, view, sums, radii, out);
         out.losses = Losses {
@@ -285,8 +284,15 @@ fn lateral(belt: &Belt, view: View<'_>, survey: &Survey, out: &mut Outputs) {
     out.skew = rise / length;
 }
 
-/// Outputs of a pulley.
-fn pulley(belt: &Belt, view: View<'_>, j: Pulley, survey: &Survey, radius: f64, context: &Context) -> PulleyOutputs {
+/// Outputs of a pulley with this mean radius, m, and idle arc, rad.
+fn pulley(
+    belt: &Belt,
+    view: View<'_>,
+    j: Pulley,
+    survey: &Survey,
+    [radius, idle_arc]: [f64; 2],
+    context: &Context,
+) -> PulleyOutputs {
     let speed = view.y[belt.layout.shaft_speed(j)];
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
     let mut widen = |radius: f64| range = (range.0.min(radius), range.1.max(radius));
@@ -312,7 +318,7 @@ fn pulley(belt: &Belt, view: View<'_>, j: Pulley, survey: &Survey, radius: f64, 
         external_torque: context.external_torque[j],
         power: -torque * speed,
         spiral: range.1 - range.0,
-        idle_arc: 0.0,
+        idle_arc,
         tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
     }
 }
