@@ -155,12 +155,11 @@ impl Observer {
         }
     }
 
-    /// Fills fields along the belt: linear between stations, around the loop.
+    /// Fills fields along the belt: linear between stations, around the loop. Means of the elements and their stress are those of the
+    /// last [`observe`](Self::observe), which must have been at the same state.
     pub fn profile(&mut self, belt: &Belt, view: View<'_>, survey: &Survey, profile: &mut Profile) {
         let mesh = &belt.mesh;
         let radii = survey.sums.mean_radii(belt, view);
-        self.mean_elements(mesh, survey, belt.curve.length());
-        self.ring_stress(belt, view, radii);
         self.stations.clear();
         let stations = survey.stations(mesh).map(|(_, sample)| sample.xi);
         self.stations.extend(stations);
