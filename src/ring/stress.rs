@@ -121,9 +121,8 @@ fn wraps(parts: &[RingPart]) -> [f64; PAIR] {
 }
 
 impl LayerTension {
-    /// The layers' tension from that of the ring.
-    #[must_use]
-    pub fn new(ring: &Ring, layers: &Layers, motion: &RingMotion, parts: &[RingPart]) -> Self {
+    /// The layers' tension from that of the ring. Writes the shape g to `shapes`, one value for each part.
+    pub fn new(ring: &Ring, layers: &Layers, motion: &RingMotion, parts: &[RingPart], shapes: &mut [f64]) -> Self {
         let (mut length, mut sum) = (0.0, 0.0);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for part in parts {
@@ -146,7 +145,8 @@ impl LayerTension {
         };
         let mut shape = 0.0;
         for_each_angle(parts, wraps, |k, pulley, turned| {
-            shape += of.shape(pulley, turned) * parts[k].length;
+            shapes[k] = of.shape(pulley, turned);
+            shape += shapes[k] * parts[k].length;
         });
         of.mean_shape = shape / length;
         of
@@ -164,21 +164,15 @@ impl LayerTension {
         end + (1.0 - end) * turned / self.wraps[pulley]
     }
 
-    /// T_o at that place, where the ring's tension is `tension`, N.
-    fn outer(&self, pulley: usize, turned: f64, tension: f64) -> f64 {
-        let slipping = self.centrifugal + (self.mean - self.centrifugal) * self.shape(pulley, turned) / self.mean_shape;
+    /// Tension of the innermost layer and of each other one, of both sets together, N, where the ring's tension is `tension`, N,
+    /// and the shape g is `shape`.
+    #[must_use]
+    pub fn at(&self, tension: f64, shape: f64) -> [f64; 2] {
+        let slipping = self.centrifugal + (self.mean - self.centrifugal) * shape / self.mean_shape;
         let sticking = self.mean + self.sticking * (tension - self.mean);
-        sticking + self.slip.share * (slipping - sticking)
-    }
-
-    /// Calls `of` with the tension of the innermost layer and of each other one, of both sets together, N, in every part.
-    pub fn for_each(&self, parts: &[RingPart], mut of: impl FnMut(usize, [f64; 2])) {
-        for_each_angle(parts, self.wraps, |k, pulley, turned| {
-            let tension = parts[k].tension;
-            let outer = self.outer(pulley, turned, tension);
-            let share = outer / self.count;
-            of(k, [share + tension - outer, share]);
-        });
+        let outer = sticking + self.slip.share * (slipping - sticking);
+        let share = outer / self.count;
+        [share + tension - outer, share]
     }
 }
 
@@ -299,23 +293,25 @@ pub fn ring_stress(
     let Some(stress) = FaceStress::new(ring, layers) else {
         return RingStress::default();
     };
-    let tension = LayerTension::new(ring, layers, motion, parts);
+    let tension = LayerTension::new(ring, layers, motion, parts, along);
     // A ring of one layer has the innermost only.
     let faces = if layers.count > 1 { FACES.len() } else { PAIR };
     let mut extremes = FACES.map(Extremes::none);
-    tension.for_each(parts, |k, tensions| {
+    for (part, shape) in parts.iter().zip(&*along) {
+        let tensions = tension.at(part.tension, *shape);
         for of in extremes.iter_mut().take(faces) {
             let Face { layer, side } = of.face;
-            of.add(&parts[k], stress.at(side, tensions[layer], parts[k].curvature));
+            of.add(part, stress.at(side, tensions[layer], part.curvature));
         }
-    });
+    }
     let worst = extremes[..faces]
         .iter()
         .fold(&extremes[0], |worst, of| if of.max > worst.max { of } else { worst });
     let Face { layer, side } = worst.face;
-    tension.for_each(parts, |k, tensions| {
-        along[k] = stress.at(side, tensions[layer], parts[k].curvature);
-    });
+    for (part, along) in parts.iter().zip(along) {
+        let tensions = tension.at(part.tension, *along);
+        *along = stress.at(side, tensions[layer], part.curvature);
+    }
     worst.cycles()
 }
 

@@ -81,9 +81,10 @@ fn usual() -> Vec<RingPart> {
 }
 
 fn tensions(layers: &Layers, motion: &RingMotion, parts: &[RingPart]) -> Vec<[f64; 2]> {
-    let mut all = Vec::new();
-    LayerTension::new(&RING, layers, motion, parts).for_each(parts, |_, of| all.push(of));
-    all
+    let mut shapes = vec![0.0; parts.len()];
+    let layered = LayerTension::new(&RING, layers, motion, parts, &mut shapes);
+    let tensions = parts.iter().zip(shapes);
+    tensions.map(|(part, shape)| layered.at(part.tension, shape)).collect()
 }
 
 fn integral(parts: &[RingPart], of: impl Fn(usize) -> f64) -> f64 {

@@ -397,7 +397,7 @@ impl Variator {
         }
         if profile && self.profile_stale {
             let profile = &mut self.readings.profile;
-            self.observer.profile(&system.belt, state.view(), survey, profile);
+            self.observer.profile(&system.belt, state.view(), &survey.sums, profile);
             self.profile_stale = false;
         }
         &self.readings

@@ -4,8 +4,8 @@
 //! active part, where it changes from one strand's to the other's (Kobayashi et al., SAE 980822).
 
 use crate::pulley::{PerPulley, Pulley};
+use crate::variator::cell::sample::Sample;
 use crate::variator::mesh::belt_mesh::BeltMesh;
-use crate::variator::survey::belt_survey::Survey;
 
 /// Share of the difference between the strands by which the push force changes at the end of the idle arc.
 const CHANGE: f64 = 0.1;
@@ -14,9 +14,9 @@ const CHANGE: f64 = 0.1;
 const NO_DIFFERENCE: f64 = 20.0;
 
 /// Mean push forces, N, of the strand from S to P and of the strand from P to S, in the direction of ξ.
-fn strand_forces(mesh: &BeltMesh, survey: &Survey, length: f64) -> [f64; 2] {
+fn strand_forces(stations: &[Sample], length: f64) -> [f64; 2] {
     let (mut sums, mut lengths) = ([0.0; 2], [0.0; 2]);
-    for (_, sample) in survey.stations(mesh).filter(|(_, sample)| !sample.on_arc()) {
+    for sample in stations.iter().filter(|sample| !sample.on_arc()) {
         let strand = usize::from(sample.xi > 0.5 * length);
         sums[strand] += sample.push * sample.weight;
         lengths[strand] += sample.weight;
@@ -25,24 +25,20 @@ fn strand_forces(mesh: &BeltMesh, survey: &Survey, length: f64) -> [f64; 2] {
 }
 
 /// The idle arc of each pulley, rad, of a belt of this `length`, m, that travels along ξ, or against it if `reverse`.
-pub(super) fn idle_arcs(mesh: &BeltMesh, survey: &Survey, length: f64, reverse: bool) -> PerPulley<f64> {
-    let strands = strand_forces(mesh, survey, length);
+pub(super) fn idle_arcs(mesh: &BeltMesh, stations: &[Sample], length: f64, reverse: bool) -> PerPulley<f64> {
+    let strands = strand_forces(stations, length);
     let difference = (strands[1] - strands[0]).abs();
     let limit = CHANGE * difference;
-    let cells = mesh.cells.len();
+    let count = stations.len();
     PerPulley::from_fn(|pulley| {
         // The loop is followed from the middle of the other arc.
-        let first = if pulley == Pulley::Primary { 0 } else { cells / 2 };
+        let first = if pulley == Pulley::Primary { 0 } else { count / 2 };
         let entry = strands[usize::from((pulley == Pulley::Secondary) != reverse)];
         let (mut angle, mut before) = (0.0, 0.0);
-        for k in 0..cells * mesh.points {
-            let k = if reverse { cells * mesh.points - 1 - k } else { k };
-            let cell = &mesh.cells[(first + k / mesh.points) % cells];
-            if cell.pulley != pulley {
-                continue;
-            }
-            let sample = survey.sample(mesh, cell, k % mesh.points);
-            if !sample.on_arc() {
+        for k in 0..count {
+            let k = (first + if reverse { count - 1 - k } else { k }) % count;
+            let sample = &stations[k];
+            if !sample.on_arc() || mesh.cells[k / mesh.points].pulley != pulley {
                 continue;
             }
             let wrap = sample.curvature[0] * sample.weight;

@@ -28,8 +28,8 @@ pub struct Observer {
     elements: Vec<RingPart>,
     /// Stress of the most loaded face in each element, Pa.
     stresses: Vec<f64>,
-    /// ξ of the stations, m.
-    stations: Vec<f64>,
+    /// Samples of all stations, in the order of ξ.
+    stations: Vec<Sample>,
 }
 
 /// Values for outputs in addition to the state.
@@ -80,8 +80,23 @@ impl Observer {
         let sums = &survey.sums;
         let belt = &*system.belt;
         let radii = sums.mean_radii(belt, view);
-        let idle = idle_arcs(&belt.mesh, survey, belt.curve.length(), sums.carried < 0.0);
-        let of = |j: Pulley| pulley(belt, view, j, survey, [radii[j], idle[j]], context);
+        self.stations.clear();
+        self.stations
+            .extend(survey.stations(&belt.mesh).map(|(_, sample)| sample));
+        let stations = &self.stations;
+        let idle = idle_arcs(&belt.mesh, stations, belt.curve.length(), sums.carried < 0.0);
+        let of = |j: Pulley| PulleyOutputs {
+            speed: view.y[belt.layout.shaft_speed(j)],
+            radius: radii[j],
+            position: view.q[belt.layout.sheave(j)],
+            axial_force: sums.axial[j],
+            shaft_torque: sums.torque[j],
+            external_torque: context.external_torque[j],
+            power: -sums.torque[j] * view.y[belt.layout.shaft_speed(j)],
+            spiral: spiral(&belt.mesh, stations, j),
+            idle_arc: idle[j],
+            tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
+        };
         (out.primary, out.secondary) = (of(Primary), of(Secondary));
         out.thrust_ratio = thrust_ratio(sums);
         motion(belt, view, sums, radii, out);
@@ -96,12 +111,12 @@ impl Observer {
         out.torque_utilisation = torque_utilisation(system, sums, radii.primary);
         out.macro_slip = context.macro_slip;
         out.push_force_max = sums.push_force;
-        self.mean_elements(&belt.mesh, survey, belt.curve.length());
+        self.mean_elements(&belt.mesh, belt.curve.length());
         let tensions = || self.elements.iter().map(|e| e.tension);
         out.ring_tension_max = tensions().fold(f64::NEG_INFINITY, f64::max);
         out.ring_tension_min = tensions().fold(f64::INFINITY, f64::min);
         out.ring_stress = self.ring_stress(belt, view, radii);
-        lateral(belt, view, survey, out);
+        lateral(belt, view, &self.stations, out);
         out.stored_energy = survey.belt_energy(belt) + system.pulleys.energy(view);
         out.start_state = context.start_state;
         out.work = context.work;
@@ -111,10 +126,11 @@ impl Observer {
     /// The tension of a cubic element oscillates about its mean wherever the curvature changes fast. The balance along the
     /// ring determines the mean.
     /// Its curvature, which is linear in an element, has a mean of higher accuracy, too.
-    fn mean_elements(&mut self, mesh: &BeltMesh, survey: &Survey, length: f64) {
+    fn mean_elements(&mut self, mesh: &BeltMesh, length: f64) {
         self.elements.clear();
         self.elements.resize(mesh.elements.len(), RingPart::default());
-        survey.stations(mesh).for_each(|(cell, sample)| {
+        for (k, sample) in self.stations.iter().enumerate() {
+            let cell = &mesh.cells[k / mesh.points];
             let mean = &mut self.elements[cell.element];
             mean.xi += sample.xi * sample.weight;
             mean.tension += sample.tension * sample.weight;
@@ -122,7 +138,7 @@ impl Observer {
             mean.turning += sample.curvature[0] * sample.weight;
             mean.length += sample.weight;
             mean.number = cell.pulley as usize;
-        });
+        }
         for mean in &mut self.elements {
             mean.xi /= mean.length;
             mean.tension /= mean.length;
@@ -155,14 +171,11 @@ impl Observer {
         }
     }
 
-    /// Fills fields along the belt: linear between stations, around the loop. Means of the elements and their stress are those of the
-    /// last [`observe`](Self::observe), which must have been at the same state.
-    pub fn profile(&mut self, belt: &Belt, view: View<'_>, survey: &Survey, profile: &mut Profile) {
+    /// Fills fields along the belt: linear between stations, around the loop. Samples, means of the elements and their stress are
+    /// those of the last [`observe`](Self::observe), which must have been at the same state, with these sums.
+    pub fn profile(&self, belt: &Belt, view: View<'_>, sums: &BeltSums, profile: &mut Profile) {
         let mesh = &belt.mesh;
-        let radii = survey.sums.mean_radii(belt, view);
-        self.stations.clear();
-        let stations = survey.stations(mesh).map(|(_, sample)| sample.xi);
-        self.stations.extend(stations);
+        let radii = sums.mean_radii(belt, view);
         let length = belt.curve.length();
         let middles = belt.middles(view);
         let plane = 0.5 * (middles.secondary + middles.primary);
@@ -184,17 +197,14 @@ impl Observer {
             profile.position[k] = xi;
             profile.ring_tension[k] = within(&|e| self.elements[e].tension);
             profile.ring_stress[k] = within(&|e| self.stresses[e]);
-            let (before, after, share) = bracket(&self.stations, |xi| *xi, xi, length, &mut station);
-            let [(of_a, a), (of_b, b)] = [before, after].map(|k| {
-                let cell = &mesh.cells[k / mesh.points];
-                (cell, survey.sample(mesh, cell, k % mesh.points))
-            });
+            let (before, after, share) = bracket(&self.stations, |sample| sample.xi, xi, length, &mut station);
+            let [(of_a, a), (of_b, b)] = [before, after].map(|k| (&mesh.cells[k / mesh.points], &self.stations[k]));
             let between = |a: f64, b: f64| a * (1.0 - share) + b * share;
             profile.push_force[k] = between(a.push, b.push);
-            profile.gap[k] = between(gap(&a), gap(&b));
+            profile.gap[k] = between(gap(a), gap(b));
             profile.normal_force[k] = between(a.normal, b.normal);
-            profile.sliding_speed[k] = between(sliding(&a), sliding(&b));
-            profile.radial_deviation[k] = between(deviation(of_a, &a), deviation(of_b, &b));
+            profile.sliding_speed[k] = between(sliding(a), sliding(b));
+            profile.radial_deviation[k] = between(deviation(of_a, a), deviation(of_b, b));
             if belt.layout.is_spatial() {
                 profile.lateral_deflection[k] = between(a.lateral[0], b.lateral[0]) - plane;
             }
@@ -260,7 +270,7 @@ fn torque_utilisation(system: &VariatorSystem, sums: &BeltSums, radius: f64) -> 
 }
 
 /// Fills in the distance between the pulleys' middles along z, and the lateral deflection of a ring in space.
-fn lateral(belt: &Belt, view: View<'_>, survey: &Survey, out: &mut Outputs) {
+fn lateral(belt: &Belt, view: View<'_>, stations: &[Sample], out: &mut Outputs) {
     let middles = belt.middles(view);
     out.misalignment = middles.primary - middles.secondary;
     if !belt.layout.is_spatial() {
@@ -269,7 +279,7 @@ fn lateral(belt: &Belt, view: View<'_>, survey: &Survey, out: &mut Outputs) {
     let plane = 0.5 * (middles.secondary + middles.primary);
     let (mut largest, mut rise, mut length) = (0.0_f64, 0.0, 0.0);
     let length_of_belt = belt.curve.length();
-    for (_, sample) in survey.stations(&belt.mesh) {
+    for sample in stations {
         let [w, slope] = sample.lateral;
         largest = largest.max((w - plane).abs());
         if sample.on_arc() {
@@ -283,43 +293,26 @@ fn lateral(belt: &Belt, view: View<'_>, survey: &Survey, out: &mut Outputs) {
     out.skew = rise / length;
 }
 
-/// Outputs of a pulley with this mean radius, m, and idle arc, rad.
-fn pulley(
-    belt: &Belt,
-    view: View<'_>,
-    j: Pulley,
-    survey: &Survey,
-    [radius, idle_arc]: [f64; 2],
-    context: &Context,
-) -> PulleyOutputs {
-    let speed = view.y[belt.layout.shaft_speed(j)];
+/// Difference between the largest and the smallest pitch radius on the arc of a pulley, m.
+fn spiral(mesh: &BeltMesh, stations: &[Sample], j: Pulley) -> f64 {
     let mut range = (f64::INFINITY, f64::NEG_INFINITY);
     let mut widen = |radius: f64| range = (range.0.min(radius), range.1.max(radius));
     // Faces are included: the radius changes fastest at the arc borders, beyond the last station. On the aligned mesh the
     // face after an arc is its end.
     let mut left_arc = false;
-    for (_, sample) in survey.stations(&belt.mesh).filter(|(cell, _)| cell.pulley == j) {
+    for (k, sample) in stations.iter().enumerate() {
+        if mesh.cells[k / mesh.points].pulley != j {
+            continue;
+        }
         if sample.on_arc() {
             widen(sample.pitch_radius);
         }
         if sample.curvature[1] > 0.0 || left_arc {
             widen(sample.face_radius);
         }
-        left_arc = belt.mesh.aligned && sample.on_arc();
+        left_arc = mesh.aligned && sample.on_arc();
     }
-    let torque = survey.sums.torque[j];
-    PulleyOutputs {
-        speed,
-        radius,
-        position: view.q[belt.layout.sheave(j)],
-        axial_force: survey.sums.axial[j],
-        shaft_torque: torque,
-        external_torque: context.external_torque[j],
-        power: -torque * speed,
-        spiral: range.1 - range.0,
-        idle_arc,
-        tilt: f64::hypot(view.y[belt.layout.tilt(j, 0)], view.y[belt.layout.tilt(j, 1)]),
-    }
+    range.1 - range.0
 }
 
 /// Indices of the neighbours of `xi` in a list sorted along a loop of length `length`, and the share of the second.
