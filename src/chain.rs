@@ -358,6 +358,21 @@ pub struct Stack<T> {
 }
 
 impl<T: Real> Stack<T> {
+    /// No forces.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zero = T::zero();
+        Self {
+            push: Push {
+                force: zero,
+                viscous: zero,
+                contact: zero,
+            },
+            collision: zero,
+            lag: zero,
+        }
+    }
+
     /// Forces of a cell of density `nu`, material rate `nu_rate`, 1/s, mean flow `flow`, m/s, and `difference` of V across
     /// it, m/s.
     #[inline(always)]

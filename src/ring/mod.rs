@@ -4,6 +4,7 @@
 
 pub mod ale;
 mod energy;
+pub mod joints;
 pub mod kinematics;
 pub mod layers;
 pub mod mesh;
@@ -11,5 +12,6 @@ mod parameters;
 pub mod stress;
 
 pub use energy::Energy;
+pub use joints::Joints;
 pub use layers::Layers;
 pub use parameters::Ring;

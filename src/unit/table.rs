@@ -17,9 +17,9 @@
 use super::rings::Rings;
 use super::rows::{PRIMARY, Rows, SECONDARY, WHOLE, between, not_negative, typical};
 use super::settings::Settings;
-use super::types::{AXIAL, DRIVE, MODE, START_STATE, UNITS};
+use super::types::{AXIAL, BELT_KIND, DRIVE, MODE, START_STATE, UNITS};
 use crate::fmi::table::{Access, Causality, Kind, Table};
-use crate::variator::settings::{Axial, Drive, Mode, Readings};
+use crate::variator::settings::{Axial, BeltKind, Drive, Mode, Readings};
 
 use Causality::{Input, Local, Output, Parameter, Tunable};
 
@@ -143,6 +143,7 @@ fn outputs<R: Rings>(t: &mut Rows<R>) {
     t.read("loss.layers", 25, (Output, "W", typical(10.0)), "Friction loss between the layers of the ring sets", read!(losses.layers));
     t.read("loss.shafts", 26, (Output, "W", typical(100.0)), "Drag loss of both shafts in seals, oil and bearings", read!(losses.shafts));
     t.read("loss.spin", 33, (Output, "W", typical(10.0)), "Loss by elements that start and stop turning where they enter and leave an arc: an upper bound, since both are taken as plastic", read!(losses.spin));
+    t.read("loss.joints", 35, (Output, "W", typical(10.0)), "Friction loss in the joints of a pull chain", read!(losses.joints));
     t.read("pushForce.max", 15, (Output, "N", typical(1000.0)), "Largest push force between elements", read!(push_force_max));
     t.read("ring.tensionMax", 16, (Output, "N", typical(1000.0)), "Largest ring tension", read!(ring_tension_max));
     t.read("ring.tensionMin", 17, (Output, "N", typical(1000.0)), "Smallest ring tension", read!(ring_tension_min));
@@ -169,6 +170,8 @@ fn parameters<R: Rings>(t: &mut Rows<R>) {
     t.set("geometry.beltLength", 1022, Parameter, "m", "Length of the unstretched ring centre line", set!(parameters.geometry.belt_length));
     t.set("geometry.wedgeAngle", 1023, Parameter, "rad", "Half wedge angle of the sheaves", set!(parameters.geometry.wedge_angle));
     t.set("geometry.pulleyOffset", 1024, Parameter, "m", "Axial offset at ratio 1 of the primary belt plane from the secondary's, towards the movable primary sheave; used only with ring.spatial", set!(parameters.geometry.pulley_offset));
+    t.choice("belt.kind", 1065, &BELT_KIND, "Kind of the belt. A pull chain ignores the parameters of stack and ring friction, and its outputs of them are 0", choose!(parameters.kind, 2 => BeltKind::PullChain; BeltKind::PushBelt));
+    t.set("belt.jointRadius", 1066, Parameter, "m", "Pull chain: radius at which the tension causes friction in a joint, which determines loss.joints", set!(parameters.joints.radius));
     t.set("belt.pitchOffset", 1031, Parameter, "m", "Distance by which the pitch line (rocking edge) lies inside the ring centre line", set!(parameters.belt.pitch_offset));
     t.set("belt.play", 1032, Parameter, "m", "End play: pitch-line length less the stacked thickness of all elements", set!(parameters.belt.play));
     t.set("belt.massPerLength", 1033, Parameter, "kg/m", "Mass of the elements, without the ring, per pitch-line length", set!(parameters.belt.mass_per_length));

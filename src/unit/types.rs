@@ -1,7 +1,7 @@
 //! Units and enumerations of the interface.
 
 use crate::fmi::table::{Enumeration, Item, UnitDefinition};
-use crate::variator::settings::{Axial, Drive, Mode, RingModel, StartState};
+use crate::variator::settings::{Axial, BeltKind, Drive, Mode, RingModel, StartState};
 
 const fn unit(name: &'static str, exponents: &'static [(&'static str, i32)]) -> UnitDefinition {
     UnitDefinition {
@@ -83,6 +83,20 @@ pub(super) static RING_MODEL: Enumeration = Enumeration {
             "ALE",
             RingModel::Ale as i32,
             "Reference motion with overlaid deflection: bending, stretch, spiral running",
+        ),
+    ],
+};
+
+/// `belt.kind`.
+pub(super) static BELT_KIND: Enumeration = Enumeration {
+    name: "BeltKind",
+    description: "Kind of the belt",
+    items: &[
+        item("PushBelt", BeltKind::PushBelt as i32, "Push elements on two ring sets"),
+        item(
+            "PullChain",
+            BeltKind::PullChain as i32,
+            "Links and rocker pins, which are part of the chain",
         ),
     ],
 };

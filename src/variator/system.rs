@@ -64,7 +64,7 @@ impl VariatorSystem {
         Self {
             pulleys: Pulleys::new(parameters, &belt),
             loads: Loads::constant(Boundary::HELD),
-            parameters: parameters.clone(),
+            parameters: parameters.in_force(),
             friction_velocity: parameters.friction.velocity,
             law: belt.law.clone(),
             rounding: 0.0,

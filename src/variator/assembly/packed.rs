@@ -16,11 +16,11 @@ use crate::variator::assembly::jacobian_cache::{CacheUpdate, JacobianCache, Reus
 use crate::variator::assembly::kinds::{MeshCurve, RingKind};
 use crate::variator::assembly::law_part::LawWork;
 use crate::variator::assembly::pack::{FluxEntries, InPlace, NOWHERE, Pack, flux_entries, packs};
-use crate::variator::assembly::transports::Transports;
+use crate::variator::assembly::transports::{Transports, VANISHING};
 use crate::variator::assembly::unknowns::{Unknowns, path, rows};
-use crate::variator::belt::Belt;
 use crate::variator::belt::equations::{Assembly, InForce};
 use crate::variator::belt::sums::{PulleyLoad, ResultantSlopes};
+use crate::variator::belt::{Belt, CellUnknowns};
 use crate::variator::cell::directions::{DeflectingRing, GuidedRing, MOST};
 use crate::variator::cell::observer::NoObserver;
 use crate::variator::cell::sample::Sample;
@@ -81,6 +81,12 @@ impl<K: Differentiate<D, C>, const D: usize, C: MeshCurve> PackedCells<K, D, C> 
 
     /// Adds the derivatives of the balance of the amounts. The fluxes do not depend on the pulleys.
     fn add_flux_slopes(&mut self, belt: &Belt, alpha: f64, out: &mut Arrow) {
+        if belt.law.is_chain() {
+            for i in belt.cells_at.iter().flat_map(CellUnknowns::each) {
+                out.add(i, i, alpha + VANISHING);
+            }
+            return;
+        }
         for face in self.transports.faces(belt) {
             let [before, cell] = face.cells;
             let row = face.amounts[1];

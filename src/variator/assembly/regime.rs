@@ -51,7 +51,7 @@ impl TangentScales {
     #[inline(always)]
     pub fn new(law: &CellLaw, friction: &Friction, alpha: f64, length: Lanes) -> Self {
         let flank = 1.0 / (law.contact.stiffness * law.wedge[1]);
-        let inertia = 1.0 / (law.chain.mass_per_length * alpha);
+        let inertia = 1.0 / (law.sliding_mass() * alpha);
         let per_length = length.recip();
         Self {
             flank,

@@ -3,7 +3,10 @@
 use crate::chain::{self, Transport};
 use crate::scalar::{LANES, Lanes};
 use crate::solver::View;
-use crate::variator::belt::Belt;
+use crate::variator::belt::{Belt, CellUnknowns};
+
+/// Rate at which the unknowns of the elements of a chain vanish, 1/s.
+pub const VANISHING: f64 = 1.0e3;
 
 /// Flow, density and lag of every cell.
 ///
@@ -57,8 +60,15 @@ impl Transports {
         })
     }
 
-    /// Adds the balance of the amounts to `out`: fluxes through the left faces.
+    /// Adds the balance of the amounts to `out`: fluxes through the left faces. Nothing depends on speeds and amounts of the elements
+    /// of a chain: they vanish.
     pub fn add_fluxes(&mut self, belt: &Belt, view: View<'_>, out: &mut [f64]) {
+        if belt.law.is_chain() {
+            for i in belt.cells_at.iter().flat_map(CellUnknowns::each) {
+                out[i] += view.y_dot[i] + VANISHING * view.y[i];
+            }
+            return;
+        }
         self.close();
         let mut from = belt.cells_at[self.cells - 1].amount;
         for (pack, at) in belt.cells_at.chunks(LANES).enumerate() {

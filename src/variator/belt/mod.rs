@@ -45,6 +45,14 @@ pub struct CellUnknowns {
     pub amount: usize,
 }
 
+impl CellUnknowns {
+    /// Both indices.
+    #[must_use]
+    pub fn each(&self) -> [usize; 2] {
+        [self.speed, self.amount]
+    }
+}
+
 impl Belt {
     /// The belt of a variator with this ring.
     ///
@@ -52,6 +60,7 @@ impl Belt {
     /// With parameters that [`Parameters::validate`] rejects.
     #[must_use]
     pub fn new(parameters: &Parameters, ring: Arc<dyn BeltRing>) -> Self {
+        let parameters = &parameters.in_force();
         let geometry = &parameters.geometry;
         let curve = TwoPulley::new(geometry.center_distance, geometry.belt_length);
         let (radius, _) = curve.radii(1.0).expect("validated geometry closes at ratio 1");
@@ -64,6 +73,12 @@ impl Belt {
                 chain: parameters.belt.clone(),
                 ring: parameters.ring.clone(),
                 layers: parameters.layers,
+                joints: parameters.is_chain().then_some(parameters.joints),
+                saddle_mass: if parameters.is_chain() {
+                    0.0
+                } else {
+                    parameters.ring.mass_per_length
+                },
                 contact: parameters.contact.clone(),
                 wedge: [sin, cos, sin / cos],
                 r0: radius - parameters.belt.pitch_offset,
@@ -73,7 +88,7 @@ impl Belt {
                 },
                 planes: SheavePlane::pair(geometry.pulley_offset),
                 settling: 0.0,
-                has_lag: mesh.cells_per_element > 1,
+                has_lag: mesh.cells_per_element > 1 && !parameters.is_chain(),
             },
             cells_at: (0..mesh.cells.len())
                 .map(|cell| CellUnknowns {

@@ -8,10 +8,12 @@
 //! of the ring's layers at the ring alone, drag of elements that start to turn at V alone, the push force at the
 //! shortening of the stack. Power between ring, chain and
 //! pulleys and moments on the arcs are thus balanced.
+//!
+//! A pull chain has neither stack nor ring friction. Its pins move with the ring, which stands for the whole chain: forces along
+//! the belt act on the ring.
 
 use crate::chain::{Stack, Transport};
 use crate::reference_curve::ReferencePoint;
-use crate::ring::kinematics::in_plane;
 use crate::scalar::Real;
 use crate::variator::cell::observer::{AtStation, StationObserver};
 use crate::variator::cell::state::{CellInput, CellState, Slots, StationForces, StationState, chain_at_face};
@@ -99,22 +101,25 @@ fn apply<T: Real, const D: usize, R: CellRing<T, D>>(
     let dragged = along_ring * point.stretch;
     load.drift += dragged;
     load.position += point.t * along_ring;
+    let mut ring_along = ring_along + dragged;
+    // Conjugate of δV, per dξ.
+    let along = forces.along(point, chain);
+    if given.law.is_chain() {
+        load.position += point.t * along;
+        load.drift += along * point.stretch;
+        ring_along += along * point.stretch;
+    } else {
+        out.speed[0] += along * weight * (-right + 1.0);
+        out.speed[1] += along * weight * right;
+    }
     let action = Action {
         load,
         tension: forces.tension,
         across,
-        along: ring_along + dragged,
+        along: ring_along,
         weight,
     };
     ring.apply(i + 1, point, &action);
-
-    // Conjugate of δV, per dξ.
-    let along = forces.mass * forces.acceleration.0
-        + forces.at_pitch_line.dot(&in_plane(&point.t))
-        + forces.tangential * chain.lead
-        + forces.spin_drag;
-    out.speed[0] += along * weight * (-right + 1.0);
-    out.speed[1] += along * weight * right;
 
     // Both sheaves have the same tilt, under the mean of their moments.
     let (flanks, approach) = (&forces.flanks, &forces.approach);

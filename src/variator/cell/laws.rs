@@ -163,9 +163,14 @@ impl<const D: usize> StationObserver<Lanes, D> for TangentRecorder<'_> {
         if at.index == 0 {
             let arguments = at.cell.stack_arguments();
             let seeded = std::array::from_fn(|k| Tangent::<STACK_ARGUMENTS>::seed(arguments[k], k, 1.0));
-            let Stack { push, collision, lag } = Stack::new(&given.law.chain, seeded);
+            let law = given.law;
+            let Stack { push, collision, lag } = if law.is_chain() {
+                Stack::none()
+            } else {
+                Stack::new(&law.chain, seeded)
+            };
             self.0.stack = [push.force.eps, collision.eps];
-            self.0.stack[0][STACK_ARGUMENTS - 1] = Lanes::from(given.law.settling);
+            self.0.stack[0][STACK_ARGUMENTS - 1] = Lanes::from(law.settling);
             self.0.lag = lag.eps;
         }
     }

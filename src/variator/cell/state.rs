@@ -61,11 +61,23 @@ impl<T: Real, const D: usize> Slots<T, D> {
     }
 }
 
+/// Speed V of the elements where the right face of a cell has the weight `right`: linear between the faces. The pins of a chain
+/// have that of the ring.
+#[inline(always)]
+fn element_speed<T: Real, const D: usize>(given: &CellInput<'_, T>, ring: &RingPoint<T, D>, right: T::Constant) -> T {
+    if given.law.is_chain() {
+        ring.t.dot(&ring.r_dot) + ring.w * ring.stretch
+    } else {
+        between(&given.motion.speed, right)
+    }
+}
+
 /// The chain at the left face of a cell.
 #[inline(always)]
 pub fn chain_at_face<T: Real, const D: usize>(given: &CellInput<'_, T>, face: &RingPoint<T, D>) -> ChainPoint<T, D> {
     let theta_dot = given.motion.reference.theta.rate;
-    ChainPoint::new(given.law.chain.pitch_offset, face, theta_dot, given.motion.speed[0])
+    let speed = element_speed(given, face, given.place.face.right);
+    ChainPoint::new(given.law.chain.pitch_offset, face, theta_dot, speed)
 }
 
 /// Arguments of the laws of a cell's stack.
@@ -98,7 +110,7 @@ impl<T: Real> CellState<T> {
         reference: impl Fn(usize) -> ReferencePoint<T>,
         slots: &mut Slots<T, D>,
     ) -> Self {
-        let CellInput { law, place, motion, .. } = given;
+        let CellInput { law, place, motion, .. } = *given;
         let e = law.chain.pitch_offset;
         let theta_dot = motion.reference.theta.rate;
         let length = place.length.v;
@@ -110,7 +122,7 @@ impl<T: Real> CellState<T> {
                 continue;
             };
             let station = &place.stations[i];
-            let speed = between(&motion.speed, station.right);
+            let speed = element_speed(given, &point, station.right);
             let chain = ChainPoint::new(e, &point, theta_dot, speed);
             let weight = length * station.weight;
             pitch_length += weight * chain.lambda;
@@ -134,7 +146,9 @@ impl<T: Real> CellState<T> {
         for station in slots.stations.iter_mut().flatten() {
             station.ring.strain_gradient = strain_gradient;
         }
-        let density = motion.amount * inverse_pitch_length;
+        // The pins of a chain are on it as they were mounted: one per dξ.
+        let amount = if law.is_chain() { cell_length } else { motion.amount };
+        let density = amount * inverse_pitch_length;
         // Avoids a division: a cell has the gradient of its element.
         let lengthened: T = place
             .stations
@@ -164,6 +178,9 @@ impl<T: Real> CellState<T> {
     /// Forces in the stack of the cell.
     #[inline(always)]
     pub fn stack(&self, law: &CellLaw) -> Stack<T> {
+        if law.is_chain() {
+            return Stack::none();
+        }
         let mut stack = Stack::new(&law.chain, self.stack_arguments());
         let settling = self.settling(law);
         stack.push.force += settling;
@@ -259,7 +276,7 @@ impl<T: Real, const D: usize> StationForces<T, D> {
                 + at_ring_line.dot(normal);
         }
 
-        let pressing = pressing(&law.ring, tension, motion.reference.s_dot);
+        let pressing = pressing(law.saddle_mass, tension, motion.reference.s_dot);
         let ring_speed = point.t.dot(&point.r_dot) + point.w * point.stretch;
         let sliding = ring_speed - chain.ring_line_speed();
         let kappa = point.reference.kappa;
@@ -284,6 +301,17 @@ impl<T: Real, const D: usize> StationForces<T, D> {
             spin_drag: spin_drag(place.spin, kappa, [cell.passing, chain.speed]),
             tangential: at_ring_line.dot(&point.t) - ring_friction,
         }
+    }
+}
+
+impl<T: Real, const D: usize> StationForces<T, D> {
+    /// Inertia less forces along the belt, conjugate to V, N/m.
+    #[inline(always)]
+    pub fn along(&self, point: &RingPoint<T, D>, chain: &ChainPoint<T, D>) -> T {
+        self.mass * self.acceleration.0
+            + self.at_pitch_line.dot(&in_plane(&point.t))
+            + self.tangential * chain.lead
+            + self.spin_drag
     }
 }
 

@@ -185,7 +185,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 inward,
                 tension,
                 pressing: if direction == Direction::Drift {
-                    tension - self.given.motion.reference.s_dot * (2.0 * self.given.law.ring.mass_per_length)
+                    tension - self.given.motion.reference.s_dot * (2.0 * self.given.law.saddle_mass)
                 } else {
                     tension
                 },
@@ -215,6 +215,11 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
                 ..RingVariation::none()
             },
         };
+        let speed = if self.given.law.is_chain() {
+            by.t.dot(&ring.r_dot) + ring.t.dot(&by.r_dot) + by.w * ring.stretch + ring.w * by.stretch
+        } else {
+            speed
+        };
         (by, chain.vary(ring, &by, speed))
     }
 
@@ -228,7 +233,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     ) -> CellVariation {
         let zero = Lanes::zero();
         let mut speed = [zero; 2];
-        if let Direction::Speed(face) = direction {
+        if let (Direction::Speed(face), false) = (direction, self.given.law.is_chain()) {
             speed[face] = Lanes::from(1.0);
         }
         let (mut pitch_length, mut carried, mut through, mut steepness) = (zero, zero, zero, zero);
@@ -268,7 +273,7 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
     /// Variation of the stack with the variation `by` of ring and chain.
     #[inline(always)]
     fn vary_stack(&self, direction: Direction, by: &CellVariation) -> StackVariation {
-        let amount = if direction == Direction::Amount {
+        let amount = if direction == Direction::Amount && !self.given.law.is_chain() {
             Lanes::from(1.0)
         } else {
             Lanes::zero()
@@ -415,18 +420,31 @@ impl<'a, R: VaryingRing<Lanes, D>, const D: usize> Linearised<'a, R, D> {
         }
         load.drift += dragged;
         along += (tangential - friction_by) * station.chain.lead;
+        let mut ring_along = ring_along + dragged;
+        if self.given.law.is_chain() {
+            load.position += ring.t * along;
+            let mut drift = along * ring.stretch;
+            if MOVES {
+                let base = station.forces.along(ring, station.chain);
+                load.position += by.t * base;
+                drift += base * by.stretch;
+            }
+            load.drift += drift;
+            ring_along += drift;
+        } else {
+            for face in [0, 1] {
+                out.speed[face] += along * weight * share::<Lanes>(face, station.right);
+            }
+        }
         let action = Action {
             load,
             tension: change.tension,
             across,
-            along: ring_along + dragged,
+            along: ring_along,
             weight,
         };
         self.ring
             .apply_varied(sum, i + 1, (ring, by), &station.forces.own_load, &action);
-        for face in [0, 1] {
-            out.speed[face] += along * weight * share::<Lanes>(face, station.right);
-        }
     }
 }
 

@@ -4,6 +4,7 @@ use crate::chain::{self, Transport};
 use crate::contact::Contact;
 use crate::pulley::PerPulley;
 use crate::reference_curve::Jet;
+use crate::ring::Joints;
 use crate::ring::Ring;
 use crate::ring::kinematics::{Motion, ReferenceMotion};
 use crate::ring::layers::Layers;
@@ -20,6 +21,11 @@ pub struct CellLaw {
     pub ring: Ring,
     /// Parameters of the ring's layers.
     pub layers: Layers,
+    /// Parameters of the joints of a pull chain; `None` for a pushbelt.
+    pub joints: Option<Joints>,
+    /// Mass m_r per length whose centrifugal force reduces the load of the ring on what it slides on, kg/m: that of the ring; 0 for
+    /// the joints of a chain, which carry the whole tension.
+    pub saddle_mass: f64,
     /// Parameters of the contact between flank and sheave.
     pub contact: Contact,
     /// sin β, cos β, tan β of the wedge angle.
@@ -52,13 +58,33 @@ pub struct SheavePlane {
 }
 
 impl CellLaw {
-    /// What a pulley adds to the [`Place`] of its cells, secondary first: the drag of the ring's layers and that of
+    /// Whether the belt is a pull chain.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_chain(&self) -> bool {
+        self.joints.is_some()
+    }
+
+    /// Mass per length that slides on the flanks, kg/m.
+    #[must_use]
+    pub fn sliding_mass(&self) -> f64 {
+        if self.is_chain() {
+            self.ring.mass_per_length
+        } else {
+            self.chain.mass_per_length
+        }
+    }
+
+    /// What a pulley adds to the [`Place`] of its cells, secondary first: the drag of the ring's layers, or of a chain's joints, and that of
     /// elements that start and stop turning. `radii` and `wraps` are those of the ring's arcs, m and rad.
     #[inline(always)]
     #[must_use]
     pub fn arc_drags<T: Real>(&self, radii: [T; 2], wraps: [T; 2]) -> [ArcDrags<T>; 2] {
         let radii = radii.map(|radius| radius - self.chain.pitch_offset);
-        let layers = self.layers.drag_shares(radii);
+        let layers = match self.joints {
+            Some(joints) => joints.drag_shares(radii, wraps),
+            None => self.layers.drag_shares(radii),
+        };
         let spin = spin_shares(&self.chain, radii, wraps);
         std::array::from_fn(|k| ArcDrags {
             layers: layers[k],
@@ -203,7 +229,7 @@ pub struct Place<'a, T: Real> {
     pub plane: [T::Constant; 2],
     /// Length of the element.
     pub length: Jet<T>,
-    /// Drag of the ring's layers on the nearest arc, as a share of the ring's normal load.
+    /// Drag of the ring's layers, or of a chain's joints, on the nearest arc, as a share of the ring's normal load.
     pub layer_drag: T,
     /// Drag of elements that start and stop turning, on the nearest arc: I/(h R² α), kg/m.
     pub spin: T,

@@ -1,16 +1,16 @@
 //! Friction between ring and elements, and between the layers of the ring.
 
 use crate::contact::Friction;
-use crate::ring::{Ring, layers};
+use crate::ring::layers;
 use crate::scalar::{Real, smooth_plus};
 
 /// Smoothing width of the ring's normal load ⟨T − m_r ṡ²⟩₊, N.
 const RING_LOAD_SMOOTHING: f64 = 1.0;
 
-/// Part of the ring's tension that presses it on the elements, N: T − m_r ṡ², with ṡ in m/s.
+/// Part of the ring's tension that presses it on the elements, N: T − m_r ṡ², with m_r in kg/m, ṡ in m/s.
 #[inline(always)]
-pub fn pressing<T: Real>(ring: &Ring, tension: T, s_dot: T) -> T {
-    tension - s_dot * s_dot * ring.mass_per_length
+pub fn pressing<T: Real>(mass_per_length: f64, tension: T, s_dot: T) -> T {
+    tension - s_dot * s_dot * mass_per_length
 }
 
 /// Normal load ⟨`pressing`⟩₊ of the ring on the elements, N.

@@ -201,11 +201,16 @@ impl Variator {
         let force = self.plant.energy.last.sums.strand_force;
         if force < 0.0 {
             if to - self.buckled > QUIET {
+                let real = if self.plant.system.belt.law.is_chain() {
+                    "chain would be slack"
+                } else {
+                    "push strand would buckle"
+                };
                 self.log(
                     true,
                     format!(
-                        "at {to} s the net force in a strand is {force:.0} N: a real push strand would buckle (repeated only \
-                         after {QUIET} s without)"
+                        "at {to} s the net force in a strand is {force:.0} N: a real {real} (repeated only after {QUIET} s \
+                         without)"
                     ),
                 );
             }
@@ -351,7 +356,7 @@ impl Variator {
         changed.friction.pulley = pulley;
         changed.friction.ring = ring;
         changed.validate_friction()?;
-        plant.system.parameters.friction = changed.friction;
+        plant.system.parameters.friction = changed.in_force().friction;
         plant.energy.last.update(&plant.system, plant.state.view());
         self.stepper.change_laws();
         // All kept derivatives are of the same law, as in a soft start.

@@ -3,8 +3,8 @@
 pub use crate::chain::PushElements;
 pub use crate::contact::{Contact, Friction};
 use crate::pulley::Pulley;
-pub use crate::ring::Ring;
 pub use crate::ring::layers::Layers;
+pub use crate::ring::{Joints, Ring};
 pub use crate::shaft::ShaftDrag;
 use crate::solver::bounded::TICK;
 pub use crate::tilt::{RIGID_TILT_STIFFNESS, Tilt};
@@ -17,6 +17,16 @@ pub enum RingModel {
     Ale0 = 1,
     /// Reference motion with overlaid deflection: bending, stretch, spiral running.
     Ale = 2,
+}
+
+/// Kind of the belt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i32)]
+pub enum BeltKind {
+    /// Push elements on two ring sets: the stack of elements transmits the torque by its push force.
+    PushBelt = 1,
+    /// Links and rocker pins: the pins are part of the chain, whose tension transmits the torque.
+    PullChain = 2,
 }
 
 /// Drive of a pulley's shaft.
@@ -62,12 +72,16 @@ pub struct Parameters {
     pub spatial: bool,
     /// Pulley distance, belt length, wedge angle.
     pub geometry: Geometry,
+    /// Kind of the belt.
+    pub kind: BeltKind,
     /// Push elements.
     pub belt: PushElements,
     /// The two ring sets, as one beam.
     pub ring: Ring,
     /// Layers of a ring set, which slip on each other.
     pub layers: Layers,
+    /// Joints of a pull chain.
+    pub joints: Joints,
     /// Friction coefficients and their regularisation.
     pub friction: Friction,
     /// Element flank on sheave.
@@ -211,6 +225,32 @@ pub struct Initial {
 }
 
 impl Parameters {
+    /// Whether the belt is a pull chain.
+    #[must_use]
+    pub fn is_chain(&self) -> bool {
+        self.kind == BeltKind::PullChain
+    }
+
+    /// Distance e of the pitch line inside the ring centre line, m: 0 for a chain, whose pins touch the sheaves at its centre line.
+    #[must_use]
+    pub fn pitch_offset(&self) -> f64 {
+        if self.is_chain() { 0.0 } else { self.belt.pitch_offset }
+    }
+
+    /// The parameters that the laws use. A pull chain has no stack, no layers and no ring that slides on elements; its contact
+    /// is at its centre line, and its whole mass is that of the ring.
+    #[must_use]
+    pub fn in_force(&self) -> Self {
+        let mut of = self.clone();
+        if self.is_chain() {
+            of.ring.mass_per_length += of.belt.mass_per_length;
+            (of.belt.mass_per_length, of.belt.play) = (0.0, 0.0);
+            of.belt.pitch_offset = self.pitch_offset();
+            (of.layers.friction, of.layers.thickness, of.friction.ring) = (0.0, 0.0, 0.0);
+        }
+        of
+    }
+
     /// Parameters of a pulley.
     #[must_use]
     pub fn pulley(&self, pulley: Pulley) -> &PulleyParameters {
@@ -267,6 +307,7 @@ impl Default for Parameters {
                 wedge_angle: 11.0_f64.to_radians(),
                 pulley_offset: 0.0,
             },
+            kind: BeltKind::PushBelt,
             belt: PushElements {
                 pitch_offset: 1.0e-3,
                 play: 2.0e-4,
@@ -300,6 +341,8 @@ impl Default for Parameters {
                 // 2π/L: layers that were aged and nitrided as circles. An engineering value: rolling may leave another one.
                 residual_curvature: 8.94,
             },
+            // An engineering value for rocker pins, which roll on each other.
+            joints: Joints { radius: 2.0e-5 },
             friction: Friction {
                 pulley: 0.09,
                 ring: 0.05,

@@ -134,6 +134,8 @@ pub struct Losses<L = f64> {
     pub ring: L,
     /// Friction between the layers of the ring.
     pub layers: L,
+    /// Friction in the joints of a pull chain.
+    pub joints: L,
     /// Elements that start and stop turning where they enter and leave an arc.
     pub spin: L,
     /// Drag of the shafts in seals, oil and bearings.
@@ -146,7 +148,7 @@ impl Losses {
     /// Sum of all losses, W.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.sheaves + self.ring + self.layers + self.shafts + self.other + self.spin
+        self.sheaves + self.ring + self.layers + self.shafts + self.other + self.spin + self.joints
     }
 }
 

@@ -123,6 +123,7 @@ const PARAMETERS: &[Limit<Parameters, 1>] = &[
     limit!("belt.filmDamping", belt.film_damping, 0.0, 1e3),
     limit!("belt.squeezeDamping", belt.squeeze_damping, 0.0, 1e5),
     limit!("belt.damping", belt.damping, 0.0, 1e-2),
+    limit!("belt.jointRadius", joints.radius, 0.0, 1e-2),
     limit!("ring.massPerLength", ring.mass_per_length, 1e-3, 1e3),
     limit!("ring.axialStiffness", ring.axial_stiffness, 1e3, 1e13),
     limit!("ring.bendingStiffness", ring.bending_stiffness, 1e-6, 1e6),
@@ -285,7 +286,7 @@ impl Parameters {
     fn validate_belt(&self) -> Result<(), ParameterError> {
         let distance = self.geometry.center_distance;
         let length = self.geometry.belt_length;
-        let offset = self.belt.pitch_offset;
+        let offset = self.pitch_offset();
         let shortest = 2.0 * distance + 2.0 * PI * offset;
         let longest = (2.0 + PI) * distance;
         if length <= shortest || length >= longest {
@@ -299,7 +300,7 @@ impl Parameters {
             ));
         }
         let most = 0.1 * (length - 2.0 * PI * offset);
-        if self.belt.play > most {
+        if !self.is_chain() && self.belt.play > most {
             return Err(ParameterError::new(
                 "belt.play",
                 self.belt.play,
@@ -349,7 +350,7 @@ impl Parameters {
     fn pitch_radii(&self, ratio: f64) -> Option<(f64, f64)> {
         let curve = TwoPulley::new(self.geometry.center_distance, self.geometry.belt_length);
         let (primary, secondary) = curve.radii(ratio).ok()?;
-        let offset = self.belt.pitch_offset;
+        let offset = self.pitch_offset();
         Some((primary - offset, secondary - offset))
     }
 

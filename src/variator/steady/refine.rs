@@ -186,7 +186,9 @@ pub fn prolong(coarse: &VariatorSystem, from: &State, system: &VariatorSystem, s
         coarse.write_nodes(fine, state);
     }
     coarse.write_faces(fine, state);
-    coarse.write_amounts(system, state, wanted);
+    if !fine.law.is_chain() {
+        coarse.write_amounts(system, state, wanted);
+    }
 }
 
 /// A value for each cell from its pitch length, m, and its density.

@@ -134,6 +134,7 @@ impl BeltSums<Lanes> {
             ring,
             layers,
             spin,
+            joints,
             shafts,
             other,
         } = self.losses;
@@ -143,6 +144,7 @@ impl BeltSums<Lanes> {
                 ring: ring.sum(),
                 layers: layers.sum(),
                 spin: spin.sum(),
+                joints: joints.sum(),
                 shafts: shafts.sum(),
                 other: other.sum(),
             },
@@ -200,7 +202,11 @@ impl Survey {
         let law = &belt.law;
         let mut sum = Lanes::zero();
         for (group, samples) in self.groups(&belt.mesh) {
-            let stack = chain::energy_density(&law.chain, samples[0].density);
+            let stack = if law.is_chain() {
+                Lanes::zero()
+            } else {
+                chain::energy_density(&law.chain, samples[0].density)
+            };
             let in_use = group.in_use();
             for s in samples {
                 sum += (s.kinetic + s.ring_elastic + s.flank_elastic + s.lambda * stack) * s.weight * in_use;

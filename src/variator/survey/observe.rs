@@ -84,7 +84,11 @@ impl Observer {
         self.stations
             .extend(survey.stations(&belt.mesh).map(|(_, sample)| sample));
         let stations = &self.stations;
-        let idle = idle_arcs(&belt.mesh, stations, belt.curve.length(), sums.carried < 0.0);
+        let idle = if belt.law.is_chain() {
+            PerPulley::default()
+        } else {
+            idle_arcs(&belt.mesh, stations, belt.curve.length(), sums.carried < 0.0)
+        };
         let of = |j: Pulley| PulleyOutputs {
             speed: view.y[belt.layout.shaft_speed(j)],
             radius: radii[j],
@@ -104,6 +108,10 @@ impl Observer {
             other: sums.losses.other + system.pulleys.losses(view),
             ..sums.losses
         };
+        if belt.law.is_chain() {
+            // One law of drag along the ring, whose cause differs.
+            (out.losses.joints, out.losses.layers) = (out.losses.layers, 0.0);
+        }
         let speeds = belt.shaft_speeds(view);
         let efficiency_of = |torques: PerPulley<f64>| efficiency(PerPulley::from_fn(|j| -torques[j] * speeds[j]));
         out.efficiency = efficiency_of(sums.shaft_torque);
@@ -186,7 +194,12 @@ impl Observer {
                 sample.outward
             }
         };
-        let thickness = belt.law.chain.element_thickness;
+        // Stretch between the pins of a chain is no gap.
+        let thickness = if belt.law.is_chain() {
+            0.0
+        } else {
+            belt.law.chain.element_thickness
+        };
         let gap = |sample: &Sample| thickness * (sample.density.recip() - 1.0).max(0.0);
         let sliding = |sample: &Sample| if sample.normal > 100.0 { sample.sliding } else { 0.0 };
         let (mut station, mut element) = (0, 0);
