@@ -2,7 +2,7 @@
 
 use super::rows::Rows;
 use super::settings::{Settings, StandardRings};
-use super::types::{AXIAL, DRIVE, MODE, RING_MODEL, START_STATE};
+use super::types::{AXIAL, BELT_KIND, DRIVE, MODE, RING_MODEL, START_STATE};
 use crate::fmi::table::{Access, Enumeration, Retired};
 use crate::fmi::unit::Identity;
 use crate::variator::belt_ring::BeltRing;
@@ -19,7 +19,8 @@ pub trait Rings: Clone + Default + Debug + PartialEq + 'static {
     const RING_MODEL: &'static Enumeration;
 
     /// The enumerations of the unit.
-    const ENUMERATIONS: &'static [&'static Enumeration] = &[Self::RING_MODEL, &DRIVE, &AXIAL, &START_STATE, &MODE];
+    const ENUMERATIONS: &'static [&'static Enumeration] =
+        &[Self::RING_MODEL, &BELT_KIND, &DRIVE, &AXIAL, &START_STATE, &MODE];
 
     /// Variables of earlier versions that the unit no longer has.
     const RETIRED: &'static [Retired];
