@@ -1,8 +1,8 @@
 //! Variators and inputs that the tests share.
 
 use pushbelt::contact;
+use pushbelt::variator::settings::{BeltKind, Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel, ShaftDrag};
 use pushbelt::variator::settings::{Inputs, PulleyInputs, PulleyOutputs};
-use pushbelt::variator::settings::{Mesh, Parameters, RIGID_TILT_STIFFNESS, RingModel, ShaftDrag};
 
 /// 2000 rpm, rad/s.
 pub const SPEED: f64 = 209.44;
@@ -58,6 +58,7 @@ pub fn belt_alone(mut parameters: Parameters) -> Parameters {
     parameters.secondary.drag = ShaftDrag::NONE;
     parameters.layers.friction = 0.0;
     parameters.belt.element_inertia = 0.0;
+    parameters.joints.radius = 0.0;
     parameters.friction.fall = 0.0;
     parameters
 }
@@ -79,4 +80,15 @@ pub fn inputs(primary: (f64, f64), secondary: (f64, f64)) -> Inputs {
 pub fn full_slip_torque(parameters: &Parameters, pulley: &PulleyOutputs) -> f64 {
     let cos_beta = parameters.geometry.wedge_angle.cos();
     contact::full_slip_torque(&parameters.friction, cos_beta, pulley.axial_force, pulley.radius)
+}
+
+/// The laboratory variator with a pull chain, the chain of `chain155`.
+pub fn chain(model: RingModel) -> Parameters {
+    let mut parameters = variator(model);
+    parameters.kind = BeltKind::PullChain;
+    (parameters.belt.mass_per_length, parameters.ring.mass_per_length) = (0.5, 0.65);
+    (parameters.belt.element_thickness, parameters.belt.element_inertia) = (8.5e-3, 1.8e-7);
+    (parameters.ring.axial_stiffness, parameters.ring.bending_stiffness) = (3.5e6, 2.0e-3);
+    parameters.contact.stiffness = 1.2e10;
+    parameters
 }

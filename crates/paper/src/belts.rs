@@ -178,6 +178,14 @@ impl<E: TravellingElement> BeltRing for Travels<E> {
     }
 
     fn check(&self, parameters: &Parameters) -> Result<(), ParameterError> {
+        if parameters.is_chain() {
+            let range = "1 (PushBelt), unless ring.model is ALE0 or ALE".to_string();
+            return Err(ParameterError::new(
+                "belt.kind",
+                f64::from(parameters.kind as i32),
+                range,
+            ));
+        }
         if parameters.spatial {
             let range = "false, unless ring.model is ALE";
             return Err(ParameterError::of_flag("ring.spatial", true, range));

@@ -164,13 +164,13 @@ impl<const D: usize> StationObserver<Lanes, D> for TangentRecorder<'_> {
             let arguments = at.cell.stack_arguments();
             let seeded = std::array::from_fn(|k| Tangent::<STACK_ARGUMENTS>::seed(arguments[k], k, 1.0));
             let law = given.law;
-            let Stack { push, collision, lag } = if law.is_chain() {
-                Stack::none()
+            let (Stack { push, collision, lag }, settling) = if law.is_chain() {
+                (Stack::none(), 0.0)
             } else {
-                Stack::new(&law.chain, seeded)
+                (Stack::new(&law.chain, seeded), law.settling)
             };
             self.0.stack = [push.force.eps, collision.eps];
-            self.0.stack[0][STACK_ARGUMENTS - 1] = Lanes::from(law.settling);
+            self.0.stack[0][STACK_ARGUMENTS - 1] = Lanes::from(settling);
             self.0.lag = lag.eps;
         }
     }
