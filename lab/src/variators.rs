@@ -82,7 +82,7 @@ pub fn full_slip_torque(parameters: &Parameters, pulley: &PulleyOutputs) -> f64 
     contact::full_slip_torque(&parameters.friction, cos_beta, pulley.axial_force, pulley.radius)
 }
 
-/// The laboratory variator with a pull chain, the chain of `chain155`.
+/// The laboratory variator with a pull chain, the chain of `chain168`.
 pub fn chain(model: RingModel) -> Parameters {
     let mut parameters = variator(model);
     parameters.kind = BeltKind::PullChain;

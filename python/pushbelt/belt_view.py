@@ -1,4 +1,4 @@
-"""Animation of the belt on its pulleys with a time slider: push force in colour, gaps and spiral running magnified."""
+"""Animation of the belt on its pulleys with a time slider: push force, or tension of a chain, in colour, gaps and spiral running magnified."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from .charts import encoded
-from .fmu.data import curve_of
+from .fmu.data import curve_of, is_chain
 from .fmu.geometry import Array, TwoPulleyCurve
 from .fmu.results import BeltState
 from .style import COLOUR_SCALE
 
 ELEMENTS_TOGETHER = 3
-"""Number of elements of the belt per drawn element."""
+"""Number of elements of the belt per drawn element. The pins of a chain are drawn one by one."""
 TURNS_A_SECOND = 0.35
 """Speed of the faster pulley in the animation, turns per second."""
 LONGEST = 60.0
@@ -35,8 +35,8 @@ class Motion:
     """States of the belt over time. Arrays have one row per time, and one column per place of the profile for fields."""
 
     time: Array
-    push: Array
-    """Push force, N."""
+    force: Array
+    """Push force, or tension of a chain, N."""
     offset: Array
     """Distance of the ring from its reference curve, outward positive, m."""
     gap: Array
@@ -71,11 +71,12 @@ def motion(states: Mapping[float, BeltState], parameters: Mapping[str, float], t
     rows = [(time, states[time]) for time in sorted(states)]
     pitch = parameters["belt.pitchOffset"]
     curves = [curve_of(parameters, state["reference.theta"]) for _, state in rows]
-    push = np.array([state.profile.push_force for _, state in rows])
+    chain = is_chain(parameters)
+    force = [state.profile.ring_tension if chain else state.profile.push_force for _, state in rows]
     primary, secondary, way = turned
     return Motion(
         time=np.array([time for time, _ in rows]),
-        push=push,
+        force=np.array(force),
         offset=np.array([belt_offset(s, curve, pitch) for (_, s), curve in zip(rows, curves, strict=True)]),
         gap=np.array([state.profile.gap for _, state in rows]),
         radii=np.array([(curve.secondary_radius, curve.primary_radius) for curve in curves]),
@@ -113,7 +114,9 @@ def belt_view(
         parameters[name] for name in ("geometry.centerDistance", "geometry.beltLength", "belt.pitchOffset")
     )
     thickness = parameters.get("belt.elementThickness", ELEMENT_THICKNESS)
-    still = len(shown.time) == 2 and np.array_equal(shown.push[0], shown.push[1])
+    chain = is_chain(parameters)
+    together = 1 if chain else ELEMENTS_TOGETHER
+    still = len(shown.time) == 2 and np.array_equal(shown.force[0], shown.force[1])
     magnification = magnification_for(np.percentile(np.abs(shown.offset), 99.0, axis=1), float(shown.radii.min()))
     wide = max(float(np.percentile(shown.gap, 99.0)), 1e-9)
     gap_scale = max(step for step in ROUND if step <= max(0.75 * thickness / wide, 1.0))
@@ -122,28 +125,34 @@ def belt_view(
     slow = max(float(np.percentile(rates, 95.0)) * pace / (2.0 * np.pi * TURNS_A_SECOND), 1.0)
     slow = float(f"{slow:.1g}")
     reach = float(shown.radii.max() + magnification * np.percentile(np.abs(shown.offset), 99.9))
-    most = max(float(np.percentile(shown.push, 99.8)), 1.0)
+    most = max(float(np.percentile(shown.force, 99.8)), 1.0)
     data = {
         "group": group, "steady": bool(still), "pace": pace, "slow": slow,
         "distance": 1e3 * distance, "length": 1e3 * length, "pitchOffset": 1e3 * pitch, "reach": 1e3 * reach + 4.0,
-        "count": round(length / (ELEMENTS_TOGETHER * thickness)), "magnification": magnification,
+        "chain": chain, "force": "tension" if chain else "push force",
+        "count": round(length / (together * thickness)), "magnification": magnification,
         "gapScale": gap_scale / thickness, "most": most,
         "colours": [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in COLOUR_SCALE],
         "time": encoded(shown.time), "radii": encoded(1e3 * shown.radii.ravel()), "angles": encoded(shown.angles.ravel()),
-        "way": encoded(1e3 * shown.way), "push": _whole(shown.push), "offset": _whole(1e3 * shown.offset), "gap": _whole(shown.gap),
+        "way": encoded(1e3 * shown.way), "push": _whole(shown.force), "offset": _whole(1e3 * shown.offset), "gap": _whole(shown.gap),
     }  # fmt: skip
     begin = shown.time[0] if start is None else start
     value = round(STEPS * float((begin - shown.time[0]) / (shown.time[-1] - shown.time[0])))
     playing = f" The animation is {pace:.0f} times as fast as the run." if pace > 1.5 else ""
+    drawn = (
+        "The pins of the chain are drawn."
+        if chain
+        else f"Gaps between elements are magnified {gap_scale} times, one drawn element represents {together} elements."
+    )
     bar = f"linear-gradient(90deg, {', '.join(COLOUR_SCALE)})"
     return Markup(
         f'<div class="belt" role="group" aria-label="{escape(label)}"><svg role="img" aria-label="{escape(label)}"></svg>'
         '<div class="controls"><button type="button">Play</button>'
         f'<input type="range" min="0" max="{STEPS}" value="{value}" aria-label="{"Turning" if still else "Time"}">'
         "<output></output></div>"
-        f'<div class="scale">0<i style="background: {bar}"></i>{most:.0f} N push force</div>'
-        f'<p class="source">Distance from the reference curve magnified {magnification:.0f} times, gaps between elements {gap_scale} times.'
-        f" One turn in the animation represents {slow:.0f} turns, one drawn element {ELEMENTS_TOGETHER} elements.{playing}</p>"
+        f'<div class="scale">0<i style="background: {bar}"></i>{most:.0f} N {data["force"]}</div>'
+        f'<p class="source">The distance from the reference curve is magnified {magnification:.0f} times. {drawn}'
+        f" One turn in the animation represents {slow:.0f} turns.{playing}</p>"
         f'<script type="application/json">{json.dumps(data, separators=(",", ":"))}</script></div>'
     )
 

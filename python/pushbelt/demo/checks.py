@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from pushbelt.checks import Check
-from pushbelt.fmu.data import curve_at
+from pushbelt.fmu.data import curve_at, is_chain
 from pushbelt.fmu.fields import EDGE, push_force_gains
 from pushbelt.fmu.geometry import Array
 from pushbelt.fmu.results import BeltState, LoadCaseResult, Trace
@@ -137,8 +137,7 @@ def _manoeuvre(trace: Trace) -> list[Check]:
 def evaluate(results: DemoResults) -> list[Check]:
     """All checks."""
     cases, parameters = results.cases, results.parameters
-    return [
-        _order(cases),
+    of_stack = [
         _push_force_gains(cases, parameters),
         _cases(
             "Push force is constant in the push strand within 1 %",
@@ -148,6 +147,10 @@ def evaluate(results: DemoResults) -> list[Check]:
             " % spread",
         ),
         _efficiency(results.measured),
+    ]
+    return [
+        _order(cases),
+        *([] if is_chain(parameters) else of_stack),
         _cases(
             "Slip lies between 0 and 4 %, the largest measured in underdrive",
             [(r, 100 * r.steady["slip"]) for r in cases],

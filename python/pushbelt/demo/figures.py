@@ -23,6 +23,7 @@ LOSSES = (
     ("loss.sheaves", "sheave friction", BLUE),
     ("loss.ring", "ring friction", ORANGE),
     ("loss.layers", "ring layers", GREEN),
+    ("loss.joints", "joints of the chain", GREEN),
     ("loss.spin", "turning elements", RED),
     ("loss.shafts", "shafts", VIOLET),
     ("loss.other", "rest", MUTED),
@@ -238,7 +239,7 @@ def belt_over_time(run: ManoeuvreResult, parameters: dict[str, float]) -> Motion
 
 
 def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
-    """Fields along the belt, with shaded arcs."""
+    """Fields along the belt, with shaded arcs. A chain has neither push force nor gaps."""
     order = np.append(np.arange(len(profile.position)), 0)
     xi = 1e3 * np.append(profile.position, curve.length)
     rows = (
@@ -249,6 +250,8 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
         ("Sliding speed of the flanks (mm/s)", 1e3 * profile.sliding_speed, RED),
         ("Gap between elements (µm)", 1e6 * profile.gap, MUTED),
     )
+    if not profile.push_force.any():
+        rows = rows[1:-1]
     arcs, named = shaded_arcs(curve), shaded_arcs(curve, named=True)
     return Chart(
         [
@@ -262,7 +265,7 @@ def fields(profile: Profile, curve: TwoPulleyCurve) -> Chart:
             )
             for k, (title, values, colour) in enumerate(rows)
         ],
-        "Push force, ring tension, normal force, radial deviation, sliding speed and gaps along the belt",
+        f"{', '.join(title.split(' (')[0] for title, _, _ in rows)} along the belt",
         linked=True,
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from pushbelt import page
 from pushbelt.belt_view import belt_view, steady
-from pushbelt.fmu.data import curve_at, curve_of, load_case_speed
+from pushbelt.fmu.data import curve_at, curve_of, is_chain, load_case_speed
 from pushbelt.fmu.results import LoadCaseResult
 from pushbelt.page import number, percent
 
@@ -93,13 +93,14 @@ def _context(results: DemoResults) -> dict[str, Any]:
     found = events.detect(trace)
     overload = results.manoeuvre.snapshots.get(8.6)
     slipping = next((event for event in found if event.name == events.OVERLOAD and event.occurred), None)
+    coloured = "tension" if is_chain(results.parameters) else "push force"
     pictures = {
         "cases": figures.load_cases(results.cases, results.measured),
         "manoeuvre": figures.manoeuvre(trace, found),
         "moving_belt": belt_view(
             figures.belt_over_time(results.manoeuvre, results.parameters),
             results.parameters,
-            "The belt on its pulleys during the manoeuvre, coloured by push force",
+            f"The belt on its pulleys during the manoeuvre, coloured by {coloured}",
             group=figures.GROUP,
             start=min(SHOWN_TIME, float(trace.time[-1])),
         ),
@@ -107,7 +108,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "belt": belt_view(
             steady(chosen.steady, results.parameters),
             results.parameters,
-            "The belt on its pulleys, coloured by push force",
+            f"The belt on its pulleys, coloured by {coloured}",
         ),
     }
     if slipping is not None:
@@ -140,6 +141,7 @@ def _context(results: DemoResults) -> dict[str, Any]:
         "turn_tolerance": TURN_TOLERANCE,
         "parameters": results.parameters,
         "variator": results.variator,
+        "chain": is_chain(results.parameters),
         "pictures": pictures,
     }
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from .enumerations import BeltKind
 from .files import RESOURCES
 from .geometry import Array, TwoPulleyCurve, theta_of
 from .results import BeltState, LoadCase
@@ -19,14 +20,23 @@ from .untrusted import read_parameters
 
 
 def parameter_set(name: str) -> dict[str, float]:
-    """Start values of the FMU for a published variator, `bench168` or `belt155`, or from a file of that form, `….json`.
+    """Start values of the FMU for a variator, `bench168`, `belt155` or `chain168`, or from a file of that form, `….json`.
+
+    The pins of a pull chain are at its centre line: `belt.pitchOffset` is 0 then, as in the FMU.
 
     Raises `ValueError` if the file is not a parameter set, or if it is from an earlier version in which parameters have another meaning.
     """
     path = Path(name) if name.endswith(".json") else RESOURCES / "parameters" / f"{name}.json"
     values = read_parameters(path)
     _refuse_old(path, values)
+    if is_chain(values):
+        values["belt.pitchOffset"] = 0.0
     return values
+
+
+def is_chain(parameters: Mapping[str, float]) -> bool:
+    """Whether the belt is a pull chain."""
+    return parameters.get("belt.kind") == BeltKind.PULL_CHAIN
 
 
 def _refuse_old(path: Path, values: Mapping[str, float]) -> None:

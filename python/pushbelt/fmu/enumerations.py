@@ -12,6 +12,13 @@ class RingModel(IntEnum):
     ALE = 2
 
 
+class BeltKind(IntEnum):
+    """Values of `belt.kind`."""
+
+    PUSH_BELT = 1
+    PULL_CHAIN = 2
+
+
 class Drive(IntEnum):
     """Values of `primary.drive` and `secondary.drive`: whether torque or speed of the shaft is prescribed."""
 
