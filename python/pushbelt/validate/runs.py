@@ -13,7 +13,7 @@ from pushbelt.side_by_side import tick
 
 from .bench import Bench, Plan
 from .outcome import Section
-from .sections import continuum, efficiency, gaps, sensitivity, shifting, slip, stress, thrust, variators, wedge
+from .sections import chain, continuum, efficiency, gaps, sensitivity, shifting, slip, stress, thrust, variators, wedge
 
 SECTIONS: dict[str, ModuleType] = {
     "continuum": continuum,
@@ -24,6 +24,7 @@ SECTIONS: dict[str, ModuleType] = {
     "thrust": thrust,
     "wedge": wedge,
     "stress": stress,
+    "chain": chain,
     "variators": variators,
     "sensitivity": sensitivity,
 }
