@@ -91,7 +91,7 @@ def test_parameter_sets_agree_with_the_published_data() -> None:
         assert BENCH[name] == variator("bench168")["published"][key]
 
 
-@pytest.mark.parametrize("name", ["bench168", "belt155"])
+@pytest.mark.parametrize("name", ["bench168", "belt155", "chain168"])
 def test_parameters_say_where_they_come_from(name: str) -> None:
     document = json.loads((data.RESOURCES / "parameters" / f"{name}.json").read_text(encoding="utf-8"))
     assert {entry["origin"] for entry in document["parameters"].values()} == {"published", "typical"}

@@ -10,7 +10,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from pushbelt.fmu.data import parameter_set
+from pushbelt.fmu.data import is_chain, parameter_set
 from pushbelt.fmu.untrusted import described
 
 from . import report
@@ -77,6 +77,8 @@ def _parameters(fmu: Path | None, variator: str | None) -> dict[str, float]:
         values = {one.name: float(one.start) for one in started if one.type in ("Real", "Integer")}
     if variator is not None or fmu is None:
         values |= parameter_set(variator or "bench168")
+    if is_chain(values):
+        raise DurabilityError(f"{variator or fmu}: belt.kind = 2 is a pull chain, which has no ring layers")
     length = values.get("geometry.beltLength")
     if not isinstance(length, (int, float)) or not 0.0 < length < 1e3:
         raise DurabilityError(f"geometry.beltLength is {length}, not within 0 to 1000 m")

@@ -1,0 +1,63 @@
+"""The pull chain in the FMU and in the programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import pushbelt
+from pushbelt.demo.__main__ import main as demo
+from pushbelt.durability.__main__ import main as durability
+from pushbelt.fmu.data import is_chain, parameter_set
+from pushbelt.fmu.unit import Archive
+from pushbelt.validate.bench import Bench, Plan
+from pushbelt.validate.outcome import Verdict
+from pushbelt.validate.sections import chain
+
+COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+ABSENT = ("pushForce.max", "loss.ring", "loss.layers", "primary.idleArc", "secondary.idleArc", "ring.stressMax")
+
+
+def test_a_chain_pulls(fmu: Path) -> None:
+    with pushbelt.Variator("chain168", COARSE, fmu=fmu) as variator:
+        outputs = variator.start()
+        profile = variator.profile()
+    assert {name: outputs[name] for name in ABSENT} == dict.fromkeys(ABSENT, 0.0)
+    assert outputs["loss.joints"] > 1.0
+    assert not profile.push_force.any() and not profile.gap.any()
+    assert profile.ring_tension.min() > 500.0
+
+
+def test_the_pitch_line_of_a_chain_is_its_centre_line(tmp_path: Path) -> None:
+    own = tmp_path / "own.json"
+    own.write_text(
+        '{"parameters": {"belt.kind": {"value": 2}, "belt.pitchOffset": {"value": 1e-3}}}', encoding="utf-8"
+    )
+    values = parameter_set(str(own))
+    assert is_chain(values) and values["belt.pitchOffset"] == 0.0
+    assert not is_chain(parameter_set("bench168"))
+
+
+def test_the_chain_agrees_with_the_continuum_theory(archive: Archive) -> None:
+    with Bench(archive) as bench:
+        section = chain.run(bench, Plan(short=True))
+        assert not bench.failures
+    missed = [check for check in section.checks if check.verdict is Verdict.MISSES]
+    assert not missed
+    assert sum(check.verdict is Verdict.MEETS for check in section.checks) == 5
+
+
+def test_the_demo_draws_a_chain(fmu: Path, tmp_path: Path) -> None:
+    assert demo(["--fmu", str(fmu), "--output", str(tmp_path), "--variator", "chain168", "--short"]) == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "The pins of the chain are drawn." in page and "N tension" in page
+    assert "Push force" not in page and "polygon action" in page
+
+
+def test_durability_refuses_a_chain(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = tmp_path / "run.csv"
+    table.write_text("time,ring.speed\n0,1\n1,1\n", encoding="utf-8")
+    words = [str(table), "--fmu", str(fmu), "--output", str(tmp_path / "out"), "--variator", "chain168"]
+    assert durability(words) == 1
+    assert "chain168: belt.kind = 2 is a pull chain, which has no ring layers" in capsys.readouterr().err
