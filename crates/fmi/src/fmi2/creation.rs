@@ -10,6 +10,7 @@ use super::resources;
 use super::types::{CallbackFunctions, Component, Logger};
 use crate::c::creation::{Arguments, create};
 use crate::c::entry::{contain, text};
+use crate::c::floating_point::in_hosts;
 use crate::log::{Category, Sink, Status};
 use crate::processor;
 use crate::slave::Master;
@@ -29,7 +30,7 @@ impl Sink for Importer {
         // SAFETY: the importer gave this function as a logger, with this environment, for the lifetime of the
         // instance. The strings end with a zero and exist during the call. The message is the argument of "%s", so
         // that a percent sign in it is not taken for a format.
-        unsafe {
+        in_hosts(|| unsafe {
             (self.logger)(
                 self.environment,
                 self.instance.as_ptr(),
@@ -38,7 +39,7 @@ impl Sink for Importer {
                 c"%s".as_ptr(),
                 text.as_ptr(),
             );
-        }
+        });
     }
 }
 

@@ -11,6 +11,7 @@ use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessag
 use super::unsupported::CO_SIMULATION;
 use crate::c::creation::{Arguments, create};
 use crate::c::entry::{array, contain, text};
+use crate::c::floating_point::in_hosts;
 use crate::log::{Category, Sink, Status};
 use crate::processor;
 use crate::slave::{Master, Version};
@@ -30,9 +31,9 @@ impl Sink for Importer {
         let message = CString::new(message.replace('\0', " ").replace('#', "##")).unwrap_or_default();
         // SAFETY: the importer gave this function, with this environment, for the lifetime of the instance. The strings end with
         // a zero and exist during the call.
-        unsafe {
+        in_hosts(|| unsafe {
             (self.log_message)(self.environment, status as c_int, category.as_ptr(), message.as_ptr());
-        }
+        });
     }
 }
 

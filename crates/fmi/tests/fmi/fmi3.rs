@@ -588,3 +588,38 @@ fn an_instance_without_logging_is_silent() {
     }
     importer.assert_logged("\"noise ##1\"");
 }
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn every_floating_point_environment_gives_the_same_bits_and_callbacks_run_in_it() {
+    use crate::environment::{DEFAULT, HOSTS, present, within};
+    use std::rc::Rc;
+
+    let run = || {
+        let seen = Rc::new(RefCell::new(Vec::new()));
+        let importer = Importer::running(WATCHES);
+        let (c, record) = (importer.c, Rc::clone(&seen));
+        importer.answer(move |_, _| {
+            let before = present();
+            // A call within the callback returns to the host's environment too.
+            let level = get(c, LEVEL).expect("a value");
+            record.borrow_mut().push((level.to_bits(), before, present()));
+            None
+        });
+        assert_eq!(importer.set(INFLOW, 0.1), Ok);
+        assert_eq!(importer.set(GAIN, 1.0 / 3.0), Ok);
+        assert_eq!(importer.step(0.0, 0.7).status, Ok);
+        let level = importer.real(LEVEL).to_bits();
+        drop(importer);
+        (level, Rc::try_unwrap(seen).expect("the importer is gone").into_inner())
+    };
+    let (expected, updates) = within(DEFAULT, run);
+    assert_eq!(updates.len(), 3);
+    for host in HOSTS {
+        let (bits, seen) = within(host, run);
+        assert_eq!(bits, expected, "{host:?}");
+        for (of_default, of_host) in updates.iter().zip(seen) {
+            assert_eq!(of_host, (of_default.0, host, host));
+        }
+    }
+}
