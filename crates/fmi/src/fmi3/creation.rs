@@ -3,7 +3,6 @@
 use std::ffi::CString;
 
 use libc::c_int;
-use std::path::Path;
 use std::ptr;
 
 use super::description::{instantiation_token, is_intermediate};
@@ -89,17 +88,12 @@ pub(super) unsafe fn instantiate<U: Unit>(
         // SAFETY: null or valid, as the caller grants.
         let [name, token, path] = texts.map(|pointer| unsafe { text(pointer) });
         let [debug, events, early_return] = flags.map(|flag| flag != 0);
-        let path = path.as_deref().map(Path::new);
         let arguments = Arguments {
             function: "fmi3InstantiateCoSimulation",
             name: name.as_deref().map(str::trim),
             token: ("instantiation token", token.as_deref()),
             expected: instantiation_token::<U>(),
-            resources: match path {
-                Some(path) if path.is_absolute() => Ok(Some(path)),
-                Some(path) if debug => Err(format!("the resource path {path:?} is not absolute")),
-                _ => Ok(None),
-            },
+            resources: path.as_deref(),
             debug,
         };
         let master = || {
