@@ -23,11 +23,11 @@ pub(crate) struct Arguments<'a> {
     pub debug: bool,
 }
 
-/// An instance for these arguments; `None` after a message if there is none. `master` returns what the master handles, or why
-/// there is no instance.
+/// An instance for these arguments; `None` after a message if there is none. `master` returns what the master handles, with
+/// warnings, or why there is no instance.
 pub(crate) fn create<U: Unit>(
     arguments: Arguments<'_>,
-    master: impl FnOnce() -> Result<Master, String>,
+    master: impl FnOnce(&mut Vec<String>) -> Result<Master, String>,
     sink: Option<Box<dyn Sink>>,
 ) -> Option<Slave<U>> {
     let report = |status, category, text: &str| {
@@ -35,15 +35,19 @@ pub(crate) fn create<U: Unit>(
             sink.send(status, category, &format!("{}: {text}", arguments.function));
         }
     };
-    let checked = check(&arguments).and_then(|token| Ok((token, master()?)));
-    let checked = checked.and_then(|(token, master)| {
+    let checked = check(&arguments).and_then(|token| {
+        let mut warnings = Vec::new();
+        let master = master(&mut warnings)?;
         // A location that means no place is a warning: without start values in its resources an FMU works too.
         let mut places = resources::places(arguments.resources.unwrap_or_default()).unwrap_or_else(|warning| {
-            if master.version == Version::Two || arguments.debug {
-                report(Status::Warning, Category::Warning, &warning);
-            }
+            warnings.push(warning);
             Vec::new()
         });
+        if master.version == Version::Two || arguments.debug {
+            for warning in &warnings {
+                report(Status::Warning, Category::Warning, warning);
+            }
+        }
         places.extend(library::path().and_then(|library| resources::beside(&library)));
         let start = start_values::find::<U>(&places, token)?;
         Ok((master, start.unwrap_or_default()))
@@ -57,7 +61,7 @@ pub(crate) fn create<U: Unit>(
     };
     let log = match master.version {
         Version::Two => Log::new(sink, arguments.debug),
-        Version::Three => Log::silent_without_debug(sink, arguments.debug),
+        Version::Three => Log::errors_without_debug(sink, arguments.debug),
     };
     Some(Slave::with(master, log, start))
 }

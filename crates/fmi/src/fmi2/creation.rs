@@ -103,7 +103,7 @@ unsafe fn instantiate_here<U: Unit>(
             resources: location.as_deref(),
             debug,
         };
-        let master = || match fmu_type {
+        let master = |_: &mut Vec<String>| match fmu_type {
             CO_SIMULATION => Ok(Master::default()),
             _ => Err("this FMU is for co-simulation only".to_owned()),
         };
