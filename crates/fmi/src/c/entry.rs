@@ -5,6 +5,7 @@ use std::ffi::CStr;
 use libc::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use super::floating_point;
 use crate::log::Status;
 use crate::slave::{CallError, Number, Slave, Type, refused};
 use crate::state::Call;
@@ -15,9 +16,10 @@ const NULL_ARRAY: &str = "an array argument is null, misaligned or too long";
 /// Error text for a result without a pointer.
 pub(crate) const NULL_RESULT: &str = "the pointer for the result is null";
 
-/// Runs `body` and returns `instead` after a panic.
+/// Runs `body` in the default floating-point environment, and returns `instead` after a panic. Every C function that computes
+/// does so here.
 pub(crate) fn contain<T>(instead: T, body: impl FnOnce() -> T) -> T {
-    catch_unwind(AssertUnwindSafe(body)).unwrap_or(instead)
+    floating_point::in_default(|| catch_unwind(AssertUnwindSafe(body)).unwrap_or(instead))
 }
 
 /// Makes the call of a C function on an instance; the entry of every C function. Without an instance the status is an error.

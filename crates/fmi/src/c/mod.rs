@@ -7,11 +7,15 @@
 //! | file | content |
 //! |---|---|
 //! | `entry` | the entry of every C function; pointers to slices, references and strings |
+//! | `floating_point` | the floating-point environment of the host, and the default one |
+//! | `library` | the file of this library |
 //! | `creation` | creation of an instance |
 //! | `stored` | stored states |
 
 pub(super) mod creation;
 pub(super) mod entry;
+pub(super) mod floating_point;
+mod library;
 pub(super) mod stored;
 
 /// Defines a generic function for each row of a table, and the list of their names.

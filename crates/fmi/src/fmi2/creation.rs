@@ -6,10 +6,10 @@ use libc::{c_char, c_int, c_void};
 use std::ptr;
 
 use super::description::guid;
-use super::resources;
 use super::types::{CallbackFunctions, Component, Logger};
 use crate::c::creation::{Arguments, create};
 use crate::c::entry::{contain, text};
+use crate::c::floating_point::in_hosts;
 use crate::log::{Category, Sink, Status};
 use crate::processor;
 use crate::slave::Master;
@@ -29,7 +29,7 @@ impl Sink for Importer {
         // SAFETY: the importer gave this function as a logger, with this environment, for the lifetime of the
         // instance. The strings end with a zero and exist during the call. The message is the argument of "%s", so
         // that a percent sign in it is not taken for a format.
-        unsafe {
+        in_hosts(|| unsafe {
             (self.logger)(
                 self.environment,
                 self.instance.as_ptr(),
@@ -38,7 +38,7 @@ impl Sink for Importer {
                 c"%s".as_ptr(),
                 text.as_ptr(),
             );
-        }
+        });
     }
 }
 
@@ -95,16 +95,15 @@ unsafe fn instantiate_here<U: Unit>(
                 instance: CString::new(name.clone().unwrap_or_default()).unwrap_or_default(),
             })
         });
-        let folder = location.as_deref().map(resources::path).transpose();
         let arguments = Arguments {
             function: "fmi2Instantiate",
             name: name.as_deref(),
             token: ("GUID", token.as_deref()),
             expected: guid::<U>(),
-            resources: folder.as_ref().map(Option::as_deref).map_err(String::clone),
+            resources: location.as_deref(),
             debug,
         };
-        let master = || match fmu_type {
+        let master = |_: &mut Vec<String>| match fmu_type {
             CO_SIMULATION => Ok(Master::default()),
             _ => Err("this FMU is for co-simulation only".to_owned()),
         };

@@ -3,7 +3,6 @@
 use std::ffi::CString;
 
 use libc::c_int;
-use std::path::Path;
 use std::ptr;
 
 use super::description::{instantiation_token, is_intermediate};
@@ -11,6 +10,7 @@ use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessag
 use super::unsupported::CO_SIMULATION;
 use crate::c::creation::{Arguments, create};
 use crate::c::entry::{array, contain, text};
+use crate::c::floating_point::in_hosts;
 use crate::log::{Category, Sink, Status};
 use crate::processor;
 use crate::slave::{Master, Version};
@@ -30,9 +30,9 @@ impl Sink for Importer {
         let message = CString::new(message.replace('\0', " ").replace('#', "##")).unwrap_or_default();
         // SAFETY: the importer gave this function, with this environment, for the lifetime of the instance. The strings end with
         // a zero and exist during the call.
-        unsafe {
+        in_hosts(|| unsafe {
             (self.log_message)(self.environment, status as c_int, category.as_ptr(), message.as_ptr());
-        }
+        });
     }
 }
 
@@ -88,29 +88,25 @@ pub(super) unsafe fn instantiate<U: Unit>(
         // SAFETY: null or valid, as the caller grants.
         let [name, token, path] = texts.map(|pointer| unsafe { text(pointer) });
         let [debug, events, early_return] = flags.map(|flag| flag != 0);
-        let path = path.as_deref().map(Path::new);
         let arguments = Arguments {
             function: "fmi3InstantiateCoSimulation",
             name: name.as_deref().map(str::trim),
             token: ("instantiation token", token.as_deref()),
             expected: instantiation_token::<U>(),
-            resources: match path {
-                Some(path) if path.is_absolute() => Ok(Some(path)),
-                Some(path) if debug => Err(format!("the resource path {path:?} is not absolute")),
-                _ => Ok(None),
-            },
+            resources: path.as_deref(),
             debug,
         };
-        let master = || {
+        let master = |warnings: &mut Vec<String>| {
             // SAFETY: null or valid, as the caller grants.
             let required = unsafe { array(required) }.map_err(|error| error.to_string())?;
+            let (intermediate, sets_inputs) = intermediate::<U>(required, warnings)?;
             Ok(Master {
                 version: Version::Three,
                 events,
                 early_return,
                 update: intermediate_update.map(|update| (update, environment)),
-                sets_inputs: check_intermediate::<U>(required)?,
-                intermediate: required.to_vec(),
+                sets_inputs,
+                intermediate,
             })
         };
         let slave = create::<U>(
@@ -122,25 +118,28 @@ pub(super) unsafe fn instantiate<U: Unit>(
     })
 }
 
-/// Checks the variables that the master sets and reads in intermediate update mode; whether inputs are among them.
-fn check_intermediate<U: Unit>(required: &[u32]) -> Result<bool, String> {
+/// Those of the required variables that the master may set and read in intermediate update mode, and whether inputs are among
+/// them. The others are a warning: some masters name all outputs, and access is refused.
+fn intermediate<U: Unit>(required: &[u32], warnings: &mut Vec<String>) -> Result<(Vec<u32>, bool), String> {
     let table = U::table();
-    let mut sets_inputs = false;
+    let (mut usable, mut sets_inputs) = (Vec::new(), false);
     for &reference in required {
         let Some(variable) = table.by_reference(reference) else {
             return Err(format!(
                 "no variable has the value reference {reference}, which is among the required intermediate variables"
             ));
         };
-        if !is_intermediate(variable) {
-            return Err(format!(
+        if is_intermediate(variable) {
+            usable.push(reference);
+            sets_inputs |= variable.causality == Causality::Input;
+        } else {
+            warnings.push(format!(
                 "{} can't be set or read in intermediate update mode: only real inputs and outputs can",
                 variable.name
             ));
         }
-        sets_inputs |= variable.causality == Causality::Input;
     }
-    Ok(sets_inputs)
+    Ok((usable, sets_inputs))
 }
 
 /// `fmi3InstantiateModelExchange` and `fmi3InstantiateScheduledExecution`: null, with a message.

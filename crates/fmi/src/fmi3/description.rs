@@ -58,16 +58,15 @@ fn capabilities<U: Unit>() -> Element {
     ];
     let name = Element::new("CoSimulation").with("modelIdentifier", U::IDENTITY.name);
     let flags = flags.into_iter().fold(name, |element, flag| element.with(flag, true));
-    flags
-        .with_some("maxOutputDerivativeOrder", U::OUTPUT_DERIVATIVES.then_some(1))
-        // Inputs may jump between the unit's internal steps.
-        .with("recommendedIntermediateInputSmoothness", -1)
+    // Inputs may jump between the unit's internal steps, but without `recommendedIntermediateInputSmoothness="-1"`: checkers stop at
+    // a negative number.
+    flags.with_some("maxOutputDerivativeOrder", U::OUTPUT_DERIVATIVES.then_some(1))
 }
 
-/// What is logged under a category. In contrast to FMI 2.0, nothing is logged without debug logging.
+/// What is logged under a category. In contrast to FMI 2.0, only errors are logged without debug logging.
 fn log_category(category: Category) -> &'static str {
     match category {
-        Category::Error => "Why a call failed",
+        Category::Error => "Why a call failed (always logged)",
         Category::Warning => "What looks wrong but lets the run go on",
         Category::Discard => "Why a step could not be completed",
         Category::Events => "What the unit did, e.g. how it found its initial state, and the events of a run",

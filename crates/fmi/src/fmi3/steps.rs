@@ -4,7 +4,8 @@
 //! same instance.
 
 use super::types::{Boolean, Instance};
-use crate::c::entry::{NULL_RESULT, enter};
+use crate::c::entry::{NULL_RESULT, contain, enter};
+use crate::c::floating_point::in_hosts;
 use crate::log::Status;
 use crate::slave::{CallError, Ended, Next, Slave, Update, refused};
 use crate::unit::Unit;
@@ -15,6 +16,23 @@ use crate::unit::Unit;
 /// # Safety
 /// The caller grants what [the head of this module](super) lists.
 pub(super) unsafe fn do_step<U: Unit>(
+    c: Instance,
+    function: &str,
+    step: (f64, f64),
+    flags: [*mut Boolean; 3],
+    last_successful_time: *mut f64,
+) -> Status {
+    // SAFETY: as the caller grants.
+    contain(Status::Error, || unsafe {
+        do_step_here::<U>(c, function, step, flags, last_successful_time)
+    })
+}
+
+/// [`do_step`] in the default floating-point environment.
+///
+/// # Safety
+/// As there.
+unsafe fn do_step_here<U: Unit>(
     c: Instance,
     function: &str,
     (current, step): (f64, f64),
@@ -83,7 +101,7 @@ unsafe fn call_back(update: Update) -> Option<f64> {
     } = update;
     let (mut requested, mut until) = (Boolean::from(false), time);
     // SAFETY: as the caller grants; the two places exist during the call.
-    unsafe {
+    in_hosts(|| unsafe {
         function(
             environment,
             time,
@@ -94,7 +112,7 @@ unsafe fn call_back(update: Update) -> Option<f64> {
             &raw mut requested,
             &raw mut until,
         );
-    }
+    });
     let until = if until.is_finite() { until.max(time) } else { time };
     (can_return_early && requested != 0).then_some(until)
 }

@@ -186,7 +186,35 @@ fn start_values_come_from_the_resources() {
         importer.assert_logged(why);
         importer.assert_logged("the start values in ");
     }
+    // A copy with start values has a token of its own, and does not start without them.
+    let token = guid().into_string().expect("UTF-8");
+    let with = |token: &str, location: &CStr| {
+        let token = CString::new(token).expect("no zero inside");
+        Importer::with(c"tank".as_ptr(), 1, token.as_ptr(), location.as_ptr())
+    };
+    let copy = format!("{}0123-0123456789ab}}", &token[..20]);
+    std::fs::write(&file, "start = 3").expect("a file");
+    let path = CString::new(folder.to_str().expect("UTF-8")).expect("no zero inside");
+    for location in [&*uri, &path] {
+        let importer = with(&copy, location);
+        assert!(!importer.c.is_null(), "{}", importer.last());
+        // SAFETY: an instance.
+        assert_eq!(unsafe { fmi2EnterInitializationMode(importer.c) }, Ok);
+        assert_eq!(importer.real(LEVEL), 3.0);
+    }
     std::fs::remove_dir_all(&folder).expect("removed");
+    for (location, why) in [
+        (&*uri, folder.to_str().expect("UTF-8")),
+        (c"", "passed no resource location"),
+        (c"http://a/b", "passed no resource location"),
+    ] {
+        let importer = with(&copy, location);
+        assert!(importer.c.is_null(), "{location:?}");
+        importer.assert_logged("this copy of the FMU has start values of its own");
+        importer.assert_logged(why);
+    }
+    let other = with(&format!("{{0{}", &token[2..]), &uri);
+    assert!(token.starts_with("{0") || other.c.is_null(), "the token of another FMU");
     let elsewhere = Importer::with(c"tank".as_ptr(), 1, guid().as_ptr(), c"http://a/b".as_ptr());
     assert!(!elsewhere.c.is_null(), "a warning only");
     elsewhere.assert_logged("is not a file: URI");
@@ -403,5 +431,73 @@ fn the_log_is_a_matter_of_choice() {
         importer.assert_logged("no log category \"noise\"");
         assert_eq!(fmi2SetDebugLogging(importer.c, 1, 1, &c"logEvents".as_ptr()), Ok);
         assert_eq!(fmi2Terminate(importer.c), Ok);
+    }
+}
+
+/// The environment in which the logger runs.
+#[cfg(target_arch = "x86_64")]
+unsafe extern "C" fn record_environment(
+    environment: *mut std::ffi::c_void,
+    _: *const c_char,
+    _: c_int,
+    _: *const c_char,
+    _: *const c_char,
+    _: *const c_char,
+) {
+    // SAFETY: `environment` is the list of the test below.
+    let seen = unsafe { &mut *environment.cast::<Vec<crate::environment::Environment>>() };
+    seen.push(crate::environment::present());
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn every_floating_point_environment_gives_the_same_bits_and_stays_as_it_is() {
+    use crate::environment::{DEFAULT, Environment, HOSTS, within};
+
+    let run = || {
+        let mut seen = Vec::<Environment>::new();
+        let functions = CallbackFunctions {
+            // SAFETY: see `log_message`.
+            logger: Some(unsafe { std::mem::transmute::<*const (), Logger>(record_environment as *const ()) }),
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            component_environment: (&raw mut seen).cast(),
+        };
+        let (mut values, mut state) = ([0.0; 3], null_mut());
+        // SAFETY: all pointers are valid, and the instance is freed at the end.
+        unsafe {
+            let c = fmi2Instantiate(c"tank".as_ptr(), 1, guid().as_ptr(), null(), &raw const functions, 0, 1);
+            assert!(!c.is_null());
+            let numbers: [f64; 2] = [1.0 / 3.0, 0.1];
+            assert_eq!(fmi2SetReal(c, [GAIN, INFLOW].as_ptr(), 2, numbers.as_ptr()), Ok);
+            assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), Ok);
+            assert_eq!(fmi2EnterInitializationMode(c), Ok);
+            assert_eq!(fmi2ExitInitializationMode(c), Ok);
+            assert_eq!(fmi2DoStep(c, 0.0, 0.7, 1), Ok);
+            assert_eq!(fmi2GetReal(c, &LEVEL, 1, &raw mut values[0]), Ok);
+            assert_eq!(fmi2GetFMUstate(c, &raw mut state), Ok);
+            // Subnormal, an overflow in the tank, and not a number.
+            assert_eq!(fmi2SetReal(c, &INFLOW, 1, &5e-324), Ok);
+            assert_eq!(fmi2DoStep(c, 0.7, 0.1, 1), Ok);
+            assert_eq!(fmi2GetReal(c, &INFLOW, 1, &raw mut values[1]), Ok);
+            assert_eq!(fmi2SetReal(c, &INFLOW, 1, &f64::MAX), Ok);
+            assert_eq!(fmi2SetReal(c, &GAIN, 1, &10.0), Ok);
+            fmi2DoStep(c, 0.7999999999999999, 0.1, 1);
+            assert_eq!(fmi2SetReal(c, &INFLOW, 1, &f64::NAN), Discard);
+            assert_eq!(fmi2SetFMUstate(c, state), Ok);
+            assert_eq!(fmi2FreeFMUstate(c, &raw mut state), Ok);
+            assert_eq!(fmi2DoStep(c, 0.7, 0.3, 1), Ok);
+            assert_eq!(fmi2GetReal(c, &LEVEL, 1, &raw mut values[2]), Ok);
+            fmi2FreeInstance(c);
+        }
+        (values.map(f64::to_bits), seen)
+    };
+    let (expected, seen) = within(DEFAULT, run);
+    assert!(seen.len() >= 2, "a remark at the start, and a discarded value");
+    for host in HOSTS {
+        let (bits, seen) = within(host, run);
+        assert_eq!(bits, expected, "{host:?}");
+        assert!(seen.iter().all(|of_logger| *of_logger == host), "{host:?} {seen:?}");
     }
 }
