@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -77,7 +78,9 @@ def run_program(name: str, arguments: list[str]) -> int:
         if not any(word == "--fmu" or word.startswith("--fmu=") for word in arguments):
             arguments = ["--fmu", str(default_fmu()), *arguments]
         program = importlib.import_module(f"{__package__}.{name}.__main__")
-        return program.main(["--output", f"pushbelt-{name}", *arguments])
+        with warnings.catch_warnings():
+            warnings.showwarning = lambda message, *_, **__: print(f"  warning: {message}", file=sys.stderr)
+            return program.main(["--output", f"pushbelt-{name}", *arguments])
     except FileNotFoundError as error:
         print(f"pushbelt {name}: {error}", file=sys.stderr)
     except ModuleNotFoundError as error:
