@@ -5,19 +5,24 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .fmu.results import dataframe
 from .linear import Array, LinearModel
+from .linear_physical import LOG_RATIO, sorted_poles
+
+if TYPE_CHECKING:
+    import pandas
 
 ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; `held` contains the inputs that hold it"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LinearGrid:
     """Linear models over a grid of working points. A grid without axes has a single point."""
 
@@ -53,6 +58,65 @@ class LinearGrid:
         """Values by axis at a point."""
         return {name: float(values[k]) for (name, values), k in zip(self.axes.items(), place, strict=True)}
 
+    def interpolate(self, **point: float) -> LinearModel:
+        """The model between the points of a grid in physical coordinates, linear along each axis, and in the logarithm along `ratio`.
+
+        A point needs a value for each axis with several values: `grid.interpolate(ratio=1.2, torque=45)`. Poles are those of the
+        interpolated A.
+
+        Raises ValueError for modal coordinates, for a value outside of the grid, and next to a point without a model.
+        """
+        corners = _corners(self.axes, point)
+        models = [(self.models[place], weight) for place, weight in corners]
+        missing = [place for place, _ in corners if self.models[place] is None]
+        if missing:
+            raise ValueError(f"no linear model next to {point}: {self.reasons[missing[0]]}")
+        first = models[0][0]
+        if first.coordinates != "physical":
+            raise ValueError(
+                "modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'"
+            )
+        if any((one.inputs, one.outputs, one.states) != (first.inputs, first.outputs, first.states) for one, _ in models):
+            raise ValueError(f"the models next to {point} have different inputs or states and cannot be interpolated")
+
+        def mean(of: Callable[[LinearModel], Any]) -> Any:
+            return sum(weight * np.asarray(of(one)) for one, weight in models)
+
+        def named(of: Callable[[LinearModel], Mapping[str, float]]) -> dict[str, float]:
+            names = tuple(of(first))
+            return dict(zip(names, mean(lambda one: [of(one)[name] for name in names]).tolist(), strict=True))
+
+        a = mean(lambda one: one.a)
+        return replace(
+            first,
+            a=a,
+            b=mean(lambda one: one.b),
+            c=mean(lambda one: one.c),
+            d=mean(lambda one: one.d),
+            poles=sorted_poles(a),
+            held=named(lambda one: one.held),
+            given=named(lambda one: one.given),
+            values=named(lambda one: one.values),
+            slip=float(mean(lambda one: one.slip)),
+            macro_slip=any(one.macro_slip for one, _ in models),
+            remarks=tuple(dict.fromkeys(remark for one, _ in models for remark in one.remarks)),
+        )
+
+    def __repr__(self) -> str:
+        axes = ", ".join(f"{name} {values.min():.4g} to {values.max():.4g} ({len(values)})" for name, values in self.axes.items())
+        count = sum(model is not None for model in self.models.flat)
+        return f"<LinearGrid: {axes or 'one point'}; {count} of {self.models.size} points have a model>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A table with a row for each point: values by axis, held inputs, outputs, slip, and the reason for a missing model. Needs `pushbelt[maps]`."""
+        rows = []
+        for place in np.ndindex(self.shape):
+            row: dict[str, Any] = dict(self.point(place))
+            if (model := self.models[place]) is not None:
+                row |= {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
+            rows.append(row | {"reason": self.reasons[place]})
+        return dataframe(rows)
+
     def to_control(self) -> NDArray[np.object_]:
         """One `control.StateSpace` of python-control per point, or None where there is no model."""
         systems = np.full(self.shape, None, dtype=object)
@@ -73,6 +137,36 @@ class LinearGrid:
         if all(model is None for model in self.models.flat):
             raise ValueError(f"{path} was not written: there is no linear model at any point")
         writers[path.suffix](self, path)
+
+
+def _corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple[tuple[int, ...], float]]:
+    """Points of the grid around a point, with their weights."""
+    unknown = [name for name in point if name not in axes]
+    if unknown:
+        raise ValueError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
+    corners: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
+    for name, values in axes.items():
+        if name not in point and len(values) > 1:
+            raise ValueError(f"a value of {name} is missing: the grid has {len(values)} values of it")
+        along = _along(name, values, point.get(name, values[0]))
+        corners = [((*place, k), weight * share) for place, weight in corners for k, share in along]
+    return corners
+
+
+def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
+    """Neighbours of a value along an axis, with their weights."""
+    order = np.argsort(values)
+    ascending = values[order]
+    tolerance = 1e-9 * max(abs(ascending[0]), abs(ascending[-1]))
+    if not ascending[0] - tolerance <= value <= ascending[-1] + tolerance:
+        raise ValueError(f"{name} = {value:g} is outside of the grid, {ascending[0]:g} to {ascending[-1]:g}")
+    if len(values) == 1:
+        return [(0, 1.0)]
+    k = int(np.clip(np.searchsorted(ascending, value) - 1, 0, len(values) - 2))
+    low, high, at = ascending[k], ascending[k + 1], float(np.clip(value, ascending[0], ascending[-1]))
+    share = float(np.log(at / low) / np.log(high / low) if name == "ratio" else (at - low) / (high - low))
+    pairs = [(int(order[k]), 1.0 - share), (int(order[k + 1]), share)]
+    return [(place, weight) for place, weight in pairs if weight > 0.0]
 
 
 def load_linear(path: str | os.PathLike[str]) -> LinearGrid:
@@ -98,6 +192,9 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
     inputs, outputs = tuple(found["inputs"].tolist()), tuple(found["outputs"].tolist())
     n = int(found["order"][place])
     remarks = str(found["remarks"][place])
+    # Files of earlier versions have no coordinates.
+    coordinates = str(found.get("coordinates", "modal"))
+    of_states = {LOG_RATIO: "1"} if LOG_RATIO in found["states"][place] else {}
     return LinearModel(
         a=found["A"][place][:n, :n],
         b=found["B"][place][:n],
@@ -110,11 +207,13 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
         held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
         given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
         values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
-        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)),
+        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | of_states,
         frequency=float(found["frequency"]),
         slip=float(found["slip"][place]),
         macro_slip=bool(found["macroSlip"][place] == 1.0),
         remarks=tuple(remarks.split("\n")) if remarks else (),
+        coordinates=coordinates,
+        sample_time=float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
     )
 
 
@@ -133,9 +232,18 @@ def _npz(grid: LinearGrid, path: Path) -> None:
                 array[(place, *(slice(length) for length in value.shape))] = value
         return array.reshape(*models.shape, *shape)
 
+    discrete = {}
+    if first.sample_time is not None:
+        shapes = {"Ad": (n, n), "Bd": (n, k), "Cd": (m, n), "Dd": (m, k)}
+        discrete = {
+            name: filled(lambda one, at=at: one.discrete()[at], *shape) for at, (name, shape) in enumerate(shapes.items())
+        }
     np.savez_compressed(
         path,
         about=ABOUT,
+        coordinates=first.coordinates,
+        sampleTime=np.nan if first.sample_time is None else first.sample_time,
+        **discrete,
         A=filled(lambda one: one.a, n, n),
         B=filled(lambda one: one.b, n, k),
         C=filled(lambda one: one.c, m, n),
@@ -146,7 +254,7 @@ def _npz(grid: LinearGrid, path: Path) -> None:
         values=filled(lambda one: [one.values[name] for name in one.outputs], m),
         slip=filled(lambda one: one.slip),
         macroSlip=filled(lambda one: float(one.macro_slip)),
-        states=filled(lambda one: one.states, n, of_type="U16", empty=""),
+        states=filled(lambda one: one.states, n, of_type="U32", empty=""),
         remarks=filled(lambda one: "\n".join(one.remarks), of_type="U1000", empty=""),
         order=order.reshape(models.shape),
         inputs=np.array(first.inputs),
@@ -180,7 +288,12 @@ def _mat(grid: LinearGrid, path: Path) -> None:
 
 
 def _structure(model: LinearModel) -> dict[str, Any]:
+    discrete = {}
+    if model.sample_time is not None:
+        discrete = dict(zip(("Ad", "Bd", "Cd", "Dd"), model.discrete(), strict=True)) | {"sampleTime": model.sample_time}
     return {
+        **discrete,
+        "coordinates": model.coordinates,
         "A": model.a,
         "B": model.b,
         "C": model.c,

@@ -26,6 +26,7 @@ from .fmu.starts import driven_by_torque
 from .fmu.unit import UnitError
 from .linear import LinearModel, LinearPointError
 from .linear_grid import LinearGrid
+from .linear_physical import NotPhysicalError, with_enough_modes
 
 if TYPE_CHECKING:
     import xarray
@@ -45,6 +46,8 @@ OVERRUN = 0.5
 FREQUENCY = 50.0
 """Default frequency, Hz, below which modes are states of a linear model."""
 
+STATES = ("modal", "physical")
+"""Kinds of states of a linear model."""
 LOADS = frozenset({"primary.torque", "secondary.clampingForce"})
 """Inputs whose units are checked by the capacity of the belt."""
 
@@ -84,6 +87,18 @@ def _check(point: Point) -> None:
         raise ValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
     if point.force < 0.0:
         raise ValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
+
+
+def _model(solver: calls.Variator, frequency: float, states: str, sample_time: float | None) -> LinearModel:
+    """The linear model about the state of an instance."""
+
+    def modal(below: float) -> LinearModel:
+        return LinearModel.of(solver.linearise(below))
+
+    if states not in STATES:
+        raise ValueError(f"states = {states!r} is not one of {', '.join(STATES)}")
+    model = with_enough_modes(modal, frequency) if states == "physical" else modal(frequency)
+    return model if sample_time is None else model.sampled(sample_time)
 
 
 def _user() -> int:
@@ -443,6 +458,8 @@ class Variator:
         force: float | None = None,
         safety: float = SAFETY,
         frequency: float = FREQUENCY,
+        states: str = "modal",
+        sample_time: float | None = None,
     ) -> LinearModel:
         """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
 
@@ -451,13 +468,18 @@ class Variator:
         states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
         clamping forces (N). The run over time is not affected.
 
+        With `states="physical"` the states are ω_P, ω_S (rad/s) and ln i, without those that are held, so that the matrices of
+        several points can be interpolated. With `sample_time`, s, the model also has the discrete-time matrices `ad`, `bd`, `cd`, `dd`.
+
         Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
         linear model or requires other loads than the specified ones.
         """
         force = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
-        return self._linearize(self._values, Point(ratio, torque, speed, force), frequency)
+        return self._linearize(self._values, Point(ratio, torque, speed, force), frequency, states, sample_time)
 
-    def linearize_here(self, frequency: float = FREQUENCY) -> LinearModel:
+    def linearize_here(
+        self, frequency: float = FREQUENCY, *, states: str = "modal", sample_time: float | None = None
+    ) -> LinearModel:
         """The linear model about the present state of the run, which must be steady; modes below `frequency`, Hz, become states.
 
         If the belt slips through, or if the state requires other loads than the present inputs, a VariatorWarning is issued, and the
@@ -465,8 +487,8 @@ class Variator:
         """
         self.start()
         try:
-            model = LinearModel.of(self._open.linearise(frequency))
-        except UnitError as error:
+            model = _model(self._open, frequency, states, sample_time)
+        except (UnitError, NotPhysicalError) as error:
             raise LinearPointError(f"no linear model at {self.time:g} s: {error}") from error
         self._warn()
         return model
@@ -480,6 +502,8 @@ class Variator:
         force: float | Iterable[float] | None = None,
         safety: float = SAFETY,
         frequency: float = FREQUENCY,
+        states: str = "modal",
+        sample_time: float | None = None,
         changes: Mapping[str, Iterable[Any]] | None = None,
         after_each: Callable[[], object] = lambda: None,
     ) -> LinearGrid:
@@ -510,13 +534,15 @@ class Variator:
                 if used is None:
                     used = self._least_force(values, at["ratio"], at["torque"], turning, safety)
                 point = Point(at["ratio"], at["torque"], turning, used)
-                models[place] = self._linearize(values, point, frequency)
+                models[place] = self._linearize(values, point, frequency, states, sample_time)
             except (SteadyStateError, LinearPointError) as error:
                 reasons[place] = str(error)
             after_each()
         return LinearGrid(axes, models, reasons)
 
-    def _linearize(self, values: Values, point: Point, frequency: float) -> LinearModel:
+    def _linearize(
+        self, values: Values, point: Point, frequency: float, states: str, sample_time: float | None
+    ) -> LinearModel:
         """The linear model at a point with these start values: about the steady state under the loads that hold it."""
         state = self._steady(values, point)
         slower = point.speed / state["primary.speed"]
@@ -532,8 +558,8 @@ class Variator:
 
         def read(solver: calls.Variator) -> LinearModel:
             try:
-                return LinearModel.of(solver.linearise(frequency))
-            except UnitError as error:
+                return _model(solver, frequency, states, sample_time)
+            except (UnitError, NotPhysicalError) as error:
                 raise LinearPointError(f"no linear model {point}: {error}") from error
 
         model = self._solved({**values, **loads, **start}, point, read)
