@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import linear_interpolation
 from .fmu.results import dataframe
 from .linear import Array, LinearModel
-from .linear_physical import LOG_RATIO, sorted_poles
+from .linear_physical import LOG_RATIO
 
 if TYPE_CHECKING:
     import pandas
@@ -59,48 +60,19 @@ class LinearGrid:
         return {name: float(values[k]) for (name, values), k in zip(self.axes.items(), place, strict=True)}
 
     def interpolate(self, **point: float) -> LinearModel:
-        """The model between the points of a grid in physical coordinates, linear along each axis, and in the logarithm along `ratio`.
+        """The model between the points of a grid in physical coordinates: linear along each axis, along `ratio` in its logarithm.
 
+        The slip's mode is interpolated by itself (`linear_interpolation`), because its large coefficients nearly cancel in the slow poles.
         A point needs a value for each axis with several values: `grid.interpolate(ratio=1.2, torque=45)`. Poles are those of the
         interpolated A.
 
         Raises ValueError for modal coordinates, for a value outside of the grid, and next to a point without a model.
         """
-        corners = _corners(self.axes, point)
-        models = [(self.models[place], weight) for place, weight in corners]
-        missing = [place for place, _ in corners if self.models[place] is None]
+        around = linear_interpolation.corners(self.axes, point)
+        missing = [place for place, _ in around if self.models[place] is None]
         if missing:
             raise ValueError(f"no linear model next to {point}: {self.reasons[missing[0]]}")
-        first = models[0][0]
-        if first.coordinates != "physical":
-            raise ValueError(
-                "modal coordinates differ from point to point and cannot be interpolated: make the grid with states='physical'"
-            )
-        if any((one.inputs, one.outputs, one.states) != (first.inputs, first.outputs, first.states) for one, _ in models):
-            raise ValueError(f"the models next to {point} have different inputs or states and cannot be interpolated")
-
-        def mean(of: Callable[[LinearModel], Any]) -> Any:
-            return sum(weight * np.asarray(of(one)) for one, weight in models)
-
-        def named(of: Callable[[LinearModel], Mapping[str, float]]) -> dict[str, float]:
-            names = tuple(of(first))
-            return dict(zip(names, mean(lambda one: [of(one)[name] for name in names]).tolist(), strict=True))
-
-        a = mean(lambda one: one.a)
-        return replace(
-            first,
-            a=a,
-            b=mean(lambda one: one.b),
-            c=mean(lambda one: one.c),
-            d=mean(lambda one: one.d),
-            poles=sorted_poles(a),
-            held=named(lambda one: one.held),
-            given=named(lambda one: one.given),
-            values=named(lambda one: one.values),
-            slip=float(mean(lambda one: one.slip)),
-            macro_slip=any(one.macro_slip for one, _ in models),
-            remarks=tuple(dict.fromkeys(remark for one, _ in models for remark in one.remarks)),
-        )
+        return linear_interpolation.interpolated([(self.models[place], weight) for place, weight in around])
 
     def __repr__(self) -> str:
         axes = ", ".join(f"{name} {values.min():.4g} to {values.max():.4g} ({len(values)})" for name, values in self.axes.items())
@@ -137,36 +109,6 @@ class LinearGrid:
         if all(model is None for model in self.models.flat):
             raise ValueError(f"{path} was not written: there is no linear model at any point")
         writers[path.suffix](self, path)
-
-
-def _corners(axes: Mapping[str, Array], point: Mapping[str, float]) -> list[tuple[tuple[int, ...], float]]:
-    """Points of the grid around a point, with their weights."""
-    unknown = [name for name in point if name not in axes]
-    if unknown:
-        raise ValueError(f"the grid has no axis {unknown[0]}; its axes are {', '.join(axes)}")
-    corners: list[tuple[tuple[int, ...], float]] = [((), 1.0)]
-    for name, values in axes.items():
-        if name not in point and len(values) > 1:
-            raise ValueError(f"a value of {name} is missing: the grid has {len(values)} values of it")
-        along = _along(name, values, point.get(name, values[0]))
-        corners = [((*place, k), weight * share) for place, weight in corners for k, share in along]
-    return corners
-
-
-def _along(name: str, values: Array, value: float) -> list[tuple[int, float]]:
-    """Neighbours of a value along an axis, with their weights."""
-    order = np.argsort(values)
-    ascending = values[order]
-    tolerance = 1e-9 * max(abs(ascending[0]), abs(ascending[-1]))
-    if not ascending[0] - tolerance <= value <= ascending[-1] + tolerance:
-        raise ValueError(f"{name} = {value:g} is outside of the grid, {ascending[0]:g} to {ascending[-1]:g}")
-    if len(values) == 1:
-        return [(0, 1.0)]
-    k = int(np.clip(np.searchsorted(ascending, value) - 1, 0, len(values) - 2))
-    low, high, at = ascending[k], ascending[k + 1], float(np.clip(value, ascending[0], ascending[-1]))
-    share = float(np.log(at / low) / np.log(high / low) if name == "ratio" else (at - low) / (high - low))
-    pairs = [(int(order[k]), 1.0 - share), (int(order[k + 1]), share)]
-    return [(place, weight) for place, weight in pairs if weight > 0.0]
 
 
 def load_linear(path: str | os.PathLike[str]) -> LinearGrid:

@@ -5,9 +5,9 @@ With the outputs z = C_z ξ of the n slowest modes ξ, x = C_z ξ is a similarit
 C_z A C_z⁻¹, C_z B and C C_z⁻¹. Faster modes are quasi-static: they add −C A⁻¹ B to D. Coordinates that are held drop out: a speed
 with a set point, and ln i with a held sheave.
 
-If mode n is one of an oscillating pair, the similarity transform takes n + 1 modes: to x, and to the rate w of the pair in the direction
-that no slower mode has. Then w is quasi-static, so that the pair becomes a lag with the pole |λ|²/(2 Re λ). The slower poles and all
-static gains remain exact.
+Mode n is mostly one of an oscillating pair λ, the slip against the inertia of the belt. Then the similarity transform takes n + 1 modes: to
+x, and to w = ż/|λ| − p B u/|λ| of the pair's share z = p ξ of x, in the direction that no slower mode has. The pair, ż = |λ| w + p B u and
+ẇ = −|λ| z + 2 Re λ w + …, becomes a lag with the pole −|λ| and the same static gain. The slower poles and all static gains are exact.
 """
 
 from __future__ import annotations
@@ -72,7 +72,8 @@ def physical(model: LinearModel) -> LinearModel:
     a, b, c, d = _slowest(model, taken)
     rows, scale = _rows(model, c, names)
     if taken > n:
-        rows = np.vstack([rows, _rate(rows / scale[:, None], a, n)])
+        share, natural = _pair(rows / scale[:, None], a, n)
+        rows = np.vstack([rows, share @ a / natural])
         scale = np.append(scale, 1.0)
     condition = _condition(rows / scale[:, None])
     if not condition < WORST:
@@ -80,8 +81,11 @@ def physical(model: LinearModel) -> LinearModel:
             f"the condition number of {', '.join(names)} over the slow modes is {condition:.1e}, above {WORST:.0e}"
         )
     back = np.linalg.inv(rows)
+    direct = share @ b if taken > n else None
     a, b, c = rows @ a @ back, rows @ b, c @ back
-    if taken > n:
+    if direct is not None:
+        b[n] -= (a[n, n] + natural) * direct / natural
+        a[n, n] = -natural
         a, b, c, d = _quasi_static(a, b, c, d, n)
     units = {**model.units, **{name: model.units.get(name, "1") for name in names}}
     return replace(model, a=a, b=b, c=c, d=d, states=tuple(names), poles=sorted_poles(a), units=units, coordinates="physical")
@@ -124,13 +128,12 @@ def _rows(model: LinearModel, c: Array, names: Sequence[str]) -> tuple[Array, Ar
     return np.array(rows), np.array(scale)
 
 
-def _rate(rows: Array, a: Array, n: int) -> Array:
-    """The rate of the pair divided by |λ|, as a row over n + 1 modes, in the direction of the coordinates that no slower mode has."""
-    slower = rows[:, : n - 1]
-    normal = np.linalg.svd(slower.T, full_matrices=True)[2][-1] if n > 1 else np.ones(1)
-    pair = np.zeros_like(rows[0])
-    pair[n - 1 :] = (normal @ rows)[n - 1 :]
-    return pair @ a / np.sqrt(np.linalg.det(a[n - 1 :, n - 1 :]))
+def _pair(rows: Array, a: Array, n: int) -> tuple[Array, float]:
+    """Row p of the pair over n + 1 modes, its share of the coordinates in the direction that no slower mode has, and |λ|, 1/s."""
+    normal = np.linalg.svd(rows[:, : n - 1].T, full_matrices=True)[2][-1] if n > 1 else np.ones(1)
+    share = np.zeros_like(rows[0])
+    share[n - 1 :] = (normal @ rows)[n - 1 :]
+    return share, float(np.sqrt(np.linalg.det(a[n - 1 :, n - 1 :])))
 
 
 def _condition(rows: Array) -> float:
