@@ -85,7 +85,7 @@ def main(naive: bool = False, end: float = END) -> np.ndarray:
             road += brake * np.clip(car / max(0.05, 4.0 * brake * STEP / MASS), -1.0, 1.0)
             # The least clamping force of each pulley carries the present torque and the demanded one.
             ahead = max(abs(torque), throttle * 150.0)
-            least = variator.least_force(ratio, ahead + 8.0)
+            least = variator.least_force(ratio, ahead + 8.0, thrust_ratio=1.0)
             share = np.copysign(min(abs(torque) / variator.torque_capacity(ratio, least), 0.75), torque)
             kappa = np.interp(ratio, RATIOS, [np.interp(share, SHARES, row) for row in table])
             secondary = max(least, least / kappa)

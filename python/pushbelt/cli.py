@@ -1,12 +1,16 @@
-"""The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values, and shows the cache."""
+"""The command `pushbelt`: runs the programs with the FMU of the package, writes FMUs with other start values, and shows variables, pages and
+the cache."""
 
 from __future__ import annotations
 
 import argparse
+import difflib
 import importlib
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ._version import __version__
 
@@ -21,6 +25,9 @@ PROGRAMS = {
     "calibrate": ("parameters from a table of measured points, and a report", "reports"),
 }
 """Description of each program, and the extra that installs the packages it needs."""
+
+KINDS = ("parameter", "input", "output", "local")
+"""Causalities of variables."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -52,6 +59,14 @@ def parser() -> argparse.ArgumentParser:
     text = "show the folder of unpacked FMUs and its size"
     cache = commands.add_parser("cache", help=text, description=f"{text.capitalize()}.")
     cache.add_argument("--clear", action="store_true", help="remove them")
+    text = "list the variables of the FMU: parameters, inputs and outputs, with unit, start value and range"
+    variables = commands.add_parser("variables", help=text, description=f"{text.capitalize().replace('fmu', 'FMU')}.")
+    variables.add_argument("words", nargs="*", metavar="WORD", help="only variables whose name or description contains all words")
+    variables.add_argument("--kind", choices=KINDS, help="only these")
+    variables.add_argument("--fmu", type=Path, help="the FMU [default: the FMU of the package]")
+    text = "show the pages of the documentation, or one of them"
+    docs = commands.add_parser("docs", help=text, description=f"{text.capitalize()}.")
+    docs.add_argument("page", nargs="?", metavar="PAGE", help="page, such as linear")
     return found
 
 
@@ -62,7 +77,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return run_program(arguments[0], arguments[1:])
     options = parser().parse_args(arguments)
     try:
-        return {"fmu": write_fmu, "cache": show_cache}[options.command](options)
+        commands = {"fmu": write_fmu, "cache": show_cache, "variables": show_variables, "docs": show_docs}
+        return commands[options.command](options)
+    except BrokenPipeError:
+        # The reader of the output, such as `head`, has enough.
+        sys.stdout = None
+        return 0
     except (OSError, ValueError) as error:
         print(f"pushbelt {options.command}: {error}", file=sys.stderr)
         return 1
@@ -77,10 +97,18 @@ def run_program(name: str, arguments: list[str]) -> int:
         if not any(word == "--fmu" or word.startswith("--fmu=") for word in arguments):
             arguments = ["--fmu", str(default_fmu()), *arguments]
         program = importlib.import_module(f"{__package__}.{name}.__main__")
-        return program.main(["--output", f"pushbelt-{name}", *arguments])
+        with warnings.catch_warnings():
+            warnings.showwarning = lambda message, *_, **__: print(f"  warning: {message}", file=sys.stderr)
+            return program.main(["--output", f"pushbelt-{name}", *arguments])
     except FileNotFoundError as error:
         print(f"pushbelt {name}: {error}", file=sys.stderr)
     except ModuleNotFoundError as error:
+        if {"-h", "--help"}.intersection(arguments):
+            from .help_without_extras import show
+
+            show(lambda: importlib.import_module(f"{__package__}.{name}.__main__").main(["--help"]))
+            print(f"\nnot installed: {error.name}. pip install 'pushbelt[{extra}]'")
+            return 0
         print(f"pushbelt {name} needs the package {error.name}: pip install 'pushbelt[{extra}]'", file=sys.stderr)
     return 1
 
@@ -128,6 +156,61 @@ def show_cache(options: argparse.Namespace) -> int:
         print(f"removed {folder} ({size / 1e6:.1f} MB)")
     else:
         print(f"{folder} ({size / 1e6:.1f} MB)")
+    return 0
+
+
+def show_variables(options: argparse.Namespace) -> int:
+    """`pushbelt variables`."""
+    from .fmu.files import default_fmu
+    from .fmu.untrusted import described
+
+    words = [word.lower() for word in options.words]
+    variables = described(options.fmu or default_fmu()).modelVariables
+    found = [
+        one
+        for one in variables
+        if (options.kind is None or one.causality == options.kind)
+        and all(word in f"{one.name} {one.description or ''}".lower() for word in words)
+        and ("profile." in " ".join(words) or not one.name.startswith("profile."))
+    ]
+    if not found:
+        near = difflib.get_close_matches(" ".join(options.words), [one.name for one in variables], n=3)
+        hint = f"; similar names: {', '.join(near)}" if near else ""
+        raise ValueError(f"no {options.kind or 'variable'} has {' and '.join(options.words)} in its name or description{hint}")
+    for one in found:
+        unit = "" if one.unit in (None, "1") else f" {one.unit}"
+        parts = [one.causality]
+        if one.start is not None:
+            parts.append(f"start {_item_name(one, one.start)}{unit}")
+        if one.min is not None and one.max is not None and one.type in ("Real", "Integer"):
+            parts.append(f"range {float(one.min):g} to {float(one.max):g}{unit}")
+        elif unit:
+            parts.append(unit.strip())
+        print(f"{one.name}\n    {', '.join(parts)}\n    {one.description}")
+    print(f"{len(found)} of {len(variables)} variables" + ("" if "profile." in " ".join(words) else "; `pushbelt variables profile.` lists the fields"))
+    return 0
+
+
+def _item_name(variable: Any, value: Any) -> str:
+    """A start value; that of an enumeration by name."""
+    if variable.type != "Enumeration":
+        return str(value)
+    return next((item.name for item in variable.declaredType.items if str(item.value) == str(value)), str(value))
+
+
+def show_docs(options: argparse.Namespace) -> int:
+    """`pushbelt docs`."""
+    from .fmu.files import DOCS
+
+    pages = sorted(path.stem for path in DOCS.glob("*.md"))
+    if options.page is None:
+        print(f"{DOCS}: {', '.join(pages)}\n`pushbelt docs PAGE` prints a page.")
+        return 0
+    name = options.page.removesuffix(".md")
+    if name not in pages:
+        near = difflib.get_close_matches(name, pages, n=3)
+        raise ValueError(f"no page {name}; " + (f"similar names: {', '.join(near)}" if near else f"there are {', '.join(pages)}"))
+    print((DOCS / f"{name}.md").read_text(encoding="utf-8"))
     return 0
 
 

@@ -1,6 +1,7 @@
 """The linear model of the variator about a steady working point.
 
-ẋ = A x + B u, y = C x + D u: deviations from the point, SI units. The states x are coordinates of the slow modes and have no unit.
+ẋ = A x + B u, y = C x + D u: deviations from the point, SI units. The states x are coordinates of the slow modes and have no unit,
+or physical coordinates (`linear_physical`).
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import linear_physical
+
 if TYPE_CHECKING:
     import control
 
@@ -22,7 +25,7 @@ class LinearPointError(RuntimeError):
     """There is no linear model at a working point, or the point differs from the requested one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LinearModel:
     """A linear model about a working point."""
 
@@ -57,6 +60,16 @@ class LinearModel:
     """Values of the inputs that were set at the instance."""
     remarks: tuple[str, ...]
     """Differences of the point from the specified one."""
+    coordinates: str = "modal"
+    """`modal`, or `physical`: the states are speeds (rad/s) and the logarithm of the ratio, as deviations from the point."""
+    sample_time: float | None = None
+    """Sample time of `ad`, `bd`, `cd`, `dd`, s."""
+
+    def __repr__(self) -> str:
+        at = f"ratio {self.values['ratio.geometric']:.4g}, " if "ratio.geometric" in self.values else ""
+        held = ", ".join(f"{name} {value:.4g} {self.units[name]}" for name, value in self.held.items())
+        size = f"{len(self.states)} {self.coordinates} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        return f"<LinearModel: {at}{held}; {size}>"
 
     @classmethod
     def of(cls, document: Mapping[str, Any]) -> LinearModel:
@@ -87,11 +100,16 @@ class LinearModel:
             macro_slip=bool(document["macroSlip"]),
             given={one["name"]: one["given"] for one in loads},
             remarks=tuple(document["remarks"]),
+            coordinates=document.get("coordinates", "modal"),
+            sample_time=document.get("sampleTime"),
         )
 
     def document(self) -> dict[str, Any]:
         """The object from which `of` creates a model."""
+        discrete = {} if self.sample_time is None else dict(zip(("Ad", "Bd", "Cd", "Dd"), self.discrete(), strict=True))
         return {
+            "coordinates": self.coordinates,
+            "sampleTime": self.sample_time,
             "frequency": {"unit": "Hz", "value": self.frequency},
             "inputs": [
                 {"name": name, "unit": self.units[name], "given": self.given[name], "held": self.held[name]}
@@ -104,7 +122,52 @@ class LinearModel:
             "macroSlip": self.macro_slip,
             "remarks": list(self.remarks),
             **{name: matrix.tolist() for name, matrix in zip("ABCD", (self.a, self.b, self.c, self.d), strict=True)},
+            **{name: matrix.tolist() for name, matrix in discrete.items()},
         }
+
+    def physical(self) -> LinearModel:
+        """The model in the coordinates x = (ω_P, ω_S, ln i), without those that are held: its matrices can be interpolated over points.
+
+        Raises NotPhysicalError if the model has too few modes, or if the coordinates do not determine them (condition number above 1e6).
+        """
+        return linear_physical.physical(self) if self.coordinates == "modal" else self
+
+    def sampled(self, sample_time: float) -> LinearModel:
+        """The model with the discrete-time matrices `ad`, `bd`, `cd`, `dd` for a sample time, s."""
+        if not (np.isfinite(sample_time) and sample_time > 0.0):
+            raise ValueError(f"sample_time = {sample_time!r} s is not a number above 0")
+        return replace(self, sample_time=float(sample_time))
+
+    def discrete(self) -> tuple[Array, Array, Array, Array]:
+        """A, B, C and D in discrete time, x[k+1] = A_d x[k] + B_d u[k], y[k] = C_d x[k] + D_d u[k], for inputs that are constant over
+        each sample time.
+
+        Needs scipy, `pushbelt[control]`. Raises ValueError without a sample time.
+        """
+        if self.sample_time is None:
+            raise ValueError("the model has no sample time: use sample_time= or sampled()")
+        a, b = linear_physical.discrete(self.a, self.b, self.sample_time)
+        return a, b, self.c, self.d
+
+    @property
+    def ad(self) -> Array:
+        """A in discrete time."""
+        return self.discrete()[0]
+
+    @property
+    def bd(self) -> Array:
+        """B in discrete time."""
+        return self.discrete()[1]
+
+    @property
+    def cd(self) -> Array:
+        """C in discrete time: C."""
+        return self.discrete()[2]
+
+    @property
+    def dd(self) -> Array:
+        """D in discrete time: D."""
+        return self.discrete()[3]
 
     def select(self, outputs: Iterable[str] | None = None, inputs: Iterable[str] | None = None) -> LinearModel:
         """The model with a selection of outputs and inputs, in the given order. Raises KeyError for an unknown name."""

@@ -7,17 +7,23 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import linear_interpolation
+from .fmu.results import dataframe
 from .linear import Array, LinearModel
+from .linear_physical import LOG_RATIO
+
+if TYPE_CHECKING:
+    import pandas
 
 ABOUT = "dx/dt = A x + B u, y = C x + D u: deviations from the working point in SI units; `held` contains the inputs that hold it"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LinearGrid:
     """Linear models over a grid of working points. A grid without axes has a single point."""
 
@@ -52,6 +58,36 @@ class LinearGrid:
     def point(self, place: tuple[int, ...]) -> dict[str, float]:
         """Values by axis at a point."""
         return {name: float(values[k]) for (name, values), k in zip(self.axes.items(), place, strict=True)}
+
+    def interpolate(self, **point: float) -> LinearModel:
+        """The model between the points of a grid in physical coordinates: linear along each axis, along `ratio` in its logarithm.
+
+        The slip's mode is interpolated by itself (`linear_interpolation`), because its large coefficients nearly cancel in the slow poles.
+        A point needs a value for each axis with several values: `grid.interpolate(ratio=1.2, torque=45)`. Poles are those of the
+        interpolated A.
+
+        Raises ValueError for modal coordinates, for a value outside of the grid, and next to a point without a model.
+        """
+        around = linear_interpolation.corners(self.axes, point)
+        missing = [place for place, _ in around if self.models[place] is None]
+        if missing:
+            raise ValueError(f"no linear model next to {point}: {self.reasons[missing[0]]}")
+        return linear_interpolation.interpolated([(self.models[place], weight) for place, weight in around])
+
+    def __repr__(self) -> str:
+        axes = ", ".join(f"{name} {values.min():.4g} to {values.max():.4g} ({len(values)})" for name, values in self.axes.items())
+        count = sum(model is not None for model in self.models.flat)
+        return f"<LinearGrid: {axes or 'one point'}; {count} of {self.models.size} points have a model>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A table with a row for each point: values by axis, held inputs, outputs, slip, and the reason for a missing model. Needs `pushbelt[maps]`."""
+        rows = []
+        for place in np.ndindex(self.shape):
+            row: dict[str, Any] = dict(self.point(place))
+            if (model := self.models[place]) is not None:
+                row |= {f"held {name}": value for name, value in model.held.items()} | dict(model.values)
+            rows.append(row | {"reason": self.reasons[place]})
+        return dataframe(rows)
 
     def to_control(self) -> NDArray[np.object_]:
         """One `control.StateSpace` of python-control per point, or None where there is no model."""
@@ -98,6 +134,9 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
     inputs, outputs = tuple(found["inputs"].tolist()), tuple(found["outputs"].tolist())
     n = int(found["order"][place])
     remarks = str(found["remarks"][place])
+    # Files of earlier versions have no coordinates.
+    coordinates = str(found.get("coordinates", "modal"))
+    of_states = {LOG_RATIO: "1"} if LOG_RATIO in found["states"][place] else {}
     return LinearModel(
         a=found["A"][place][:n, :n],
         b=found["B"][place][:n],
@@ -110,11 +149,13 @@ def _model(found: dict[str, Any], place: tuple[int, ...]) -> LinearModel:
         held=dict(zip(inputs, found["held"][place].tolist(), strict=True)),
         given=dict(zip(inputs, found["given"][place].tolist(), strict=True)),
         values=dict(zip(outputs, found["values"][place].tolist(), strict=True)),
-        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)),
+        units=dict(zip((*inputs, *outputs), found["units"].tolist(), strict=True)) | of_states,
         frequency=float(found["frequency"]),
         slip=float(found["slip"][place]),
         macro_slip=bool(found["macroSlip"][place] == 1.0),
         remarks=tuple(remarks.split("\n")) if remarks else (),
+        coordinates=coordinates,
+        sample_time=float(found["sampleTime"]) if np.isfinite(found.get("sampleTime", np.nan)) else None,
     )
 
 
@@ -133,9 +174,18 @@ def _npz(grid: LinearGrid, path: Path) -> None:
                 array[(place, *(slice(length) for length in value.shape))] = value
         return array.reshape(*models.shape, *shape)
 
+    discrete = {}
+    if first.sample_time is not None:
+        shapes = {"Ad": (n, n), "Bd": (n, k), "Cd": (m, n), "Dd": (m, k)}
+        discrete = {
+            name: filled(lambda one, at=at: one.discrete()[at], *shape) for at, (name, shape) in enumerate(shapes.items())
+        }
     np.savez_compressed(
         path,
         about=ABOUT,
+        coordinates=first.coordinates,
+        sampleTime=np.nan if first.sample_time is None else first.sample_time,
+        **discrete,
         A=filled(lambda one: one.a, n, n),
         B=filled(lambda one: one.b, n, k),
         C=filled(lambda one: one.c, m, n),
@@ -146,7 +196,7 @@ def _npz(grid: LinearGrid, path: Path) -> None:
         values=filled(lambda one: [one.values[name] for name in one.outputs], m),
         slip=filled(lambda one: one.slip),
         macroSlip=filled(lambda one: float(one.macro_slip)),
-        states=filled(lambda one: one.states, n, of_type="U16", empty=""),
+        states=filled(lambda one: one.states, n, of_type="U32", empty=""),
         remarks=filled(lambda one: "\n".join(one.remarks), of_type="U1000", empty=""),
         order=order.reshape(models.shape),
         inputs=np.array(first.inputs),
@@ -180,7 +230,12 @@ def _mat(grid: LinearGrid, path: Path) -> None:
 
 
 def _structure(model: LinearModel) -> dict[str, Any]:
+    discrete = {}
+    if model.sample_time is not None:
+        discrete = dict(zip(("Ad", "Bd", "Cd", "Dd"), model.discrete(), strict=True)) | {"sampleTime": model.sample_time}
     return {
+        **discrete,
+        "coordinates": model.coordinates,
         "A": model.a,
         "B": model.b,
         "C": model.c,

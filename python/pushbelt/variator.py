@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -13,9 +14,10 @@ import numpy as np
 from numpy.lib.recfunctions import unstructured_to_structured
 from numpy.typing import NDArray
 
-from .fmu import cache
+from .fmu import cache, capacity
 from .fmu import unit as calls
 from .fmu.data import clamping_force, curve_of, parameter_set, torque_capacity
+from .fmu.enumerations import Axial, Drive
 from .fmu.files import default_fmu
 from .fmu.geometry import theta_of
 from .fmu.results import Profile, SteadyState
@@ -24,6 +26,7 @@ from .fmu.starts import driven_by_torque
 from .fmu.unit import UnitError
 from .linear import LinearModel, LinearPointError
 from .linear_grid import LinearGrid
+from .linear_physical import NotPhysicalError, with_enough_modes
 
 if TYPE_CHECKING:
     import xarray
@@ -34,8 +37,19 @@ SAFETY = 1.3
 """Default safety factor of the clamping force of a steady state."""
 LEAST_FORCE = 4e3
 """Least clamping force of a steady state with `SAFETY`, N."""
+MOST_STATES = 3
+"""Largest number of steady states that are solved for a clamping force with `SAFETY`."""
+SAME_FORCE = 0.01
+"""Relative change below which a clamping force with `SAFETY` is not improved further."""
+OVERRUN = 0.5
+"""Thrust ratio that is assumed in overrun before a steady state is solved. Thrust ratios in overrun are mostly larger."""
 FREQUENCY = 50.0
 """Default frequency, Hz, below which modes are states of a linear model."""
+
+STATES = ("modal", "physical")
+"""Kinds of states of a linear model."""
+LOADS = frozenset({"primary.torque", "secondary.clampingForce"})
+"""Inputs whose units are checked by the capacity of the belt."""
 
 Read = TypeVar("Read")
 
@@ -62,6 +76,37 @@ class Point(NamedTuple):
 
     def __str__(self) -> str:
         return f"at ratio {self.ratio:g}, {self.torque:g} N·m, {self.speed:g} rad/s and {self.force:g} N"
+
+
+def _check(point: Point) -> None:
+    """Raises ValueError if a number of a point is not usable."""
+    for name, value in point._asdict().items():
+        if not math.isfinite(value):
+            raise ValueError(f"{name} = {value!r} is not finite")
+    if point.ratio <= 0.0:
+        raise ValueError(f"ratio = {point.ratio:g} is out of range: r_S/r_P is above 0")
+    if point.force < 0.0:
+        raise ValueError(f"force = {point.force:g} N is out of range: a clamping force is at least 0 N")
+
+
+def _model(solver: calls.Variator, frequency: float, states: str, sample_time: float | None) -> LinearModel:
+    """The linear model about the state of an instance."""
+
+    def modal(below: float) -> LinearModel:
+        return LinearModel.of(solver.linearise(below))
+
+    if states not in STATES:
+        raise ValueError(f"states = {states!r} is not one of {', '.join(STATES)}")
+    model = with_enough_modes(modal, frequency) if states == "physical" else modal(frequency)
+    return model if sample_time is None else model.sampled(sample_time)
+
+
+def _user() -> int:
+    """The `stacklevel` of a warning that is attributed to the first caller outside of this package."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __package__:
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 def start_values(parameters: Parameters) -> dict[str, Any]:
@@ -105,6 +150,7 @@ class Variator:
         self._recorded = self._unit.reals([*inputs, *calls.output_names(self.variables.values())])
         self._rows: list[NDArray[np.float64]] = []
         self._warned = 0
+        self._last_steady: tuple[Values, SteadyState] | None = None
 
     def __enter__(self) -> Variator:
         return self
@@ -133,9 +179,32 @@ class Variator:
         state, a VariatorWarning is issued.
         """
         if not self._rows:
+            self._check_start()
             self._open.initialise()
             self._record()
         return self._last()
+
+    def _check_start(self) -> None:
+        """Refuses loads that look like a wrong unit, and warns of an excessive speed, before the FMU solves the initial state."""
+        values = self._values
+        if values["initial.primarySpeed"] == 0.0:
+            return
+        if values["initial.steady"] and (hint := self._wrong_unit()):
+            raise StartValueError(hint)
+        if why := capacity.excessive_speed(values, values["initial.ratio"], values["initial.primarySpeed"]):
+            warnings.warn(f"initial.primarySpeed: {why}", VariatorWarning, stacklevel=_user())
+
+    def _wrong_unit(self) -> str | None:
+        """Description of a wrong unit of the present secondary force or primary torque; None if they may be right."""
+        values = self._values
+        torque, force = values["primary.torque"], values["secondary.clampingForce"]
+        if values["primary.drive"] != Drive.TORQUE or values["secondary.axial"] != Axial.FORCE or torque == 0.0:
+            return None
+        carried = torque_capacity(values, values["initial.ratio"], force)
+        if abs(torque) <= capacity.BEYOND * carried + capacity.DRAG or not capacity.wrong_unit(torque, force, carried):
+            return None
+        why = capacity.shortfall(values, values["initial.ratio"], torque, force)
+        return f"primary.torque = {torque:g} N.m, secondary.clampingForce = {force:g} N: {why}"
 
     def step(self, duration: float, inputs: Values | None = None) -> dict[str, float]:
         """Advances by a duration, s, with the given inputs and the last values of the others; returns the outputs at its end.
@@ -164,6 +233,8 @@ class Variator:
                     raise StartValueError(f"{name} can only be set before the start")
         self._open.set(found)
         self._values |= found
+        if self._rows and LOADS.intersection(found) and (hint := self._wrong_unit()):
+            warnings.warn(hint, VariatorWarning, stacklevel=_user())
 
     def __getitem__(self, name: str) -> float:
         """Present value of a variable; `variables` has its unit."""
@@ -199,13 +270,13 @@ class Variator:
     def _record(self) -> None:
         unit = self._open
         self._rows.append(np.array([unit.time, *unit.get_reals(self._recorded), unit.get("macroSlip")]))
-        self._warn(stacklevel=5)
+        self._warn()
 
-    def _warn(self, stacklevel: int) -> None:
+    def _warn(self) -> None:
         """Issues the warnings of the FMU since the last call."""
         texts = self._open.warnings
         for text in texts[self._warned :]:
-            warnings.warn(text, VariatorWarning, stacklevel=stacklevel)
+            warnings.warn(text, VariatorWarning, stacklevel=_user())
         self._warned = len(texts)
 
     def _last(self) -> dict[str, float]:
@@ -224,12 +295,22 @@ class Variator:
 
         Raises SteadyStateError if there is no steady state, or if the belt slips through.
         """
-        force = self.least_force(ratio, torque, safety) if force is None else force
+        force = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
         return self._steady(self._values, Point(ratio, torque, speed, force))
 
     def _steady(self, values: Values, point: Point) -> SteadyState:
-        """The steady state at a point with these start values."""
+        """The steady state at a point with these start values. The last one is kept."""
         held = driven_by_torque(values, point.ratio, point.speed, point.torque, point.force)
+        if self._last_steady is None or self._last_steady[0] != held:
+            self._last_steady = (held, self._solve_steady(values, held, point))
+        return self._last_steady[1]
+
+    def _solve_steady(self, values: Values, held: Values, point: Point) -> SteadyState:
+        _check(point)
+        if why := capacity.shortfall(values, point.ratio, point.torque, point.force):
+            raise SteadyStateError(f"no steady state {point}: {why}")
+        if why := capacity.excessive_speed(values, point.ratio, point.speed):
+            warnings.warn(why, VariatorWarning, stacklevel=_user())
         state = self._solved(
             held,
             point,
@@ -262,19 +343,60 @@ class Variator:
         self._solver = solver
         return found
 
-    def least_force(self, ratio: float, torque: float, safety: float = SAFETY) -> float:
-        """Secondary clamping force that carries a primary torque (N·m) with a safety factor, at least 4 kN; N."""
-        return self._least_force(self._values, ratio, torque, safety)
+    def least_force(
+        self,
+        ratio: float,
+        torque: float,
+        safety: float = SAFETY,
+        *,
+        speed: float = SPEED,
+        thrust_ratio: float | None = None,
+    ) -> float:
+        """Secondary clamping force with which both pulleys carry a primary torque (N·m) with a safety factor, at least 4 kN; N.
 
-    @staticmethod
-    def _least_force(values: Values, ratio: float, torque: float, safety: float) -> float:
+        The primary pulley is clamped by the thrust ratio κ times this force. κ is that of at most three steady states at
+        `speed` (rad/s), about 0.05 s each, or `thrust_ratio`, with which nothing is solved.
+        """
+        return self._least_force(self._values, ratio, torque, speed, safety, thrust_ratio)
+
+    def _least_force(
+        self, values: Values, ratio: float, torque: float, speed: float, safety: float, thrust_ratio: float | None = None
+    ) -> float:
+        """F min(1, κ(F)) carries the torque with the safety factor: fixed-point iteration, as κ varies little with F."""
+        _check(Point(ratio, torque, speed, 0.0))
+        if not (math.isfinite(safety) and safety > 0.0):
+            raise ValueError(f"safety = {safety!r} is not a number above 0")
         pitch_radius = curve_of(values, theta_of(ratio)).primary_radius - values["belt.pitchOffset"]
-        friction, wedge_angle = values["friction.pulley"], values["geometry.wedgeAngle"]
-        return max(clamping_force(torque, pitch_radius, friction, wedge_angle, safety), LEAST_FORCE)
+        needed = clamping_force(torque, pitch_radius, values["friction.pulley"], values["geometry.wedgeAngle"], safety)
+        if why := capacity.excessive_force(torque, needed):
+            raise SteadyStateError(f"no clamping force at ratio {ratio:g}: {why}")
+        if thrust_ratio is not None:
+            return max(needed / min(1.0, thrust_ratio), LEAST_FORCE)
+        if torque == 0.0:
+            return LEAST_FORCE
+        force = max(needed if torque > 0.0 else needed / OVERRUN, LEAST_FORCE)
+        found = False
+        for _ in range(MOST_STATES):
+            try:
+                state = self._steady(values, Point(ratio, torque, speed, force))
+            except SteadyStateError:
+                if found:
+                    break
+                force = 2.0 * force
+                continue
+            found = True
+            better = max(needed / min(1.0, state["thrustRatio"]), LEAST_FORCE)
+            if abs(better / force - 1.0) < SAME_FORCE:
+                break
+            force = better
+        return force
 
-    def torque_capacity(self, ratio: float, force: float) -> float:
-        """Primary torque at which the belt slips through on S at a ratio, under a secondary clamping force (N); N·m."""
-        return torque_capacity(self._values, ratio, force)
+    def torque_capacity(self, ratio: float, force: float, thrust_ratio: float = 1.0) -> float:
+        """Primary torque at which the belt slips through at a ratio, under a secondary clamping force (N); N·m.
+
+        It is that of the secondary pulley, at which the torque utilisation is 1. With a thrust ratio below 1 it is that of the primary.
+        """
+        return torque_capacity(self._values, ratio, min(1.0, thrust_ratio) * force)
 
     def thrust_map(
         self,
@@ -303,8 +425,9 @@ class Variator:
         values = np.full((len(names), len(ratios), len(torques)), np.nan)
         reasons = np.full((len(ratios), len(torques)), "", dtype=object)
         for m, n in np.ndindex(reasons.shape):
-            used = self.least_force(ratios[m], torques[n], safety) if force is None else force
+            used = math.nan if force is None else force
             try:
+                used = self.least_force(ratios[m], torques[n], safety, speed=speed) if force is None else force
                 state = self.steady(ratios[m], torques[n], speed=speed, force=used)
             except SteadyStateError as error:
                 reasons[m, n] = str(error)
@@ -335,6 +458,8 @@ class Variator:
         force: float | None = None,
         safety: float = SAFETY,
         frequency: float = FREQUENCY,
+        states: str = "modal",
+        sample_time: float | None = None,
     ) -> LinearModel:
         """The linear model about the steady state at a ratio r_S/r_P (1) and a primary torque (N·m), in 0.5 s with `ALE`.
 
@@ -343,13 +468,18 @@ class Variator:
         states. Inputs are the loads that act with this variator's `drive` and `axial`: by default both torques (N·m) and both
         clamping forces (N). The run over time is not affected.
 
+        With `states="physical"` the states are ω_P, ω_S (rad/s) and ln i, without those that are held, so that the matrices of
+        several points can be interpolated. With `sample_time`, s, the model also has the discrete-time matrices `ad`, `bd`, `cd`, `dd`.
+
         Raises SteadyStateError if there is no such point or the belt slips through, and LinearPointError if the point has no
         linear model or requires other loads than the specified ones.
         """
-        force = self.least_force(ratio, torque, safety) if force is None else force
-        return self._linearize(self._values, Point(ratio, torque, speed, force), frequency)
+        force = self.least_force(ratio, torque, safety, speed=speed) if force is None else force
+        return self._linearize(self._values, Point(ratio, torque, speed, force), frequency, states, sample_time)
 
-    def linearize_here(self, frequency: float = FREQUENCY) -> LinearModel:
+    def linearize_here(
+        self, frequency: float = FREQUENCY, *, states: str = "modal", sample_time: float | None = None
+    ) -> LinearModel:
         """The linear model about the present state of the run, which must be steady; modes below `frequency`, Hz, become states.
 
         If the belt slips through, or if the state requires other loads than the present inputs, a VariatorWarning is issued, and the
@@ -357,10 +487,10 @@ class Variator:
         """
         self.start()
         try:
-            model = LinearModel.of(self._open.linearise(frequency))
-        except UnitError as error:
+            model = _model(self._open, frequency, states, sample_time)
+        except (UnitError, NotPhysicalError) as error:
             raise LinearPointError(f"no linear model at {self.time:g} s: {error}") from error
-        self._warn(stacklevel=3)
+        self._warn()
         return model
 
     def linear_grid(
@@ -372,6 +502,8 @@ class Variator:
         force: float | Iterable[float] | None = None,
         safety: float = SAFETY,
         frequency: float = FREQUENCY,
+        states: str = "modal",
+        sample_time: float | None = None,
         changes: Mapping[str, Iterable[Any]] | None = None,
         after_each: Callable[[], object] = lambda: None,
     ) -> LinearGrid:
@@ -397,17 +529,20 @@ class Variator:
         for place in np.ndindex(shape):
             at = {name: values[k] for (name, values), k in zip(lists.items(), place, strict=True)}
             values = {**self._values, **{name: at[name] for name in changes or ()}}
-            used = at.get("force", force)
-            used = self._least_force(values, at["ratio"], at["torque"], safety) if used is None else used
-            point = Point(at["ratio"], at["torque"], at.get("speed", speed), used)
+            used, turning = at.get("force", force), at.get("speed", speed)
             try:
-                models[place] = self._linearize(values, point, frequency)
+                if used is None:
+                    used = self._least_force(values, at["ratio"], at["torque"], turning, safety)
+                point = Point(at["ratio"], at["torque"], turning, used)
+                models[place] = self._linearize(values, point, frequency, states, sample_time)
             except (SteadyStateError, LinearPointError) as error:
                 reasons[place] = str(error)
             after_each()
         return LinearGrid(axes, models, reasons)
 
-    def _linearize(self, values: Values, point: Point, frequency: float) -> LinearModel:
+    def _linearize(
+        self, values: Values, point: Point, frequency: float, states: str, sample_time: float | None
+    ) -> LinearModel:
         """The linear model at a point with these start values: about the steady state under the loads that hold it."""
         state = self._steady(values, point)
         slower = point.speed / state["primary.speed"]
@@ -423,8 +558,8 @@ class Variator:
 
         def read(solver: calls.Variator) -> LinearModel:
             try:
-                return LinearModel.of(solver.linearise(frequency))
-            except UnitError as error:
+                return _model(solver, frequency, states, sample_time)
+            except (UnitError, NotPhysicalError) as error:
                 raise LinearPointError(f"no linear model {point}: {error}") from error
 
         model = self._solved({**values, **loads, **start}, point, read)

@@ -57,6 +57,8 @@ def test_the_wheel_holds_fmu_data_types_and_licences(wheel: Path, fmu: Path) -> 
         assert {f"pushbelt/data/{name}" for name in resources} <= names
         for path in resources:
             assert archive.read(f"pushbelt/data/{path}") == (ROOT / path).read_bytes()
+        pages = {path.name for path in (ROOT / "docs").iterdir() if path.is_file()}
+        assert {f"pushbelt/data/docs/{name}" for name in pages} <= names
         licences = {Path(name).name for name in names if "/licenses/" in name}
         assert licences == {"LICENSE-MIT", "LICENSE-APACHE", "LICENSE-third-party.txt"}
         third_party = next(name for name in names if name.endswith("LICENSE-third-party.txt"))

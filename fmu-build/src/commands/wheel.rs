@@ -80,6 +80,7 @@ fn lay_out(workspace: &Workspace, fmu: &Path, tree: &Path) -> anyhow::Result<()>
     let data = tree.join("pushbelt").join("data");
     copy_tree(&python.join("pushbelt"), &tree.join("pushbelt"))?;
     copy_tree(&root.join("resources"), &data.join("resources"))?;
+    copy_tree(&root.join("docs"), &data.join("docs"))?;
     let copy = |from: &Path, to: &Path| {
         fs::copy(from, to)
             .map(drop)

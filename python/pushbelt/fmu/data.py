@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import json
 import math
 from collections.abc import Mapping
@@ -24,9 +25,16 @@ def parameter_set(name: str) -> dict[str, float]:
 
     The pins of a pull chain are at its centre line: `belt.pitchOffset` is 0 then, as in the FMU.
 
-    Raises `ValueError` if the file is not a parameter set, or if it is from an earlier version in which parameters have another meaning.
+    Raises FileNotFoundError for another name, and ValueError if the file is not a parameter set, or if it is from an earlier version in which
+    parameters have another meaning.
     """
     path = Path(name) if name.endswith(".json") else RESOURCES / "parameters" / f"{name}.json"
+    if not path.is_file():
+        there = parameter_sets()
+        near = difflib.get_close_matches(path.stem, there, n=1, cutoff=0.5)
+        hint = f"; is {near[0]} meant?" if near and not name.endswith(".json") else ""
+        what = f"no file {name}" if name.endswith(".json") else f"no variator {name!r}"
+        raise FileNotFoundError(f"{what}; there are {', '.join(there)}, and files ….json{hint}")
     values = read_parameters(path)
     _refuse_old(path, values)
     if is_chain(values):
@@ -37,6 +45,11 @@ def parameter_set(name: str) -> dict[str, float]:
 def is_chain(parameters: Mapping[str, float]) -> bool:
     """Whether the belt is a pull chain."""
     return parameters.get("belt.kind") == BeltKind.PULL_CHAIN
+
+
+def parameter_sets() -> list[str]:
+    """Names of the published variators."""
+    return sorted(path.stem for path in (RESOURCES / "parameters").glob("*.json"))
 
 
 def _refuse_old(path: Path, values: Mapping[str, float]) -> None:

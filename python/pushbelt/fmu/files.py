@@ -12,6 +12,8 @@ TREE = PACKAGE.parents[1]
 """Top level of the source tree."""
 RESOURCES = (DATA if DATA.is_dir() else TREE) / "resources"
 """Parameter sets, published variators and the manoeuvre."""
+DOCS = (DATA if DATA.is_dir() else TREE) / "docs"
+"""Pages of the documentation."""
 NAME = "PushbeltVariator.fmu"
 
 

@@ -2,13 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
 
 from .geometry import Array
 
+if TYPE_CHECKING:
+    import pandas
 
-@dataclass(frozen=True)
+
+def dataframe(content: Mapping[str, Any] | Sequence[Mapping[str, Any]] | Array) -> pandas.DataFrame:
+    """A table of columns by name, of rows, or of a record array. Raises ModuleNotFoundError with the extra that brings pandas."""
+    try:
+        import pandas
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(
+            "tables need pandas: pip install 'pushbelt[maps]'", name=error.name
+        ) from error
+    return pandas.DataFrame(content)
+
+
+def item(values: Mapping[str, Any], name: str, what: str) -> Any:
+    """A value by name. Raises KeyError with similar names."""
+    try:
+        return values[name]
+    except KeyError:
+        near = difflib.get_close_matches(name, values, n=3)
+        raise KeyError(f"the {what} has no {name}" + (f"; similar names: {', '.join(near)}" if near else "")) from None
+
+
+@dataclass(frozen=True, repr=False)
 class Profile:
     """Fields along the belt, one value per place."""
 
@@ -27,8 +52,18 @@ class Profile:
     gap: Array
     """Gap between neighbouring elements, m; 0 in contact."""
 
+    def __repr__(self) -> str:
+        return (
+            f"<Profile: {len(self.position)} places over {self.position[-1]:.4g} m, push force up to {self.push_force.max():.4g} N, "
+            f"ring tension {self.ring_tension.min():.4g} to {self.ring_tension.max():.4g} N>"
+        )
 
-@dataclass(frozen=True)
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A table with a row for each place and a column for each field. Needs `pushbelt[maps]`."""
+        return dataframe({field.name: getattr(self, field.name) for field in fields(self)})
+
+
+@dataclass(frozen=True, repr=False)
 class BeltState:
     """Outputs and fields of the FMU at one time."""
 
@@ -36,10 +71,20 @@ class BeltState:
     profile: Profile
 
     def __getitem__(self, name: str) -> float:
-        return self.outputs[name]
+        return item(self.outputs, name, "state")
+
+    def __repr__(self) -> str:
+        found = self.outputs
+        shown = {"ratio.geometric": "ratio", "thrustRatio": "thrust ratio", "slip": "slip", "efficiency": "efficiency"}
+        texts = [f"{text} {found[name]:.4g}" for name, text in shown.items() if name in found]
+        return f"<{type(self).__name__}: {', '.join(texts)}; {len(found)} outputs>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A table with one row and a column for each output. Needs `pushbelt[maps]`."""
+        return dataframe([self.outputs])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SteadyState(BeltState):
     """A steady state of the FMU at a specified belt torque."""
 
@@ -76,7 +121,7 @@ class LoadCaseResult:
     """Relative change of the thrust ratio when the simulation continues from the steady state."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trace:
     """A simulated run: time and one column per variable, Booleans as 0 and 1."""
 
@@ -84,4 +129,11 @@ class Trace:
     columns: Mapping[str, Array]
 
     def __getitem__(self, name: str) -> Array:
-        return self.columns[name]
+        return item(self.columns, name, "run")
+
+    def __repr__(self) -> str:
+        return f"<Trace: {len(self.time)} times, {self.time[0]:.4g} to {self.time[-1]:.4g} s; {len(self.columns)} variables>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """A table over `time` (s) with a column for each variable. Needs `pushbelt[maps]`."""
+        return dataframe({"time": self.time, **self.columns}).set_index("time")

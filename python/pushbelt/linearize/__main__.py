@@ -17,7 +17,7 @@ from pathlib import Path
 
 from pushbelt.linear_grid import LinearGrid
 from pushbelt.progress import progress_bar
-from pushbelt.variator import FREQUENCY, SteadyStateError, Variator
+from pushbelt.variator import FREQUENCY, STATES, SteadyStateError, Variator
 
 from . import points, report
 
@@ -37,6 +37,15 @@ def parser() -> argparse.ArgumentParser:
         "--frequency", type=float, default=FREQUENCY, metavar="HZ", help="modes below this frequency are states [%(default)s]"
     )
     found.add_argument(
+        "--states",
+        choices=STATES,
+        default="modal",
+        help="physical: speeds and the logarithm of the ratio, whose matrices can be interpolated over points [%(default)s]",
+    )
+    found.add_argument(
+        "--sample-time", type=float, metavar="S", help="adds the discrete-time matrices Ad, Bd, Cd, Dd for this sample time"
+    )
+    found.add_argument(
         "--safety", type=float, metavar="FACTOR", help="clamping force from the torque with this safety factor, instead of a specified force"
     )
     found.add_argument(
@@ -52,14 +61,14 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         asked = points.read(options.settings, options.safety)
         with Variator(options.variator or {}, asked.parameters, fmu=options.fmu) as variator:
-            grid = find(variator, asked, options.frequency)
+            grid = find(variator, asked, options)
         return write(grid, asked, options)
     except (points.PointError, SteadyStateError, OSError, ValueError, KeyError) as error:
         print(f"no linear model: {error.args[0] if isinstance(error, KeyError) else error}", file=sys.stderr)
         return 1
 
 
-def find(variator: Variator, asked: points.Asked, frequency: float) -> LinearGrid:
+def find(variator: Variator, asked: points.Asked, options: argparse.Namespace) -> LinearGrid:
     """The models, with a progress bar."""
     axes = asked.filled(variator)
     bar = progress_bar(axes.size, "working points")
@@ -70,7 +79,9 @@ def find(variator: Variator, asked: points.Asked, frequency: float) -> LinearGri
             speed=axes.speed,
             force=axes.force,
             safety=asked.safety or 1.0,
-            frequency=frequency,
+            frequency=options.frequency,
+            states=options.states,
+            sample_time=options.sample_time,
             changes=axes.changes,
             after_each=lambda: bar.update(1),
         )

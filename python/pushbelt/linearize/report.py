@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pushbelt import page
 from pushbelt.charts import Chart, Panel, Series
-from pushbelt.linear import LinearModel
+from pushbelt.linear import Array, LinearModel
 from pushbelt.linear_grid import LinearGrid
 from pushbelt.style import BLUE, GREEN, INK, MUTED, ORANGE, RED, VIOLET
 
@@ -73,8 +74,8 @@ def bode(drawn: Drawn, output: str, highest: float) -> Chart:
         ]
         size = [Series(name, frequencies, np.abs(values), colour) for name, colour, values in responses]
         phase = [
-            Series(name, frequencies, np.degrees(np.unwrap(np.angle(values))), colour)
-            for name, colour, values in responses
+            Series(name, frequencies, values, colour)
+            for (name, colour, _), values in zip(responses, phases([one for *_, one in responses]), strict=True)
         ]
         unit = per(first.units[output], first.units[load])
         log = {"x_label": "frequency (Hz)", "x_scale": "log", "x_range": (LOWEST, highest)}
@@ -83,6 +84,16 @@ def bode(drawn: Drawn, output: str, highest: float) -> Chart:
             Panel(f"{load} → {output}: phase (°)", phase, **log),
         ]
     return Chart(panels, f"Bode plots of {output}", columns=2, common_legend=True, least_width=330)
+
+
+def phases(responses: Sequence[NDArray[np.complex128]]) -> list[Array]:
+    """Phases over frequency without jumps, °. At the lowest frequency they differ by at most 180° from that of the first response."""
+    found: list[Array] = []
+    for values in responses:
+        phase = np.degrees(np.unwrap(np.angle(values)))
+        nearest = found[0][0] if found else 0.0
+        found.append(phase - 360.0 * np.round((phase[0] - nearest) / 360.0))
+    return found
 
 
 def steps(drawn: Drawn, output: str, end: float) -> Chart:

@@ -1,0 +1,63 @@
+"""Checks of a working point before anything is solved: capacity of the clamping force, and speed of the belt.
+
+The capacity is that of the secondary pulley, 2 μ r_P F_S/cosβ. The primary pulley carries κ times as much, so the capacity is an
+upper bound of what the belt carries.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from .data import curve_of, torque_capacity
+from .geometry import theta_of
+
+BEYOND = 1.15
+"""Ratio of torque and capacity above which a point is refused without solving it. Radial friction may raise the capacity by some percent."""
+DRAG = 1.0
+"""Torque that is carried in any case, N·m: drag of a shaft."""
+SMALL_FORCE = 1e3
+"""Clamping force below which kN may be meant, N."""
+LARGE_FORCE = 300e3
+"""Largest clamping force that is chosen for a torque, N. Variators for cars have up to 100 kN."""
+BELT_SPEED = 60.0
+"""Speed of the belt above which a warning is issued, m/s. Belts of cars run at up to about 50 m/s."""
+
+
+def shortfall(parameters: Mapping[str, Any], ratio: float, torque: float, force: float) -> str | None:
+    """Reason why the clamping force (N) cannot carry the primary torque (N·m), with a hint if a unit seems to be wrong; None if it may."""
+    carried = torque_capacity(parameters, ratio, force)
+    if abs(torque) <= BEYOND * carried + DRAG:
+        return None
+    why = f"the capacity is {carried:.3g} N·m at {force:g} N"
+    hint = wrong_unit(torque, force, carried)
+    return f"{why}. {hint}" if hint else why
+
+
+def wrong_unit(torque: float, force: float, carried: float) -> str | None:
+    """The unit that is meant if torque (N·m) or force (N) are larger or smaller by 1000 than a force that carries `carried` N·m allows."""
+    wanted = abs(torque)
+    if 0.0 < force < SMALL_FORCE and wanted <= 1e3 * BEYOND * carried:
+        return f"Is the force in kN? {force:g} kN are {1e3 * force:g} N and carry {1e3 * carried:.3g} N·m"
+    if wanted >= 2e3 and 1e-3 * wanted <= BEYOND * carried:
+        return f"Is the torque in N·mm? {wanted:g} N·mm are {1e-3 * wanted:g} N·m"
+    return None
+
+
+def excessive_force(torque: float, force: float) -> str | None:
+    """Reason why the force (N) that a torque (N·m) requires is not realistic; None if it is."""
+    if force <= LARGE_FORCE:
+        return None
+    hint = f". Is the torque in N·mm? {torque:g} N·mm are {1e-3 * torque:g} N·m" if abs(torque) >= 2e3 else ""
+    return f"{torque:g} N·m require a clamping force of {1e-3 * force:.4g} kN, above {1e-3 * LARGE_FORCE:g} kN{hint}"
+
+
+def excessive_speed(parameters: Mapping[str, Any], ratio: float, speed: float) -> str | None:
+    """Reason why a primary speed (rad/s) is not realistic, with a hint if it seems to be in rpm; None if it is."""
+    radius = curve_of(parameters, theta_of(ratio)).primary_radius
+    belt = abs(speed) * radius
+    if belt <= BELT_SPEED:
+        return None
+    why = f"{speed:g} rad/s at ratio {ratio:g} are a belt speed of {belt:.3g} m/s, above {BELT_SPEED:g} m/s"
+    return f"{why}. Is the speed in rpm? {speed:g} rpm are {speed * math.pi / 30.0:.4g} rad/s"

@@ -1,0 +1,141 @@
+"""Capacity of the belt: wrong units are answered before anything is solved, and clamping forces carry the torque on both pulleys."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from pushbelt import cli
+from pushbelt.fmu import unit
+from pushbelt.fmu.start_values import StartValueError
+from pushbelt.variator import LEAST_FORCE, MOST_STATES, SteadyStateError, Variator, VariatorWarning
+
+COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
+
+
+@pytest.fixture(scope="module")
+def belt(fmu: Path) -> Iterator[Variator]:
+    """A variator on a coarse mesh, for steady states."""
+    with Variator("bench168", COARSE, fmu=fmu) as opened:
+        yield opened
+
+
+@pytest.fixture
+def initialised(monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """One entry for each initial state that an FMU solves."""
+    calls, original = [], unit.Variator.initialise
+    monkeypatch.setattr(unit.Variator, "initialise", lambda self: (calls.append(self), original(self))[1])
+    return calls
+
+
+# Wrong units
+
+
+@pytest.mark.parametrize(
+    ("point", "why"),
+    [
+        ({"torque": 40.0, "force": 9.0}, r"the capacity is 0.09\d+ N·m at 9 N. Is the force in kN\? 9 kN"),
+        ({"torque": -35.0, "force": 14.0}, r"-35 N·m, .* N·m at 14 N. Is the force in kN\? 14 kN are 14000 N"),
+        ({"torque": 45e3, "force": 15e3}, r"Is the torque in N·mm\? 45000 N·mm are 45 N·m"),
+        ({"torque": 70e3}, r"70000 N·m require a clamping force of \d+ kN, above 300 kN. Is the torque in N·mm\?"),
+        ({"torque": 300.0, "force": 9e3}, r"the capacity is \d+\.?\d* N·m at 9000 N$"),
+    ],
+)
+def test_a_torque_beyond_capacity_is_refused_before_anything_is_solved(
+    belt: Variator, initialised: list[object], point: dict[str, float], why: str
+) -> None:
+    for call in (belt.steady, belt.linearize):
+        with pytest.raises(SteadyStateError, match=why):
+            call(1.0, **point)
+    assert not initialised
+
+
+@pytest.mark.parametrize(
+    ("point", "why"),
+    [
+        ({"ratio": -1.0, "torque": 40.0}, "ratio = -1 is out of range"),
+        ({"ratio": 0.0, "torque": 40.0}, "ratio = 0 is out of range"),
+        ({"ratio": 1.0, "torque": float("nan")}, "torque = nan is not finite"),
+        ({"ratio": 1.0, "torque": 40.0, "force": -5e3}, "force = -5000 N is out of range"),
+        ({"ratio": 1.0, "torque": 40.0, "safety": 0.0}, "safety = 0.0 is not a number above 0"),
+    ],
+)
+def test_a_number_that_is_no_point_is_named(belt: Variator, point: dict[str, float], why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        belt.steady(**point)
+
+
+def test_a_run_with_a_force_in_kilonewtons_is_refused(fmu: Path, initialised: list[object]) -> None:
+    with (
+        Variator("bench168", {**COARSE, "secondary.clampingForce": 11.0}, fmu=fmu) as run,
+        pytest.raises(StartValueError, match=r"secondary.clampingForce = 11 N: .*Is the force in kN\?"),
+    ):
+        run.start()
+    assert not initialised
+
+
+def test_inputs_of_a_step_give_a_warning(fmu: Path) -> None:
+    with Variator("bench168", COARSE, fmu=fmu) as run:
+        run.start()
+        with pytest.warns(VariatorWarning, match=r"Is the force in kN\?") as caught:
+            run.set({"secondary.clampingForce": 13.0})
+        assert caught[0].filename == __file__, "the warning names the line of the caller"
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            # An open pulley, and a torque beyond the capacity that no unit explains.
+            run.set({"secondary.clampingForce": 0.0})
+            run.set({"secondary.clampingForce": 9e3, "primary.torque": 300.0})
+
+
+def test_a_speed_in_rpm_gives_a_warning(belt: Variator) -> None:
+    with pytest.warns(VariatorWarning, match=r"belt speed of \d+ m/s, above 60 m/s. Is the speed in rpm\? 3000 rpm are 314.2"):
+        belt.steady(1.1, 20.0, speed=3000.0, force=9e3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        belt.steady(1.1, 20.0, speed=600.0, force=9e3)
+
+
+def test_the_command_line_answers_too(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["initial.ratio=1.2", "primary.torque=30", "--fmu", str(fmu), "--output", str(tmp_path / "out"), *WORDS]
+    assert cli.main(["linearize", *words, "secondary.clampingForce=8"]) == 1
+    assert "Is the force in kN? 8 kN are 8000 N" in capsys.readouterr().err
+    assert cli.main(["linearize", *words, "secondary.clampingForce=8000", "initial.primarySpeed=2500"]) in (0, 1)
+    said = capsys.readouterr().err
+    assert "  warning: 2500 rad/s at ratio 1.2" in said and ".py:" not in said
+
+
+# Clamping forces
+
+
+@pytest.mark.parametrize("ratio", [0.5, 0.9, 1.6, 2.1])
+@pytest.mark.parametrize("torque", [-110.0, -25.0, 25.0, 110.0])
+def test_both_pulleys_carry_the_torque(belt: Variator, initialised: list[object], ratio: float, torque: float) -> None:
+    force = belt.least_force(ratio, torque)
+    assert 1 <= len(initialised) <= MOST_STATES
+    state = belt.steady(ratio, torque, force=force)
+    safety = belt.torque_capacity(ratio, force, state["thrustRatio"]) / abs(torque)
+    assert safety > 1.26
+    assert safety < 1.35 or force == LEAST_FORCE
+    # Without a solution, by a known thrust ratio.
+    count = len(initialised)
+    known = belt.least_force(ratio, torque, thrust_ratio=state["thrustRatio"])
+    assert len(initialised) == count and known == pytest.approx(force, rel=0.03)
+
+
+def test_a_map_has_overrun_in_underdrive(belt: Variator) -> None:
+    """Regression test: the force counted the secondary pulley only, so that these points were beyond capacity."""
+    found = belt.thrust_map([1.5, 2.2], [-90.0, -15.0])
+    assert (found["reason"] == "").all()
+    assert (found["thrustRatio"] < 1.0).all()
+    grid = belt.linear_grid([2.0], [-45.0, 45.0])
+    assert not list(grid.refused())
+
+
+def test_the_state_that_gave_the_force_is_not_solved_again(belt: Variator, initialised: list[object]) -> None:
+    """In drive at this ratio the first thrust ratio is above 1."""
+    belt.steady(0.8, 52.0)
+    assert len(initialised) == 1

@@ -1,0 +1,283 @@
+"""Linear models in physical coordinates: the transform, interpolation, discrete time, and the loop of the page."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT
+from scipy.io import loadmat
+from scipy.linalg import expm
+
+from pushbelt import linear_interpolation, linear_physical
+from pushbelt.linear import LinearModel
+from pushbelt.linear_grid import LinearGrid, load_linear
+from pushbelt.linear_physical import LOG_RATIO, NotPhysicalError, modes_needed, physical
+from pushbelt.linearize import __main__ as linearize
+from pushbelt.linearize.report import phases
+from pushbelt.variator import LinearPointError, Variator
+
+COARSE = {"ring.model": "ALE0", "mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+WORDS = tuple(f"{name}={value}" for name, value in COARSE.items())
+ALL = ("primary.torque", "primary.clampingForce", "secondary.torque", "secondary.clampingForce")
+OUTPUTS = ("primary.speed", "secondary.speed", "ratio.geometric", "slip")
+
+
+@pytest.fixture(scope="module")
+def belt(fmu: Path) -> Iterator[Variator]:
+    with Variator("bench168", COARSE, fmu=fmu) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def grid(belt: Variator) -> LinearGrid:
+    return belt.linear_grid([0.7, 0.8, 1.5], [35.0, 700.0], force=11e3, states="physical", sample_time=0.004)
+
+
+def invented(blocks: list[complex], inputs: tuple[str, ...] = ALL, seed: int = 3) -> LinearModel:
+    """A modal model with these poles; one of a pair is given."""
+    random, size = np.random.default_rng(seed), sum(2 if pole.imag else 1 for pole in blocks)
+    a, poles, k = np.zeros((size, size)), [], 0
+    for pole in map(complex, blocks):
+        if pole.imag:
+            a[k : k + 2, k : k + 2] = [[pole.real, pole.imag], [-pole.imag, pole.real]]
+            poles += [pole, pole.conjugate()]
+        else:
+            a[k, k] = pole.real
+            poles.append(pole)
+        k = len(poles)
+    numbers = dict.fromkeys(inputs, 1.0)
+    return LinearModel(
+        a=a,
+        b=random.normal(size=(size, len(inputs))),
+        c=random.normal(size=(4, size)),
+        d=random.normal(size=(4, len(inputs))),
+        inputs=inputs,
+        outputs=OUTPUTS,
+        states=tuple(f"mode{n + 1}" for n in range(size)),
+        poles=np.array(poles),
+        held=numbers,
+        values={"primary.speed": 180.0, "secondary.speed": 120.0, "ratio.geometric": 1.5, "slip": 0.01},
+        units={name: "1" for name in (*inputs, *OUTPUTS)},
+        frequency=200.0,
+        slip=0.01,
+        macro_slip=False,
+        given=numbers,
+        remarks=(),
+    )
+
+
+# The transform
+
+
+def test_real_modes_are_transformed_without_loss() -> None:
+    model = invented([-0.2, -1.1, -170.0])
+    found = physical(model)
+    assert found.states == ("primary.speed", "secondary.speed", LOG_RATIO)
+    assert found.poles == pytest.approx(model.poles)
+    w = np.geomspace(0.01, 1e3, 9)
+    assert np.abs(found.response(w) - model.response(w)).max() < 1e-9 * np.abs(model.response(w)).max()
+    # The states are the outputs without their direct feedthrough, and i times ln i.
+    assert found.c[:2] == pytest.approx(np.eye(3)[:2], abs=1e-9)
+    assert found.c[2] == pytest.approx([0.0, 0.0, 1.5], abs=1e-9)
+
+
+def test_faster_modes_are_quasi_static() -> None:
+    model = invented([-0.2, -1.1, -150.0, -900.0 + 300.0j])
+    found = physical(model)
+    assert found.poles == pytest.approx([-0.2, -1.1, -150.0])
+    assert found.response(0.0) == pytest.approx(model.response(0.0))
+
+
+def test_a_pair_becomes_a_lag() -> None:
+    model = invented([-0.2 + 0.1j, -60.0 + 170.0j, -500.0])
+    found = physical(model)
+    assert modes_needed(model) == 4
+    assert found.poles == pytest.approx([-0.2 + 0.1j, -0.2 - 0.1j, -abs(-60.0 + 170.0j)])
+    assert found.response(0.0) == pytest.approx(model.response(0.0))
+    assert found.c[:2] == pytest.approx(np.eye(3)[:2], abs=1e-9)
+    near = found.response(0.5) - model.response(0.5)
+    assert np.abs(near).max() < 0.02 * np.abs(model.response(0.5)).max()
+
+
+@pytest.mark.parametrize(
+    ("inputs", "states"),
+    [
+        (ALL, ("primary.speed", "secondary.speed", LOG_RATIO)),
+        (("primary.torque", "primary.clampingForce", "secondary.speedSetpoint", "secondary.clampingForce"), ("primary.speed", LOG_RATIO)),
+        (("primary.torque", "secondary.torque", "secondary.clampingForce"), ("primary.speed", "secondary.speed")),
+        (("primary.speedSetpoint", "secondary.speedSetpoint", *ALL[1::2]), (LOG_RATIO,)),
+    ],
+)
+def test_coordinates_that_are_held_drop_out(inputs: tuple[str, ...], states: tuple[str, ...]) -> None:
+    found = physical(invented([-0.3, -2.0, -140.0], inputs))
+    assert found.states == states and found.a.shape == (len(states), len(states))
+
+
+def test_what_has_no_physical_coordinates_is_refused() -> None:
+    with pytest.raises(NotPhysicalError, match="both speeds and the ratio are held"):
+        physical(invented([-0.3], ("primary.speedSetpoint", "secondary.speedSetpoint")))
+    with pytest.raises(NotPhysicalError, match=r"2 modes are below 200 Hz, but 3 are needed for primary.speed, secondary.speed, ln"):
+        physical(invented([-0.3, -2.0]))
+    model = invented([-0.3, -2.0, -140.0])
+    nearly = model.c.copy()
+    nearly[1] = nearly[0] * 120.0 / 180.0 + 1e-7 * nearly[1]
+    with pytest.raises(NotPhysicalError, match=r"condition number .* is \d\.\de\+\d\d, above 1e\+06"):
+        physical(replace(model, c=nearly))
+
+
+def test_the_belt_has_them(belt: Variator, grid: LinearGrid) -> None:
+    modal, found = belt.linearize(0.8, 35.0, force=11e3, frequency=120.0), grid[1, 0]
+    assert found.coordinates == "physical" and len(found.states) == 3
+    w, loads = np.array([0.3, 2.0]), ["primary.clampingForce", "secondary.torque"]
+    expected = modal.select(["ratio.geometric", "primary.speed"], loads).response(w)
+    near = found.select(["ratio.geometric", "primary.speed"], loads).response(w)
+    assert np.abs(near - expected).max(axis=0) == pytest.approx(0.0, abs=0.02 * np.abs(expected).max())
+    assert found.poles[:2] == pytest.approx(modal.poles[:2], rel=1e-5)
+    with pytest.raises(ValueError, match="states = 'physic' is not one of modal, physical"):
+        belt.linearize(0.8, 35.0, force=11e3, states="physic")
+
+
+def test_more_modes_are_searched_until_they_are_enough() -> None:
+    asked = []
+    modes = [-0.3, -2.0, -700.0, -4000.0]
+
+    def linearise(frequency: float) -> LinearModel:
+        asked.append(frequency)
+        return invented([one for one in modes if abs(one) < 2.0 * np.pi * frequency])
+
+    assert linear_physical.with_enough_modes(linearise, 30.0).poles == pytest.approx([-0.3, -2.0, -700.0])
+    assert asked == [30.0, 60.0, 120.0]
+    modes = modes[:2]
+    with pytest.raises(NotPhysicalError, match="2 modes"):
+        linear_physical.with_enough_modes(linearise, 30.0)
+    assert max(asked) < 4e3
+
+
+# Discrete time
+
+
+def test_discrete_matrices_are_those_of_constant_inputs(grid: LinearGrid) -> None:
+    model = grid[0, 0]
+    n, k = model.b.shape
+    whole = np.zeros((n + k, n + k))
+    whole[:n, :n], whole[:n, n:] = model.a, model.b
+    grown = expm(0.004 * whole)
+    assert np.array_equal(model.ad, grown[:n, :n]) and np.array_equal(model.bd, grown[:n, n:])
+    # Ten samples of a unit step are the continuous step response.
+    state = np.zeros((n, k))
+    for _ in range(10):
+        state = model.ad @ state + model.bd
+    assert model.cd @ state + model.dd == pytest.approx(model.step(0.04)[0], rel=1e-7, abs=1e-12)
+    with pytest.raises(ValueError, match="no sample time"):
+        _ = replace(model, sample_time=None).ad
+    with pytest.raises(ValueError, match=r"sample_time = -1 s is not a number above 0"):
+        model.sampled(-1)
+
+
+# Grids
+
+
+def test_points_of_the_grid_are_their_own_interpolation(grid: LinearGrid) -> None:
+    for k, ratio in enumerate((0.7, 0.8, 1.5)):
+        found = grid.interpolate(ratio=ratio, torque=35.0)
+        for name in "abcd":
+            expected = getattr(grid[k, 0], name)
+            assert np.abs(getattr(found, name) - expected).max() < 1e-8 * np.abs(expected).max()
+        assert found.held == pytest.approx(grid[k, 0].held)
+
+
+def test_a_slow_pole_stays_between_its_neighbours(grid: LinearGrid, belt: Variator) -> None:
+    """The elements of A by themselves do not have this property."""
+    found, ends = grid.interpolate(ratio=0.75, torque=35.0), (grid[0, 0], grid[1, 0])
+    for k in range(2):
+        low, high = sorted(end.poles[k].real for end in ends)
+        assert low - 0.15 < found.poles[k].real < high + 0.15
+    elements = 0.5 * ends[0].a + 0.5 * ends[1].a
+    assert abs(np.sort(np.linalg.eigvals(elements).real)[-2] - found.poles[1].real) > 0.5
+    there = belt.linearize(0.75, 35.0, force=11e3)
+    assert found.held["primary.clampingForce"] == pytest.approx(there.held["primary.clampingForce"], rel=0.03)
+
+
+def test_interpolation_is_linear_in_its_parts() -> None:
+    """Models of one law, with a fast mode whose direction changes: the mean of two parts is exact in each part."""
+    models = [physical(invented([-0.2 * k, -1.0 - k, -200.0 * k], seed=4)) for k in (1, 2)]
+    found = linear_interpolation.interpolated([(models[0], 0.25), (models[1], 0.75)])
+    assert found.poles[-1] == pytest.approx(-350.0)
+    assert found.d == pytest.approx(0.25 * models[0].d + 0.75 * models[1].d)
+
+
+@pytest.mark.parametrize(
+    ("point", "why"),
+    [
+        ({"ratio": 0.75}, "a value of torque is missing: the grid has 2 values"),
+        ({"ratio": 0.6, "torque": 35.0}, "ratio = 0.6 is outside of the grid, 0.7 to 1.5"),
+        ({"ratio": 0.75, "torque": 35.0, "force": 9e3}, "the grid has no axis force; its axes are ratio, torque"),
+        ({"ratio": 0.75, "torque": 300.0}, "no linear model next to .*700 N·m.*the capacity is"),
+    ],
+)
+def test_a_point_that_cannot_be_interpolated_is_named(grid: LinearGrid, point: dict[str, float], why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        grid.interpolate(**point)
+
+
+def test_modal_models_are_not_interpolated() -> None:
+    models = np.array([invented([-0.3, -2.0]), invented([-0.4, -1.0])], dtype=object)
+    modal = LinearGrid({"ratio": np.array([1.0, 2.0])}, models, np.full(2, "", dtype=object))
+    with pytest.raises(ValueError, match="make the grid with states='physical'"):
+        modal.interpolate(ratio=1.5)
+
+
+def test_files_contain_coordinates_and_discrete_matrices(
+    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["initial.ratio=0.9,1.3", "primary.torque=25", "secondary.clampingForce=9500", *WORDS, "--time", "0.5"]
+    options = ["--states", "physical", "--sample-time", "0.01", "--fmu", str(fmu), "--output", str(tmp_path)]
+    assert linearize.main([*words, *options]) == 0
+    grid = load_linear(tmp_path / "models.npz")
+    model = grid[1, 0]
+    assert (model.coordinates, model.sample_time, model.units[LOG_RATIO]) == ("physical", 0.01, "1")
+    assert grid.interpolate(ratio=1.1).poles.real.max() < 1.0
+    with np.load(tmp_path / "models.npz") as file:
+        assert np.array_equal(file["Ad"][1, 0], model.ad) and np.array_equal(file["Dd"][1, 0], model.d)
+    cell = loadmat(tmp_path / "models.mat")["models"][1, 0]
+    assert np.array_equal(cell["Bd"][0, 0], model.bd) and cell["sampleTime"][0, 0].item() == 0.01
+    text = (tmp_path / "models.json").read_text(encoding="utf-8")
+    assert '"coordinates": "physical"' in text and '"Cd"' in text
+    table = grid.to_dataframe()
+    assert table["held primary.torque"].tolist() == pytest.approx([25.0, 25.0], rel=1e-2) and len(table) == 2
+    assert linearize.main([*words, *options, "--sample-time", "0"]) == 1
+    assert "sample_time = 0.0 s is not a number above 0" in capsys.readouterr().err
+
+
+def test_too_few_modes_are_a_reason(belt: Variator, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(linear_physical, "MOST_HERTZ", 0.0)
+    with pytest.raises(LinearPointError, match=r"at ratio 1, 30 N·m.*modes are below 1 Hz, but \d are needed"):
+        belt.linearize(1.0, 30.0, force=9e3, states="physical", frequency=1.0)
+
+
+def test_phases_have_no_jumps_and_start_together() -> None:
+    turn = np.linspace(170.0, 400.0, 60)
+    found = phases([np.exp(1j * np.radians(turn)), np.exp(1j * np.radians(turn + 25.0))])
+    assert np.abs(np.diff(found)).max() < 10.0
+    assert found[1] - found[0] == pytest.approx(25.0)
+
+
+# The page
+
+
+def test_the_loop_of_the_page_prints_what_stands_there(
+    fmu: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("PUSHBELT_FMU", str(fmu))
+    page = (ROOT / "docs" / "linear.md").read_text(encoding="utf-8").split("## Between the points")[1]
+    program, printed = re.search(r"```python\n(.*?)```\n\nprints\n\n```\n(.*?)```", page, re.DOTALL).groups()
+    names: dict[str, object] = {}
+    exec(compile(program, "linear.md", "exec"), names)
+    assert capsys.readouterr().out == printed
+    # The loop ends at its set point.
+    assert names["state"]["ratio.geometric"] == pytest.approx(0.7, rel=0.05)
