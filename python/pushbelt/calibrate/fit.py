@@ -11,9 +11,9 @@ from scipy.stats import t as student
 
 from pushbelt.fmu.geometry import Array
 
-from .model import Model
-from .parameters import Parameter, assign
-from .worker import Found
+from pushbelt.rig.model import Model
+from pushbelt.rig.parameters import Parameter, assign
+from pushbelt.rig.worker import Found
 
 CONFIDENCE = 0.95
 UNDETERMINED = 1.0

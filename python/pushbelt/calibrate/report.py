@@ -12,10 +12,12 @@ import numpy as np
 from pushbelt.page import write_html as write_page
 from pushbelt.page import write_table
 
-from . import figures, fit, model, worker
+from pushbelt.rig import model, worker
+
+from . import figures, fit
 from .fit import Estimate
 from .results import Results, Row
-from .table import QUANTITIES
+from pushbelt.rig.points import MEASURED
 
 WORST = 10
 """Number of values with the largest residuals in the list."""
@@ -123,8 +125,8 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     before = np.array([row.before - row.measured.value for row in rows if row.before is not None])
     return {
         "name": quantity,
-        "meaning": QUANTITIES[quantity].meaning,
-        "unit": "" if "1" in QUANTITIES[quantity].units else "1/s",
+        "meaning": MEASURED[quantity].meaning,
+        "unit": "" if MEASURED[quantity].dimension == "ratio" else "1/s",
         "count": len(rows),
         "before": float(np.sqrt(np.mean(before**2))) if before.size else None,
         "after": float(np.sqrt(np.mean(after**2))),

@@ -15,7 +15,7 @@ from pushbelt.fmu.unit import Archive
 from pushbelt.side_by_side import Call, worker_pool
 
 from .parameters import Parameter, assign
-from .table import Measured, Point
+from .measured import Measured, Point
 from .worker import Found, Job, solve_all
 
 STEP = 1e-3
@@ -42,6 +42,10 @@ class Value:
     """Index of the point."""
     measured: Measured
 
+    def of(self, states: Sequence[Found]) -> float | None:
+        """The model's value; None without a steady state."""
+        return states[self.point].values.get(self.measured.key or self.measured.quantity)
+
 
 class Model:
     """Residuals as functions of the parameters."""
@@ -64,7 +68,7 @@ class Model:
 
     def column(self, states: Sequence[Found]) -> Array:
         """Model values, one for each measured one; NaN where a point has no steady state."""
-        return np.array([states[v.point].values.get(v.measured.quantity, np.nan) for v in self.values])
+        return np.array([np.nan if (found := v.of(states)) is None else found for v in self.values])
 
     @property
     def measured(self) -> Array:
@@ -141,7 +145,7 @@ class Model:
             for k, step in enumerate(steps):
                 state = solved.get((value.point, k))
                 if state is not None and step is not None:
-                    moved = state.values.get(value.measured.quantity, np.nan)
+                    moved = state.values.get(value.measured.key or value.measured.quantity, np.nan)
                     found[row, k] = (moved - middle[row]) / step
         return found
 
