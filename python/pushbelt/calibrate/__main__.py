@@ -11,14 +11,17 @@ The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per p
 Cells may be empty. --template FILE writes such a table with the meaning of each column; --check prints what is understood.
 With the columns series and time, each series is a recorded shift and its rows are the samples.
 
-A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about ten times as many solutions as parameters plus one:
-60 points and six parameters take two minutes on two processors. Shift rates and speed ratios take about five times as long.
+A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about four solutions per point and parameter, and ten more.
+A speed ratio takes three solutions, a shift rate about five times as long.
+
+Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 import time
 from collections.abc import Mapping
@@ -36,12 +39,15 @@ from pushbelt.rig import options as reading_options
 from pushbelt.rig.parameters import ParameterError
 from pushbelt.rig.points import TableError
 
+from . import misfit
 from .fit import FitError, fit
 from .results import Effort, Results
 
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 """Mesh of a short run."""
-ITERATIONS = 8
+MISFIT = 3
+"""Exit code of a bad fit."""
+ITERATIONS = 12
 """Number of iterations of a fit that the progress bar assumes."""
 
 
@@ -65,6 +71,19 @@ def limits(text: str) -> tuple[str, tuple[float, float]]:
     if not separator:
         raise argparse.ArgumentTypeError(f"{text} is not of the form name=low:high")
     return name, (float(low), float(high))
+
+
+def prior(text: str) -> tuple[str, tuple[float, float]]:
+    """`name=value±sd`."""
+    name, _, both = text.partition("=")
+    value, deviation = (re.split(r"±|\+/?-", both, maxsplit=1) + [""])[:2]
+    try:
+        found = float(value), float(deviation)
+    except ValueError:
+        found = 0.0, 0.0
+    if not name or not found[1] > 0.0:
+        raise argparse.ArgumentTypeError(f"{text} is not of the form name=value±sd, with sd above 0")
+    return name, found
 
 
 def parser() -> argparse.ArgumentParser:
@@ -95,6 +114,15 @@ def parser() -> argparse.ArgumentParser:
         metavar="NAME=LOW:HIGH",
         help="narrower bounds than the FMU's",
     )
+    found.add_argument(
+        "--prior",
+        type=prior,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE±SD",
+        help="what is known of a fitted parameter without the table, value and standard deviation; also VALUE+-SD",
+    )
+    found.add_argument("--accept-misfit", action="store_true", help="exit code 0 also for a fit that is bad, instead of 3")
     found.add_argument("--variator", default="bench168", help="parameter set of the start values: a name, or a file ….json")
     found.add_argument(
         "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="parameter with a fixed value"
@@ -147,15 +175,15 @@ def _check(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     from . import report
 
-    rig = points.read(options.table, reading_options.reading(options), reading_options.oil(options))
-    for line in (*rig.sheet.remarks, *rig.remarks, *(f"left out: {fault}" for fault in rig.sheet.left_out)):
-        print(f"  {line}")
+    reading, oil = reading_options.reading(options), reading_options.oil(options)
+    rig = points.read(options.table, reading, oil)
     description = described(options.fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = start_values(options, variables)
-    chosen = parameters.choose(options.fit, dict(options.bounds), variables, base)
+    chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
     begin = time.perf_counter()
-    expected = (1 + ITERATIONS * (len(chosen) + 1) + 2 * len(chosen)) * len(rig.points)
+    expected = (1 + ITERATIONS + 4 * len(chosen)) * len(rig.points)
+    alternatives: list[misfit.Alternative] = []
     with progress_bar(expected, "steady states") as bar:
 
         def update(count: float) -> None:
@@ -164,11 +192,16 @@ def _run(options: argparse.Namespace) -> int:
 
         with model.opened(options.fmu, base, rig.points, options.workers, update) as opened:
             found = fit(opened, chosen)
+            if not found.fits:
+                coarse = {**base, **COARSE}
+                alternatives = misfit.alternatives(
+                    rig, reading, oil, chosen, lambda own: opened.with_points(own, coarse), options.table
+                )
             results = Results(
                 options.table.name, description.version or "", options.variator,
                 {name: value for name, value in base.items() if not (options.short and name in COARSE)}, options.short,
                 opened.points, opened.values, found,
-                Effort(opened.solves, time.perf_counter() - begin),
+                Effort(opened.solves, time.perf_counter() - begin), tuple(map(str, alternatives)), _notes(rig),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
@@ -176,12 +209,25 @@ def _run(options: argparse.Namespace) -> int:
     report.write_parameters(results, options.output / "parameters.json")
     path = options.output / "report.html"
     report.write_html(results, path)
+    if not found.fits:
+        print(f"does not fit: {found.misfit}")
+        for alternative in alternatives:
+            print(f"  {alternative}")
+    for line in results.notes:
+        print(f"  {line}")
     for estimate in found.estimates:
         print(f"  {report.sentence(estimate)}")
     for lost in results.lost:
         print(f"  no steady state, not used: {lost.point.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
-    return 0
+    return 0 if found.fits or options.accept_misfit else MISFIT
+
+
+def _notes(rig: points.Rig) -> tuple[str, ...]:
+    """What the report says about the table."""
+    ignored = (f"ignored columns: {', '.join(rig.sheet.ignored)}",) if rig.sheet.ignored else ()
+    left_out = (f"left out: {fault}" for fault in rig.sheet.left_out)
+    return (*ignored, *rig.sheet.remarks, *rig.remarks, *left_out)
 
 
 if __name__ == "__main__":
