@@ -1,21 +1,27 @@
 """Fits parameters of the FMU to a table of measured steady points: `python -m pushbelt.calibrate TABLE.csv --fmu … --output …`.
 
-The table is CSV with one line per point. Columns have the unit in the header, like `primary.speed [rpm]`:
+The table is CSV as rigs and spreadsheets write it, or .xlsx, with one row per point. Columns have the unit in the header, like
+`primary.speed [rpm]`, or in the row below:
 
-    ratio.geometric or ratio.speed, primary.speed [rad/s, rpm], primary.torque [N.m], secondary.clampingForce [N, kN]
-    any of thrustRatio, slip [1, %], efficiency [1, %], di/dt or ds/dt [1/s] (these need primary.clampingForce)
+    ratio.geometric, or ratio.speed (i), or secondary.speed (n_S); primary.speed (n_P); primary.torque (T_P)
+    secondary.clampingForce (F_S), or secondary.pressure (p_S) with --piston-area
+    any of thrustRatio, slip, efficiency, primary.clampingForce (F_P), secondary.torque (T_S), di/dt or ds/dt
     their standard deviations, like slip.sd [%]; name
 
-Cells may be empty. --template FILE writes such a table with the meaning of each column.
+Cells may be empty. --template FILE writes such a table with the meaning of each column; --check prints what is understood.
+With the columns series and time, each series is a recorded shift and its rows are the samples.
 
-A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about ten times as many solutions as parameters plus one:
-60 points and six parameters take two minutes on two processors. Shift rates and speed ratios take about five times as long.
+A solution takes 0.02 to 0.03 s of processor time per point, and a fit takes about four solutions per point and parameter, and ten more.
+A speed ratio takes three solutions, a shift rate about five times as long.
+
+Exit codes: 0 the model fits, 1 an error, 3 it does not fit (all files are written).
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 import time
 from collections.abc import Mapping
@@ -28,15 +34,20 @@ from pushbelt.fmu.unit import UnitError
 from pushbelt.fmu.untrusted import InputFileError, described
 from pushbelt.progress import progress_bar
 
-from . import model, parameters, table
+from pushbelt.rig import model, parameters, points
+from pushbelt.rig import options as reading_options
+from pushbelt.rig.parameters import ParameterError
+from pushbelt.rig.points import TableError
+
+from . import misfit
 from .fit import FitError, fit
-from .parameters import ParameterError
 from .results import Effort, Results
-from .table import TableError
 
 COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
 """Mesh of a short run."""
-ITERATIONS = 8
+MISFIT = 3
+"""Exit code of a bad fit."""
+ITERATIONS = 12
 """Number of iterations of a fit that the progress bar assumes."""
 
 
@@ -62,16 +73,30 @@ def limits(text: str) -> tuple[str, tuple[float, float]]:
     return name, (float(low), float(high))
 
 
+def prior(text: str) -> tuple[str, tuple[float, float]]:
+    """`name=value±sd`."""
+    name, _, both = text.partition("=")
+    value, deviation = (re.split(r"±|\+/?-", both, maxsplit=1) + [""])[:2]
+    try:
+        found = float(value), float(deviation)
+    except ValueError:
+        found = 0.0, 0.0
+    if not name or not found[1] > 0.0:
+        raise argparse.ArgumentTypeError(f"{text} is not of the form name=value±sd, with sd above 0")
+    return name, found
+
+
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     found = argparse.ArgumentParser(
         prog="pushbelt.calibrate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    found.add_argument("table", type=Path, nargs="?", metavar="TABLE.csv", help="the measured points")
-    found.add_argument("--fmu", type=Path, required=True, help="the FMU to run")
+    found.add_argument("table", type=Path, nargs="?", metavar="TABLE", help="the measured points")
+    found.add_argument("--fmu", type=Path, help="the FMU to run")
     found.add_argument(
-        "--output", type=Path, required=True, help="folder for report.html, parameters.json and residuals.csv"
+        "--output", type=Path, help="folder for report.html, parameters.json and residuals.csv"
     )
+    found.add_argument("--check", action="store_true", help="only print what is understood of the table, without a fit")
     found.add_argument("--template", type=Path, metavar="FILE", help="write an example table and exit")
     found.add_argument(
         "--fit",
@@ -89,12 +114,22 @@ def parser() -> argparse.ArgumentParser:
         metavar="NAME=LOW:HIGH",
         help="narrower bounds than the FMU's",
     )
+    found.add_argument(
+        "--prior",
+        type=prior,
+        action="append",
+        default=[],
+        metavar="NAME=VALUE±SD",
+        help="what is known of a fitted parameter without the table, value and standard deviation; also VALUE+-SD",
+    )
+    found.add_argument("--accept-misfit", action="store_true", help="exit code 0 also for a fit that is bad, instead of 3")
     found.add_argument("--variator", default="bench168", help="parameter set of the start values: a name, or a file ….json")
     found.add_argument(
         "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="parameter with a fixed value"
     )
     found.add_argument("--short", action="store_true", help="fit on a coarse mesh in half the time, for a first estimate")
     found.add_argument("--workers", type=int, default=2, metavar="N", help="processes [default: 2]")
+    reading_options.add(found)
     return found
 
 
@@ -103,11 +138,16 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         if options.template is not None:
-            options.template.write_text(table.template(), encoding="utf-8")
+            options.template.write_text(points.template(), encoding="utf-8")
             print(options.template.resolve())
             return 0
         if options.table is None:
             raise TableError("a table is required; --template FILE writes an example")
+        if options.check:
+            return _check(options)
+        for name in ("fmu", "output"):
+            if getattr(options, name) is None:
+                raise FitError(f"--{name} is required")
         return _run(options)
     except (TableError, ParameterError, StartValueError, FitError, UnitError, InputFileError, OSError, json.JSONDecodeError) as error:
         print(f"The calibration failed: {error}", file=sys.stderr)
@@ -120,29 +160,48 @@ def start_values(options: argparse.Namespace, variables: Mapping[str, Any]) -> d
     return checked(variables, values, {"parameter"})
 
 
+def _check(options: argparse.Namespace) -> int:
+    """Prints what is understood of the table."""
+    try:
+        rig = points.read(options.table, reading_options.reading(options), reading_options.oil(options))
+    except TableError as error:
+        if error.found is not None:
+            print("\n".join(points.described(error.found)))
+        raise
+    print("\n".join(points.understood(rig)))
+    return 0
+
+
 def _run(options: argparse.Namespace) -> int:
     from . import report
 
-    points = table.read(options.table)
+    reading, oil = reading_options.reading(options), reading_options.oil(options)
+    rig = points.read(options.table, reading, oil)
     description = described(options.fmu)
     variables = {variable.name: variable for variable in description.modelVariables}
     base = start_values(options, variables)
-    chosen = parameters.choose(options.fit, dict(options.bounds), variables, base)
+    chosen = parameters.choose(options.fit, dict(options.bounds), variables, base, dict(options.prior))
     begin = time.perf_counter()
-    expected = (1 + ITERATIONS * (len(chosen) + 1) + 2 * len(chosen)) * len(points)
+    expected = (1 + ITERATIONS + 4 * len(chosen)) * len(rig.points)
+    alternatives: list[misfit.Alternative] = []
     with progress_bar(expected, "steady states") as bar:
 
         def update(count: float) -> None:
             bar.total = max(bar.total, bar.n + count)
             bar.update(count)
 
-        with model.opened(options.fmu, base, points, options.workers, update) as opened:
+        with model.opened(options.fmu, base, rig.points, options.workers, update) as opened:
             found = fit(opened, chosen)
+            if not found.fits:
+                coarse = {**base, **COARSE}
+                alternatives = misfit.alternatives(
+                    rig, reading, oil, chosen, lambda own: opened.with_points(own, coarse), options.table
+                )
             results = Results(
                 options.table.name, description.version or "", options.variator,
                 {name: value for name, value in base.items() if not (options.short and name in COARSE)}, options.short,
                 opened.points, opened.values, found,
-                Effort(opened.solves, time.perf_counter() - begin),
+                Effort(opened.solves, time.perf_counter() - begin), tuple(map(str, alternatives)), _notes(rig),
             )  # fmt: skip
         bar.total = bar.n
     options.output.mkdir(parents=True, exist_ok=True)
@@ -150,12 +209,25 @@ def _run(options: argparse.Namespace) -> int:
     report.write_parameters(results, options.output / "parameters.json")
     path = options.output / "report.html"
     report.write_html(results, path)
+    if not found.fits:
+        print(f"does not fit: {found.misfit}")
+        for alternative in alternatives:
+            print(f"  {alternative}")
+    for line in results.notes:
+        print(f"  {line}")
     for estimate in found.estimates:
         print(f"  {report.sentence(estimate)}")
     for lost in results.lost:
         print(f"  no steady state, not used: {lost.point.name}: {lost.reason}", file=sys.stderr)
     print(f"{path.resolve()} ({time.perf_counter() - begin:.0f} s)")
-    return 0
+    return 0 if found.fits or options.accept_misfit else MISFIT
+
+
+def _notes(rig: points.Rig) -> tuple[str, ...]:
+    """What the report says about the table."""
+    ignored = (f"ignored columns: {', '.join(rig.sheet.ignored)}",) if rig.sheet.ignored else ()
+    left_out = (f"left out: {fault}" for fault in rig.sheet.left_out)
+    return (*ignored, *rig.sheet.remarks, *rig.remarks, *left_out)
 
 
 if __name__ == "__main__":

@@ -2,25 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import lsq_linear
 from scipy.stats import t as student
 
 from pushbelt.fmu.geometry import Array
-
-from .model import Model
-from .parameters import Parameter, assign
-from .worker import Found
+from pushbelt.rig.model import LOST, Model
+from pushbelt.rig.parameters import Parameter, assign
+from pushbelt.rig.worker import Found
 
 CONFIDENCE = 0.95
 UNDETERMINED = 1.0
 """Largest half-width of the interval of a determined parameter, in its coordinate: the start value itself, or a factor of e."""
-TOLERANCE = 1e-7, 1e-5
-"""Relative changes of the sum of squares and of the coordinates at which a fit ends."""
+TOLERANCE = 1e-4, 1e-4
+"""A search ends where its next step is expected to reduce the sum of squares by less than the first value plus this share of it."""
+CONFIRMED = 10.0
+"""The derivatives at the end may expect a reduction of this multiple of the tolerance."""
 MOST_EVALUATIONS = 40
+MOST_JACOBIANS = 6
+"""Largest number of times that a search computes all derivatives."""
+REACH = 0.3, 1.0, 1e-5
+"""First, largest and smallest length of a step in a coordinate."""
+NEAR = 0.05
+"""Length of steps, in the coordinate of the parameter with the largest influence, within which derivatives hold."""
+DAMPING = 0.01
+"""Weight of the squared step. It is far below that of a determined parameter, and shortens steps along directions that the data
+do not see."""
+MISFIT = 3.0
+"""Root mean square of the residuals, in standard deviations, above which a fit is bad."""
+LOST_SHARE = 1.0 / 3.0
+"""Share of values at points without a steady state above which a fit is bad."""
 AT_BOUND = 1e-3
 """Distance within which a coordinate counts as at its bound."""
 RAISE = 1.1
@@ -89,6 +103,33 @@ class Fit:
     after: tuple[Found, ...]
     evaluations: int
     converged: bool
+    used: tuple[int, int]
+    """Values at points with a steady state, before and after."""
+    count: int
+    """All measured values."""
+
+    @property
+    def rms(self) -> tuple[float, float]:
+        """Root mean square of the residuals in standard deviations, before and after."""
+        first, last = (float(np.sqrt(total / max(used, 1))) for total, used in zip(self.chi_squared, self.used, strict=True))
+        return first, last
+
+    @property
+    def misfit(self) -> str | None:
+        """Reason why the model with these parameters does not fit; None if it does."""
+        before, after = self.rms
+        if self.count - self.used[1] > LOST_SHARE * self.count:
+            return f"{self.count - self.used[1]} of {self.count} values are at points without a steady state"
+        if after > MISFIT:
+            return f"the root mean square of the residuals is {after:.3g} standard deviations, above {MISFIT:g}"
+        if after > 1.0 and self.used[0] == self.used[1] and after >= before * (1.0 - 1e-6):
+            return f"the root mean square of the residuals, {after:.3g} standard deviations, has not fallen"
+        return None
+
+    @property
+    def fits(self) -> bool:
+        """Whether the model with these parameters fits."""
+        return self.misfit is None
 
     @property
     def determined(self) -> list[Estimate]:
@@ -107,8 +148,8 @@ class _Spread:
 
 
 def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
-    """Fits parameters. Those that the table does not determine are reset to their start values one by one."""
-    count = len(model.values)
+    """Fits parameters. Those that the table does not determine are held at their start values, those at a bound are held there."""
+    count = len(model.values) + sum(parameter.prior is not None for parameter in parameters)
     if count <= len(parameters):
         raise FitError(f"{count} measured values can't determine {len(parameters)} parameters")
     start = np.array([parameter.coordinate(parameter.start) for parameter in parameters])
@@ -117,36 +158,48 @@ def fit(model: Model, parameters: Sequence[Parameter]) -> Fit:
     place, states = _carrying(model, parameters, start, list(before))
     if all(found.reason is not None for found in states):
         raise FitError(f"no point has a steady state at the start values: {states[0].reason}")
-    evaluations = 0
+    search = _Search(model, parameters, place, states)
+    # Directions that the data hardly see take most steps of a search, so their parameters wait until the others are fitted.
+    waiting, again = search.weak(), True
     while True:
-        free = [k for k in range(len(parameters)) if k not in given_up]
-        if not free:
+        left = [k for k in range(len(parameters)) if k not in given_up]
+        if not left:
             raise FitError("the table determines none of the parameters: " + _why(parameters, given_up))
-        place, states, converged, used = _least_squares(model, parameters, place, free, states)
-        evaluations += used
-        inner = [k for k in free if not _at_bound(parameters[k], place[k])]
-        spread = _spread(model, parameters, place, inner, states)
-        worst = int(np.argmax(spread.halves)) if inner else 0
-        if not inner or spread.halves[worst] <= UNDETERMINED:
+        if again:
+            search.run([k for k in left if k not in waiting], waiting)
+        inner = search.inner(left)
+        spread = search.spread(inner)
+        wide = [k for k, half in enumerate(spread.halves) if half > UNDETERMINED]
+        again = True
+        if wide:
+            # One that waits goes first, because nothing has to be fitted again.
+            worst = max(wide, key=lambda k: (inner[k] in waiting, spread.halves[k]))
+            lost, again = inner[worst], inner[worst] not in waiting
+            given_up[lost] = _undetermined(parameters, inner, worst, spread)
+            waiting = waiting - {lost}
+            search.hold(lost, start[lost])
+        elif waiting:
+            waiting = frozenset()
+        else:
             break
-        given_up[inner[worst]] = _undetermined(parameters, inner, worst, spread)
-        place = np.where(np.arange(len(place)) == inner[worst], start, place)
-        (states,) = model.states([assign(parameters, place)])
+    states = search.states
     halves = dict(zip(inner, spread.halves.tolist(), strict=True))
     return Fit(
         estimates=tuple(
-            Estimate(parameter, float(place[k]), halves.get(k), given_up.get(k))
+            Estimate(parameter, float(search.place[k]), halves.get(k), given_up.get(k))
             for k, parameter in enumerate(parameters)
         ),
         correlations=spread.correlations,
         singular_values=spread.singular_values,
         chi_squared=(chi_squared(model, before), chi_squared(model, states)),
-        freedom=_used(model, states) - len(inner),
+        freedom=_used(model, states) + count - len(model.values) - len(inner),
         factor=spread.factor,
         before=tuple(before),
         after=tuple(states),
-        evaluations=evaluations,
-        converged=converged,
+        evaluations=search.evaluations,
+        converged=search.converged,
+        used=(_used(model, before), _used(model, states)),
+        count=len(model.values),
     )
 
 
@@ -172,43 +225,163 @@ def _why(parameters: Sequence[Parameter], given_up: Mapping[int, Undetermined]) 
     return ", ".join(f"{parameters[k].name} (±{100.0 * reason.half:.3g} %)" for k, reason in given_up.items())
 
 
-def _least_squares(
-    model: Model, parameters: Sequence[Parameter], start: Array, free: Sequence[int], states: list[Found]
-) -> tuple[Array, list[Found], bool, int]:
-    """Minimises the sum of squares. Returns coordinates, states, whether it converged, and the number of evaluations."""
-    chosen = [parameters[k] for k in free]
-    known: dict[bytes, list[Found]] = {start[free].tobytes(): states}
+class _Search:
+    """Bounded least squares by Gauss-Newton steps in a trust region.
 
-    def whole(coordinates: Array) -> Array:
-        place = start.copy()
-        place[free] = coordinates
-        return place
+    The derivatives are differences of steady states at the start. Then each trial updates them along its step (Broyden), which
+    costs no further steady states. Central differences at the end give the intervals, and confirm the end or continue the search.
+    """
 
-    def solved(coordinates: Array) -> list[Found]:
-        key = coordinates.tobytes()
-        if key not in known:
-            (known[key],) = model.states([assign(parameters, whole(coordinates))])
-        return known[key]
+    def __init__(self, model: Model, parameters: Sequence[Parameter], place: Array, states: list[Found]) -> None:
+        self.model, self.parameters = model, tuple(parameters)
+        self.place, self.states = place, states
+        self.evaluations, self.converged = 0, False
+        self._low, self._high = np.array([parameter.bounds for parameter in parameters]).T
+        self._residuals = self._all_residuals(place, states)
+        self._slopes = self._differences(range(len(place)), central=False)
+        self._length = 0.0
+        """Length of the last step, as the reach counts."""
+        self._moved = np.inf
+        """Length of all steps since the last central differences."""
 
-    def residuals(coordinates: Array) -> Array:
-        return model.residuals(solved(coordinates))
+    # Residuals and derivatives, of the measured values and the priors
 
-    def slopes(coordinates: Array) -> Array:
-        fixed = assign(parameters, whole(coordinates))
-        return model.slopes(chosen, fixed, coordinates, solved(coordinates), central=False)
+    def _all_residuals(self, place: Array, states: Sequence[Found]) -> Array:
+        priors = [(p.value(float(x)) - p.prior[0]) / p.prior[1] for p, x in zip(self.parameters, place, strict=True) if p.prior]
+        return np.concatenate([self.model.residuals(states), priors])
 
-    low, high = np.array([parameter.bounds for parameter in chosen]).T
-    found = least_squares(
-        residuals,
-        start[free],
-        jac=slopes,
-        bounds=(low, high),
-        ftol=TOLERANCE[0],
-        xtol=TOLERANCE[1],
-        gtol=None,
-        max_nfev=MOST_EVALUATIONS,
-    )
-    return whole(found.x), solved(found.x), found.status > 0, found.nfev
+    def _differences(self, free: Sequence[int], central: bool) -> Array:
+        """Derivatives; the columns of parameters that are not free are 0."""
+        free = list(free)
+        chosen = [self.parameters[k] for k in free]
+        fixed = assign(self.parameters, self.place)
+        found = np.zeros((len(self._residuals), len(self.place)))
+        found[: len(self.model.values), free] = self.model.slopes(chosen, fixed, self.place[free], self.states, central)
+        for row, k in enumerate((k for k, p in enumerate(self.parameters) if p.prior), len(self.model.values)):
+            parameter = self.parameters[k]
+            slope = parameter.value(float(self.place[k])) if parameter.logarithmic else parameter.start
+            found[row, k] = slope / parameter.prior[1]
+        return found
+
+    # Search
+
+    def hold(self, k: int, coordinate: float) -> None:
+        """Fixes a parameter at a coordinate."""
+        if self.place[k] != coordinate:
+            self.place = np.where(np.arange(len(self.place)) == k, coordinate, self.place)
+            (self.states,) = self.model.states([assign(self.parameters, self.place)])
+            self._residuals = self._all_residuals(self.place, self.states)
+            self._moved = np.inf
+
+    def weak(self) -> frozenset[int]:
+        """Parameters that the derivatives do not determine with the given standard deviations; at least one remains."""
+        free, found = list(range(len(self.place))), set()
+        while len(free) > 1:
+            _, singular, turned = np.linalg.svd(self._slopes[:, free], full_matrices=False)
+            halves = 2.0 * np.linalg.norm(turned.T / np.maximum(singular, 1e-12), axis=1)
+            if halves.max() <= UNDETERMINED:
+                break
+            found.add(free.pop(int(np.argmax(halves))))
+        return frozenset(found)
+
+    def run(self, free: Sequence[int], waiting: Iterable[int] = ()) -> None:
+        """Minimises the sum of squares over the free parameters. The derivatives at the end are also those of the waiting ones."""
+        free, every = list(free), sorted({*free, *waiting})
+        reach, jacobians, confirmed = REACH[0], 0, False
+        self.converged = False
+        while self.evaluations < MOST_EVALUATIONS:
+            total = float(self._residuals @ self._residuals)
+            step, expected = self._step(free, reach)
+            tolerance = TOLERANCE[0] + TOLERANCE[1] * total
+            if expected <= tolerance * (CONFIRMED if confirmed else 1.0) or reach < REACH[2] or confirmed and jacobians >= MOST_JACOBIANS:
+                if self._moved <= NEAR:
+                    self.converged = expected <= tolerance * CONFIRMED or reach >= REACH[2]
+                    break
+                self._renew(every)
+                jacobians, confirmed, reach = jacobians + 1, True, max(reach, 0.1)
+                continue
+            better = self._try(step, total, expected)
+            largest = self._length
+            if better > 0.75:
+                reach = min(max(reach, 2.0 * largest), REACH[1])
+            elif better < 0.25:
+                reach = 0.25 * largest if better <= 0.0 else 0.5 * largest
+                if better <= 0.0 and reach < 0.01 and jacobians < MOST_JACOBIANS:
+                    self._slopes = self._differences(every, central=False)
+                    jacobians, reach = jacobians + 1, 0.1
+        for k in free:
+            if _at_bound(self.parameters[k], float(self.place[k])):
+                near = self._low[k] if self.place[k] - self._low[k] < self._high[k] - self.place[k] else self._high[k]
+                self.hold(k, float(near))
+        if self._moved > NEAR:
+            self._renew(every)
+
+    def _renew(self, free: Sequence[int]) -> None:
+        """Derivatives by central differences at this place."""
+        self._slopes, self._moved = self._differences(free, central=True), 0.0
+
+    def _step(self, free: Sequence[int], reach: float) -> tuple[Array, float]:
+        """The step of the linear model within the bounds and the reach, and the reduction that it expects."""
+        slopes = self._slopes[:, free]
+        # The reach is that of the parameter with the largest influence; others may move farther.
+        influence = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
+        reaches = np.minimum(reach * influence.max() / influence, REACH[1])
+        low = np.maximum(self._low[free] - self.place[free], -reaches)
+        high = np.minimum(self._high[free] - self.place[free], reaches)
+        # `lsq_linear` requires a range of each unknown.
+        high = np.maximum(high, low + 1e-12)
+        rows = np.vstack([slopes, np.sqrt(DAMPING) * np.eye(len(free))])
+        found = lsq_linear(rows, np.concatenate([-self._residuals, np.zeros(len(free))]), (low, high), method="bvls")
+        step = np.zeros(len(self.place))
+        step[list(free)] = np.clip(found.x, low, high)
+        after = self._residuals + slopes @ step[list(free)]
+        self._length = float((np.abs(step[list(free)]) * influence).max() / influence.max())
+        return step, float(self._residuals @ self._residuals - after @ after)
+
+    def _try(self, step: Array, total: float, expected: float) -> float:
+        """Solves at the end of a step, updates the derivatives, and moves there if it is better. Returns the actual reduction over
+        the expected one."""
+        place = np.clip(self.place + step, self._low, self._high)
+        (states,) = self.model.states([assign(self.parameters, place)])
+        self.evaluations += 1
+        found = self._all_residuals(place, states)
+        change = found - self._residuals - self._slopes @ step
+        change[(found == LOST) | (self._residuals == LOST)] = 0.0
+        self._slopes = self._slopes + np.outer(change, step) / float(step @ step)
+        reduction = total - float(found @ found)
+        if reduction > 0.0:
+            self.place, self.states, self._residuals = place, states, found
+            self._moved += self._length
+        return reduction / expected
+
+    # Intervals
+
+    def inner(self, free: Sequence[int]) -> list[int]:
+        """Free parameters that are not at a bound."""
+        return [k for k in free if not _at_bound(self.parameters[k], float(self.place[k]))]
+
+    def spread(self, inner: Sequence[int]) -> _Spread:
+        """Covariance (JᵀJ)⁻¹ by singular values, over the points that have a steady state, and the priors."""
+        if not inner:
+            return _Spread(np.empty(0), np.empty((0, 0)), np.empty(0), 1.0)
+        model = self.model
+        used = np.array([self.states[value.point].reason is None for value in model.values])
+        used = np.concatenate([used, np.ones(len(self._residuals) - len(used), dtype=bool)])
+        _, singular, turned = np.linalg.svd(self._slopes[used][:, list(inner)], full_matrices=False)
+        # Singular values below rounding correspond to directions without influence, with an infinite interval.
+        floored = np.maximum(singular, 1e-12 * max(float(singular[0]), 1.0))
+        covariance = turned.T @ np.diag(floored**-2.0) @ turned
+        deviations = np.sqrt(np.diag(covariance))
+        freedom = int(used.sum()) - len(inner)
+        if freedom < 1:
+            raise FitError(
+                f"{int(used.sum())} values at points with a steady state can't determine {len(inner)} parameters"
+            )
+        reduced = float(np.sum(self._residuals[used] ** 2)) / freedom
+        trusted = all(value.measured.given for value in model.values)
+        factor = float(np.sqrt(max(reduced, 1.0) if trusted else reduced))
+        halves = student.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * factor * deviations
+        return _Spread(halves, covariance / np.outer(deviations, deviations), singular, factor)
 
 
 def _at_bound(parameter: Parameter, coordinate: float) -> bool:
@@ -224,32 +397,6 @@ def _used(model: Model, states: Sequence[Found]) -> int:
 def chi_squared(model: Model, states: Sequence[Found]) -> float:
     """Sum of squares over the points that have a steady state, in standard deviations."""
     return float(np.nansum(((model.column(states) - model.measured) / model.deviations) ** 2))
-
-
-def _spread(
-    model: Model, parameters: Sequence[Parameter], place: Array, inner: Sequence[int], states: list[Found]
-) -> _Spread:
-    """Covariance (JᵀJ)⁻¹ by singular values, over the points that have a steady state."""
-    if not inner:
-        return _Spread(np.empty(0), np.empty((0, 0)), np.empty(0), 1.0)
-    chosen = [parameters[k] for k in inner]
-    slopes = model.slopes(chosen, assign(parameters, place), place[list(inner)], states, central=True)
-    used = np.array([states[value.point].reason is None for value in model.values])
-    _, singular, turned = np.linalg.svd(slopes[used], full_matrices=False)
-    # Singular values below rounding correspond to directions without influence, with an infinite interval.
-    floored = np.maximum(singular, 1e-12 * max(float(singular[0]), 1.0))
-    covariance = turned.T @ np.diag(floored**-2.0) @ turned
-    deviations = np.sqrt(np.diag(covariance))
-    freedom = int(used.sum()) - len(inner)
-    if freedom < 1:
-        raise FitError(
-            f"{int(used.sum())} values at points with a steady state can't determine {len(inner)} parameters"
-        )
-    reduced = chi_squared(model, states) / freedom
-    trusted = all(value.measured.given for value in model.values)
-    factor = float(np.sqrt(max(reduced, 1.0) if trusted else reduced))
-    halves = student.ppf(0.5 + 0.5 * CONFIDENCE, freedom) * factor * deviations
-    return _Spread(halves, covariance / np.outer(deviations, deviations), singular, factor)
 
 
 def _undetermined(parameters: Sequence[Parameter], inner: Sequence[int], worst: int, spread: _Spread) -> Undetermined:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +11,12 @@ import numpy as np
 from pushbelt.page import write_html as write_page
 from pushbelt.page import write_table
 
-from . import figures, fit, model, worker
+from pushbelt.rig import model, worker
+
+from . import figures, fit
 from .fit import Estimate
 from .results import Results, Row
-from .table import QUANTITIES
+from pushbelt.rig.points import MEASURED
 
 WORST = 10
 """Number of values with the largest residuals in the list."""
@@ -29,7 +30,7 @@ def sentence(estimate: Estimate) -> str:
         return f"{value} (95 %: {interval[0]:.5g} to {interval[1]:.5g}), was {parameter.start:.5g}"
     if estimate.undetermined is not None:
         return f"{value}: {why_undetermined(estimate)}"
-    return f"{value}: at its bound, so without an interval; was {parameter.start:.5g}"
+    return f"{value}: held at its bound, so without an interval; was {parameter.start:.5g}"
 
 
 def why_undetermined(estimate: Estimate) -> str:
@@ -53,12 +54,14 @@ def write_parameters(results: Results, path: Path) -> None:
             value = results.base.get(name, estimate.parameter.start if estimate else None)
             entries[name] = {"value": value, "origin": "start"}
         else:
-            entries[name] = {"value": estimate.value, "unit": estimate.parameter.unit, "origin": "calibrated"}
+            origin = "bound" if estimate.at_bound else "calibrated"
+            entries[name] = {"value": estimate.value, "unit": estimate.parameter.unit, "origin": origin}
             if estimate.interval is not None:
                 entries[name]["interval95"] = list(estimate.interval)
     document = {
         "id": path.stem,
         "about": f"{results.variator}, calibrated by {results.table} with PushbeltVariator.fmu {results.version}",
+        "fits": results.fit.fits,
         "note": "SI units. Start values of the FMU by variable name.",
         "parameters": entries,
     }
@@ -68,8 +71,9 @@ def write_parameters(results: Results, path: Path) -> None:
 def write_residuals(results: Results, path: Path) -> None:
     """Writes every measured value with the model's, SI."""
     header = [
-        "line", "name", "ratio.geometric", "ratio.speed", "primary.speed", "primary.torque", "secondary.clampingForce",
-        "primary.clampingForce", "quantity", "measured", "sd", "before", "after", "residual", "residual/sd", "reason",
+        "line", "name", "time [s]", "ratio.geometric [1]", "ratio.speed [1]", "primary.speed [rad/s]", "primary.torque [N.m]",
+        "secondary.clampingForce [N]", "primary.clampingForce [N]", "quantity", "unit", "measured [SI]", "sd [SI]", "before [SI]",
+        "after [SI]", "residual [SI]", "residual/sd [1]", "reason",
     ]  # fmt: skip
     write_table(path, header, map(_cells, results.rows))
 
@@ -77,8 +81,8 @@ def write_residuals(results: Results, path: Path) -> None:
 def _cells(row: Row) -> list[Any]:
     point, measured = row.point, row.measured
     return [
-        point.line, point.name, point.ratio, point.speed_ratio, point.speed, point.torque, point.force, point.primary_force,
-        measured.quantity, measured.value, measured.deviation, row.before, row.after, row.residual, row.relative, row.reason,
+        point.line, point.name, measured.time, point.ratio, point.speed_ratio, point.speed, point.torque, point.force,
+        point.primary_force, measured.quantity, "1" if MEASURED[measured.quantity].dimension == "ratio" else "1/s", measured.value, measured.deviation, row.before, row.after, row.residual, row.relative, row.reason,
     ]  # fmt: skip
 
 
@@ -100,7 +104,7 @@ def context(results: Results) -> dict[str, Any]:
         "results": results,
         "fit": found,
         "used": len(used),
-        "rms": [math.sqrt(total / max(len(used), 1)) for total in found.chi_squared],
+        "rms": found.rms,
         "lost_values": sum(row.reason is not None for row in results.rows),
         "quantities": [_quantity(results, quantity) for quantity in results.quantities if results.of(quantity)],
         "assumed": [
@@ -108,6 +112,7 @@ def context(results: Results) -> dict[str, Any]:
         ],
         "correlated": _correlated(results),
         "worst": sorted(used, key=lambda row: -abs(row.relative))[:WORST],
+        "priors": [estimate.parameter.name for estimate in found.estimates if estimate.parameter.prior],
         "why": why_undetermined,
         "step": model.STEP,
         "lost_residual": model.LOST,
@@ -123,8 +128,8 @@ def _quantity(results: Results, quantity: str) -> dict[str, Any]:
     before = np.array([row.before - row.measured.value for row in rows if row.before is not None])
     return {
         "name": quantity,
-        "meaning": QUANTITIES[quantity].meaning,
-        "unit": "" if "1" in QUANTITIES[quantity].units else "1/s",
+        "meaning": MEASURED[quantity].meaning,
+        "unit": "" if MEASURED[quantity].dimension == "ratio" else "1/s",
         "count": len(rows),
         "before": float(np.sqrt(np.mean(before**2))) if before.size else None,
         "after": float(np.sqrt(np.mean(after**2))),

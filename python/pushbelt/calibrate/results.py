@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from .fit import Fit
-from .model import Value
-from .table import QUANTITIES, Measured, Point
+from pushbelt.rig.model import Value
+from pushbelt.rig.points import MEASURED, Measured, Point
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,10 @@ class Results:
     values: tuple[Value, ...]
     fit: Fit
     effort: Effort
+    alternatives: tuple[str, ...] = ()
+    """Other readings of a table that does not fit."""
+    notes: tuple[str, ...] = ()
+    """What was computed, ignored or left out of the table."""
 
     @cached_property
     def rows(self) -> list[Row]:
@@ -75,8 +79,8 @@ class Results:
             Row(
                 self.points[value.point],
                 value.measured,
-                self.fit.before[value.point].values.get(value.measured.quantity),
-                self.fit.after[value.point].values.get(value.measured.quantity),
+                value.of(self.fit.before),
+                value.of(self.fit.after),
                 self.fit.after[value.point].reason,
             )
             for value in self.values
@@ -95,4 +99,4 @@ class Results:
     def quantities(self) -> list[str]:
         """Measured quantities, in the order of the table of quantities."""
         there = {value.measured.quantity for value in self.values}
-        return [quantity for quantity in QUANTITIES if quantity in there]
+        return [quantity for quantity in MEASURED if quantity in there]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 DEFAULT = ("friction.pulley", "friction.ring", "belt.play")
@@ -34,6 +34,8 @@ class Parameter:
     start: float
     low: float
     high: float
+    prior: tuple[float, float] | None = None
+    """Value and standard deviation that are known without the table."""
 
     @property
     def logarithmic(self) -> bool:
@@ -72,15 +74,21 @@ def choose(
     limits: Mapping[str, tuple[float, float]],
     variables: Mapping[str, Any],
     values: Mapping[str, float],
+    priors: Mapping[str, tuple[float, float]] | None = None,
 ) -> list[Parameter]:
     """Parameters by name. Start values are the specified ones, else those of `values`, else the FMU's. Bounds are `limits`, else the FMU's.
 
     A name without its pulley, such as `tiltStiffness`, means both pulleys.
     """
-    unknown = [name for name in limits if name not in wanted]
-    if unknown:
-        raise ParameterError(f"bounds are specified for {', '.join(unknown)}, which is not fitted")
-    found = [_parameter(name, start, limits.get(name), variables, values) for name, start in wanted.items()]
+    priors = priors or {}
+    for given, what in ((limits, "bounds are"), (priors, "a prior is")):
+        unknown = [name for name in given if name not in wanted]
+        if unknown:
+            raise ParameterError(f"{what} specified for {', '.join(unknown)}, which is not fitted")
+    found = [
+        replace(_parameter(name, start, limits.get(name), variables, values), prior=priors.get(name))
+        for name, start in wanted.items()
+    ]
     taken = [variable for parameter in found for variable in parameter.variables]
     twice = sorted({variable for variable in taken if taken.count(variable) > 1})
     if twice:

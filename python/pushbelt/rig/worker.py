@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +15,7 @@ from pushbelt.fmu.enumerations import Axial, Drive, StartState
 from pushbelt.fmu.unit import Archive, UnitError, Variator
 from pushbelt.side_by_side import tick
 
-from .table import Point
+from .measured import SAMPLED, Point, Record
 
 SETTLING, WINDOW = 1.0, 1.0
 """Revolutions of the primary pulley after which a shift is steady, and over which its rate is taken."""
@@ -39,6 +41,8 @@ class Found:
     """Reason why there is no steady state."""
     share: float = 1.0
     """Share of the torque that the belt carries, if there is no steady state."""
+    solves: int = 1
+    """Number of steady states that were solved."""
 
     @property
     def missing(self) -> float:
@@ -72,6 +76,8 @@ def solve_or_say_why(fmu: Path, directory: Path, parameters: Mapping[str, float]
 
 def solve(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
     """Results of the model at a point. Raises UnitError if a call of the FMU fails."""
+    if isinstance(point, Record):
+        return _record(unit, parameters, point)
     if point.shifting:
         return _shift(unit, parameters, point)
     if point.ratio is not None:
@@ -116,17 +122,21 @@ def _steady(unit: Variator, parameters: Mapping[str, float], point: Point, ratio
 
 
 def _at_speed_ratio(unit: Variator, parameters: Mapping[str, float], point: Point) -> Found:
-    """The geometric ratio for a speed ratio: i = i_speed (1 − slip), where the slip hardly depends on i."""
+    """The geometric ratio for a speed ratio: i = i_speed (1 − slip), where the slip hardly depends on i; by the secant method."""
     assert point.speed_ratio is not None
-    ratio = point.speed_ratio
-    for _ in range(MOST_SOLVES):
+    ratio = point.speed_ratio * (1.0 - point.slip)
+    before: tuple[float, float] | None = None
+    for count in range(1, MOST_SOLVES + 1):
         found = _steady(unit, parameters, point, ratio)
         if found.reason is not None:
             return found
-        following = point.speed_ratio * (1.0 - found.values["slip"])
-        if abs(following / ratio - 1.0) < RATIO_TOLERANCE:
-            return found
-        ratio = following
+        off = point.speed_ratio * (1.0 - found.values["slip"]) - ratio
+        if abs(off / ratio) < RATIO_TOLERANCE:
+            return dataclasses.replace(found, solves=count)
+        change = off
+        if before is not None and off != before[1]:
+            change = -off * (ratio - before[0]) / (off - before[1])
+        before, ratio = (ratio, off), ratio + change
     return Found({}, f"no geometric ratio gives the speed ratio {point.speed_ratio:g}")
 
 
@@ -158,3 +168,36 @@ def _shift(unit: Variator, parameters: Mapping[str, float], point: Point) -> Fou
         logs.append(math.log(unit.get("ratio.geometric")))
     found = (logs[1] - logs[0]) / (WINDOW * revolution)
     return Found({"di/dt": point.ratio * found, "ds/dt": -found / point.ratio})
+
+
+RECORD_INPUTS = ("primary.torque", "primary.clampingForce", "secondary.clampingForce", "secondary.speedSetpoint")
+"""Inputs of a recorded shift."""
+
+
+def _record(unit: Variator, parameters: Mapping[str, float], record: Record) -> Found:
+    """The ratio at each sample of a recorded shift.
+
+    The run starts in the steady state at the first ratio. Torque and forces are the recorded ones, linear between the samples,
+    and the secondary pulley turns as recorded, at the primary speed over the ratio.
+    """
+    inputs = [
+        (time, (torque, primary_force, force, speed / ratio))
+        for time, speed, torque, primary_force, force, ratio in record.samples
+    ]
+    values = {
+        **parameters,
+        **_start_values(record, record.samples[0][5], record.samples[0][5]),
+        "primary.axial": Axial.FORCE,
+        "primary.clampingForce": record.samples[0][3],
+        "primary.inertia": SHIFT_INERTIA,
+    }
+    lost = _initialise(unit, values, record.torque)
+    if lost is not None:
+        return lost
+    reals, found = unit.reals(RECORD_INPUTS), {}
+    for k, ((time, here), (following, there)) in enumerate(itertools.pairwise(inputs), 1):
+        rates = [(after - before) / (following - time) for before, after in zip(here, there, strict=True)]
+        unit.set_ramps(reals, here, rates)
+        unit.step_to(following)
+        found[f"{SAMPLED}@{k}"] = unit.get("ratio.geometric")
+    return Found(found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from pushbelt.fmu.unit import Archive
 from pushbelt.side_by_side import Call, worker_pool
 
 from .parameters import Parameter, assign
-from .table import Measured, Point
+from .measured import Measured, Point
 from .worker import Found, Job, solve_all
 
 STEP = 1e-3
@@ -42,29 +42,49 @@ class Value:
     """Index of the point."""
     measured: Measured
 
+    def of(self, states: Sequence[Found]) -> float | None:
+        """The model's value; None without a steady state."""
+        return states[self.point].values.get(self.measured.key or self.measured.quantity)
+
 
 class Model:
     """Residuals as functions of the parameters."""
 
     def __init__(self, points: Sequence[Point], solve: Callable[[Sequence[Job]], list[Found]]) -> None:
+        """`solve` solves jobs: values of variables, and a point."""
         self.points = tuple(points)
         self.values = tuple(
             Value(place, measured) for place, point in enumerate(self.points) for measured in point.measured
         )
         self.solves = 0
-        """Number of points solved so far."""
-        self._solve = solve
+        """Number of steady states and recorded shifts solved so far."""
+        self._solve_jobs = solve
+
+    def _solve(self, jobs: Sequence[Job]) -> list[Found]:
+        """Solves, and starts later searches for a speed ratio from the slip that was found."""
+        found = self._solve_jobs(jobs)
+        self.solves += sum(one.solves for one in found)
+        return found
 
     def states(self, assignments: Sequence[Mapping[str, float]]) -> list[list[Found]]:
         """Results of the model at all points, for several sets of values."""
         jobs = [(values, point) for values in assignments for point in self.points]
-        self.solves += len(jobs)
         found, count = self._solve(jobs), len(self.points)
+        last = found[-count:]
+        # The slip of the last set of values is a good estimate for the next one.
+        self.points = tuple(
+            replace(point, slip=one.values["slip"]) if point.speed_ratio is not None and "slip" in one.values else point
+            for point, one in zip(self.points, last, strict=True)
+        )
         return [found[k * count : (k + 1) * count] for k in range(len(assignments))]
+
+    def with_points(self, points: Sequence[Point], values: Mapping[str, float]) -> Model:
+        """A model of other points, with these values besides the fitted ones. It has its own count of solutions."""
+        return Model(points, lambda jobs: self._solve_jobs([({**values, **own}, point) for own, point in jobs]))
 
     def column(self, states: Sequence[Found]) -> Array:
         """Model values, one for each measured one; NaN where a point has no steady state."""
-        return np.array([states[v.point].values.get(v.measured.quantity, np.nan) for v in self.values])
+        return np.array([np.nan if (found := v.of(states)) is None else found for v in self.values])
 
     @property
     def measured(self) -> Array:
@@ -81,12 +101,13 @@ class Model:
         found = (self.column(states) - self.measured) / self.deviations
         return np.where(np.isnan(found), LOST, found)
 
-    def distance(self, states: Sequence[Found]) -> float:
-        """Merit of a start point: a sum of squares in which each residual is limited to `FAR`. The residual of a lost point is
-        `FAR` times one plus the share of its torque that the belt does not carry."""
+    def distance(self, states: Sequence[Found], limited: bool = True) -> float:
+        """Merit of a start point: a sum of squares in which each residual is limited to `FAR`, unless not `limited`. The residual of a
+        lost point is `FAR` times one plus the share of its torque that the belt does not carry."""
         found = np.abs(self.column(states) - self.measured) / self.deviations
         missing = np.array([states[value.point].missing for value in self.values])
-        return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, FAR)) ** 2))
+        most = FAR if limited else LOST
+        return float(np.sum(np.where(np.isnan(found), FAR * missing, np.minimum(found, most)) ** 2))
 
     def slopes(
         self,
@@ -133,7 +154,6 @@ class Model:
                 values = {**fixed, **assign(parameters, np.where(np.arange(len(at)) == k, at + step, at))}
                 keys += [(place, k) for place in some]
                 jobs += [(values, self.points[place]) for place in some]
-        self.solves += len(jobs)
         solved = dict(zip(keys, self._solve(jobs) if jobs else [], strict=True))
         middle = self.column(base)
         found = np.full((len(self.values), len(parameters)), np.nan)
@@ -141,7 +161,7 @@ class Model:
             for k, step in enumerate(steps):
                 state = solved.get((value.point, k))
                 if state is not None and step is not None:
-                    moved = state.values.get(value.measured.quantity, np.nan)
+                    moved = state.values.get(value.measured.key or value.measured.quantity, np.nan)
                     found[row, k] = (moved - middle[row]) / step
         return found
 

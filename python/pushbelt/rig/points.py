@@ -1,0 +1,481 @@
+"""What a rig's table measures: steady points, or recorded shifts. Errors are reported by line and column, all at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from . import sheet as sheets
+from . import units
+from .measured import SAMPLED, SHIFTS, Measured, Point, Record
+from .sheet import DEVIATION, Column, Fault, Reading, Sheet, TableError
+
+__all__ = ["Measured", "Oil", "Point", "Reading", "Record", "Rig", "TableError", "read", "template"]
+
+
+@dataclass(frozen=True)
+class Quantity(Column):
+    """A column that is measured and compared with the model."""
+
+    absolute: float = 0.0
+    """Default standard deviation, SI: the root of the sum of squares of this value …"""
+    relative: float = 0.0
+    """… and this share of the measured value."""
+
+    def assumed(self, value: float) -> float:
+        """Default standard deviation, SI."""
+        return math.hypot(self.absolute, self.relative * value)
+
+
+def _spelled(quantity: str, *words: str) -> dict[str, tuple[str, ...]]:
+    """Common names of a quantity of both pulleys."""
+    ends = {"primary": ("P", "1", "pri", "prim", "primary", "in", "DR"), "secondary": ("S", "2", "sec", "secondary", "out", "DN")}
+    return {
+        pulley: (
+            *(f"{letter}{end}" for letter in quantity.split() for end in ends[pulley]),
+            *(f"{pulley} {word}" for word in words),
+            *(f"{word} {end}" for word in words for end in (pulley, ends[pulley][0], ends[pulley][2])),
+            *(f"{ends[pulley][2]} {word}" for word in words),
+        )
+        for pulley in ends
+    }
+
+
+_SPEEDS = _spelled("n w omega N", "speed", "rpm")
+_TORQUES = _spelled("T M Trq", "torque", "moment")
+_FORCES = _spelled("F Fax Fcl", "clamping force", "force", "axial force", "clampForce")
+_PRESSURES = _spelled("p", "pressure", "oil pressure")
+
+NAME, SERIES, TIME = "name", "series", "time"
+CONDITIONS: Mapping[str, Column] = {
+    "ratio.geometric": Column("ratio", 0.1, 10.0, "r_S/r_P, above 1 is underdrive", ("geometric ratio", "i_geo", "i_geom", "r_S/r_P", "rS/rP")),
+    "ratio.speed": Column(
+        "ratio", 0.1, 10.0, "primary speed/secondary speed, in place of ratio.geometric", ("i", "speed ratio", "i_speed", "n_P/n_S", "n1/n2")
+    ),
+    "primary.speed": Column("speed", 1.0, 2000.0, "speed of the primary pulley", _SPEEDS["primary"]),
+    "secondary.speed": Column(
+        "speed", 1.0, 2000.0, "speed of the secondary pulley; gives the speed ratio, and with ratio.geometric the slip", _SPEEDS["secondary"]
+    ),
+    "primary.torque": Column("torque", -5000.0, 5000.0, "torque on the primary shaft, negative in overrun", _TORQUES["primary"]),
+    "secondary.torque": Column(
+        "torque", -5000.0, 5000.0, "torque on the secondary shaft, of any sign; gives the efficiency", _TORQUES["secondary"]
+    ),
+    "secondary.clampingForce": Column("force", 100.0, 1e6, "clamping force of the secondary pulley", _FORCES["secondary"]),
+    "primary.clampingForce": Column(
+        "force",
+        100.0,
+        1e6,
+        "clamping force of the primary pulley; needed for a shift, else it gives the thrust ratio",
+        _FORCES["primary"],
+    ),
+    "secondary.pressure": Column(
+        "pressure", 0.0, 2e7, "oil pressure in place of the secondary force; needs --piston-area", _PRESSURES["secondary"]
+    ),
+    "primary.pressure": Column("pressure", 0.0, 2e7, "oil pressure in place of the primary force; needs --piston-area", _PRESSURES["primary"]),
+}
+HIGHEST = 1.0
+"""Largest efficiency. In overrun the output over the input of the driving direction may be given, which is above 1."""
+QUANTITIES: Mapping[str, Quantity] = {
+    "thrustRatio": Quantity(
+        "ratio", 0.05, 20.0, "primary force/secondary force that holds the ratio", ("thrust ratio", "F_P/F_S", "zeta", "KpKs", "Kp/Ks"), None, 0.0, 0.01
+    ),
+    "slip": Quantity(
+        "ratio", -0.5, 0.5, "1 - secondary speed/primary speed * ratio.geometric", ("belt slip", "slip ratio", "nu"), None, 5e-4, 0.05
+    ),
+    "efficiency": Quantity("ratio", 0.01, 1e3, "driven power/driving power, at most 1", ("eta", "eff", "Wirkungsgrad"), None, 3e-3, 0.0),
+    "di/dt": Quantity("rate", -100.0, 100.0, "shift rate, i = ratio.geometric", ("didt",), None, 0.01, 0.05),
+    "ds/dt": Quantity("rate", -100.0, 100.0, "shift rate, s = 1/ratio.geometric", ("dsdt",), None, 0.01, 0.05),
+}
+MEASURED: Mapping[str, Quantity] = {
+    **QUANTITIES,
+    SAMPLED: Quantity("ratio", 0.1, 10.0, "ratio r_S/r_P during recorded shifts", (), None, 2e-3, 0.01),
+}
+"""All quantities that are compared with the model, in the order of the report."""
+OTHERS: Mapping[str, Column] = {
+    NAME: Column("text", 0.0, 0.0, "a name for the report", ("label", "point name", "operating point", "Bezeichnung")),
+    SERIES: Column("text", 0.0, 0.0, "name of a recorded shift; with time, each of its rows is a sample", ("shift", "run", "series no")),
+    TIME: Column("time", -1e12, 1e12, "time of a sample of a recorded shift", ("t", "Zeit", "timestamp"), "s"),
+}
+COLUMNS: Mapping[str, Column] = {**CONDITIONS, **QUANTITIES, **OTHERS}
+REQUIRED = ("primary.speed", "primary.torque", "secondary.clampingForce")
+RECORDED = ("primary.speed", "primary.torque", "primary.clampingForce", "secondary.clampingForce", SAMPLED)
+"""Columns of recorded shifts besides series and time."""
+AGREE = 0.05
+"""Relative difference below which a geometric ratio and n_P/n_S are the same ratio."""
+UNLIKELY = 0.5
+"""Share of values with a fault above which the whole column has it."""
+
+
+@dataclass(frozen=True)
+class Oil:
+    """Forces of the pistons from oil pressures, F = p A + c ω², for the primary and the secondary pulley."""
+
+    areas: tuple[float, float] | None = None
+    """Piston areas A, m²."""
+    centrifugal: tuple[float, float] | None = None
+    """Coefficients c of the centrifugal force, N·s²; None: not counted."""
+
+    def force(self, pulley: str, pressure: float, speed: float) -> float:
+        """Force of a piston, N, at a pressure in Pa and a speed in rad/s."""
+        side = ("primary", "secondary").index(pulley)
+        assert self.areas is not None
+        return pressure * self.areas[side] + (self.centrifugal[side] * speed**2 if self.centrifugal else 0.0)
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A table with what it measures."""
+
+    sheet: Sheet
+    points: list[Point]
+    remarks: list[str]
+    """What was computed from other columns, and warnings."""
+
+    @property
+    def recorded(self) -> bool:
+        """Whether the table has recorded shifts."""
+        return any(isinstance(point, Record) for point in self.points)
+
+
+def read(path: Path, reading: Reading | None = None, oil: Oil | None = None) -> Rig:
+    """Points or recorded shifts of a file. Raises TableError with all faults of the file, and the errors of the file system."""
+    try:
+        sheet = sheets.read(path, COLUMNS, reading)
+    except OSError as error:
+        raise TableError(f"{path}: {error.strerror or error}") from error
+    return _Points(sheet, oil or Oil()).rig()
+
+
+class _Points:
+    """Points of a sheet."""
+
+    def __init__(self, sheet: Sheet, oil: Oil) -> None:
+        self.sheet, self.oil = sheet, oil
+        self.remarks: list[str] = []
+        self.values: dict[str, np.ndarray] = dict(sheet.values)
+
+    def rig(self) -> Rig:
+        sheet = self.sheet
+        series = SERIES in sheet.taken and TIME in sheet.taken
+        self._forces()
+        self._ratios()
+        if not series:
+            self._computed()
+        self._missing(RECORDED if series else REQUIRED, series)
+        points: list[Point] = []
+        if not sheet.faults or len(sheet):
+            points = self._records() if series else self._steady()
+        if not points and not sheet.faults:
+            reasons = "; ".join(map(str, sheet.left_out[:5]))
+            what = "nothing is measured: no line has a value of " + ", ".join(QUANTITIES)
+            sheet.faults.append(Fault(f"no row can be used: {reasons}" if sheet.left_out else what))
+        sheet.check()
+        return Rig(sheet, points, self.remarks)
+
+    # Columns that follow from others
+
+    def _has(self, name: str) -> bool:
+        return name in self.values and bool(np.isfinite(self.values[name]).any())
+
+    def _get(self, name: str) -> np.ndarray:
+        return self.values.get(name, np.full(len(self.sheet), np.nan))
+
+    def _ratios(self) -> None:
+        """The speed ratio from both speeds; agreement of the ratios with each other."""
+        if self._has("primary.speed") and self._has("secondary.speed"):
+            found = self.values["primary.speed"] / self.values["secondary.speed"]
+            if self._has("ratio.speed"):
+                self._compared("ratio.speed", found)
+            else:
+                self.values["ratio.speed"] = found
+                self.remarks.append(f"ratio.speed is {self.sheet.title('primary.speed')}/{self.sheet.title('secondary.speed')}")
+        if self._has("ratio.geometric") and self._has("ratio.speed"):
+            self._compared("ratio.geometric", self.values["ratio.speed"])
+
+    def _compared(self, name: str, speed_ratio: np.ndarray) -> None:
+        """A ratio column against the speeds: the inverse, or rows that cannot be right."""
+        values = self.values[name]
+        # The ratio 1 distinguishes nothing.
+        there = np.isfinite(values) & np.isfinite(speed_ratio) & (np.abs(np.log(speed_ratio)) > 2 * AGREE)
+        if not there.any():
+            return
+        off, inverse_off = np.abs(values / speed_ratio - 1.0), np.abs(values * speed_ratio - 1.0)
+        inverse = there & (inverse_off < 0.2) & (off > 0.2)
+        title = self.sheet.title(name)
+        if inverse[there].mean() > UNLIKELY:
+            fault = f'it is the inverse of {name}: the speeds give {speed_ratio[there][0]:.4g}, not {values[there][0]:.4g}; --map "{title}=1/{name}"'
+            self.sheet.faults.append(Fault(fault, None, title))
+            return
+        limit = AGREE if name == "ratio.speed" else 0.5
+        for row in np.flatnonzero(there & (off > limit)):
+            fault = f"{values[row]:.4g}, but the speeds give {speed_ratio[row]:.4g}"
+            self.sheet.faults.append(Fault(fault, int(self.sheet.lines[row]), title))
+
+    def _forces(self) -> None:
+        """Clamping forces from oil pressures."""
+        for pulley, other in (("secondary", "primary"), ("primary", "secondary")):
+            pressure, force = f"{pulley}.pressure", f"{pulley}.clampingForce"
+            if not self._has(pressure) or self._has(force):
+                continue
+            if self.oil.areas is None:
+                self.sheet.failed.add(force)
+                text = "a pressure gives no force without the area of the piston: --piston-area A"
+                self.sheet.faults.append(Fault(text, None, self.sheet.title(pressure)))
+                continue
+            speed = self._get(f"{pulley}.speed")
+            turns = self._get("ratio.speed") if self._has("ratio.speed") else self._get("ratio.geometric")
+            factor = turns if pulley == "primary" else 1.0 / turns
+            speed = np.where(np.isfinite(speed), speed, self._get(f"{other}.speed") * factor)
+            counted = speed if self.oil.centrifugal else np.zeros(len(self.sheet))
+            found = np.array([self.oil.force(pulley, p, w) for p, w in zip(self.values[pressure], counted, strict=True)])
+            column = CONDITIONS[force]
+            for row in np.flatnonzero((found < column.low) | (found > column.high)):
+                text = f"the force is {found[row]:.4g} N, not within {column.low:g} to {column.high:g} N"
+                self.sheet.faults.append(Fault(text, int(self.sheet.lines[row]), self.sheet.title(pressure)))
+            self.values[force] = found
+            law = "p A + c ω²" if self.oil.centrifugal else "p A"
+            self.remarks.append(f"{force} is {law} of {self.sheet.title(pressure)}")
+            if not self.oil.centrifugal:
+                self.remarks.append(f"warning: {force} is without the centrifugal force of the oil; --centrifugal c adds c ω²")
+
+    def _computed(self) -> None:
+        """Slip and efficiency from speeds and torques; efficiency of the overrun."""
+        if self._has("ratio.geometric") and self._has("ratio.speed") and not self._has("slip"):
+            self.values["slip"] = 1.0 - self.values["ratio.geometric"] / self.values["ratio.speed"]
+            self.remarks.append("slip is 1 - ratio.geometric/ratio.speed")
+        torque = self._get("primary.torque")
+        if self._has("efficiency"):
+            found, title = self.values["efficiency"], self.sheet.title("efficiency")
+            turned = (found > HIGHEST) & (torque < 0.0)
+            if turned.any():
+                self.remarks.append(f"{title} above 1 in overrun is inverted in {int(turned.sum())} rows")
+            self.values["efficiency"] = found = np.where(turned, 1.0 / found, found)
+            factor = self.sheet.taken["efficiency"].scale.factor
+            for row in np.flatnonzero(found > HIGHEST):
+                text = f"{found[row] / factor:g} is not within {0.01 / factor:g} to {HIGHEST / factor:g}"
+                self.sheet.faults.append(Fault(text, int(self.sheet.lines[row]), title))
+        elif self._has("secondary.torque") and self._has("primary.torque"):
+            self._efficiency(torque)
+
+    def _efficiency(self, torque: np.ndarray) -> None:
+        turns = self._get("ratio.speed")
+        turns = np.where(np.isfinite(turns), turns, self._get("ratio.geometric") / (1.0 - self._get("slip")))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = np.abs(self._get("secondary.torque")) / np.abs(torque) / turns
+            found = np.where(torque < 0.0, 1.0 / found, found)
+        known = np.isfinite(found) & (torque != 0.0)
+        if not known.any():
+            return
+        inside = known & (found > 0.01) & (found <= HIGHEST)
+        title = self.sheet.title("secondary.torque")
+        if inside[known].mean() < UNLIKELY:
+            row = int(np.flatnonzero(known & ~inside)[0])
+            text = f"the efficiency would be {found[row]:.4g} in line {self.sheet.lines[row]} and is above 1 in most lines: check units and ratio"
+            self.sheet.faults.append(Fault(text, None, title))
+            return
+        self.values["efficiency"] = np.where(inside, found, np.nan)
+        self.remarks.append(f"efficiency is |{title}| ω_S/(|{self.sheet.title('primary.torque')}| ω_P), its inverse in overrun")
+        if (known & ~inside).any():
+            lines = ", ".join(str(line) for line in self.sheet.lines[known & ~inside])
+            self.remarks.append(f"warning: the efficiency of lines {lines} would be above 1 and is not used")
+
+    def _missing(self, required: Sequence[str], series: bool) -> None:
+        there = set(self.values) | self.sheet.failed
+        missing = [name for name in required if name not in there]
+        if not series and not there & {"ratio.geometric", "ratio.speed"}:
+            missing.insert(0, "ratio.geometric or ratio.speed")
+        if missing:
+            unknown = f"; unknown are {', '.join(self.sheet.ignored)}" if self.sheet.ignored else ""
+            self.sheet.faults.append(Fault(f"there is no column {', '.join(missing)}{unknown}"))
+        for name in self.sheet.taken:
+            base = name.removesuffix(DEVIATION)
+            if base != name and base not in self.sheet.taken and base not in self.values:
+                self.sheet.faults.append(Fault(f"there is no column {base}", None, self.sheet.title(name)))
+
+    # Steady points
+
+    def _steady(self) -> list[Point]:
+        points, empty = [], 0
+        for row, line in enumerate(self.sheet.lines):
+            values = {name: float(column[row]) for name, column in self.values.items() if np.isfinite(column[row])}
+            point = self._point(row, int(line), values)
+            if isinstance(point, Point):
+                points.append(point)
+            empty += point is None
+        if empty:
+            self.remarks.append(f"{empty} rows without a measured value are not used")
+        return points
+
+    def _left_out(self, text: str, line: int, name: str | None = None) -> Fault:
+        fault = Fault(text, line, self.sheet.title(name) if name is not None else None)
+        self.sheet.left_out.append(fault)
+        return fault
+
+    def _point(self, row: int, line: int, values: Mapping[str, float]) -> Point | Fault | None:
+        """The point of a row; None if nothing is measured in it."""
+        measured = {quantity: values[quantity] for quantity in QUANTITIES if quantity in values}
+        force, primary_force = values.get("secondary.clampingForce"), values.get("primary.clampingForce")
+        shifting = [quantity for quantity in SHIFTS if quantity in measured]
+        if primary_force is not None and force is not None and not shifting and "thrustRatio" not in measured:
+            measured = {"thrustRatio": primary_force / force, **measured}
+            if not QUANTITIES["thrustRatio"].low <= measured["thrustRatio"] <= QUANTITIES["thrustRatio"].high:
+                text = f"primary force/secondary force is {measured['thrustRatio']:.4g}, not within 0.05 to 20"
+                self.sheet.faults.append(Fault(text, line, self.sheet.title("primary.clampingForce")))
+                return self.sheet.faults[-1]
+        if not measured:
+            return None
+        ratio, speed_ratio = values.get("ratio.geometric"), values.get("ratio.speed")
+        for name in REQUIRED:
+            if name not in values:
+                return self._left_out("the cell is empty", line, name)
+        if ratio is None and speed_ratio is None:
+            return self._left_out("neither ratio.geometric nor ratio.speed has a value", line)
+        if shifting:
+            if len(measured) > 1:
+                text = f"with {shifting[0]} the ratio moves, so no other quantity is allowed"
+                self.sheet.faults.append(Fault(text, line))
+                return self.sheet.faults[-1]
+            for name in ("primary.clampingForce", "ratio.geometric"):
+                if name not in values:
+                    return self._left_out(f"{shifting[0]} requires a value, but the cell is empty", line, name)
+        names = self.sheet.texts.get(NAME)
+        found = tuple(
+            Measured(
+                quantity,
+                value,
+                values.get(quantity + DEVIATION, QUANTITIES[quantity].assumed(value)),
+                quantity + DEVIATION in values,
+            )
+            for quantity, value in measured.items()
+        )
+        return Point(
+            line,
+            (names[row] if names else "") or f"line {line}",
+            ratio,
+            speed_ratio if ratio is None else None,
+            values["primary.speed"],
+            values["primary.torque"],
+            values["secondary.clampingForce"],
+            primary_force if shifting else None,
+            found,
+        )
+
+    # Recorded shifts
+
+    def _records(self) -> list[Point]:
+        rows: dict[str, list[int]] = {}
+        for row, name in enumerate(self.sheet.texts[SERIES]):
+            lost = next((column for column in (TIME, *RECORDED) if not np.isfinite(self._get(column)[row])), None)
+            if lost is not None and lost not in self.sheet.failed and lost in self.values:
+                self._left_out("the cell is empty", int(self.sheet.lines[row]), lost)
+            elif lost is None:
+                rows.setdefault(name, []).append(row)
+        return [point for name, own in rows.items() if (point := self._record(name, own)) is not None]
+
+    def _record(self, name: str, rows: Sequence[int]) -> Record | None:
+        times, lines = self._get(TIME)[rows], self.sheet.lines[rows]
+        back = np.flatnonzero(np.diff(times) <= 0.0)
+        if back.size:
+            row = int(back[0]) + 1
+            text = f"{times[row]:g} s is not after {times[row - 1]:g} s of the same series"
+            self.sheet.faults.append(Fault(text, int(lines[row]), self.sheet.title(TIME)))
+            return None
+        if len(rows) < 2:
+            self._left_out(f"series {name} has one sample, and a shift has at least two", int(lines[0]))
+            return None
+        columns = [self._get(column)[rows] for column in RECORDED]
+        samples = tuple(tuple(float(v) for v in values) for values in zip(times - times[0], *columns, strict=True))
+        deviations = self._get(SAMPLED + DEVIATION)[rows]
+        measured = tuple(
+            Measured(
+                SAMPLED,
+                sample[5],
+                float(deviation) if np.isfinite(deviation) else MEASURED[SAMPLED].assumed(sample[5]),
+                bool(np.isfinite(deviation)),
+                f"{SAMPLED}@{k}",
+                sample[0],
+            )
+            for k, (sample, deviation) in enumerate(zip(samples, deviations, strict=True))
+            if k
+        )
+        _, speed, torque, primary_force, force, ratio = samples[0]
+        title = f"series {name}" if name else f"line {lines[0]}"
+        return Record(int(lines[0]), title, ratio, None, speed, torque, force, primary_force, measured, samples=samples)
+
+
+# Description of a table
+
+
+def understood(rig: Rig) -> list[str]:
+    """Lines that describe what a table contains."""
+    return [*described(rig.sheet), *(f"  {remark}" for remark in rig.remarks), *_counted(rig)]
+
+
+def described(sheet: Sheet) -> list[str]:
+    """Lines that describe columns, units, and rows that are left out."""
+    lines = [f"{sheet.path}: {sheet.source}, decimal {sheet.decimal}"]
+    for name, one in sheet.taken.items():
+        unit = f" [{one.unit}]" if one.unit else ""
+        if name not in sheet.values:
+            lines.append(f"  {one.title}: {name}")
+            continue
+        values = sheet.values[name][np.isfinite(sheet.values[name])]
+        preferred = units.PREFERRED.get(one.column.dimension, ("1",))[0]
+        extent = f"{values.min():.5g} to {values.max():.5g} {preferred}" if values.size else "no values"
+        lines.append(f"  {one.title}: {one.turned}{name}{unit}, {values.size} values, {extent}")
+    if sheet.ignored:
+        lines.append(f"  ignored: {', '.join(sheet.ignored)}")
+    lines += [f"  {remark}" for remark in sheet.remarks]
+    lines += [f"  left out: {fault}" for fault in sheet.left_out]
+    return lines
+
+
+def _counted(rig: Rig) -> list[str]:
+    if rig.recorded:
+        samples = sum(len(point.measured) for point in rig.points)
+        return [f"  {len(rig.points)} shifts with {samples} samples after the first ones"]
+    found = {quantity: sum(m.quantity == quantity for p in rig.points for m in p.measured) for quantity in QUANTITIES}
+    counts = ", ".join(f"{count} {quantity}" for quantity, count in found.items() if count)
+    return [f"  {len(rig.points)} points: {counts}"]
+
+
+# Template
+
+EXAMPLES = (
+    ("underdrive", 2, 1500, 60, 14, "", 1.05, 0.8, "", "", ""),
+    ("ratio 1", 1, 2000, 50, 9, "", 1.37, "", 0.05, 97.1, ""),
+    ("overdrive", 0.5, 2000, 40, 10, 18.1, "", 0.3, 0.05, "", ""),
+    ("upshift", 1, 1000, 0, 20, 26, "", "", "", "", 0.45),
+)
+"""Template of a table."""
+
+
+def template() -> str:
+    """Text of the template: every column with its meaning, and example lines."""
+    header = (
+        "name,ratio.geometric,primary.speed [rpm],primary.torque [N.m],secondary.clampingForce [kN],"
+        "primary.clampingForce [kN],thrustRatio,slip [%],slip.sd [%],efficiency [%],ds/dt [1/s]"
+    )
+    return "\n".join(
+        (
+            "# Table for `cargo fmu calibrate`: one steady point per line. Replace the lines below the header.",
+            "# Empty cells are allowed. Unused columns can be removed, and their order is free.",
+            *_described("Conditions", CONDITIONS),
+            *_described("Measured quantities, any of", QUANTITIES),
+            f"# {' ' * 4}….sd: standard deviation of a measured column; the default is an assumed one",
+            "# Recorded shifts are another table: series; time [s]; " + "; ".join(RECORDED),
+            header,
+            *(",".join(map(str, line)) for line in EXAMPLES),
+            "",
+        )
+    )
+
+
+def _described(title: str, columns: Mapping[str, Column]) -> Iterable[str]:
+    yield f"# {title}:"
+    for name, column in columns.items():
+        yield f"# {' ' * 4}{name} [{units.names(column.dimension)}]: {column.meaning}".replace(",", ";")

@@ -1,0 +1,230 @@
+"""Cells of a table file: CSV in any usual encoding and with any usual separator, or a sheet of an .xlsx file. pandas does the reading."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import io
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from .numerals import MISSING, Percent
+
+SEPARATORS = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", "  ": "blanks"}
+"""Signs between columns, in the order of preference."""
+LARGEST = 1_000_000_000
+"""Largest file, bytes."""
+HEAD = 60
+"""Rows in which the header is searched."""
+
+BOMS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+
+
+class TextError(ValueError):
+    """The file is not a table. The message contains the reason."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cells of a file, row by row."""
+
+    frame: pd.DataFrame
+    """Text, or numbers and `Percent` of a spreadsheet. An empty cell is an empty text. The columns are counted from 0."""
+    lines: np.ndarray[Any, Any]
+    """Line of each row in the file, from 1."""
+    separator: str
+    """Sign between columns; empty in a spreadsheet."""
+    source: str
+    """Encoding and separator, or the name of the sheet, for people."""
+
+    def row(self, place: int) -> list[str]:
+        """A row as text without blanks around the cells."""
+        return [str(cell).strip() for cell in self.frame.iloc[place]]
+
+
+def decoded(data: bytes) -> tuple[str, str]:
+    """Text and encoding of a file."""
+    encoding = next((name for mark, name in BOMS if data.startswith(mark)), None)
+    if encoding is None and data[:4000].count(0):
+        # UTF-16 without a mark: the zeros of Latin text are at odd places if the low byte comes first.
+        even, odd = data[0:4000:2].count(0), data[1:4000:2].count(0)
+        if max(even, odd) < len(data[:4000]) // 8:
+            raise TextError("the file is not a table: it has bytes that no text has")
+        encoding = "utf-16-le" if odd > even else "utf-16-be"
+    for candidate in [encoding] if encoding else ["utf-8", "cp1252"]:
+        try:
+            return data.decode(candidate).lstrip("\N{ZERO WIDTH NO-BREAK SPACE}"), candidate.removesuffix("-sig")
+        except UnicodeDecodeError as error:
+            reason = error
+    if encoding is not None:
+        raise TextError(f"the file is not text in {encoding}: {reason}")
+    return data.decode("latin-1"), "latin-1"
+
+
+def _lines(text: str) -> list[str]:
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def _split(line: str, separator: str) -> list[str]:
+    if separator == "  ":
+        return re.split(r"\s{2,}", line.strip())
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
+
+
+def is_remark(line: str) -> bool:
+    """Whether a line is a remark: it starts with `#`, and this is not an error value of a spreadsheet."""
+    start = line.lstrip().lstrip('"').lower()
+    if not start.startswith("#"):
+        return False
+    return not any(word.startswith("#") and start.startswith(word) for word in MISSING)
+
+
+def read(path: Path, known: Callable[[Sequence[str]], int], sheet: str | None = None) -> Cells:
+    """Cells of a file. `known` counts the known names among the cells of a row: the separator or the sheet is the one with most.
+
+    Raises TextError if the file is not a table, OSError if it cannot be read.
+    """
+    size = path.stat().st_size
+    if size > LARGEST:
+        raise TextError(f"the file has {size / 1e6:.0f} MB, above the limit of {LARGEST / 1e6:.0f} MB")
+    data = path.read_bytes()
+    if data.startswith(b"PK\x03\x04"):
+        return _spreadsheet(data, known, sheet)
+    if data.startswith(b"\xd0\xcf\x11\xe0"):
+        raise TextError("this is an old Excel file: save it as .xlsx or CSV")
+    return parse(data, known)
+
+
+def parse(data: bytes, known: Callable[[Sequence[str]], int]) -> Cells:
+    """Cells of a CSV file."""
+    text, encoding = decoded(data)
+    lines = _lines(text)
+    declared = re.fullmatch(r'\s*"?sep=(.)"?[\s;,\t]*', lines[0], re.IGNORECASE) if lines else None
+    if declared:
+        lines[0] = ""
+    lines = _with_header(lines, known)
+    shown = [line for line in lines if line.strip(" ,;|\t\"")]
+    if not shown:
+        raise TextError("the table is empty")
+    separator = declared.group(1) if declared else _separator(shown[:HEAD], known)
+    frame = _frame(lines, separator)
+    # A quoted cell may contain line breaks.
+    breaks = frame.apply(lambda column: column.str.count("\n")).sum(axis=1).to_numpy()
+    numbers = 1 + np.arange(len(frame)) + np.concatenate([[0], np.cumsum(breaks)[:-1]]).astype(int)
+    frame = frame.apply(lambda column: column.str.replace(r"\s*\n\s*", " ", regex=True).str.strip())
+    filled = (frame != "").any(axis=1).to_numpy()
+    name = SEPARATORS.get(separator, repr(separator))
+    return Cells(frame[filled].reset_index(drop=True), numbers[filled], separator, f"{encoding.upper()}, {name} between columns")
+
+
+def _with_header(lines: list[str], known: Callable[[Sequence[str]], int]) -> list[str]:
+    """The lines with remarks emptied. A remark with known names above rows of numbers is the header."""
+    found = list(lines)
+    first = next((line for line in lines if line.strip() and not is_remark(line)), "")
+    for place, line in enumerate(lines):
+        if not is_remark(line):
+            continue
+        bare = line.lstrip().lstrip('"#').strip() if not line.lstrip().startswith('"#') else line.replace("#", "", 1)
+        best = max((known(_split(bare, separator)) for separator in SEPARATORS), default=0)
+        in_place = max((known(_split(line, separator)) for separator in SEPARATORS), default=0)
+        has_header = max((known(_split(first, separator)) for separator in SEPARATORS), default=0) >= 2
+        if best >= 3 and not has_header:
+            # A first cell `#` is an index column.
+            found[place] = line if in_place == best and re.match(r'\s*"?#"?\s*[;,|\t]', line) else bare
+        else:
+            found[place] = ""
+    return found
+
+
+def _separator(lines: Sequence[str], known: Callable[[Sequence[str]], int]) -> str:
+    """The separator by which the lines have most known names; among equals, the one in most lines."""
+
+    def merit(separator: str) -> tuple[int, int]:
+        rows = [_split(line, separator) for line in lines]
+        return max(known(row) for row in rows), sum(len(row) > 1 for row in rows)
+
+    return max(SEPARATORS, key=merit)
+
+
+def _frame(lines: Sequence[str], separator: str) -> pd.DataFrame:
+    if separator == "  ":
+        lines, separator = ["\x1f".join(_split(line, "  ")) if line.strip() else "" for line in lines], "\x1f"
+    # The C parser of pandas takes the number of columns from here.
+    width = max(line.count(separator) for line in lines) + 1
+    frame = pd.read_csv(
+        io.StringIO("\n".join(lines)),
+        sep=separator,
+        header=None,
+        names=range(width),
+        index_col=False,
+        dtype=str,
+        keep_default_na=False,
+        skip_blank_lines=False,
+        skipinitialspace=separator != "\t",
+        on_bad_lines="error",
+    )
+    return frame.fillna("")
+
+
+# Spreadsheets
+
+
+def _spreadsheet(data: bytes, known: Callable[[Sequence[str]], int], wanted: str | None) -> Cells:
+    try:
+        book = pd.ExcelFile(io.BytesIO(data), engine="openpyxl")
+    except ImportError as error:
+        raise TextError("an .xlsx file requires the package openpyxl: pip install 'pushbelt[excel]'") from error
+    except Exception as error:  # openpyxl and zipfile have no common base class of errors.
+        raise TextError(f"the file is not a readable .xlsx file: {error}") from error
+    with book:
+        if wanted is not None and wanted not in book.sheet_names:
+            raise TextError(f"there is no sheet {wanted}; there are {', '.join(map(str, book.sheet_names))}")
+        found: list[tuple[int, Cells]] = []
+        for name in [wanted] if wanted is not None else book.sheet_names:
+            cells = _sheet(book, str(name))
+            if cells is not None:
+                best = max(known(cells.row(place)) for place in range(min(HEAD, len(cells.frame))))
+                found.append((best, cells))
+    if not found:
+        raise TextError("the table is empty")
+    return max(found, key=lambda pair: pair[0])[1]
+
+
+def _sheet(book: pd.ExcelFile, name: str) -> Cells | None:
+    frame = pd.read_excel(book, sheet_name=name, header=None, dtype=object, keep_default_na=False, na_values=[])
+    if frame.empty:
+        return None
+    frame.columns = range(frame.shape[1])
+    for row, column, share in _percent_cells(book.book[name]):
+        if row < frame.shape[0] and column < frame.shape[1]:
+            frame.iat[row, column] = Percent(share)
+    # pandas gives NaN for error values and an empty text for empty cells.
+    frame = frame.map(lambda cell: "#N/A" if isinstance(cell, float) and np.isnan(cell) else cell)
+    frame = frame.map(lambda cell: cell if isinstance(cell, (int, float, Percent)) and not isinstance(cell, bool) else str(cell).strip())
+    filled = (frame != "").any(axis=1).to_numpy()
+    remarks = np.array([is_remark(str(next((c for c in row if str(c) != ""), ""))) for row in frame.itertuples(index=False)])
+    headers = np.array([sum(str(cell) != "" for cell in row) > 3 for row in frame.itertuples(index=False)])
+    keep = filled & (~remarks | headers)
+    if not keep.any():
+        return None
+    return Cells(frame[keep].reset_index(drop=True), 1 + np.flatnonzero(keep), "", f"sheet {name}")
+
+
+def _percent_cells(sheet: Any) -> Iterator[tuple[int, int, float]]:
+    """Numbers that the sheet shows in per cent, with row and column from 0."""
+    for row in sheet.iter_rows():
+        for cell in row:
+            if isinstance(cell.value, (int, float)) and "%" in str(getattr(cell, "number_format", "")):
+                yield cell.row - 1, cell.column - 1, float(cell.value)

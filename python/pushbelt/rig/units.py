@@ -1,0 +1,154 @@
+"""Units of table columns in their usual spellings, and their factors to SI."""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+RPM = math.pi / 30.0
+ATMOSPHERE = 101325.0
+"""Pressure that is subtracted from absolute pressures, Pa."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: the SI value is `factor` times the number, plus `offset`."""
+
+    factor: float
+    offset: float = 0.0
+
+    def si(self, value: float) -> float:
+        """Value in SI."""
+        return self.factor * value + self.offset
+
+
+def _all(factor: float, spellings: str, offset: float = 0.0) -> dict[str, Unit]:
+    return dict.fromkeys(spellings.split(), Unit(factor, offset))
+
+
+POUND = 4.4482216152605
+FOOT = 0.3048
+
+# Spellings are those after `normal`: without blanks, points and multiplication signs.
+SPELLINGS: Mapping[str, Mapping[str, Unit]] = {
+    "ratio": {
+        **_all(1.0, "1 - none dimensionless unitless pu ratio 1/1 -/-"),
+        **_all(0.01, "% percent pct prozent vh 1/100"),
+        **_all(0.001, "‰ permille"),
+    },
+    "speed": {
+        **_all(1.0, "rad/s rads-1 rads^-1 radians/s rad/sec"),
+        **_all(RPM, "rpm 1/min /min min-1 min^-1 u/min r/min rev/min revs/min revpermin revmin-1 tr/min upm umin-1 umin^-1 turns/min"),
+        **_all(1e3 * RPM, "krpm"),
+        **_all(60.0 * RPM, "hz rps rev/s r/s u/s revs-1"),
+        **_all(math.pi / 180.0, "deg/s °/s"),
+    },
+    "torque": {
+        **_all(1.0, "Nm newtonmeter newtonmetre newtonmeters newtonmetres j/rad"),
+        **_all(1e3, "kNm"),
+        **_all(1e-3, "mNm"),
+        **_all(10.0, "daNm"),
+        **_all(0.01, "Ncm"),
+        **_all(POUND * FOOT, "lbfft lbft ftlbf ftlb ftlbs lb-ft ft-lb lbf-ft ft-lbf"),
+        **_all(POUND * FOOT / 12.0, "lbfin lbin inlbf inlb in-lb lb-in"),
+        **_all(9.80665, "kgfm kgm kpm mkp"),
+    },
+    "force": {
+        **_all(1.0, "N newton newtons"),
+        **_all(1e3, "kN kilonewton"),
+        **_all(1e6, "MN"),
+        **_all(10.0, "daN"),
+        **_all(POUND, "lbf lb lbs"),
+        **_all(9.80665, "kgf kp"),
+    },
+    "pressure": {
+        **_all(1.0, "Pa pascal N/m2 N/m^2"),
+        **_all(1e2, "hPa mbar"),
+        **_all(1e3, "kPa"),
+        **_all(1e6, "MPa N/mm2 N/mm^2"),
+        **_all(1e5, "bar bars barg bar(g) bar_g bar,g"),
+        **_all(1e5, "bara bar(a) bar_a barabs bar,a", -ATMOSPHERE),
+        **_all(6894.757293168, "psi psig"),
+        **_all(6894.757293168, "psia", -ATMOSPHERE),
+        **_all(98066.5, "kgf/cm2 kgf/cm^2 at"),
+    },
+    "time": {**_all(1.0, "s sec secs second seconds"), **_all(1e-3, "ms msec"), **_all(60.0, "min"), **_all(3600.0, "h hr hours")},
+    "rate": {**_all(1.0, "1/s s-1 s^-1 /s 1/sec hz"), **_all(1.0 / 60.0, "1/min /min min-1 min^-1")},
+    "velocity": {
+        **_all(1.0, "m/s ms-1 ms^-1 m/sec"),
+        **_all(1.0 / 3.6, "km/h kmh kph km/hr kmh-1"),
+        **_all(0.44704, "mph mi/h"),
+    },
+    "length": {**_all(1.0, "m"), **_all(1e-3, "mm"), **_all(1e3, "km"), **_all(1609.344, "mi miles")},
+    "stress": {**_all(1.0, "Pa N/m2 N/m^2"), **_all(1e6, "MPa N/mm2 N/mm^2"), **_all(1e9, "GPa"), **_all(1e3, "kPa")},
+    "area": {**_all(1.0, "m2 m^2"), **_all(1e-4, "cm2 cm^2"), **_all(1e-6, "mm2 mm^2")},
+    "temperature": {**_all(1.0, "k kelvin"), **_all(1.0, "°c c degc celsius gradc grdc deg.c", 273.15)},
+    "power": {**_all(1.0, "W watt"), **_all(1e3, "kW"), **_all(735.49875, "ps hp")},
+    "other": {
+        **_all(1.0, "l/min l/h lpm cst mm2/s A mA V mV Hz kHz g kg J kJ Wh kWh °f degf f dB °ca rad deg ° yyyy-mm-dd hh:mm:ss"),
+    },
+}
+"""Units by dimension. `other` has units that no column here has, so that a row of units is recognised."""
+PREFERRED: Mapping[str, tuple[str, ...]] = {
+    "ratio": ("1", "%"),
+    "speed": ("rad/s", "rpm"),
+    "torque": ("N.m",),
+    "force": ("N", "kN"),
+    "pressure": ("Pa", "bar"),
+    "time": ("s",),
+    "rate": ("1/s",),
+    "velocity": ("m/s", "km/h"),
+    "length": ("m", "mm"),
+    "stress": ("Pa", "MPa"),
+    "area": ("m2",),
+}
+"""Units that messages and templates name."""
+
+SIGNS = str.maketrans({"\N{MINUS SIGN}": "-", "\N{EN DASH}": "-", "\N{EM DASH}": "-", "\N{HYPHEN}": "-", "\N{FRACTION SLASH}": "/", "\N{DIVISION SLASH}": "/", "\N{MASCULINE ORDINAL INDICATOR}": "°", "\N{RING ABOVE}": "°"})  # fmt: skip
+PREFIXED = frozenset({"mN", "MN", "mNm", "mbar", "MPa", "ms", "mm", "mm2", "mm^2"})
+"""Units with the prefix milli or mega. With the prefix in the wrong case they have no certain meaning."""
+
+
+def normal(text: str) -> str:
+    """A unit without blanks, multiplication signs and superscripts; the case is kept."""
+    text = text.strip().translate(SIGNS)
+    text = re.sub(r"[⁺⁻⁰¹²³⁴-⁹]+", lambda found: "^" + found.group(), text)
+    text = unicodedata.normalize("NFKC", text).translate(SIGNS).strip()
+    text = re.sub(r"\s*(?:\[(.*)\]|\((?![ag]\))(.*)\)|<(.*)>)\s*", lambda found: next(g for g in found.groups() if g is not None), text, count=1) if text[:1] in "[(<" else text
+    text = re.sub(r"(?<=[A-Za-z])[\s.·⋅∙•*×]+(?=[A-Za-z])", "", text)
+    text = re.sub(r"\*\*", "^", text)
+    text = re.sub(r"\s+", "", text)
+    text = text.replace("^-1^", "^-1")
+    return text.rstrip(".") if len(text) > 1 else text
+
+
+def find(text: str, dimension: str) -> Unit | None:
+    """The unit of a dimension with this spelling; None if there is none. The case matters only where it distinguishes units."""
+    spelled, known = normal(text), SPELLINGS.get(dimension, {})
+    if spelled in ("", "-"):
+        return Unit(1.0) if dimension == "ratio" else None
+    if spelled in known:
+        return known[spelled]
+    found = {name: unit for name, unit in known.items() if name.lower() == spelled.lower()}
+    if any(name in PREFIXED and name[0] != spelled[0] for name in found):
+        return None
+    return found.popitem()[1] if len(set(found.values())) == 1 else None
+
+
+def dimensions(text: str) -> set[str]:
+    """All dimensions that have a unit with this spelling."""
+    return {dimension for dimension in SPELLINGS if find(text, dimension) is not None}
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a known unit, or is written in brackets like one."""
+    text = text.strip()
+    return bool(dimensions(text)) or bool(re.fullmatch(r"\[[^\]]*\]|\([^)]*\)", text))
+
+
+def names(dimension: str) -> str:
+    """The usual units of a dimension, for messages."""
+    return " or ".join(PREFERRED[dimension])
