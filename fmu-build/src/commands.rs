@@ -10,6 +10,7 @@ use crate::progress;
 use crate::python::{Environment, Packages, RUNNING};
 use crate::workspace::Workspace;
 
+pub mod belt;
 pub mod bench;
 pub mod build;
 pub mod calibrate;

@@ -42,7 +42,7 @@ struct Arguments {
 /// Durations of the commands, measured by `time cargo fmu …`. This is the only list of such times.
 const TIMES: &str = "\
 Times on two processor cores, once the model is compiled and the Python packages are installed:
-  seconds      build, demo, compare, describe, durability, linearize
+  seconds      belt, build, demo, compare, describe, durability, linearize
   a minute     drive, sweep, calibrate (60 points), bench
   minutes      test (3), validate (3), paper, wheel, docs
   15 minutes   test --all
@@ -64,6 +64,8 @@ enum Command {
     Paper(commands::paper::Arguments),
     /// Solve for 2288 steady states with the FMU and write target/sweep/report.html
     Sweep(commands::sweep::Arguments),
+    /// Write a parameter set for a belt of given dimensions to target/belt/
+    Belt(commands::belt::Arguments),
     /// Fit parameters to a table of measured steady points and write target/calibrate/report.html
     Calibrate(commands::calibrate::Arguments),
     /// Compare the FMU with theory and measurements and write target/validate/report.html
@@ -102,6 +104,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Command::Durability(arguments) => commands::durability::run(&workspace, arguments),
         Command::Paper(arguments) => commands::paper::run(&workspace, arguments),
         Command::Sweep(arguments) => commands::sweep::run(&workspace, arguments),
+        Command::Belt(arguments) => commands::belt::run(&workspace, arguments),
         Command::Calibrate(arguments) => commands::calibrate::run(&workspace, arguments),
         Command::Validate(arguments) => commands::validate::run(&workspace, arguments),
         Command::Wheel(arguments) => commands::wheel::run(&workspace, arguments),

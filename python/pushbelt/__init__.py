@@ -4,7 +4,7 @@
 - `fmu`: the FMU call by call, published data, geometry, load cases, results.
 - `page`, `charts`, `belt_view`, `style`, `checks`, `progress`, `side_by_side`: common parts of the reports.
 - `theory`: results of theories, independent of the FMU.
-- `calibrate`, `compare`, `demo`, `drive`, `durability`, `linearize`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. They do
+- `belt`, `calibrate`, `compare`, `demo`, `drive`, `durability`, `linearize`, `paper`, `sweep`, `validate`: programs, each run by `python -m pushbelt.…`. They do
   not import each other.
 """
 

@@ -22,6 +22,7 @@ PROGRAMS = {
     "validate": ("comparison of the FMU with theory and measurements, and a report", "reports"),
     "linearize": ("linear models about steady working points, for controller design, and a report", "reports"),
     "compare": ("comparison of two runs, and a report", "reports"),
+    "belt": ("parameter set for a belt of given dimensions, with checks of ratio and stress", "reports"),
     "calibrate": ("parameters from a table of measured points, and a report", "reports"),
 }
 """Description of each program, and the extra that installs the packages it needs."""

@@ -18,6 +18,7 @@ from conftest import ROOT
 PACKAGE = ROOT / "python" / "pushbelt"
 LOCK = ROOT / "python" / "requirements.txt"
 EXTRA_OF = {
+    "belt": "reports",
     "calibrate": "reports",
     "compare": "reports",
     "demo": "reports",

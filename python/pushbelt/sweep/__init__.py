@@ -6,10 +6,15 @@
 
     results.parquet → maps, checks → report
 
+A study has a grid of the five axes, or a design of any parameters and inputs (`design`). Clusters are local, jobs of Slurm (`slurm`), or
+existing ones.
+
 The function `sweep` is the interface; `python -m pushbelt.sweep` is its command line.
 """
 
+from .design import Design, DesignError
 from .run import Progress, sweep
+from .slurm import Slurm
 from .study import Grid, Study
 
-__all__ = ["Grid", "Progress", "Study", "sweep"]
+__all__ = ["Design", "DesignError", "Grid", "Progress", "Slurm", "Study", "sweep"]

@@ -10,11 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from pushbelt.fmu.enumerations import RingModel
+from pushbelt.fmu.untrusted import described
 from pushbelt.progress import progress_bar
 
 from . import measure
 from .cluster import ClusterError
 from .run import Progress, sweep
+from .design import AXIS_OF, Design, Varied, crossed, listed, varied
+from .slurm import HELP, Slurm
 from .store import Store, write_parquet
 from .study import AXES, DEFAULT, SHORT, Study, variator
 
@@ -48,6 +51,19 @@ def parser() -> argparse.ArgumentParser:
     for name, axis in AXES.items():
         text = f"{axis.description}, {axis.unit}; comma-separated numbers"
         found.add_argument(f"--{name}", type=numbers, metavar="A,B,…", help=text)
+    design = found.add_argument_group("designs of any parameters and inputs, in SI units, instead of the default grid")
+    design.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NAME=VALUES",
+        help="a parameter or an input: A,B,C, or LOW:HIGH:N, or with --samples LOW:HIGH; can be repeated. All lists are combined",
+    )
+    design.add_argument("--samples", type=int, metavar="N", help="points of a Latin hypercube over the ranges")
+    design.add_argument("--seed", type=int, default=0, metavar="N", help="of the Latin hypercube [default: 0]")
+    design.add_argument("--points", type=Path, metavar="FILE.csv", help="list of points; names and units in the header")
+    found.add_argument("--slurm", metavar="OPTIONS", help=f"jobs of Slurm as workers: {HELP}".replace("%", "%%"))
+    found.add_argument("--print-job", action="store_true", help="with --slurm: print the job script and end")
     found.add_argument("--chunk", type=int, metavar="N", help="points per task of a worker")
     found.add_argument("--anew", action="store_true", help="discard stored points of an interrupted or finished run")
     found.add_argument("--measure", action="store_true", help="only measure points per second")
@@ -58,21 +74,53 @@ def main(arguments: list[str] | None = None) -> int:
     """Runs a study, writes results, maps and report, and prints their paths."""
     options = parser().parse_args(arguments)
     try:
+        slurm = Slurm.read(options.slurm) if options.slurm is not None else None
+        if options.print_job:
+            if slurm is None:
+                raise ValueError("--print-job requires --slurm")
+            print(slurm.script())
+            return 0
+        if slurm is not None and (options.scheduler or options.workers):
+            raise ValueError("--slurm excludes --scheduler and --workers")
+        if options.vary or options.points or options.samples:
+            if options.measure or options.short:
+                raise ValueError("--vary, --samples and --points exclude --short and --measure")
+            return _run(_design_study(options), options, slurm)
         grid = measure.GRID if options.measure else SHORT if options.short else DEFAULT
         grid = replace(grid, **{name: getattr(options, name) for name in AXES if getattr(options, name) is not None})
         study = Study(options.fmu, variator(options.variator, options.model, dict(options.set)), grid)
         if options.measure:
             print(measure.table(study, options.scheduler, options.workers))
             return 0
-        return _run(study, options)
+        return _run(study, options, slurm)
     except (ClusterError, ValueError, OSError) as error:
         print(f"The study failed: {error}", file=sys.stderr)
         return 1
+    except ModuleNotFoundError as error:
+        if error.name != "dask_jobqueue":
+            raise
+        print("--slurm needs dask-jobqueue: pip install 'pushbelt[slurm]'", file=sys.stderr)
+        return 1
 
 
-def _run(study: Study, options: argparse.Namespace) -> int:
+def _design_study(options: argparse.Namespace) -> Study:
+    """The study of --vary, --samples and --points. Axes given by their options are columns of it."""
+    variables = {variable.name: variable for variable in described(options.fmu).modelVariables}
+    axes = [
+        Varied(AXIS_OF.get(name, name), getattr(options, name)) for name in AXES if getattr(options, name) is not None
+    ]
+    if options.points:
+        if options.vary or options.samples or axes:
+            raise ValueError("--points has all columns: it excludes --vary, --samples and the axes")
+        design = listed(options.points, variables)
+    else:
+        design = crossed([*axes, *map(varied, options.vary)], options.samples, options.seed)
+    return Study(options.fmu, variator(options.variator, options.model, dict(options.set), design.columns), design)
+
+
+def _run(study: Study, options: argparse.Namespace, slurm: Slurm | None = None) -> int:
     # Imported here, because processes of a local cluster import this module and do not need matplotlib.
-    from . import report
+    from . import design_report, report
 
     store = Store(options.output, study)
     if options.anew:
@@ -87,6 +135,7 @@ def _run(study: Study, options: argparse.Namespace) -> int:
                 options.output,
                 scheduler=options.scheduler,
                 workers=options.workers,
+                slurm=slurm,
                 chunk=options.chunk,
                 progress=_shown(bar),
             )
@@ -95,7 +144,9 @@ def _run(study: Study, options: argparse.Namespace) -> int:
         return 130
     seconds = time.perf_counter() - begin
     write_parquet(table, options.output / "results.parquet")
-    path = report.write(study, table, options.output, report.Effort(len(study.grid) - before, seconds))
+    effort = report.Effort(len(study.grid) - before, seconds)
+    write = design_report.write if isinstance(study.grid, Design) else report.write
+    path = write(study, table, options.output, effort)
     failed = len(table) - table["reason"].null_count
     print(f"{path.resolve()} ({len(table)} points, {failed} without a steady state, {seconds:.0f} s)")
     return 0 if failed < len(table) else 1

@@ -16,7 +16,9 @@ from distributed import CancelledError, Client, Future, KilledWorker, LocalClust
 import pushbelt.fmu
 
 from . import point, worker
+from . import slurm as jobs
 from .point import Row, failure
+from .slurm import Slurm
 from .worker import Chunk, UnitPlugin
 
 POLL = 0.1
@@ -26,20 +28,31 @@ CONNECT_TIMEOUT = 10.0
 WORKERS_TIMEOUT = 60.0
 """Timeout for the first worker of a cluster, s."""
 
+QUEUE_TIMEOUT = 7 * 86400.0
+"""Timeout for the first job of Slurm, which may wait in a queue, s."""
+
 
 class ClusterError(RuntimeError):
     """The cluster cannot be reached, or the connection is lost."""
 
 
 @contextmanager
-def connect(scheduler: str | None, workers: int | None) -> Iterator[Client]:
-    """A client of the scheduler at an address such as `tcp://host:port`, or of a new local cluster of processes.
+def connect(scheduler: str | None, workers: int | None, slurm: Slurm | None = None) -> Iterator[Client]:
+    """A client of the scheduler at an address such as `tcp://host:port`, of new jobs of Slurm, or of a new local cluster of processes.
 
     Raises ClusterError if there is no worker within the timeout.
     """
     with ExitStack() as stack:
         try:
-            if scheduler is None:
+            timeout = WORKERS_TIMEOUT
+            if slurm is not None:
+                if not jobs.is_there():
+                    raise ClusterError("sbatch is not on the path: this is no machine that submits jobs to Slurm")
+                queue = stack.enter_context(slurm.cluster())
+                # Jobs that end are replaced.
+                queue.adapt(minimum_jobs=slurm.jobs, maximum_jobs=slurm.jobs)
+                scheduler, timeout = queue, QUEUE_TIMEOUT
+            elif scheduler is None:
                 with interrupts_ignored():
                     local = LocalCluster(
                         n_workers=workers,
@@ -50,7 +63,7 @@ def connect(scheduler: str | None, workers: int | None) -> Iterator[Client]:
                     )
                 scheduler = stack.enter_context(local)
             client = stack.enter_context(Client(scheduler, timeout=CONNECT_TIMEOUT))
-            client.wait_for_workers(1, timeout=WORKERS_TIMEOUT)
+            client.wait_for_workers(1, timeout=timeout)
         except (OSError, TimeoutError) as error:
             raise ClusterError(f"{scheduler}: {error or 'no worker'}") from error
         yield client

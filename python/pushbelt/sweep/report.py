@@ -84,11 +84,16 @@ def _context(study: Study, results: Results, effort: Effort) -> dict[str, Any]:
             for field in schema(study)
         ],
         "metadata_key": METADATA.decode(),
-        "parameters": [
-            (name, _shown(study.variables[name], value), study.variables[name].unit or "1")
-            for name, value in study.parameters.items()
-        ],
+        "parameters": shown_parameters(study),
     }
+
+
+def shown_parameters(study: Study) -> list[tuple[str, str, str]]:
+    """Parameters of a study: name, value and unit."""
+    return [
+        (name, _shown(study.variables[name], value), study.variables[name].unit or "1")
+        for name, value in study.parameters.items()
+    ]
 
 
 def _shown(variable: Any, value: float) -> str:

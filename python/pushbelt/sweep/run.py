@@ -13,6 +13,7 @@ import pyarrow as pa
 from distributed import Client
 
 from . import cluster
+from .slurm import Slurm
 from .store import Store, table, with_metadata
 from .study import Study
 from .worker import Chunk
@@ -58,13 +59,14 @@ def sweep(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
+    slurm: Slurm | None = None,
     chunk: int | None = None,
     progress: Callable[[Progress], object] = lambda _: None,
 ) -> pa.Table:
     """Solves the points of a study and returns one row a point.
 
     Finished points are stored in `folder`; a study with the same FMU, parameters and grid continues from them. `scheduler`
-    is the address of a dask scheduler. By default `workers` local processes are started, one per processor. A program that
+    is the address of a dask scheduler; `slurm` submits jobs. By default `workers` local processes are started, one per processor. A program that
     starts local processes needs the guard `if __name__ == "__main__":`. `progress` is called after each chunk of `chunk`
     points, and about once per second in between.
 
@@ -75,7 +77,7 @@ def sweep(
     missing = chunks(study, {row["point"] for row in kept}, chunk)
     lost = []
     if missing:
-        with cluster.connect(scheduler, workers) as client:
+        with cluster.connect(scheduler, workers, slurm) as client:
             lost = _solve(client, study, store, missing, kept, progress)
     return with_metadata(study, table(study, [*store.rows(), *lost]))
 

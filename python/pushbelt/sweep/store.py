@@ -14,11 +14,20 @@ import pyarrow.parquet as pq
 
 from pushbelt.fmu.unit import output_names
 
+from .design import Design, DesignPoint, utilisation_of
 from .point import SHORT_STEP, Row
 from .study import AXES, Study
 
 METADATA = b"pushbelt.study"
 """Key of the study's description (JSON) in the metadata of the results."""
+
+
+def extra_columns(study: Study) -> list[str]:
+    """Columns of a design besides the axes and the torque, which every study has."""
+    if not isinstance(study.grid, Design):
+        return []
+    common = {"primary.torque", *(axis.column for axis in AXES.values())}
+    return [name for name in study.grid.columns if name not in common]
 
 
 def schema(study: Study) -> pa.Schema:
@@ -36,6 +45,7 @@ def schema(study: Study) -> pa.Schema:
             column("point", pa.int64(), "1", "Index of the point in the study"),
             *(column(axis.column, pa.float64(), axis.unit, axis.description) for axis in AXES.values()),
             output("primary.torque", pa.float64()),
+            *(output(name, pa.float64()) for name in extra_columns(study)),
             *(output(name, pa.float64()) for name in output_names(study.variables.values())),
             output("macroSlip", pa.bool_()),
             column("drift", pa.float64(), "1", f"Change of the thrust ratio over the step of {SHORT_STEP} s, relative"),
@@ -50,12 +60,13 @@ def table(study: Study, rows: Iterable[Row]) -> pa.Table:
     """A table of rows by point, with the coordinates of each point."""
     points = study.grid.points()
     columns = schema(study)
-    given = [axis.column for axis in AXES.values() if axis.column in study.variables] + ["primary.torque"]
+    given = [axis.column for axis in AXES.values() if axis.column in study.variables] + ["primary.torque", *extra_columns(study)]
     full = []
     for row in sorted(rows, key=lambda row: row["point"]):
         point = points[row["point"]]
         values = study.start_values(point)
-        full.append({"utilisation": point.utilisation, **{name: values[name] for name in given}, **row})
+        utilisation = utilisation_of(values) if isinstance(point, DesignPoint) else point.utilisation
+        full.append({"utilisation": utilisation, **{name: values[name] for name in given}, **row})
     return pa.Table.from_pylist(full, columns)
 
 
@@ -112,8 +123,16 @@ def describe(study: Study) -> dict[str, Any]:
             name: {"value": value, "unit": study.variables[name].unit or "1"}
             for name, value in study.parameters.items()
         },
-        "grid": {axis.column: {"unit": axis.unit, "values": asdict(study.grid)[name]} for name, axis in AXES.items()},
+        "grid": _described(study),
     }
+
+
+def _described(study: Study) -> dict[str, Any]:
+    """The axes of a grid with their values, or the columns of a design."""
+    if isinstance(study.grid, Design):
+        fields = {field.name: field.metadata[b"unit"].decode() for field in schema(study)}
+        return {"design": study.grid.kind, "columns": {name: {"unit": fields[name]} for name in study.grid.columns}}
+    return {axis.column: {"unit": axis.unit, "values": asdict(study.grid)[name]} for name, axis in AXES.items()}
 
 
 def with_metadata(study: Study, results: pa.Table) -> pa.Table:

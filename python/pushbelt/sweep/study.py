@@ -6,7 +6,7 @@ import hashlib
 import itertools
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +17,9 @@ from pushbelt.fmu.enumerations import RingModel
 from pushbelt.fmu.start_values import checked
 from pushbelt.fmu.untrusted import described
 
+from . import design as design_law
 from . import point as law
+from .design import Design, DesignPoint, full_values
 from .point import Point, start_values
 
 
@@ -99,16 +101,21 @@ SHORT = Grid(
 
 @dataclass(frozen=True)
 class Study:
-    """A grid of points with an FMU and common parameters."""
+    """A grid or another design of points, with an FMU and common parameters."""
 
     fmu: Path
     parameters: Mapping[str, float]
     """Start values of the FMU by name; the geometry and `belt.pitchOffset` must be among them."""
-    grid: Grid = DEFAULT
+    grid: Grid | Design = DEFAULT
 
     def __post_init__(self) -> None:
         parameters = checked(self.variables, self.parameters, {"parameter"})
-        if taken := self.parameters.keys() & start_values(self.parameters, self.grid.points()[0]).keys():
+        if isinstance(self.grid, Design):
+            self.grid.check(self.variables)
+            taken = parameters.keys() & {*self.grid.columns, "initial.steady", "initial.equilibrium"}
+        else:
+            taken = self.parameters.keys() & start_values(self.parameters, self.grid.points()[0]).keys()
+        if taken:
             raise ValueError(f"these variables are set by the points of the study: {', '.join(sorted(taken))}")
         object.__setattr__(self, "parameters", parameters)
 
@@ -132,18 +139,32 @@ class Study:
         """A hash of the FMU, the parameters, the grid and the procedure that solves the points."""
         document = {
             "fmu": hashlib.sha256(self.archive).hexdigest(),
-            "law": hashlib.sha256(Path(law.__file__).read_bytes()).hexdigest(),
+            "law": [hashlib.sha256(Path(file).read_bytes()).hexdigest() for file in self._laws],
             "parameters": dict(self.parameters),
             "grid": asdict(self.grid),
         }
         return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
-    def start_values(self, point: Point) -> dict[str, float]:
+    @property
+    def _laws(self) -> tuple[str, ...]:
+        """Files with the procedure that solves the points."""
+        return (law.__file__, design_law.__file__) if isinstance(self.grid, Design) else (law.__file__,)
+
+    def start_values(self, point: Point | DesignPoint) -> dict[str, float]:
         """All start values of a point."""
+        if isinstance(point, DesignPoint):
+            values = {name: value for name, value in point.values.items() if name in self.variables}
+            typed = {**point.values, **checked(self.variables, values)}
+            return full_values(self.parameters, DesignPoint(point.index, typed))
         return {**self.parameters, **start_values(self.parameters, point)}
 
 
-def variator(name: str, model: str = "ALE", changes: Mapping[str, float] | None = None) -> dict[str, float]:
-    """Parameters of a published variator (`bench168` or `belt155`) for a study, with changes."""
+def variator(
+    name: str,
+    model: str = "ALE",
+    changes: Mapping[str, float] | None = None,
+    varied: Collection[str] = (AXES["friction"].column,),
+) -> dict[str, float]:
+    """Parameters of a published variator (`bench168` or `belt155`) for a study, with changes and without the varied ones."""
     values = {**parameter_set(name), "ring.model": RingModel[model], **(changes or {})}
-    return {parameter: value for parameter, value in values.items() if parameter != AXES["friction"].column}
+    return {parameter: value for parameter, value in values.items() if parameter not in varied or parameter in (changes or {})}

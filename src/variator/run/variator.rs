@@ -140,6 +140,7 @@ impl Variator {
         self.initial_energy =
             plant.energy.last.belt_energy(&plant.system.belt) + plant.system.pulleys.energy(plant.state.view());
         self.macro_slip = plant.slips(false);
+        self.warn_of_layers();
         self.warn_of_slip();
         self.update_outputs();
         Ok(())
@@ -158,6 +159,19 @@ impl Variator {
 
     pub(super) fn log(&mut self, warning: bool, text: String) {
         self.messages.push(Message { warning, text });
+    }
+
+    /// Warns of stiffness and mass of a ring with other layers.
+    fn warn_of_layers(&mut self) {
+        let parameters = &self.plant.system.parameters;
+        if let Some((modulus, density)) = parameters.steel_of_other_layers() {
+            let text = format!(
+                "ring.axialStiffness, ring.bendingStiffness and ring.massPerLength do not follow from ring.layers, \
+                 ring.layerThickness and ring.layerWidth: steel of {:.0} GPa and {density:.0} kg/m3; set them together",
+                1e-9 * modulus
+            );
+            self.log(true, text);
+        }
     }
 
     /// Warns where the belt slips through from the start.

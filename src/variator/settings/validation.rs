@@ -12,6 +12,11 @@ use std::f64::consts::PI;
 /// Factor by which an initial ratio may exceed an end stop: a loaded belt rests there, and a run may continue from it.
 const BEYOND_STOP: f64 = 1.06;
 
+/// Young's modulus (Pa) and density (kg/m³) of maraging steel, the means of the published variators, and their relative scatter: one
+/// layer in ten is above it.
+const RING_STEEL: (f64, f64) = (1.86e11, 7850.0);
+const STEEL_SCATTER: f64 = 0.06;
+
 /// A value out of its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{variable} = {value} is out of range: {range}")]
@@ -229,6 +234,16 @@ impl Parameters {
         })
     }
 
+    /// Young's modulus (Pa) and density (kg/m³) of the ring's steel that follow from its layers, if both are off those of steel on the same
+    /// side: stiffness and mass then belong to other layers. One alone may be intended, as in a limit case of theory.
+    pub(crate) fn steel_of_other_layers(&self) -> Option<(f64, f64)> {
+        let area = 2.0 * f64::from(self.layers.count) * self.layers.width * self.layers.thickness;
+        let (modulus, density) = (self.ring.axial_stiffness / area, self.ring.mass_per_length / area);
+        let (stiff, heavy) = (modulus / RING_STEEL.0, density / RING_STEEL.1);
+        let off = stiff.max(heavy) < 1.0 - STEEL_SCATTER || stiff.min(heavy) > 1.0 + STEEL_SCATTER;
+        (area > 0.0 && off).then_some((modulus, density))
+    }
+
     /// Below the friction angle a sheave clamps the elements and never releases them.
     fn validate_wedge(&self) -> Result<(), ParameterError> {
         let wedge_angle = self.geometry.wedge_angle;
@@ -395,5 +410,25 @@ impl Inputs {
             limit.check(1, &self.secondary)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Parameters;
+
+    #[test]
+    fn layers_alone_leave_stiffness_and_mass_of_another_ring() {
+        let mut parameters = Parameters::default();
+        assert_eq!(parameters.steel_of_other_layers(), None);
+        parameters.layers.count = 10;
+        let (modulus, density) = parameters.steel_of_other_layers().expect("a layer more");
+        assert!((modulus - 1.672e11).abs() < 1e9 && (density - 7207.0).abs() < 1.0);
+        parameters.ring.axial_stiffness *= 10.0 / 9.0;
+        parameters.ring.mass_per_length *= 10.0 / 9.0;
+        assert_eq!(parameters.steel_of_other_layers(), None);
+        // A limit case of theory: a stiff ring.
+        parameters.ring.axial_stiffness *= 1e3;
+        assert_eq!(parameters.steel_of_other_layers(), None);
     }
 }

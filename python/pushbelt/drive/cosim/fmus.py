@@ -19,7 +19,7 @@ from pushbelt.fmu.unit import UnitError
 from ..thrust_map import ThrustMap
 from .unit import MAP_FILE
 
-PROGRAMS = ("calibrate", "demo", "drive", "paper", "sweep", "validate")
+PROGRAMS = ("belt", "calibrate", "demo", "drive", "paper", "sweep", "validate")
 """Subpackages of this package that are separate programs."""
 
 SLAVES = Path(__file__).parent / "slaves"

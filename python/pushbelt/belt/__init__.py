@@ -1,0 +1,11 @@
+"""A parameter set for a belt of one's own, from its geometry.
+
+    dimensions → geometry (formulas) → parameter set (JSON)
+                                    ↘ checks (reach of the ratio, stress of the ring from the FMU)
+
+`python -m pushbelt.belt` is its command line. `docs/belt.md` has the formulas and their sources.
+"""
+
+from .geometry import Belt, BeltError, Dimensions
+
+__all__ = ["Belt", "BeltError", "Dimensions"]

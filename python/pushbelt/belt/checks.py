@@ -1,0 +1,77 @@
+"""Stress of the ring at a load case, from steady states of the FMU, against the strength of its steel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pushbelt.variator import SteadyStateError, Variator
+
+MARGIN = 0.02
+"""Distance of the outer ratios from the end stops, relative."""
+PULLEYS = ("primary", "secondary")
+
+
+@dataclass(frozen=True)
+class Load:
+    """A load case: torque (N·m), primary speed (rad/s), safety factor of the clamping force."""
+
+    torque: float = 100.0
+    speed: float = 2000.0 * math.pi / 30.0
+    safety: float = 1.3
+
+
+@dataclass(frozen=True)
+class Steel:
+    """Strength of the ring's steel, Pa. The defaults are those of `durability`: engineering values for maraging steel."""
+
+    strength: float = 2.0e9
+    """Tensile strength."""
+    limit: float = 6.0e8
+    """Fatigue limit without mean stress."""
+    safety: float = 1.5
+    """Safety factor on both."""
+
+    def equivalent(self, amplitude: float, mean: float) -> float:
+        """Amplitude without mean stress that does the same damage (Goodman), Pa."""
+        return amplitude / (1.0 - min(max(mean, 0.0) / self.strength, 0.999))
+
+
+@dataclass(frozen=True)
+class Stress:
+    """Stress of the ring in a steady state, Pa; or the reason for a missing one."""
+
+    ratio: float
+    force: float
+    """Secondary clamping force, N."""
+    largest: float = math.nan
+    equivalent: float = math.nan
+    """Largest amplitude without mean stress that does the damage of a pulley's cycle."""
+    reason: str | None = None
+
+    def passes(self, steel: Steel) -> bool:
+        """Whether the stress is within the strength and the fatigue limit with the safety factor."""
+        return self.largest <= steel.strength / steel.safety and self.equivalent <= steel.limit / steel.safety
+
+
+def stresses(fmu: Path, values: Mapping[str, float], reach: float, load: Load, steel: Steel) -> list[Stress]:
+    """Stress of the ring near both ends of the ratio's range and at ratio 1."""
+    ends = reach * (1.0 - MARGIN)
+    ratios = (1.0 / ends, 1.0, ends) if ends > 1.0 + MARGIN else (1.0,)
+    found = []
+    with Variator(dict(values), fmu=fmu) as variator:
+        for ratio in ratios:
+            force = variator.least_force(ratio, load.torque, load.safety)
+            try:
+                state = variator.steady(ratio, load.torque, speed=load.speed, force=force)
+            except SteadyStateError as error:
+                found.append(Stress(ratio, force, reason=str(error)))
+                continue
+            cycles = (
+                steel.equivalent(state[f"ring.stressAmplitude.{pulley}"], state[f"ring.stressMean.{pulley}"])
+                for pulley in PULLEYS
+            )
+            found.append(Stress(ratio, force, state["ring.stressMax"], max(cycles)))
+    return found

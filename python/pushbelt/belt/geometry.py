@@ -1,0 +1,387 @@
+"""Parameters of a pushbelt from its dimensions. SI units; `docs/belt.md` has the sources of the formulas.
+
+Engineering values are those with which the formulas give the published variators `bench168` and `belt155`, both with elements that are
+24 mm wide and 1.5 mm thick. A test checks that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from pushbelt.fmu.geometry import TwoPulleyCurve, theta_of
+
+SETS = 2
+"""Ring sets of a belt."""
+WIDTH = 0.024
+"""Width of the elements to which the engineering values of stiffness and film apply, m."""
+THICKNESS = 0.0015
+"""Thickness of the elements to which the engineering values of the film apply, m."""
+PILLAR = 0.006
+"""Width of an element that its two ring slots leave to the pillar and the margins, m."""
+HEIGHT = 0.012
+"""Height of an element, m."""
+FILL = 0.59
+"""Share of width × height that an element covers: 24 mm × 12 mm × 1.5 mm then weighs 2.0 g."""
+ELEMENT_DENSITY = 7800.0
+"""Density of the elements' steel, kg/m³."""
+ROCKING_EDGE = 0.001
+"""Distance of an element's centre of mass from its rocking edge, m."""
+SADDLE = 0.00017
+"""Height of the saddle, on which the ring rests, above the rocking edge, m."""
+PLAY = 0.0002
+"""End play of the unstretched ring, m."""
+MOST_PLAY = 0.003
+"""Largest plausible end play, m."""
+STEEL = 2.06e11
+"""Young's modulus of the elements, Pa."""
+FLANK = 0.007
+"""Height of an element's flank, m."""
+SHEAVE = 1.2e11
+"""Stiffness of a sheave's face as an elastic half-space, N/m²."""
+PUSH_STIFFNESS = 1e7
+"""Push stiffness of elements of `WIDTH`, N."""
+FILM = {"belt.filmForce": 5.0, "belt.filmDamping": 2.0, "belt.squeezeDamping": 2700.0}
+"""Film parameters of elements of `WIDTH` and `THICKNESS`, SI."""
+CLEARANCE = 0.004
+"""Distance of the two pulleys at the largest radii, m."""
+MIN_RADIUS = 0.03
+"""Smallest pitch radius, m."""
+
+
+class BeltError(ValueError):
+    """Dimensions that do not belong to a belt."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """Name and range of a dimension."""
+
+    name: str
+    low: float
+    high: float
+    unit: str = "m"
+
+
+RANGES = {
+    "width": Range("the width of the elements", 0.01, 0.1),
+    "layers": Range("the number of layers", 1, 30, ""),
+    "length": Range("the length of the belt", 0.2, 5.0),
+    "center_distance": Range("the center distance", 0.05, 2.0),
+    "element_thickness": Range("the thickness of an element", 0.0005, 0.01),
+    "layer_thickness": Range("the thickness of a layer", 0.00005, 0.001),
+    "layer_width": Range("the width of a layer", 0.001, 0.05),
+    "element_mass": Range("the mass of an element", 0.0001, 0.05, "kg"),
+    "element_height": Range("the height of an element", 0.004, 0.04),
+    "elements": Range("the number of elements", 50, 5000, ""),
+    "play": Range("the end play", 0.0, MOST_PLAY),
+    "pitch_offset": Range("the pitch offset", 0.0, 0.01),
+    "young": Range("Young's modulus of the ring", 1e11, 3e11, "Pa"),
+    "density": Range("the density of the ring", 6000.0, 10000.0, "kg/m3"),
+    "wedge_angle": Range("the half wedge angle", 0.08, 0.35, "rad"),
+    "min_radius": Range("the smallest pitch radius", 0.01, 0.5),
+    "max_radius": Range("the largest pitch radius", 0.02, 1.0),
+}
+"""Ranges of the dimensions. A value outside is most likely in another unit."""
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """Dimensions of a belt. Those with the default None follow from the others."""
+
+    width: float
+    """Width of the elements at the pitch line, m."""
+    layers: int
+    """Layers of each of the two ring sets."""
+    length: float
+    """Length of the unstretched ring at its centre line, m."""
+    center_distance: float
+    """Distance of the pulley axes, m."""
+    element_thickness: float | None = None
+    """Thickness of an element, m."""
+    layer_thickness: float = 0.000185
+    """Thickness of a layer, m."""
+    layer_width: float | None = None
+    """Width of a layer, m."""
+    element_mass: float | None = None
+    """Mass of an element, kg."""
+    element_height: float = HEIGHT
+    """Height of an element, m."""
+    elements: int | None = None
+    """Number of elements."""
+    play: float | None = None
+    """End play: pitch-line length less the stacked thickness of all elements, m."""
+    pitch_offset: float | None = None
+    """Distance from the rocking edge to the centre line of the ring, m."""
+    young: float = 1.86e11
+    """Young's modulus of the ring, Pa."""
+    density: float = 8000.0
+    """Density of the ring, kg/m³."""
+    wedge_angle: float = math.radians(11.0)
+    """Half wedge angle of the sheaves, rad."""
+    min_radius: float = MIN_RADIUS
+    """Smallest pitch radius on a pulley, m."""
+    max_radius: float | None = None
+    """Largest pitch radius on a pulley, m."""
+
+    def __post_init__(self) -> None:
+        for field, limit in RANGES.items():
+            value = getattr(self, field)
+            if value is not None and not limit.low <= value <= limit.high:
+                raise BeltError(f"{limit.name} is {value:g} {limit.unit}".rstrip() + f", not within {limit.low:g} to {limit.high:g}")
+        if self.length <= 2.0 * self.center_distance:
+            raise BeltError(
+                f"a belt of {self.length:g} m does not close around axes {self.center_distance:g} m apart: it must be longer than "
+                f"{2.0 * self.center_distance:g} m"
+            )
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A parameter with its origin."""
+
+    value: float
+    origin: str
+    """`given`, `geometry` (follows from given dimensions) or `typical` (contains an engineering value)."""
+    note: str = ""
+
+
+class Belt:
+    """Parameters of a belt with given dimensions."""
+
+    def __init__(self, dimensions: Dimensions) -> None:
+        """Raises BeltError if the numbers of the elements do not fit each other, or no ratio is within the stops."""
+        self.dimensions = dimensions
+        self._check()
+
+    def _check(self) -> None:
+        d = self.dimensions
+        if self.pitch_length <= 0.0:
+            raise BeltError("the pitch offset is too large for this belt")
+        if not 0.0 <= self.play <= MOST_PLAY:
+            raise BeltError(
+                f"{self.elements} elements of {1e3 * self.element_thickness:.4g} mm on a pitch line of {1e3 * self.pitch_length:.2f} mm "
+                f"leave an end play of {1e3 * self.play:.2f} mm, not within 0 to {1e3 * MOST_PLAY:g} mm: specify two of number, "
+                "thickness and play"
+            )
+        if SETS * self.layer_width >= d.width:
+            raise BeltError(
+                f"two layers of {1e3 * self.layer_width:g} mm are not narrower than the elements, {1e3 * d.width:g} mm"
+            )
+        if not d.min_radius < self.max_radius:
+            raise BeltError(
+                f"the smallest pitch radius, {1e3 * d.min_radius:g} mm, is not below the largest, {1e3 * self.max_radius:g} mm"
+            )
+        if 2.0 * self.max_radius >= d.center_distance:
+            raise BeltError(
+                f"pulleys with a pitch radius of {1e3 * self.max_radius:g} mm touch each other at a center distance of "
+                f"{1e3 * d.center_distance:g} mm"
+            )
+        at_one = self.pitch_radii(1.0)[0]
+        if not d.min_radius <= at_one <= self.max_radius:
+            raise BeltError(
+                f"at ratio 1 the pitch radius is {1e3 * at_one:.1f} mm, not within the stops at {1e3 * d.min_radius:g} and "
+                f"{1e3 * self.max_radius:g} mm: no ratio can be reached"
+            )
+
+    # Elements
+
+    @cached_property
+    def layer_width(self) -> float:
+        """Width of a layer, m."""
+        given = self.dimensions.layer_width
+        return (self.dimensions.width - PILLAR) / SETS if given is None else given
+
+    @cached_property
+    def pitch_offset(self) -> float:
+        """Distance from the rocking edge to the ring's centre line: saddle and half the layers, m."""
+        d = self.dimensions
+        return SADDLE + 0.5 * d.layers * d.layer_thickness if d.pitch_offset is None else d.pitch_offset
+
+    @cached_property
+    def pitch_length(self) -> float:
+        """Length of the pitch line, L − 2π e, m."""
+        return self.dimensions.length - 2.0 * math.pi * self.pitch_offset
+
+    @cached_property
+    def elements(self) -> int:
+        """Number of elements."""
+        d = self.dimensions
+        if d.elements is not None:
+            return d.elements
+        thickness = THICKNESS if d.element_thickness is None else d.element_thickness
+        return round((self.pitch_length - (PLAY if d.play is None else d.play)) / thickness)
+
+    @cached_property
+    def element_thickness(self) -> float:
+        """Mean thickness of the elements: the given one with a given number, else that which leaves the play, m."""
+        d = self.dimensions
+        if d.elements is not None and d.element_thickness is not None and d.play is None:
+            return d.element_thickness
+        return (self.pitch_length - (PLAY if d.play is None else d.play)) / self.elements
+
+    @cached_property
+    def play(self) -> float:
+        """End play, m."""
+        return self.pitch_length - self.elements * self.element_thickness
+
+    @cached_property
+    def element_mass(self) -> float:
+        """Mass of an element, kg."""
+        d = self.dimensions
+        if d.element_mass is not None:
+            return d.element_mass
+        return ELEMENT_DENSITY * FILL * d.width * d.element_height * self.element_thickness
+
+    # Pulleys
+
+    @cached_property
+    def max_radius(self) -> float:
+        """Largest pitch radius, m."""
+        d = self.dimensions
+        return 0.5 * (d.center_distance - CLEARANCE) if d.max_radius is None else d.max_radius
+
+    def pitch_radii(self, ratio: float) -> tuple[float, float]:
+        """Pitch radii on the primary and the secondary pulley at a geometric ratio, m. ValueError if no belt closes there."""
+        d = self.dimensions
+        curve = TwoPulleyCurve(d.center_distance, d.length, theta_of(ratio))
+        return curve.primary_radius - self.pitch_offset, curve.secondary_radius - self.pitch_offset
+
+    @cached_property
+    def reach(self) -> float:
+        """Largest ratio between the stops; the smallest is its reciprocal, as both pulleys are alike."""
+        low, high = 0.0, math.log(100.0)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._within(math.exp(middle)) else (low, middle)
+        return math.exp(low)
+
+    def _within(self, ratio: float) -> bool:
+        try:
+            primary, secondary = self.pitch_radii(ratio)
+        except ValueError:
+            return False
+        return primary >= self.dimensions.min_radius and secondary <= self.max_radius
+
+    # Parameters of the FMU
+
+    @cached_property
+    def entries(self) -> dict[str, Entry]:
+        """Parameters that follow from the dimensions, by FMU name."""
+        return {**self._geometry(), **self._ring(), **self._elements(), **self._contact()}
+
+    def _geometry(self) -> dict[str, Entry]:
+        d = self.dimensions
+        standard = d.wedge_angle == Dimensions.wedge_angle
+        stops = (
+            ("minRadius", d.min_radius, d.min_radius != MIN_RADIUS, "engineering value"),
+            ("maxRadius", self.max_radius, d.max_radius is not None, "engineering value: the pulleys are 4 mm apart at this radius"),
+        )
+        return {
+            "geometry.centerDistance": Entry(d.center_distance, "given"),
+            "geometry.beltLength": Entry(d.length, "given"),
+            "geometry.wedgeAngle": Entry(
+                d.wedge_angle, "typical" if standard else "given", "11 degrees, as usual" if standard else ""
+            ),
+            **{
+                f"{pulley}.{name}": Entry(value, "given", "") if given else Entry(value, "typical", note)
+                for pulley in ("primary", "secondary")
+                for name, value, given, note in stops
+            },
+        }
+
+    def _ring(self) -> dict[str, Entry]:
+        d = self.dimensions
+        area = SETS * d.layers * self.layer_width * d.layer_thickness
+        stiffness = d.young * area
+        width = Entry(self.layer_width, "given") if d.layer_width is not None else Entry(
+            self.layer_width, "typical", "(width - 6 mm)/2"
+        )  # fmt: skip
+        origin = "geometry" if width.origin == "given" else "typical"
+        layers = f"2 sets of {d.layers} layers, {1e3 * d.layer_thickness:g} mm x {1e3 * self.layer_width:g} mm"
+        return {
+            "ring.layers": Entry(d.layers, "given"),
+            "ring.layerThickness": Entry(
+                d.layer_thickness, "given" if d.layer_thickness != Dimensions.layer_thickness else "typical"
+            ),
+            "ring.layerWidth": width,
+            "ring.massPerLength": Entry(d.density * area, origin, f"{layers}, {d.density:g} kg/m3"),
+            "ring.axialStiffness": Entry(stiffness, origin, f"{layers}, {1e-9 * d.young:g} GPa"),
+            "ring.bendingStiffness": Entry(
+                stiffness * d.layer_thickness**2 / 12.0, origin, "the same layers, each bends separately"
+            ),
+            "ring.lateralBendingStiffness": Entry(
+                stiffness * self.layer_width**2 / 12.0, origin, "the same layers, each set bends separately"
+            ),
+            "ring.residualCurvature": Entry(
+                2.0 * math.pi / d.length, "typical", "a circle of the belt's length, as which a layer was aged and nitrided"
+            ),
+        }
+
+    def _elements(self) -> dict[str, Entry]:
+        d = self.dimensions
+        mass, thickness = self.element_mass, self.element_thickness
+        weighed = d.element_mass is not None
+        number = f"{self.elements} elements of {1e3 * mass:.4g} g on the pitch line"
+        filled = f"{number}, each 59 % of width x {1e3 * d.element_height:g} mm x thickness, 7800 kg/m3"
+        wider, thicker = d.width / WIDTH, thickness / THICKNESS
+        scales = {"belt.filmForce": wider, "belt.filmDamping": wider * thicker, "belt.squeezeDamping": wider * thicker}
+        return {
+            "belt.pitchOffset": Entry(
+                self.pitch_offset,
+                "typical" if d.pitch_offset is None else "given",
+                "saddle 0.17 mm above the rocking edge, and half the layers" if d.pitch_offset is None else "",
+            ),
+            "belt.play": Entry(
+                self.play,
+                "given" if d.play is not None else "geometry" if d.elements and d.element_thickness else "typical",
+                "of the unstretched ring",
+            ),
+            "belt.elementThickness": Entry(thickness, "geometry" if d.elements or d.element_thickness else "typical", "mean"),
+            "belt.massPerLength": Entry(
+                self.elements * mass / self.pitch_length, "geometry" if weighed else "typical", number if weighed else filled
+            ),
+            "belt.elementInertia": Entry(
+                mass * (d.element_height**2 / 12.0 + ROCKING_EDGE**2),
+                "typical",
+                f"a bar of {1e3 * mass:.4g} g and {1e3 * d.element_height:g} mm, its centre 1 mm from the rocking edge",
+            ),
+            "belt.pushStiffness": Entry(PUSH_STIFFNESS * wider, "typical", "in proportion to the width: 1e7 N at 24 mm"),
+            **{
+                name: Entry(value * scales[name], "typical", f"in proportion to the faces: {value:g} at 24 mm x 1.5 mm")
+                for name, value in FILM.items()
+            },
+        }
+
+    def _contact(self) -> dict[str, Entry]:
+        element = 2.0 * STEEL * FLANK / self.dimensions.width
+        return {
+            "contact.stiffness": Entry(
+                1.0 / (1.0 / element + 1.0 / SHEAVE),
+                "typical",
+                "half an element in compression, flank of 7 mm, in series with the sheave's face, 1.2e11",
+            )
+        }
+
+    def document(self, name: str, base: str, values: Mapping[str, float], changes: Mapping[str, float]) -> dict[str, Any]:
+        """The parameter set. `values` are the parameters of the set `base`, used where nothing follows from the dimensions.
+
+        `changes` are values of the user. They come first.
+        """
+        taken = {key: Entry(value, "typical", f"as {base}") for key, value in values.items()}
+        given = {key: Entry(value, "given") for key, value in changes.items()}
+        d = self.dimensions
+        return {
+            "id": name,
+            "about": f"belt of {1e3 * d.width:g} mm with 2 x {d.layers} layers, {self.elements} elements, {1e3 * d.length:g} mm long, on axes "
+            f"{1e3 * d.center_distance:g} mm apart",
+            "note": "SI units. Start values of the FMU by variable name. Given values come from the user, geometry ones follow from them; "
+            "typical ones are or contain engineering values.",
+            "parameters": {
+                key: {"value": entry.value, "origin": entry.origin} | ({"note": entry.note} if entry.note else {})
+                for key, entry in {**taken, **self.entries, **given}.items()
+            },
+        }

@@ -1,0 +1,200 @@
+"""A parameter set from the dimensions of a belt: formulas, checks, and the set in the FMU and the programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+import pushbelt
+from pushbelt.belt import Belt, BeltError, Dimensions
+from pushbelt.belt.__main__ import OUT_OF_LIMITS, main
+from pushbelt.fmu import data
+
+BENCH = Dimensions(width=0.024, layers=9, length=0.703, center_distance=0.168)
+BELT155 = Dimensions(
+    width=0.0255, layers=9, length=0.661195, center_distance=0.155, elements=432, element_mass=1.858e-3,
+    layer_width=9.75e-3, young=1.85e11, density=7700.0,
+)  # fmt: skip
+WIDE = ["--width", "30", "--layers", "12", "--element-thickness", "1.5", "--length", "0.70", "--center-distance", "0.17"]
+
+
+@pytest.mark.parametrize(
+    ("name", "dimensions", "tolerance"),
+    [
+        # The published numbers are rounded to three digits.
+        ("bench168", BENCH, 6e-3),
+        # Its pushing stiffness, film and contact are those of elements of 24 mm, and its thickness is the nominal one.
+        ("belt155", BELT155, 8e-2),
+    ],
+)
+def test_formulas_give_the_published_sets(name: str, dimensions: Dimensions, tolerance: float) -> None:
+    published = data.parameter_set(name)
+    entries = Belt(dimensions).entries
+    stops = {key for key in entries if key.endswith("Radius")}
+    compared = entries.keys() & published.keys() - stops
+    assert len(compared) >= 17
+    for key in compared:
+        assert entries[key].value == pytest.approx(published[key], rel=tolerance), key
+    if name == "bench168":
+        assert {key: entries[key].value for key in stops} == pytest.approx({key: published[key] for key in stops})
+
+
+def test_what_is_given_is_met_exactly() -> None:
+    published = data.parameter_set("belt155")
+    entries = Belt(BELT155).entries
+    for key in ("ring.axialStiffness", "ring.bendingStiffness", "ring.massPerLength"):
+        assert entries[key].value == pytest.approx(published[key], rel=2e-5)
+        assert entries[key].origin == "geometry"
+    assert entries["belt.massPerLength"].value == pytest.approx(published["belt.massPerLength"], rel=1e-4)
+    assert entries["belt.massPerLength"].origin == "geometry"
+    assert entries["belt.elementInertia"].origin == "typical"
+
+
+def test_elements_fill_the_pitch_line() -> None:
+    """The line is 700 mm − 2π (0.17 + 12 × 0.185/2) mm."""
+    wide = Dimensions(width=0.03, layers=12, length=0.7, center_distance=0.17, element_thickness=1.5e-3)
+    belt = Belt(wide)
+    line = 0.7 - 2 * math.pi * 1.28e-3
+    assert belt.elements == round((line - 2e-4) / 1.5e-3) == 461
+    assert belt.elements * belt.element_thickness + belt.play == pytest.approx(line)
+    assert belt.play == pytest.approx(2e-4)
+    assert belt.element_thickness == pytest.approx(1.5e-3, rel=2e-3)
+    counted = Belt(Dimensions(**{**vars(wide), "elements": 460}))
+    assert (counted.element_thickness, counted.play) == (1.5e-3, pytest.approx(line - 0.69))
+    loose = Belt(Dimensions(**{**vars(wide), "elements": 460, "element_thickness": None, "play": 5e-4}))
+    assert loose.element_thickness == pytest.approx((line - 5e-4) / 460)
+
+
+def test_more_layers_are_stiffer_and_heavier() -> None:
+    nine, twelve = (Belt(Dimensions(0.03, n, 0.7, 0.17)).entries for n in (9, 12))
+    for name in ("ring.axialStiffness", "ring.bendingStiffness", "ring.massPerLength", "ring.lateralBendingStiffness"):
+        assert twelve[name].value / nine[name].value == pytest.approx(12 / 9)
+
+
+def test_reach_is_where_a_stop_is_met() -> None:
+    belt = Belt(BENCH)
+    primary, secondary = belt.pitch_radii(belt.reach)
+    assert primary == pytest.approx(0.03) or secondary == pytest.approx(0.082)
+    assert primary >= 0.03 - 1e-9
+    assert secondary <= 0.082 + 1e-9
+    assert belt.pitch_radii(1 / belt.reach) == pytest.approx((secondary, primary))
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"width": 24.0}, "the width of the elements is 24 m, not within"),
+        ({"length": 0.33}, "does not close around axes 0.168 m apart"),
+        ({"elements": 432, "element_thickness": 1.5e-3}, "leave an end play of 48.70 mm"),
+        ({"elements": 480, "element_thickness": 1.5e-3}, "leave an end play of -23.30 mm"),
+        ({"layer_width": 0.0125}, "not narrower than the elements"),
+        ({"max_radius": 0.09}, "touch each other"),
+        ({"max_radius": 0.03}, "is not below the largest"),
+        ({"min_radius": 0.06}, "no ratio can be reached"),
+        ({"length": 0.9}, "no ratio can be reached"),
+    ],
+)
+def test_dimensions_that_do_not_fit_are_refused(changes: dict, why: str) -> None:
+    with pytest.raises(BeltError, match=why):
+        Belt(Dimensions(**{**vars(BENCH), **changes}))
+
+
+@pytest.fixture(scope="module")
+def wide(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The set of a belt of 30 mm with twelve layers."""
+    folder = tmp_path_factory.mktemp("belt")
+    assert main(["--fmu", str(fmu), "--output", str(folder), "--name", "wide", *WIDE, "--set", "friction.pulley=0.1"]) == 0
+    return folder / "wide.json"
+
+
+def test_command_writes_a_set_that_says_where_values_come_from(wide: Path) -> None:
+    document = json.loads(wide.read_text(encoding="utf-8"))
+    entries = document["parameters"]
+    assert entries.keys() >= data.parameter_set("bench168").keys()
+    assert {entry["origin"] for entry in entries.values()} == {"given", "typical", "geometry"}
+    assert all(entry["unit"] for entry in entries.values())
+    assert entries["friction.pulley"] == {"value": 0.1, "origin": "given", "unit": "1"}
+    assert entries["friction.ring"]["origin"] == "typical"
+    assert entries["friction.ring"]["note"] == "as bench168"
+    assert entries["geometry.beltLength"] == {"value": 0.7, "origin": "given", "unit": "m"}
+
+
+def test_command_prints_checks_and_marks(
+    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ["--fmu", str(fmu), "--output", str(tmp_path), *WIDE]
+    assert main(options) == 0
+    shown = capsys.readouterr().out
+    assert "* contact.stiffness" in shown
+    assert "  geometry.beltLength" in shown
+    assert "Ratio: 0.396 to 2.526" in shown
+    assert shown.count("passes") == 3
+    assert main([*options, "--limit", "300"]) == OUT_OF_LIMITS
+    assert "FAILS" in capsys.readouterr().out
+    assert (tmp_path / "belt.json").is_file()
+
+
+@pytest.mark.parametrize(
+    ("option", "why"),
+    [
+        (["--length", "700"], "the length of the belt is 700 m"),
+        (["--ratio", "3.2"], "allow 0.396 to 2.526"),
+        (["--set", "belt.colour=1"], "no parameter belt.colour"),
+    ],
+)
+def test_command_refuses(
+    fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], option: list[str], why: str
+) -> None:
+    assert main(["--fmu", str(fmu), "--output", str(tmp_path), *WIDE, *option]) == 1
+    assert why in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_units_may_follow_a_length(fmu: Path, tmp_path: Path, wide: Path) -> None:
+    options = ["--fmu", str(fmu), "--output", str(tmp_path), "--width", "0.03m", "--layers", "12"]
+    assert main([*options, "--length", "700mm", "--center-distance", "17cm", "--set", "friction.pulley=0.1"]) == 0
+    written, other = (json.loads(path.read_text(encoding="utf-8")) for path in (tmp_path / "belt.json", wide))
+    values, others = ({k: e["value"] for k, e in d["parameters"].items()} for d in (written, other))
+    assert values == pytest.approx(others)
+
+
+def test_layers_alone_are_a_warning(fmu: Path, wide: Path) -> None:
+    def warned(parameters: str, changes: dict) -> list[str]:
+        import warnings
+
+        with warnings.catch_warnings(record=True) as found, pushbelt.Variator(parameters, changes, fmu=fmu) as variator:
+            warnings.simplefilter("always")
+            variator.start()
+        return [str(warning.message) for warning in found]
+
+    assert not warned("bench168", {})
+    assert not warned(str(wide), {"initial.ratio": 0.5})
+    (text,) = warned("bench168", {"ring.layers": 12})
+    assert "do not follow from ring.layers" in text
+
+
+def test_set_runs_in_the_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
+    from pushbelt.linearize.__main__ import main as linearize
+    from pushbelt.sweep.__main__ import main as sweep
+
+    common = ["--fmu", str(fmu), "--variator", str(wide)]
+    grid = ["--ratio", "0.6,1,1.6", "--utilisation", "0.4,0.6", "--friction", "0.1", "--speed", "200", "--workers", "1"]
+    point = ["initial.ratio=1", "primary.torque=100", "initial.primarySpeed=200"]
+    assert sweep([*common, "--output", str(tmp_path / "sweep"), *grid]) == 0
+    assert linearize([*common, "--output", str(tmp_path / "linearize"), *point, "--safety", "1.3"]) == 0
+
+
+@pytest.mark.slow
+def test_set_runs_in_the_long_programs(fmu: Path, wide: Path, tmp_path: Path) -> None:
+    from pushbelt.demo.__main__ import main as demo
+    from pushbelt.drive.__main__ import main as drive
+    from pushbelt.durability.__main__ import main as durability
+
+    common = ["--fmu", str(fmu), "--variator", str(wide)]
+    assert demo([*common, "--output", str(tmp_path / "demo"), "--short"]) == 0
+    cycle = ["--short", "--cycle", "nedc", "--until", "60"]
+    assert drive([*common, "--output", str(tmp_path / "drive"), *cycle]) == 0
+    assert durability([*common, "--output", str(tmp_path / "durability"), str(tmp_path / "drive")]) == 0

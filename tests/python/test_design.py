@@ -1,0 +1,303 @@
+"""Designs of experiments with any parameters and inputs, and jobs of Slurm as workers."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import stat
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+import reports
+
+from pushbelt.fmu.data import torque_capacity
+from pushbelt.fmu.enumerations import Axial, Drive
+from pushbelt.sweep import Design, DesignError, Slurm, Study, cluster, sweep
+from pushbelt.sweep.__main__ import main
+from pushbelt.sweep.design import DesignPoint, Varied, crossed, full_values, listed, varied
+from pushbelt.sweep.design_report import correlation
+from pushbelt.sweep.slurm import SlurmError
+from pushbelt.sweep.store import METADATA
+from pushbelt.sweep.study import variator
+
+COARSE = {"mesh.primaryArc": 8, "mesh.secondaryArc": 8, "mesh.strand": 4}
+COARSE_OPTIONS = [f"--set={name}={value}" for name, value in COARSE.items()]
+
+
+@pytest.fixture(scope="module")
+def variables(fmu: Path) -> Mapping[str, Any]:
+    return Study(fmu, variator("bench168")).variables
+
+
+# Designs
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("belt.play=1e-4,3e-4", Varied("belt.play", (1e-4, 3e-4))),
+        ("belt.play=2e-4", Varied("belt.play", (2e-4,))),
+        ("primary.torque=-50:50:3", Varied("primary.torque", (-50.0, 0.0, 50.0))),
+        ("ratio=0.5:2", Varied("initial.ratio", span=(0.5, 2.0))),
+    ],
+)
+def test_columns_are_read(text: str, expected: Varied) -> None:
+    assert varied(text) == expected
+
+
+@pytest.mark.parametrize(
+    "text", ["belt.play", "belt.play=", "belt.play=a", "belt.play=2:1", "belt.play=1:2:1", "belt.play=1:2:2.5", "a=1:2,3"]
+)
+def test_other_forms_are_refused(text: str) -> None:
+    with pytest.raises(DesignError, match=re.escape(f"--vary {text} is not of the form")):
+        varied(text)
+
+
+def test_a_full_grid_has_all_combinations() -> None:
+    design = crossed([Varied("belt.play", (1e-4, 2e-4)), Varied("utilisation", (0.2, 0.4, 0.6))])
+    assert (design.kind, design.columns, len(design)) == ("grid", ("belt.play", "utilisation"), 6)
+    assert set(design.rows) == {(p, u) for p in (1e-4, 2e-4) for u in (0.2, 0.4, 0.6)}
+
+
+def test_a_hypercube_fills_each_range_evenly_in_each_combination() -> None:
+    columns = [Varied("belt.play", span=(0.0, 4e-4)), Varied("initial.ratio", (0.5, 2.0)), Varied("friction.pulley", span=(0.06, 0.1))]
+    design = crossed(columns, samples=20, seed=3)
+    assert (design.kind, len(design)) == ("Latin hypercube", 40)
+    rows = [point.values for point in design.points()]
+    for name, low, high in (("belt.play", 0.0, 4e-4), ("friction.pulley", 0.06, 0.1)):
+        for ratio in (0.5, 2.0):
+            values = np.array([row[name] for row in rows if row["initial.ratio"] == ratio])
+            assert sorted(np.floor((values - low) / (high - low) * 20).astype(int)) == list(range(20))
+    assert crossed(columns, samples=20, seed=3) == design
+    assert crossed(columns, samples=20, seed=4) != design
+
+
+def test_a_list_has_units_in_its_header(tmp_path: Path, variables: Mapping[str, Any]) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(
+        "\N{BYTE ORDER MARK}ratio.geometric,primary.speed [rpm],secondary.clampingForce [kN],belt.play [mm],primary.torque\n"
+        "0.5,3000,12.5,0.1,40\n\n2,1500,20,0.3,-20\n",
+        encoding="utf-8",
+    )
+    design = listed(path, variables)
+    assert design.kind == "list"
+    assert design.columns == ("initial.ratio", "initial.primarySpeed", "secondary.clampingForce", "belt.play", "primary.torque")
+    assert design.rows[0] == pytest.approx((0.5, 314.159, 12500.0, 1e-4, 40.0), rel=1e-5)
+    assert design.rows[1] == pytest.approx((2.0, 157.080, 20000.0, 3e-4, -20.0), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("ratio\n", "at least one point"),
+        ("ratio,belt.play\n1,2,3\n", "line 2: 1,2,3 is not 2 numbers"),
+        ("ratio\n1\nx\n", "line 3: x is not 1 numbers"),
+        ("belt.play [furlong]\n1\n", "the unit furlong of belt.play is unknown"),
+        ("ratio,initial.ratio\n1,1\n", "twice"),
+        ("ratio\ninf\n", "not complete"),
+    ],
+)
+def test_lists_that_are_refused(tmp_path: Path, variables: Mapping[str, Any], text: str, why: str) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(DesignError, match=re.escape(why)):
+        listed(path, variables)
+
+
+@pytest.mark.parametrize(
+    ("columns", "row", "why"),
+    [
+        (("belt.colour",), (1.0,), "point 1 of the design: the FMU has no parameter or input belt.colour"),
+        (("thrustRatio",), (1.0,), "its causality is output"),
+        (("belt.play",), (-1.0,), "belt.play = -1 m is out of its range"),
+        (("mesh.strand",), (4.5,), "mesh.strand = 4.5 is not an integer"),
+        (("primary.torque", "utilisation"), (10.0, 0.5), "determine each other"),
+        (("friction.ring",), (0.05,), "set by the points of the study: friction.ring"),
+    ],
+)
+def test_study_refuses_a_design(fmu: Path, columns: tuple[str, ...], row: tuple[float, ...], why: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(why)):
+        Study(fmu, variator("bench168"), Design("list", columns, (row,)))
+
+
+def test_a_point_follows_from_its_own_parameters() -> None:
+    """The torque of a utilisation is that of the point's belt length."""
+    parameters = variator("bench168")
+    changed = {"geometry.beltLength": 0.72, "friction.pulley": 0.08, "utilisation": 0.5, "initial.ratio": 1.5}
+    values = full_values(parameters, DesignPoint(0, changed))
+    own = {**parameters, "geometry.beltLength": 0.72, "friction.pulley": 0.08}
+    assert values["primary.torque"] == pytest.approx(0.5 * torque_capacity(own, 1.5, 12e3))
+    assert values["geometry.beltLength"] == 0.72
+    assert values["secondary.speedSetpoint"] == pytest.approx(209.44 / 1.5)
+    assert "utilisation" not in values
+    torque = full_values({**parameters, "friction.pulley": 0.09}, DesignPoint(0, {"primary.torque": 33.0}))
+    assert torque["primary.torque"] == 33.0
+
+
+def test_an_input_brings_the_condition_under_which_it_acts() -> None:
+    values = full_values({**variator("bench168"), "friction.pulley": 0.09}, DesignPoint(0, {"primary.clampingForce": 15e3}))
+    assert (values["primary.axial"], values["initial.equilibrium"]) == (Axial.FORCE.value, True)
+    values = full_values({**variator("bench168"), "friction.pulley": 0.09}, DesignPoint(0, {"secondary.torque": -40.0}))
+    assert values["secondary.drive"] == Drive.TORQUE.value
+
+
+def test_identity_is_that_of_the_design(fmu: Path) -> None:
+    def identity(*rows: tuple[float, ...]) -> str:
+        return Study(fmu, variator("bench168", varied=("belt.play",)), Design("list", ("belt.play",), rows)).identity
+
+    assert identity((1e-4,), (2e-4,)) == identity((1e-4,), (2e-4,))
+    assert identity((1e-4,), (2e-4,)) != identity((1e-4,), (3e-4,))
+
+
+def test_correlation_is_that_of_ranks() -> None:
+    x = np.array([1.0, 2.0, 3.0, 4.0, np.nan])
+    assert correlation(x, np.exp(x)) == pytest.approx(1.0)
+    assert correlation(x, -(x**3)) == pytest.approx(-1.0)
+    assert np.isnan(correlation(x, np.ones(5)))
+
+
+# The command
+
+
+def run(fmu: Path, folder: Path, *options: str) -> int:
+    return main(["--fmu", str(fmu), "--output", str(folder), "--workers", "1", *COARSE_OPTIONS, *options])
+
+
+def test_a_hypercube_runs_and_goes_on(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--vary", "belt.play=1e-4:5e-4", "--vary", "friction.pulley=0.07:0.1", "--vary", "ring.layers=8,9", "--samples", "6"]
+    assert run(fmu, tmp_path, *options) == 0
+    table = pq.read_table(tmp_path / "results.parquet")
+    assert table.num_rows == 12
+    assert set(table["ring.layers"].to_pylist()) == {8.0, 9.0}
+    assert np.ptp(table["friction.pulley"].to_numpy()) > 0.02
+    assert table["utilisation"].to_pylist() == pytest.approx([0.6] * 12)
+    assert table["reason"].null_count == 12
+    document = json.loads(table.schema.metadata[METADATA])
+    assert document["grid"]["columns"]["belt.play"] == {"unit": "m"}
+    # Thrust ratios rise with friction, as in the maps.
+    assert correlation(table["friction.pulley"].to_numpy(), table["thrustRatio"].to_numpy()) > 0.8
+    text = reports.stands_alone(tmp_path / "report.html")
+    assert reports.figures(text) == 3 * 3
+    assert "Latin hypercube" in text
+    (folder,) = (tmp_path / "studies").iterdir()
+    (first, *_) = sorted(folder.glob("points-*.parquet"))
+    first.unlink()
+    capsys.readouterr()
+    assert run(fmu, tmp_path, *options) == 0
+    assert "of 12 points are already stored" in capsys.readouterr().out
+    again = pq.read_table(tmp_path / "results.parquet")
+    assert again.drop_columns("time").equals(table.drop_columns("time"))
+    reports.look_at(tmp_path / "report.html")
+
+
+def test_a_primary_force_determines_the_ratio(fmu: Path, tmp_path: Path) -> None:
+    options = ["--vary", "primary.clampingForce=12e3:16e3:3", "--vary", "primary.torque=50", "--force", "1e4"]
+    assert run(fmu, tmp_path, *options) == 0
+    ratios = pq.read_table(tmp_path / "results.parquet")["ratio.geometric"].to_pylist()
+    assert ratios[0] > ratios[1] > ratios[2]
+
+
+def test_a_list_runs(fmu: Path, tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text("ratio,primary.torque,speed [rpm]\n0.5,20,1000\n2,40,2000\n", encoding="utf-8")
+    assert run(fmu, tmp_path, "--points", str(path)) == 0
+    table = pq.read_table(tmp_path / "results.parquet")
+    assert table["primary.torque"].to_pylist() == [20.0, 40.0]
+    assert table["ratio.geometric"].to_pylist() == pytest.approx([0.5, 2.0], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        (["--vary", "belt.play=1e-4:2e-4"], "add a number of values, LOW:HIGH:N, or --samples"),
+        (["--vary", "belt.play=1e-4", "--samples", "5"], "--samples requires"),
+        (["--vary", "belt.play=1e-4", "--short"], "exclude --short"),
+        (["--samples", "5"], "--samples requires"),
+        (["--points", "points.csv", "--ratio", "1"], "it excludes --vary"),
+        (["--vary", "belt.play=1e-4", "--set", "belt.play=1e-4"], "set by the points of the study: belt.play"),
+        (["--print-job"], "--print-job requires --slurm"),
+        (["--slurm", "jobs=1"], "--slurm excludes"),
+    ],
+)
+def test_command_refuses(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], why: str) -> None:
+    assert run(fmu, tmp_path, *options) == 1
+    assert why in capsys.readouterr().err
+
+
+# Slurm
+
+
+def test_job_script_has_the_options(fmu: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("dask_jobqueue")
+    asked = "queue=long account=gears walltime=1-02:00:00 cores=16 memory=24GB 'directive=--nice=100' 'prologue=module load python/3.12'"
+    options = ["--fmu", str(fmu), "--output", str(tmp_path), "--slurm", asked, "--print-job"]
+    assert main(options) == 0
+    script = capsys.readouterr().out
+    assert script.startswith("#!")
+    directives = set(re.findall(r"^#SBATCH (.*)$", script, re.MULTILINE))
+    assert {"-p long", "-A gears", "-t 1-02:00:00", "--cpus-per-task=16", "--nice=100"} <= directives
+    assert "module load python/3.12" in script.splitlines()
+    (command,) = (line for line in script.splitlines() if "dask_worker" in line)
+    assert "--nworkers 16 --nanny" in command
+    assert "--nthreads 1" in command
+    # Workers close before Slurm ends the job, so that no point is lost.
+    assert f"--lifetime {26 * 3600 - 120}s" in command
+    assert not (tmp_path / "studies").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("colour=red", "colour is not known"),
+        ("jobs", "is not of the form key=value"),
+        ("jobs=0", "jobs=0 is not a number above 0"),
+        ("walltime=soon", "walltime=soon is not of the form"),
+    ],
+)
+def test_options_of_slurm_that_are_refused(text: str, why: str) -> None:
+    with pytest.raises(SlurmError, match=why):
+        Slurm.read(text)
+
+
+def test_without_slurm_jobs_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(cluster.ClusterError, match="sbatch is not on the path"), cluster.connect(None, None, Slurm.read("jobs=1")):
+        pass
+
+
+@pytest.mark.skipif(os.name == "nt", reason="jobs of Slurm are shell scripts")
+def test_jobs_of_slurm_solve_a_study(fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`sbatch` and `scancel` of this test run the job script on this machine."""
+    pytest.importorskip("dask_jobqueue")
+    commands = tmp_path / "bin"
+    commands.mkdir()
+    log = tmp_path / "jobs"
+    scripts = {
+        "sbatch": f'copy=$(mktemp -p {tmp_path})\ncp "$1" $copy\n'
+        f'setsid bash $copy >> {log}.log 2>&1 &\necho $! >> {log}\necho "Submitted batch job $!"',
+        "scancel": 'kill -- "-$1"',
+    }
+    for name, text in scripts.items():
+        (commands / name).write_text(f"#!/bin/bash\n{text}\n", encoding="utf-8")
+        (commands / name).chmod(stat.S_IRWXU)
+    monkeypatch.setenv("PATH", f"{commands}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.chdir(tmp_path)
+    design = crossed([Varied("belt.play", (1e-4, 3e-4)), Varied("utilisation", (0.3, 0.6))])
+    study = Study(fmu, variator("bench168", changes=COARSE, varied=design.columns), design)
+    slurm = Slurm.read(f"jobs=2 walltime=00:30:00 scratch={tmp_path}")
+    found = sweep(study, tmp_path / "out", slurm=slurm, chunk=1)
+    assert found["reason"].null_count == 4
+    started = [int(line) for line in log.read_text(encoding="utf-8").split()]
+    assert len(started) == 2
+    end = time.monotonic() + 60.0
+    while any(Path(f"/proc/{job}").exists() for job in started) and time.monotonic() < end:
+        time.sleep(0.1)
+    assert not any(Path(f"/proc/{job}").exists() for job in started)
+    assert sweep(study, tmp_path / "out", slurm=slurm).equals(found)
+    assert len(log.read_text(encoding="utf-8").split()) == 2
