@@ -17,16 +17,16 @@ pub const FILE: &str = "start-values.txt";
 /// Largest size of the file, bytes: a larger file is not a list of start values.
 const LARGEST: u64 = 1 << 20;
 
-/// The settings that an instance starts from: those of the file in this folder over the defaults; none if there is no file.
+/// The settings that an instance starts from: those of the file in this folder over `defaults`; none if there is no file.
 ///
 /// # Errors
 /// The reason, as a sentence with file, line, variable and value.
-pub fn read<U: Unit>(resources: &Path) -> Result<Option<U::Settings>, String> {
+pub fn read<U: Unit>(resources: &Path, defaults: &U::Settings) -> Result<Option<U::Settings>, String> {
     let path = resources.join(FILE);
     let unusable = |why: String| format!("the start values in {} can't be used: {why}", path.display());
     match text(&path).map_err(unusable)? {
         None => Ok(None),
-        Some(text) => parse(&text, &U::table()).map(Some).map_err(unusable),
+        Some(text) => parse(&text, &U::table(), defaults).map(Some).map_err(unusable),
     }
 }
 
@@ -51,8 +51,8 @@ fn text(path: &Path) -> Result<Option<String>, String> {
         .map_err(|_| "it is not text in UTF-8".to_string())
 }
 
-fn parse<S: Default, R>(text: &str, table: &Table<S, R>) -> Result<S, String> {
-    let mut settings = S::default();
+fn parse<S: Clone, R>(text: &str, table: &Table<S, R>, defaults: &S) -> Result<S, String> {
+    let mut settings = defaults.clone();
     let mut seen = Vec::new();
     for (line, number) in text.lines().zip(1..) {
         let line = line.trim();

@@ -15,8 +15,8 @@ pub(crate) struct Arguments<'a> {
     pub name: Option<&'a str>,
     /// The standard's name for the token, and its value.
     pub token: (&'static str, Option<&'a str>),
-    /// Token of this binary.
-    pub expected: String,
+    /// Token of this binary with data of a hash.
+    pub expected: fn(Option<u128>) -> String,
     /// The folder of the resources, if it can be used; if not, why.
     pub resources: Result<Option<&'a Path>, String>,
     /// Whether debug logging is on.
@@ -35,14 +35,20 @@ pub(crate) fn create<U: Unit>(
             sink.send(status, category, &format!("{}: {text}", arguments.function));
         }
     };
-    let checked = check(&arguments).and_then(|()| master()).and_then(|master| {
+    let checked = named(&arguments).and_then(|()| {
         // Without start values in its resources an FMU works too: a location that can't be used is a warning, not an error.
         let folder = arguments.resources.as_ref().unwrap_or_else(|warning| {
             report(Status::Warning, Category::Warning, warning);
             &None
         });
-        let start = folder.map_or(Ok(None), start_values::read::<U>)?;
-        Ok((master, start.unwrap_or_default()))
+        let defaults = U::load(*folder)?;
+        check(&arguments, &(arguments.expected)(U::data(&defaults)))?;
+        let master = master()?;
+        let start = match folder {
+            Some(folder) => start_values::read::<U>(folder, &defaults)?,
+            None => None,
+        };
+        Ok((master, start.unwrap_or(defaults)))
     });
     let (master, start) = match checked {
         Ok(checked) => checked,
@@ -58,13 +64,18 @@ pub(crate) fn create<U: Unit>(
     Some(Slave::with(master, log, start))
 }
 
-fn check(arguments: &Arguments<'_>) -> Result<(), String> {
+fn named(arguments: &Arguments<'_>) -> Result<(), String> {
     if arguments.name.is_none_or(str::is_empty) {
         return Err("the instance name is missing".to_owned());
     }
     let (what, token) = arguments.token;
-    let token = token.ok_or_else(|| format!("the {what} is missing"))?;
-    let expected = &arguments.expected;
+    token.map(drop).ok_or_else(|| format!("the {what} is missing"))
+}
+
+/// Checks the token against that of this binary.
+fn check(arguments: &Arguments<'_>, expected: &str) -> Result<(), String> {
+    let (what, token) = arguments.token;
+    let token = token.unwrap_or_default();
     if token == expected {
         return Ok(());
     }

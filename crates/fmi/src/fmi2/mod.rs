@@ -31,6 +31,7 @@ pub mod query;
 mod resources;
 mod types;
 
+pub(crate) use description::guid_with;
 pub use description::{guid, model_description};
 pub use functions::NAMES;
 pub use types::{CallbackFunctions, Component, FmuState, Logger};

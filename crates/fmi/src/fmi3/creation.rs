@@ -6,7 +6,7 @@ use libc::c_int;
 use std::path::Path;
 use std::ptr;
 
-use super::description::{instantiation_token, is_intermediate};
+use super::description::{instantiation_token_with, is_intermediate};
 use super::types::{Boolean, Environment, Instance, IntermediateUpdate, LogMessage, Reference, Text};
 use super::unsupported::CO_SIMULATION;
 use crate::c::creation::{Arguments, create};
@@ -93,7 +93,7 @@ pub(super) unsafe fn instantiate<U: Unit>(
             function: "fmi3InstantiateCoSimulation",
             name: name.as_deref().map(str::trim),
             token: ("instantiation token", token.as_deref()),
-            expected: instantiation_token::<U>(),
+            expected: instantiation_token_with::<U>,
             resources: match path {
                 Some(path) if path.is_absolute() => Ok(Some(path)),
                 Some(path) if debug => Err(format!("the resource path {path:?} is not absolute")),
