@@ -57,7 +57,7 @@ def default_fmu() -> Path:
 
 def default_maps() -> Path:
     """Tables of `bench168`, from `cargo fmu maps` with its defaults."""
-    return RESOURCES / "maps" / "bench168.json"
+    return RESOURCES / "maps" / "maps.json"
 
 
 def tables_of(maps: Maps) -> bytes:

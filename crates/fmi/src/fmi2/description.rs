@@ -14,6 +14,12 @@ pub fn model_description<U: Unit>() -> String {
     describe::<U>(&guid::<U>()).document()
 }
 
+/// The model description of a unit with data of this hash in its resources.
+#[must_use]
+pub fn model_description_with<U: Unit>(data: u128) -> String {
+    describe::<U>(&guid_with::<U>(Some(data))).document()
+}
+
 /// The GUID of a unit: a hash of its description, so that description and binary fit each other.
 #[must_use]
 pub fn guid<U: Unit>() -> String {

@@ -32,6 +32,6 @@ mod resources;
 mod types;
 
 pub(crate) use description::guid_with;
-pub use description::{guid, model_description};
+pub use description::{guid, model_description, model_description_with};
 pub use functions::NAMES;
 pub use types::{CallbackFunctions, Component, FmuState, Logger};

@@ -18,6 +18,12 @@ pub fn model_description<U: Unit>() -> String {
     describe::<U>(&instantiation_token::<U>()).document()
 }
 
+/// The model description of a unit with data of this hash in its resources.
+#[must_use]
+pub fn model_description_with<U: Unit>(data: u128) -> String {
+    describe::<U>(&instantiation_token_with::<U>(Some(data))).document()
+}
+
 /// The instantiation token of a unit: a hash of its description, so that description and binary fit each other.
 #[must_use]
 pub fn instantiation_token<U: Unit>() -> String {
